@@ -28,7 +28,7 @@ from scene import FlatPunch, Indenter, Material, TabulatedProfile
 from validation.reference import prony_integrals, sneddon
 
 Array = NDArray[np.float64]
-_ACCURACY = {"epsabs": 0.0, "epsrel": 1e-12, "limit": 400}
+_ACCURACY = {"epsabs": 0.0, "epsrel": 1e-11, "limit": 400}
 
 
 def ramp(material: Material, indenter: Indenter, rate: float, time: ArrayLike) -> tuple[Array, Array]:
