@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scene.errors import number, positive
+from scene.errors import not_negative, positive
 
 
 @dataclass(frozen=True)
@@ -19,5 +19,5 @@ class Adhesion:
     zone: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "work", number(self.work, "work", "a finite number >= 0", low=0.0))
+        object.__setattr__(self, "work", not_negative(self.work, "work"))
         object.__setattr__(self, "zone", positive(self.zone, "zone"))

@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 import math
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
+
+SMALLEST, LARGEST = 1e-60, 1e60
+"""Bounds of every quantity with a dimension: products of five still fit into a float."""
+
+FINITE = f"a finite number, at most {LARGEST:g} in magnitude"
+POSITIVE = f"a finite number > 0, from {SMALLEST:g} to {LARGEST:g}"
+NOT_NEGATIVE = f"a finite number >= 0, at most {LARGEST:g}"
+
+_LONGEST_PART = 200  # characters of a key, a file name, ... that are shown
 
 
 @dataclass
@@ -15,7 +27,8 @@ class SceneError(ValueError):
     Parameters
     ----------
     key : str
-        Dotted path of the offending key, e.g. ``material.branches[1].time``.
+        Dotted path of the offending key, e.g. ``material.branches[1].time``; in a CSV file the
+        column and row.
     problem : str
         What is wrong with it.
     allowed : str
@@ -30,20 +43,17 @@ class SceneError(ValueError):
     file: str = ""
 
     def __str__(self) -> str:
-        parts = [part for part in (self.file, self.key, self.problem) if part]
-        line = ": ".join(parts)
-        if self.allowed:
-            line += f"; allowed: {self.allowed}"
-        return " ".join(line.split())
+        line = ": ".join(_one_line(part) for part in (self.file, self.key, self.problem) if part)
+        return line + (f"; allowed: {_one_line(self.allowed)}" if self.allowed else "")
 
     def under(self, prefix: str) -> SceneError:
         """The same error with ``prefix`` put before its key."""
         key = prefix if not self.key else prefix + ("" if self.key.startswith("[") else ".") + self.key
-        return SceneError(key, self.problem, self.allowed, self.file)
+        return type(self)(key, self.problem, self.allowed, self.file)
 
     def in_file(self, file: str) -> SceneError:
         """The same error with the name of the file it came from (kept if it already has one)."""
-        return SceneError(self.key, self.problem, self.allowed, self.file or file)
+        return type(self)(self.key, self.problem, self.allowed, self.file or file)
 
 
 class UnsupportedScene(SceneError):
@@ -55,8 +65,8 @@ def number(
     key: str,
     allowed: str,
     *,
-    low: float = -math.inf,
-    high: float = math.inf,
+    low: float = -LARGEST,
+    high: float = LARGEST,
     open_low: bool = False,
     open_high: bool = False,
 ) -> float:
@@ -67,15 +77,8 @@ def number(
     SceneError
         If ``value`` is not a real number, not finite, or outside the interval.
     """
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        try:
-            import numpy as np
-
-            is_numpy = isinstance(value, (np.floating, np.integer))
-        except ImportError:  # pragma: no cover - numpy is a dependency
-            is_numpy = False
-        if not is_numpy:
-            raise SceneError(key, f"must be a number, got {_show(value)}", allowed)
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
+        raise SceneError(key, f"must be a number, got {shown(value)}", allowed)
     try:
         result = float(value)
     except OverflowError:
@@ -90,17 +93,48 @@ def number(
 
 
 def positive(value: Any, key: str) -> float:
-    """A finite number > 0."""
-    return number(value, key, "a finite number > 0", low=0.0, open_low=True)
+    """A finite number > 0 (``SMALLEST`` to ``LARGEST``)."""
+    return number(value, key, POSITIVE, low=SMALLEST)
+
+
+def not_negative(value: Any, key: str) -> float:
+    """A finite number >= 0 (up to ``LARGEST``)."""
+    return number(value, key, NOT_NEGATIVE, low=0.0)
+
+
+def finite(value: Any, key: str) -> float:
+    """A finite number (up to ``LARGEST`` in magnitude)."""
+    return number(value, key, FINITE)
 
 
 def one_of(value: Any, key: str, choices: Sequence[str]) -> str:
     """A string out of ``choices``."""
     if not isinstance(value, str) or value not in choices:
-        raise SceneError(key, f"got {_show(value)}", "one of " + ", ".join(f'"{c}"' for c in choices))
+        raise SceneError(key, f"got {shown(value)}", "one of " + ", ".join(f'"{c}"' for c in choices))
     return value
 
 
-def _show(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 40 else text[:37] + "..."
+class _Short(reprlib.Repr):
+    """A ``repr`` that neither grows nor recurses without bound, whatever was found in a file."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel = 2
+        self.maxstring = self.maxother = 40
+        self.maxlist = self.maxdict = self.maxtuple = 3
+
+    def repr_int(self, x: int, level: int) -> str:
+        return super().repr_int(x, level) if x.bit_length() < 1000 else "a huge integer"
+
+
+def shown(value: Any) -> str:
+    """``value`` as it appears in an error message: short, whatever it is."""
+    text = _Short().repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _one_line(text: str) -> str:
+    """Printable characters only, blanks joined, cut to a bearable length."""
+    printable = "".join(c if c.isprintable() else " " if c.isspace() else "?" for c in text)
+    joined = " ".join(printable.split())
+    return joined if len(joined) <= _LONGEST_PART else joined[: _LONGEST_PART - 3] + "..."

@@ -8,13 +8,15 @@ is measured from the continued profile. Lengths in the scene's unit.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from itertools import pairwise
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scene.errors import SceneError, number, positive
+from scene.errors import NOT_NEGATIVE, SMALLEST, SceneError, finite, number, positive
 
 Array = NDArray[np.float64]
 
@@ -66,10 +68,9 @@ class Cone(Indenter):
         angle = number(
             self.half_angle,
             "half_angle",
-            "degrees, 0 < half_angle < 90",
-            low=0.0,
+            "degrees, 1e-6 <= half_angle < 90",
+            low=1e-6,
             high=90.0,
-            open_low=True,
             open_high=True,
         )
         object.__setattr__(self, "half_angle", angle)
@@ -77,7 +78,9 @@ class Cone(Indenter):
     @property
     def cotangent(self) -> float:
         """``cot(alpha)``, the slope of the flank."""
-        return math.tan(math.radians(90.0 - self.half_angle))
+        if self.half_angle > 45.0:  # the complement is exact here, and rounded for sharp cones
+            return math.tan(math.radians(90.0 - self.half_angle))
+        return 1.0 / math.tan(math.radians(self.half_angle))
 
     def height(self, radius: ArrayLike) -> Array:
         return np.asarray(radius, float) * self.cotangent
@@ -109,7 +112,7 @@ class FlatPunch(Indenter):
 
 @dataclass(frozen=True)
 class PowerLaw(Indenter):
-    """``f = coefficient * r^exponent``, exponent >= 1."""
+    """``f = coefficient * r^exponent``, exponent >= 1 (infinite where the power overflows)."""
 
     exponent: float
     coefficient: float
@@ -118,13 +121,23 @@ class PowerLaw(Indenter):
     def __post_init__(self) -> None:
         exponent = number(self.exponent, "exponent", "1 <= exponent <= 100", low=1.0, high=100.0)
         object.__setattr__(self, "exponent", exponent)
-        object.__setattr__(self, "coefficient", positive(self.coefficient, "coefficient"))
+        # The unit of the coefficient is length^(1 - exponent), so its range is wider than that of a length.
+        coefficient = number(
+            self.coefficient,
+            "coefficient",
+            "a finite number > 0, from 1e-300 to 1e300",
+            low=1e-300,
+            high=1e300,
+        )
+        object.__setattr__(self, "coefficient", coefficient)
 
     def height(self, radius: ArrayLike) -> Array:
-        return self.coefficient * np.asarray(radius, float) ** self.exponent
+        with np.errstate(over="ignore"):
+            return self.coefficient * np.asarray(radius, float) ** self.exponent
 
     def slope(self, radius: ArrayLike) -> Array:
-        return self.coefficient * self.exponent * np.asarray(radius, float) ** (self.exponent - 1.0)
+        with np.errstate(over="ignore"):
+            return self.coefficient * self.exponent * np.asarray(radius, float) ** (self.exponent - 1.0)
 
 
 @dataclass(frozen=True)
@@ -134,47 +147,73 @@ class Profile(Indenter):
     Parameters
     ----------
     radii, heights : tuple of float, length >= 3
-        Radii rise from 0; heights never fall, and start from 0.
+        Radii rise from 0; heights never fall. The height at the axis is subtracted from all.
     file : str
-        Where the table came from; kept for writing the scene back.
+        Where the table came from; no part of the comparison of two profiles.
+
+    Notes
+    -----
+    The curve has a continuous slope, passes through every point and never falls between two.
+    Scatter in a measured table is taken for the real shape as long as the heights do not fall. Where they do,
+    however little, the table is refused with the row: an indenter that falls outwards may touch in a ring,
+    which a contact that is a full disc cannot answer, and smoothing would change the question.
     """
 
     radii: tuple[float, ...]
     heights: tuple[float, ...]
-    file: str = ""
+    file: str = field(default="", compare=False)
     shape: ClassVar[str] = "profile"
-    _curve: object = field(init=False, repr=False, compare=False)
+    _curve: Any = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        from scipy.interpolate import PchipInterpolator
-
-        radii = tuple(number(r, "radius", "finite radii >= 0", low=0.0) for r in self.radii)
-        heights = tuple(number(h, "height", "finite heights") for h in self.heights)
-        if len(radii) != len(heights):
-            raise SceneError(
-                "file", f"{len(radii)} radii but {len(heights)} heights", "one height for each radius"
-            )
-        if len(radii) < 3:
-            raise SceneError("file", f"got {len(radii)} points", "at least 3 points")
-        if radii[0] != 0.0:
-            raise SceneError("file", f"first radius is {radii[0]:g}", "radii that start at 0")
-        if np.any(np.diff(radii) <= 0):
-            raise SceneError("file", "radii do not rise", "strictly rising radii")
-        heights = tuple(h - heights[0] for h in heights)
-        if np.any(np.diff(heights) < 0):
-            raise SceneError("file", "heights fall with radius", "heights that never fall (a convex-ish tip)")
-        if heights[-1] <= 0.0:
-            raise SceneError("file", "the profile is flat", 'shape = "flat-punch" for a flat profile')
+        radii, heights = _checked_profile(self.radii, self.heights)
         object.__setattr__(self, "radii", radii)
         object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "_curve", PchipInterpolator(radii, heights))
+        object.__setattr__(self, "_curve", _monotone_curve(radii, heights))
 
     def height(self, radius: ArrayLike) -> Array:
         r = np.asarray(radius, float)
         last = self.radii[-1]
-        inside = self._curve(np.minimum(r, last))  # type: ignore[operator]
-        return inside + np.maximum(r - last, 0.0) * float(self.slope(last))
+        return self._curve(np.minimum(r, last)) + np.maximum(r - last, 0.0) * float(self.slope(last))
 
     def slope(self, radius: ArrayLike) -> Array:
-        r = np.asarray(radius, float)
-        return np.asarray(self._curve(np.minimum(r, self.radii[-1]), 1))  # type: ignore[operator]
+        return np.asarray(self._curve(np.minimum(np.asarray(radius, float), self.radii[-1]), 1))
+
+
+def _checked_profile(
+    radii: Sequence[float], heights: Sequence[float]
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The table as floats, its first height subtracted, or the first thing that is wrong with it."""
+    r = tuple(number(x, f"radius, row {row}", NOT_NEGATIVE, low=0.0) for row, x in enumerate(radii, 1))
+    h = tuple(finite(x, f"height, row {row}") for row, x in enumerate(heights, 1))
+    if len(r) != len(h):
+        raise SceneError("height", f"{len(r)} radii but {len(h)} heights", "one height for each radius")
+    if len(r) < 3:
+        raise SceneError("radius", f"got {len(r)} points", "at least 3 points of radius, height")
+    if r[0] != 0.0 or r[1] < SMALLEST:
+        raise SceneError("radius", f"starts with {r[0]:g}, {r[1]:g}", f"0, then at least {SMALLEST:g}")
+    for row, (before, after) in enumerate(pairwise(r), 2):
+        if after <= before:
+            raise SceneError(
+                f"radius, row {row}", f"does not rise ({before:g} -> {after:g})", "strictly rising radii"
+            )
+    for row, (before, after) in enumerate(pairwise(h), 2):
+        if after < before:
+            raise SceneError(
+                f"height, row {row}",
+                f"falls by {before - after:.3g} ({before:g} -> {after:g})",
+                "heights that never fall with radius; smooth a noisy table first",
+            )
+    if h[-1] <= h[0]:
+        raise SceneError("height", "the profile is flat", 'shape = "flat-punch" for a flat profile')
+    return r, tuple(x - h[0] for x in h)
+
+
+def _monotone_curve(radii: tuple[float, ...], heights: tuple[float, ...]) -> Any:
+    from scipy.interpolate import PchipInterpolator
+
+    with np.errstate(over="ignore"):  # harmonic means of slopes that are nearly zero
+        curve = PchipInterpolator(radii, heights)
+    if not np.isfinite(curve.c).all():
+        raise SceneError("height", "slopes leave the range of floats", "points that are further apart")
+    return curve

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import ClassVar, Literal
 
-from scene.errors import SceneError, number, one_of, positive
+from scene.errors import SceneError, finite, not_negative, one_of, positive, shown
 
 Control = Literal["penetration", "force"]
 STARTS = ("jump-in", "relaxed")
@@ -80,7 +80,7 @@ class Ramp(Step):
     kind: ClassVar[str] = "ramp"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "to", number(self.to, "to", "a finite number"))
+        object.__setattr__(self, "to", finite(self.to, "to"))
         object.__setattr__(self, "rate", positive(self.rate, "rate"))
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
@@ -96,8 +96,7 @@ class Hold(Step):
     kind: ClassVar[str] = "hold"
 
     def __post_init__(self) -> None:
-        duration = number(self.duration, "duration", "a finite number >= 0", low=0.0)
-        object.__setattr__(self, "duration", duration)
+        object.__setattr__(self, "duration", not_negative(self.duration, "duration"))
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
         return _straight("penetration", time, time + self.duration, penetration, penetration)
@@ -112,9 +111,8 @@ class Force(Step):
     kind: ClassVar[str] = "force"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "value", number(self.value, "value", "a finite number"))
-        duration = number(self.duration, "duration", "a finite number >= 0", low=0.0)
-        object.__setattr__(self, "duration", duration)
+        object.__setattr__(self, "value", finite(self.value, "value"))
+        object.__setattr__(self, "duration", not_negative(self.duration, "duration"))
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
         return _straight("force", time, time + self.duration, self.value, self.value)
@@ -129,7 +127,7 @@ class ForceRamp(Step):
     kind: ClassVar[str] = "force-ramp"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "to", number(self.to, "to", "a finite number"))
+        object.__setattr__(self, "to", finite(self.to, "to"))
         object.__setattr__(self, "rate", positive(self.rate, "rate"))
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
@@ -147,10 +145,10 @@ class Oscillate(Step):
     kind: ClassVar[str] = "oscillate"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "amplitude", number(self.amplitude, "amplitude", "a finite number"))
+        object.__setattr__(self, "amplitude", finite(self.amplitude, "amplitude"))
         object.__setattr__(self, "angular_frequency", positive(self.angular_frequency, "angular_frequency"))
         object.__setattr__(self, "duration", positive(self.duration, "duration"))
-        object.__setattr__(self, "drift", number(self.drift, "drift", "a finite number"))
+        object.__setattr__(self, "drift", finite(self.drift, "drift"))
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
         w = self.angular_frequency
@@ -175,7 +173,7 @@ class Sweep(Step):
     kind: ClassVar[str] = "sweep"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "amplitude", number(self.amplitude, "amplitude", "a finite number"))
+        object.__setattr__(self, "amplitude", finite(self.amplitude, "amplitude"))
         object.__setattr__(self, "chirp", positive(self.chirp, "chirp"))
         object.__setattr__(self, "duration", positive(self.duration, "duration"))
 
@@ -199,40 +197,45 @@ class Table(Step):
 
     times: tuple[float, ...]
     penetrations: tuple[float, ...]
-    file: str = ""
+    file: str = field(default="", compare=False)
     kind: ClassVar[str] = "table"
 
     def __post_init__(self) -> None:
-        times = tuple(number(t, "time", "finite times") for t in self.times)
-        values = tuple(number(p, "penetration", "finite penetrations") for p in self.penetrations)
+        times = tuple(finite(t, f"time, row {row}") for row, t in enumerate(self.times, 1))
+        values = tuple(finite(p, f"penetration, row {row}") for row, p in enumerate(self.penetrations, 1))
         if len(times) != len(values):
-            raise SceneError("file", f"{len(times)} times but {len(values)} penetrations", "one for each")
+            raise SceneError(
+                "penetration", f"{len(times)} times but {len(values)} penetrations", "one for each"
+            )
         if len(times) < 2:
-            raise SceneError("file", f"got {len(times)} rows", "at least 2 rows of time, penetration")
+            raise SceneError("time", f"got {len(times)} rows", "at least 2 rows of time, penetration")
         for row, (before, after) in enumerate(pairwise(times), 2):
             if after <= before:
                 raise SceneError(
-                    "file",
-                    f"time does not advance at row {row} ({before:g} -> {after:g})",
+                    f"time, row {row}",
+                    f"does not advance ({before:g} -> {after:g})",
                     "strictly rising times",
                 )
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "penetrations", values)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        at = [time + (t - self.times[0]) for t in self.times]
-        values = self.penetrations
+        # Rows that a late start rounds onto one time cannot be told apart; the last of them counts.
+        rows = dict(zip((time + (t - self.times[0]) for t in self.times), self.penetrations, strict=True))
+        at, values = list(rows), list(rows.values())
 
         def piece(now: float) -> int:
             return min(max(bisect_right(at, now) - 1, 0), len(at) - 2)
 
         def value(now: float) -> float:
+            if len(at) == 1 or now >= at[-1]:
+                return values[-1]
             i = piece(now)
-            if now >= at[i + 1]:
-                return values[i + 1]
             return values[i] + (values[i + 1] - values[i]) * ((now - at[i]) / (at[i + 1] - at[i]))
 
         def rate(now: float) -> float:
+            if len(at) == 1:
+                return 0.0
             i = piece(now)
             return (values[i + 1] - values[i]) / (at[i + 1] - at[i])
 
@@ -264,8 +267,8 @@ class Loading:
 
     def __post_init__(self) -> None:
         one_of(self.start, "start", STARTS)
-        object.__setattr__(self, "penetration", number(self.penetration, "penetration", "a finite number"))
+        object.__setattr__(self, "penetration", finite(self.penetration, "penetration"))
         object.__setattr__(self, "steps", tuple(self.steps))
         for index, step in enumerate(self.steps):
             if not isinstance(step, Step):
-                raise SceneError(f"steps[{index}]", f"got {step!r:.40}", "a loading step")
+                raise SceneError(f"steps[{index}]", f"got {shown(step)}", "a loading step")

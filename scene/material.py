@@ -16,8 +16,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scene.errors import SceneError, number, positive
-from scene.retardation import creep_spectrum
+from scene.errors import LARGEST, SceneError, not_negative, number, positive, shown
+from scene.retardation import creep_spectrum, relaxation_spectrum
+
+NEGLIGIBLE = 1e-31
+"""Branches below this fraction of the relaxed modulus are left out of the spectrum: eps^2, never visible."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class Branch:
     time: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "modulus", number(self.modulus, "modulus", "a finite number >= 0", low=0.0))
+        object.__setattr__(self, "modulus", not_negative(self.modulus, "modulus"))
         object.__setattr__(self, "time", positive(self.time, "time"))
 
 
@@ -71,6 +74,16 @@ class CreepCompliance:
         arrested = -np.expm1(-np.maximum(t, 0.0)[..., None] / self.times)
         return np.where(t >= 0, self.glassy + arrested @ self.compliances, 0.0)
 
+    def complex_compliance(self, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
+        """``J(omega) = Jg + sum_k J_k/(1 + i w theta_k) = 1/E(omega)``; same shape as the argument."""
+        in_phase, out_of_phase = _phases(angular_frequency, self.times)
+        return self.glassy + (in_phase * (in_phase - 1j * out_of_phase)) @ self.compliances.astype(complex)
+
+    def relaxation(self) -> tuple[float, tuple[Branch, ...]]:
+        """Relaxed modulus and branches of the relaxation modulus ``E(t)`` that this compliance belongs to."""
+        relaxed, moduli, times = relaxation_spectrum(self.glassy, self.compliances, self.times)
+        return relaxed, tuple(Branch(m, t) for m, t in zip(moduli.tolist(), times.tolist(), strict=True))
+
 
 @dataclass(frozen=True)
 class Material:
@@ -102,11 +115,9 @@ class Material:
         )
         object.__setattr__(self, "branches", _branches(self.branches))
         if self.bulk is not None:
-            if isinstance(self.bulk, str) and self.bulk != "elastic":
-                raise SceneError("bulk", f"got {self.bulk!r}", '"elastic" or a table of modulus and branches')
-            if not isinstance(self.bulk, (str, BulkRelaxation)):
+            if not isinstance(self.bulk, BulkRelaxation) and self.bulk != "elastic":
                 raise SceneError(
-                    "bulk", f"got {self.bulk!r:.40}", '"elastic" or a table of modulus and branches'
+                    "bulk", f"got {shown(self.bulk)}", '"elastic" or a table of modulus and branches'
                 )
             if self.poisson == 0.5 and not (
                 isinstance(self.bulk, BulkRelaxation) and self.bulk.modulus is not None
@@ -116,9 +127,10 @@ class Material:
                     "poisson = 0.5 leaves the bulk modulus infinite",
                     "poisson < 0.5, or a bulk modulus of its own",
                 )
-        glassy = self.modulus + sum(branch.modulus for branch in self.branches)
-        if not np.isfinite(glassy / (1.0 - self.poisson**2)):
-            raise SceneError("branches", "the glassy modulus overflows", "moduli with a finite sum")
+        if self.glassy_modulus > LARGEST:
+            raise SceneError(
+                "branches", f"the glassy modulus is {self.glassy_modulus:g}", f"a sum of at most {LARGEST:g}"
+            )
 
     @property
     def glassy_modulus(self) -> float:
@@ -139,11 +151,12 @@ class Material:
     def spectrum(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Branch moduli and relaxation times that matter, ascending in time.
 
-        Branches of zero modulus are left out, equal times are joined; both arrays have shape (n,).
+        Branches of negligible modulus (``NEGLIGIBLE``, zero included) are left out, equal times are joined;
+        both arrays have shape (n,).
         """
         joined: dict[float, float] = {}
         for branch in self.branches:
-            if branch.modulus > 0.0:
+            if branch.modulus > NEGLIGIBLE * self.modulus:
                 joined[branch.time] = joined.get(branch.time, 0.0) + branch.modulus
         times = np.array(sorted(joined), float)
         return np.array([joined[t] for t in times], float), times
@@ -175,8 +188,8 @@ class Material:
     def complex_modulus(self, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
         """``E(omega) = E0 + sum_k E_k i w tau_k/(1 + i w tau_k)``: storage + i loss modulus."""
         moduli, times = self.spectrum
-        phase = np.asarray(angular_frequency, float)[..., None] * times
-        return self.modulus + (phase**2 / (1 + phase**2) + 1j * phase / (1 + phase**2)) @ moduli
+        in_phase, out_of_phase = _phases(angular_frequency, times)
+        return self.modulus + (out_of_phase * (out_of_phase + 1j * in_phase)) @ moduli.astype(complex)
 
     def storage_modulus(self, angular_frequency: ArrayLike) -> NDArray[np.float64]:
         """Real part of :meth:`complex_modulus`."""
@@ -187,9 +200,18 @@ class Material:
         return self.complex_modulus(angular_frequency).imag
 
 
+def _phases(
+    angular_frequency: ArrayLike, times: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """``1/sqrt(1 + p^2)`` and ``p/sqrt(1 + p^2)`` for ``p = w tau``, shape (..., n), without overflow."""
+    p = np.asarray(angular_frequency, float)[..., None] * times
+    length = np.hypot(1.0, p)
+    return 1.0 / length, p / length
+
+
 def _branches(given: Sequence[Branch]) -> tuple[Branch, ...]:
     branches = tuple(given)
     for index, branch in enumerate(branches):
         if not isinstance(branch, Branch):
-            raise SceneError(f"branches[{index}]", f"got {branch!r:.40}", "a table with modulus and time")
+            raise SceneError(f"branches[{index}]", f"got {shown(branch)}", "a table with modulus and time")
     return branches

@@ -1,22 +1,32 @@
-"""Retardation spectrum of a Prony relaxation modulus.
+"""Relaxation spectrum -> retardation spectrum and back, by bracketed roots.
 
-``J(s) E(s) s^2 = 1``. With ``s = -1/theta``, ``s E(s) = E0 + sum_k E_k tau_k/(tau_k - theta)``, which rises
-from -inf to +inf between neighbouring relaxation times: one root in each gap, the last beyond the longest
-time. Roots are sought as the *distance from the nearer pole*, on a logarithmic scale, so that neither
-spectra over many decades nor nearly equal times cost digits (never as a polynomial in s).
-The compliance of a root is ``J = theta / sum_k E_k tau_k / (1 - tau_k/theta)^2``: a sum of positive terms.
+``s^2 E(s) J(s) = 1`` in Laplace space. With ``s = -1/x``,
+
+    s E(s) = E0 + sum_k E_k tau_k/(tau_k - x)            zeros: the retardation times theta_k
+    s J(s) = Jg + sum_k J_k x/(x - theta_k)              zeros: the relaxation times tau_k
+
+and times interlace, ``tau_1 < theta_1 < tau_2 < theta_2 < ...``: one root in each gap. A root is kept as its
+*distance from the nearer pole*, found by bisection of the logarithm of that distance, so neither spectra over
+many decades nor nearly equal times cost digits (never as a polynomial in s).
+
+Weights follow from the product form, ``s E(s) = E0 prod_k (1 + s theta_k)/(1 + s tau_k)``, whose factors are
+differences of times. They belong exactly to the computed roots, whose rounding is then a relative change of
+the input of the same size; residues taken from the sums would not have that property where a negligible
+branch sits on a retardation time of the others (the device of Gu and Eisenstat, SIAM J. Matrix Anal. Appl.
+16, 1995, for the same secular equation).
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+
+Array = NDArray[np.float64]
+
+_HALVINGS = 72  # log-distance brackets span at most a few hundred; 2^-72 of that is below round-off
 
 
-def creep_spectrum(
-    relaxed: float, moduli: NDArray[np.float64], times: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, Array]:
     """Compliances ``J_k`` and retardation times ``theta_k``.
 
     Parameters
@@ -29,42 +39,99 @@ def creep_spectrum(
     Returns
     -------
     compliances, retardation : ndarray, shape (n,)
-        Ascending in time, ``tau_k < theta_k < tau_(k+1)``.
+        Ascending in time, ``tau_k <= theta_k <= tau_(k+1)`` (equality only by rounding).
     """
     n = len(times)
-    compliances, retardation = np.empty(n), np.empty(n)
-    for k in range(n):
-        pole, distance = _root(relaxed, moduli, times, k)
-        theta = times[pole] + distance
-        offsets = ((times - times[pole]) - distance) / theta  # tau_j/theta - 1, exact near the pole
-        compliances[k] = theta / np.sum(moduli * times / offsets**2)
-        retardation[k] = theta
-    return compliances, retardation
+    if n == 0:
+        return np.empty(0), np.empty(0)
+    pole, distance = _roots(moduli / relaxed * times, times)
+    retardation = times[pole] + distance
+    to_poles = (times[None, :] - times[pole][:, None]) - distance[:, None]  # tau_j - theta_k
+    to_roots = _between_roots(times, pole, distance)  # theta_j - theta_k, 1 on the diagonal
+    # J_k E0 = (1 - tau_k/theta_k) prod_(j != k) (theta_k - tau_j)/(theta_k - theta_j)
+    ratio = to_poles / to_roots
+    diagonal = np.diag(-to_poles) / retardation
+    np.fill_diagonal(ratio, diagonal)
+    return np.prod(ratio, axis=1) / relaxed, retardation
 
 
-def _root(
-    relaxed: float, moduli: NDArray[np.float64], times: NDArray[np.float64], k: int
-) -> tuple[int, float]:
-    """The root beyond ``times[k]`` as (index of the nearer pole, signed distance from it)."""
-    scale = moduli * times
+def relaxation_spectrum(glassy: float, compliances: Array, times: Array) -> tuple[float, Array, Array]:
+    """The inverse of :func:`creep_spectrum`.
 
-    def from_pole(pole: int, distance: float) -> float:
-        return float(relaxed + np.sum(scale / ((times - times[pole]) - distance)))
+    Parameters
+    ----------
+    glassy : float
+        Glassy compliance ``Jg = J(0)`` > 0.
+    compliances, times : ndarray, shape (n,)
+        ``J_k`` > 0 and distinct, ascending retardation times.
 
-    if k + 1 < len(times):
-        gap = times[k + 1] - times[k]
-        below = from_pole(k, 0.5 * gap) > 0.0  # the root lies in the lower half of the gap
-        pole, sign, far = (k, 1.0, 0.5 * gap) if below else (k + 1, -1.0, 0.5 * gap)
-    else:
-        # E0 = sum_j E_j tau_j/(theta - tau_j) <= sum_j E_j tau_j/(theta - tau_n)
-        pole, sign, far = k, 1.0, float(scale.sum() / relaxed) * (1.0 + 1e-9)
-    near = far
-    target = np.sign(from_pole(pole, sign * far))
-    if target == 0.0:
-        return pole, sign * far
-    while np.sign(from_pole(pole, sign * near)) == target:
-        near *= 1e-3
-    log_distance = brentq(
-        lambda x: from_pole(pole, sign * np.exp(x)), np.log(near), np.log(far), xtol=1e-15, rtol=1e-15
-    )
-    return pole, sign * float(np.exp(log_distance))
+    Returns
+    -------
+    relaxed : float
+        Relaxed modulus ``E0 = 1/(Jg + sum J_k)``.
+    moduli, relaxation : ndarray, shape (n,)
+        Branch moduli and relaxation times, ascending in time.
+    """
+    relaxed = 1.0 / (glassy + float(np.sum(compliances)))
+    if len(times) == 0:
+        return relaxed, np.empty(0), np.empty(0)
+    # In y = 1/x, with eta = 1/theta, the same form again: Jg + sum_k J_k eta_k/(eta_k - y) = 0.
+    rates = 1.0 / times[::-1]
+    pole, distance = _roots(compliances[::-1] / glassy * rates, rates)
+    decay = rates[pole] + distance  # 1/tau
+    to_poles = (rates[None, :] - rates[pole][:, None]) - distance[:, None]
+    to_roots = _between_roots(rates, pole, distance)
+    # E_k Jg = (1 - eta_k/y_k) prod_(j != k) (y_k - eta_j)/(y_k - y_j)
+    ratio = to_poles / to_roots
+    np.fill_diagonal(ratio, np.diag(-to_poles) / decay)
+    return relaxed, (np.prod(ratio, axis=1) / glassy)[::-1], 1.0 / decay[::-1]
+
+
+def _roots(strengths: Array, poles: Array) -> tuple[NDArray[np.intp], Array]:
+    """Roots of ``1 + sum_j strengths[j]/(poles[j] - x)``, one above each pole.
+
+    Returns
+    -------
+    pole : ndarray of int, shape (n,)
+        The nearer of the two poles a root lies between.
+    distance : ndarray, shape (n,)
+        Signed distance of the root from that pole.
+    """
+    n = len(poles)
+    index = np.arange(n)
+    separation = poles[None, :] - poles[:, None]  # [i, j] = pole_j - pole_i
+
+    def value(pole: NDArray[np.intp], distance: Array) -> Array:
+        return 1.0 + np.sum(strengths / (separation[pole] - distance[:, None]), axis=1)
+
+    far = np.empty(n)
+    far[:-1] = 0.5 * np.diff(poles)
+    # 1 = sum_j c_j/(x - p_j) <= sum_j c_j/(x - p_n)
+    far[-1] = strengths.sum() * (1.0 + 1e-12)
+    below = np.ones(n, bool)  # the root lies in the lower half of its gap
+    below[:-1] = value(index[:-1], far[:-1]) > 0.0
+    pole = np.where(below, index, np.minimum(index + 1, n - 1))
+    sign = np.where(below, 1.0, -1.0)
+
+    # The nearer pole's term balances the rest; distances to the other poles are at least half as long inside
+    # the bracket, so the rest is at most this:
+    others = np.abs(separation[pole])
+    others[index, pole] = np.inf
+    rest = 1.0 + 2.0 * np.sum(strengths / others, axis=1)
+    low = np.log(np.minimum(strengths[pole] / rest, far))
+    high = np.log(far)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        # With the pole below, the function climbs from -inf to its zero; with the pole above, it is mirrored.
+        outside = sign * value(pole, sign * np.exp(middle)) > 0.0
+        high = np.where(outside, middle, high)
+        low = np.where(outside, low, middle)
+    return pole, sign * np.exp(0.5 * (low + high))
+
+
+def _between_roots(poles: Array, pole: NDArray[np.intp], distance: Array) -> Array:
+    """``x_j - x_k`` at [k, j] for roots given as pole and distance; ones on the diagonal."""
+    base = poles[pole]
+    apart = (base[None, :] - base[:, None]) + (distance[None, :] - distance[:, None])
+    np.fill_diagonal(apart, 1.0)
+    return apart

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scene.adhesion import Adhesion
-from scene.errors import SceneError
+from scene.errors import SceneError, shown
 from scene.indenter import Indenter
 from scene.loading import Loading
 from scene.material import Material
@@ -32,11 +32,11 @@ class Scene:
     def __post_init__(self) -> None:
         for name, kind in (("material", Material), ("indenter", Indenter), ("loading", Loading)):
             if not isinstance(getattr(self, name), kind):
-                raise SceneError(name, f"got {getattr(self, name)!r:.40}", f"a {kind.__name__}")
+                raise SceneError(name, f"got {shown(getattr(self, name))}", f"a {kind.__name__}")
         if self.adhesion is not None and not isinstance(self.adhesion, Adhesion):
-            raise SceneError("adhesion", f"got {self.adhesion!r:.40}", "an Adhesion or None")
+            raise SceneError("adhesion", f"got {shown(self.adhesion)}", "an Adhesion or None")
         if not isinstance(self.title, str):
-            raise SceneError("title", f"got {self.title!r:.40}", "a string")
+            raise SceneError("title", f"got {shown(self.title)}", "a string")
         if self.is_adhesive and self.adhesion is not None and self.adhesion.zone >= self.indenter.edge:
             raise zone_too_long(self.adhesion.zone, self.indenter.edge)
 

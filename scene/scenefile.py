@@ -5,16 +5,17 @@ Tables named in a scene (profiles, loading tables, material data) are looked up 
 
 from __future__ import annotations
 
-import csv
 import os
 import tomllib
 from collections.abc import Callable, Iterable
-from dataclasses import fields
+from dataclasses import MISSING, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from scene.adhesion import Adhesion
-from scene.errors import SceneError, one_of
+from scene.errors import FINITE, POSITIVE, SceneError, one_of, shown
+from scene.files import read_pairs, read_text, write_pairs, write_text
 from scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Profile, Sphere
 from scene.loading import STARTS, STEPS, Loading, Step, Table
 from scene.material import Branch, BulkRelaxation, Material
@@ -24,7 +25,7 @@ from scene.scene import Scene
 _SHAPES: dict[str, type[Indenter]] = {
     kind.shape: kind for kind in (Sphere, Cone, FlatPunch, PowerLaw, Profile)
 }
-_TOO_LARGE = 10_000_000  # bytes; a scene or a table beyond this is a mistake
+_A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
 
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:
@@ -36,13 +37,13 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
         One line: file, key, what is wrong, what is allowed.
     """
     file = Path(path)
-    text = _text(file, str(path))
+    text = read_text(file)
     try:
         data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise SceneError("", f"not a TOML file: {error}", "a scene as in the README", str(path)) from None
+    except (ValueError, RecursionError) as error:  # ValueError also for integers of thousands of digits
+        raise SceneError("", f"not a TOML file: {error}", _A_SCENE, str(path)) from None
     if not data:
-        raise SceneError("", "the file is empty", "a scene as in the README", str(path))
+        raise SceneError("", "the file is empty", _A_SCENE, str(path))
     try:
         return scene_from_dict(data, file.parent)
     except SceneError as error:
@@ -52,10 +53,12 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
 def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") -> Scene:
     """Build a scene from the parsed contents of a scene file; tables are looked up in ``folder``."""
     where = Path(folder)
+    if not isinstance(data, dict):
+        raise SceneError("", f"got {shown(data)}", _A_SCENE)
     _known(data, "", ("title", "material", "indenter", "adhesion", "loading"))
     title = data.get("title", "")
     if not isinstance(title, str):
-        raise SceneError("title", f"got {title!r:.40}", "a string")
+        raise SceneError("title", f"got {shown(title)}", "a string")
     material = _under("material", lambda: _material(_table(data, "material"), where))
     indenter = _under("indenter", lambda: _indenter(_table(data, "indenter"), where))
     adhesion = None
@@ -82,7 +85,7 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     lines += ["", "[indenter]", f'shape = "{scene.indenter.shape}"']
     if isinstance(scene.indenter, Profile):
         name = f"{target.stem}-profile.csv"
-        _write_table(
+        write_pairs(
             target.with_name(name), ("radius", "height"), scene.indenter.radii, scene.indenter.heights
         )
         lines.append(f"file = {_quoted(name)}")
@@ -100,27 +103,11 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
         lines += ["", "[[loading.steps]]", f'kind = "{step.kind}"']
         if isinstance(step, Table):
             name = f"{target.stem}-loading-{index}.csv"
-            _write_table(target.with_name(name), ("time", "penetration"), step.times, step.penetrations)
+            write_pairs(target.with_name(name), ("time", "penetration"), step.times, step.penetrations)
             lines.append(f"file = {_quoted(name)}")
         else:
             lines += _keys(step)
-    target.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _text(file: Path, shown: str) -> str:
-    try:
-        if file.is_dir():
-            raise SceneError("", "is a folder", "a TOML file", shown)
-        if file.stat().st_size > _TOO_LARGE:
-            raise SceneError("", "is larger than 10 MB", "a scene or a table of moderate size", shown)
-        return file.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise SceneError("", "not a text file (no UTF-8)", "UTF-8 text", shown) from None
-    except (OSError, ValueError) as error:
-        if isinstance(error, SceneError):
-            raise
-        reason = getattr(error, "strerror", None) or str(error)
-        raise SceneError("", f"cannot be read: {reason}", "an existing, readable file", shown) from None
+    write_text(target, "\n".join(lines) + "\n")
 
 
 def _under(prefix: str, build: Callable[[], Any]) -> Any:
@@ -134,15 +121,14 @@ def _known(data: dict[str, Any], prefix: str, allowed: Iterable[str]) -> None:
     names = tuple(allowed)
     for key in data:
         if key not in names:
-            shown = f"{prefix}.{key}" if prefix else key
-            raise SceneError(shown, "unknown key", ", ".join(names))
+            raise SceneError(f"{prefix}.{key}" if prefix else str(key), "unknown key", ", ".join(names))
 
 
 def _table(data: dict[str, Any], key: str) -> dict[str, Any]:
     if key not in data:
         raise SceneError("", "is missing", f"a table [{key}]")
     if not isinstance(data[key], dict):
-        raise SceneError("", f"got {data[key]!r:.40}", f"a table [{key}]")
+        raise SceneError("", f"got {shown(data[key])}", f"a table [{key}]")
     return data[key]
 
 
@@ -154,8 +140,6 @@ def _require(data: dict[str, Any], key: str, allowed: str) -> Any:
 
 def _build(kind: type, data: dict[str, Any], tag: str | None = None) -> Any:
     """Construct a frozen dataclass from a table; ``tag`` is a key already dealt with."""
-    from dataclasses import MISSING
-
     known = {f.name: f for f in fields(kind) if f.init}
     _known({k: v for k, v in data.items() if k != tag}, "", [*known, *([tag] if tag else [])])
     for name, entry in known.items():
@@ -165,13 +149,13 @@ def _build(kind: type, data: dict[str, Any], tag: str | None = None) -> Any:
 
 
 def _branch_tuple(given: Any, key: str) -> tuple[Branch, ...]:
-    if not isinstance(given, list):
-        raise SceneError(key, f"got {given!r:.40}", "a list of tables { modulus, time }")
+    if not isinstance(given, (list, tuple)):
+        raise SceneError(key, f"got {shown(given)}", "a list of tables { modulus, time }")
     branches = []
     for index, entry in enumerate(given):
         if not isinstance(entry, dict):
-            raise SceneError(f"{key}[{index}]", f"got {entry!r:.40}", "a table { modulus, time }")
-        branches.append(_under(f"{key}[{index}]", lambda entry=entry: _build(Branch, entry)))
+            raise SceneError(f"{key}[{index}]", f"got {shown(entry)}", "a table { modulus, time }")
+        branches.append(_under(f"{key}[{index}]", partial(_build, Branch, entry)))
     return tuple(branches)
 
 
@@ -185,17 +169,17 @@ def _material(data: dict[str, Any], where: Path) -> Material:
         branches = _branch_tuple(table.get("branches", []), "bulk.branches")
         bulk = _under("bulk", lambda: BulkRelaxation(table.get("modulus"), branches))
     elif bulk is not None and bulk != "elastic":
-        raise SceneError("bulk", f"got {bulk!r:.40}", '"elastic" or a table { modulus, branches }')
+        raise SceneError("bulk", f"got {shown(bulk)}", '"elastic" or a table { modulus, branches }')
     if "file" in data:
         if "branches" in data:
             raise SceneError("branches", "given beside file", "either branches or file")
         one_of(data.get("format", "pyvisco"), "format", ("pyvisco",))
         path = _beside(where, data["file"])
-        modulus, prony = read_pyvisco(_text(path, str(path)), str(path), data.get("modulus"), poisson)
+        modulus, prony = read_pyvisco(read_text(path), str(path), data.get("modulus"), poisson)
         return Material(modulus, poisson, prony, bulk)
     if "format" in data:
         raise SceneError("format", "given without file", "file and format together")
-    modulus = _require(data, "modulus", "a finite number > 0")
+    modulus = _require(data, "modulus", POSITIVE)
     return Material(modulus, poisson, _branch_tuple(data.get("branches", []), "branches"), bulk)
 
 
@@ -205,79 +189,45 @@ def _indenter(data: dict[str, Any], where: Path) -> Indenter:
         return _build(_SHAPES[shape], data, "shape")
     _known(data, "", ("shape", "file"))
     path = _beside(where, _require(data, "file", "a CSV file of radius, height"))
-    radii, heights = _two_columns(path)
+    radii, heights = read_pairs(path, ("radius", "height"))
     try:
         return Profile(radii, heights, str(data["file"]))
     except SceneError as error:
-        raise SceneError("", error.problem, error.allowed, str(path)) from None
+        raise error.in_file(str(path)) from None
 
 
 def _loading(data: dict[str, Any], where: Path) -> Loading:
     _known(data, "", ("start", "penetration", "steps"))
     start = one_of(_require(data, "start", " | ".join(STARTS)), "start", STARTS)
-    penetration = _require(data, "penetration", "a finite number")
+    penetration = _require(data, "penetration", FINITE)
     given = data.get("steps", [])
-    if not isinstance(given, list):
-        raise SceneError("steps", f"got {given!r:.40}", "[[loading.steps]] tables")
+    if not isinstance(given, (list, tuple)):
+        raise SceneError("steps", f"got {shown(given)}", "[[loading.steps]] tables")
     steps = tuple(
-        _under(f"steps[{index}]", lambda entry=entry: _step(entry, where))
-        for index, entry in enumerate(given)
+        _under(f"steps[{index}]", partial(_step, entry, where)) for index, entry in enumerate(given)
     )
     return Loading(start, penetration, steps)
 
 
 def _step(entry: Any, where: Path) -> Step:
     if not isinstance(entry, dict):
-        raise SceneError("", f"got {entry!r:.40}", "a table with a kind")
+        raise SceneError("", f"got {shown(entry)}", "a table with a kind")
     kind = one_of(_require(entry, "kind", ", ".join(STEPS)), "kind", tuple(STEPS))
     if kind != Table.kind:
         return _build(STEPS[kind], entry, "kind")
     _known(entry, "", ("kind", "file"))
     path = _beside(where, _require(entry, "file", "a CSV file of time, penetration"))
-    times, penetrations = _two_columns(path)
+    times, penetrations = read_pairs(path, ("time", "penetration"))
     try:
         return Table(times, penetrations, str(entry["file"]))
     except SceneError as error:
-        raise SceneError("", error.problem, error.allowed, str(path)) from None
+        raise error.in_file(str(path)) from None
 
 
 def _beside(where: Path, name: Any) -> Path:
     if not isinstance(name, str) or not name or "\0" in name:
-        raise SceneError("file", f"got {name!r:.40}", "the name of a file beside the scene")
+        raise SceneError("file", f"got {shown(name)}", "the name of a file beside the scene")
     return where / name
-
-
-def _two_columns(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Two columns of numbers from a CSV; comments (#) and one header line are allowed."""
-    shown = str(path)
-    lines = [
-        line for line in _text(path, shown).splitlines() if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if not lines:
-        raise SceneError("", "the file is empty", "rows of two numbers", shown)
-    first: list[float] = []
-    second: list[float] = []
-    for row, cells in enumerate(csv.reader(lines), 1):
-        try:
-            if len(cells) != 2:
-                raise ValueError
-            pair = float(cells[0]), float(cells[1])
-        except ValueError:
-            if row == 1 and len(cells) == 2 and not first:
-                continue
-            raise SceneError(
-                "", f"row {row} is {','.join(cells)!r:.40}", "two numbers a row", shown
-            ) from None
-        first.append(pair[0])
-        second.append(pair[1])
-    return tuple(first), tuple(second)
-
-
-def _write_table(
-    path: Path, header: tuple[str, str], first: Iterable[float], second: Iterable[float]
-) -> None:
-    rows = [",".join(header)] + [f"{a!r},{b!r}" for a, b in zip(first, second, strict=True)]
-    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
 def _branch_list(branches: Iterable[Branch]) -> str:

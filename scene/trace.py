@@ -16,6 +16,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from scene.files import write_text
+
 Array = NDArray[np.float64]
 
 COLUMNS = (
@@ -132,17 +134,12 @@ class Trace:
 def write_trace(trace: Trace, path: str | os.PathLike[str]) -> None:
     """Write ``trace.csv``: a header and one row per step, numbers with all their digits.
 
-    The file appears whole or not at all.
+    The file appears whole or not at all, and :func:`read_columns` gives the same bits back.
     """
     columns = trace.columns()
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    target = Path(path)
-    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
-    with partial.open("w", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows([repr(value) for value in row] for row in rows)
-    partial.replace(target)
+    rows = zip(*(np.asarray(column, float).tolist() for column in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    write_text(path, "\n".join(lines) + "\n")
 
 
 def read_columns(path: str | os.PathLike[str]) -> dict[str, Array]:
@@ -151,13 +148,16 @@ def read_columns(path: str | os.PathLike[str]) -> dict[str, Array]:
     Raises
     ------
     ValueError
-        If the seven columns of the contract are not all there.
+        If the seven columns of the contract are not all there, or a row is not one number per column.
     """
-    with Path(path).open(newline="") as stream:
-        header, *rows = list(csv.reader(stream))
+    with Path(path).open(newline="", encoding="utf-8") as stream:
+        header, *rows = list(csv.reader(stream)) or [[]]
     missing = [name for name in COLUMNS if name not in header]
     if missing:
         raise ValueError(f"{path}: no column {', '.join(missing)}")
+    for line, row in enumerate(rows, 2):
+        if len(row) != len(header):
+            raise ValueError(f"{path}: line {line} has {len(row)} cells, the header {len(header)}")
     table = np.array([[float(cell) for cell in row] for row in rows]).reshape(len(rows), len(header))
     return {name: table[:, index] for index, name in enumerate(header)}
 
