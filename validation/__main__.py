@@ -1,0 +1,120 @@
+"""The command line: ``crosscontact scenes | solve | compare | report``.
+
+Exit codes: 0 all well; 1 a check failed or a run did not finish; 2 bad input, said in one line;
+130 interrupted. Nothing heavy is imported until a command needs it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from typing import NoReturn
+
+# The dense systems here are small: more threads than one cost time, and results must not depend on them.
+for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")
+
+SOLVER_NAMES = ("bem", "reference")
+SUITE_NAMES = ("quick", "paper", "full")
+SMALLEST_RESOLUTION = 4
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: error: {' '.join(message.split())}\n")
+
+
+def _resolution(text: str) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if value < SMALLEST_RESOLUTION:
+        raise argparse.ArgumentTypeError(
+            f"got {text!r:.40}; allowed: a whole number >= {SMALLEST_RESOLUTION}"
+        )
+    return value
+
+
+def _jobs(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: a whole number >= 1")
+    return int(text)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    top = _Parser(
+        prog="crosscontact",
+        description="Adhesive viscoelastic contact of a rigid indenter, solved independently and compared.",
+    )
+    commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+
+    commands.add_parser("scenes", help="list the built-in scenes")
+
+    solve = commands.add_parser("solve", help="run one solver on one scene")
+    solve.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
+    solve.add_argument("--solver", choices=SOLVER_NAMES, required=True)
+    solve.add_argument(
+        "--resolution",
+        type=_resolution,
+        metavar="N",
+        help="divisions per process zone (without adhesion: per hundredth of the largest contact radius), "
+        "N >= 4; default: the solver's choice",
+    )
+    solve.add_argument("--out", metavar="DIR", help="write trace.csv, summary.json and scene.toml there")
+
+    compare = commands.add_parser("compare", help="run all solvers on scenes; exit 1 when out of tolerance")
+    compare.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
+    compare.add_argument("--out", metavar="DIR", help="write the report and every run there")
+    compare.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+
+    report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
+    report.add_argument("--suite", choices=SUITE_NAMES, default="quick")
+    report.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
+    report.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    return top
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return the exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        code = _run(options)
+        sys.stdout.flush()
+        return code
+    except KeyboardInterrupt:
+        print("crosscontact: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of our output has gone, e.g. `| head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return 0
+    except Exception as error:
+        from scene.errors import SceneError
+
+        if isinstance(error, SceneError):
+            print(f"crosscontact: error: {error}", file=sys.stderr)
+            return 2
+        if isinstance(error, OSError):
+            print(f"crosscontact: error: {' '.join(str(error).split())}", file=sys.stderr)
+            return 1
+        raise
+
+
+def _run(options: argparse.Namespace) -> int:
+    from validation import commands
+
+    if options.command == "scenes":
+        return commands.scenes()
+    if options.command == "solve":
+        return commands.solve(options.scene, options.solver, options.resolution, options.out)
+    if options.command == "compare":
+        return commands.compare(options.scenes, options.out, options.jobs)
+    return commands.report(options.suite, options.out, options.jobs)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

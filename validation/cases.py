@@ -1,0 +1,135 @@
+"""Built-in scenes and what is known about each: statement, suites, check values, tolerances.
+
+A built-in scene is a pair of files in ``validation/scenes``: ``NAME.toml``, an ordinary scene file, and
+``NAME.checks.toml`` with
+
+- ``figure``, ``statement``: where in the paper it belongs, what it shows;
+- ``suites``: the report suites it belongs to; ``outcome``: how a run should end;
+- ``[tolerances]``: per solver, the largest difference from the reference, relative: ``values`` for scalars,
+  a scalar's own name where it differs, ``curves`` for ``F(t)`` and ``a(t)`` (RMS over maximum);
+- ``[[checks]]``: one number each, with ``observable``, ``value`` and ``tolerance`` per solver (relative to
+  ``scale``, by default to the value) or ``at_most``/``at_least``, ``unit`` and ``source``; ``at_time`` takes
+  a column of the trace at that time instead of an observable.
+"""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from scene import Scene
+
+SCENES = Path(__file__).parent / "scenes"
+SUITES = ("quick", "paper", "full")
+_CHECKS = ".checks.toml"
+
+DEFAULT_TOLERANCES: dict[str, dict[str, float]] = {
+    "bem": {"values": 5e-3, "curves": 5e-3},
+    "fem": {"values": 2e-2, "curves": 1e-2},
+}
+
+
+@dataclass(frozen=True)
+class Expected:
+    """One number a run should show; see the head of this module."""
+
+    observable: str
+    source: str
+    value: float | None = None
+    at_most: float | None = None
+    at_least: float | None = None
+    unit: str = ""
+    tolerance: dict[str, float] = field(default_factory=dict)
+    scale: float | None = None
+    at_time: float | None = None
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene and what is known about it; for a user's own file only the defaults."""
+
+    name: str
+    scene: Scene
+    figure: str = ""
+    statement: str = ""
+    suites: tuple[str, ...] = ()
+    outcome: str = ""
+    expected: tuple[Expected, ...] = ()
+    tolerances: dict[str, dict[str, float]] = field(default_factory=lambda: DEFAULT_TOLERANCES)
+
+    def tolerance(self, solver: str, quantity: str) -> float | None:
+        """Largest relative difference of ``solver`` from the reference in a scalar or in ``curves``."""
+        table = self.tolerances.get(solver, {})
+        if quantity == "curves":
+            return table.get("curves")
+        return table.get(quantity, table.get("values"))
+
+
+def names() -> list[str]:
+    """Names of the built-in scenes."""
+    return sorted(file.name.removesuffix(_CHECKS) for file in SCENES.glob("*" + _CHECKS))
+
+
+def titles() -> dict[str, str]:
+    """Title of every built-in scene, without building the scenes."""
+    return {name: tomllib.loads((SCENES / f"{name}.toml").read_text("utf-8"))["title"] for name in names()}
+
+
+def suite(name: str) -> list[str]:
+    """Names of the built-in scenes of a report suite."""
+    return [scene for scene in names() if name in _known(scene)["suites"]]
+
+
+def load(name: str) -> Case:
+    """A built-in scene by name, or a user's scene file by path.
+
+    Raises
+    ------
+    SceneError
+        If there is neither, or the file is no valid scene.
+    """
+    from scene import SceneError, read_scene
+
+    if name in names():
+        known = _known(name)
+        return Case(
+            name=name,
+            scene=read_scene(SCENES / f"{name}.toml"),
+            figure=known["figure"],
+            statement=known["statement"],
+            suites=tuple(known["suites"]),
+            outcome=known["outcome"],
+            expected=tuple(Expected(**entry) for entry in known.get("checks", [])),
+            tolerances=known["tolerances"],
+        )
+    path = Path(name)
+    if name and "\0" not in name and (path.exists() or path.suffix == ".toml" or len(path.parts) > 1):
+        return Case(name=path.stem, scene=read_scene(path))
+    near = difflib.get_close_matches(name, names(), n=3, cutoff=0.3) or names()[:3]
+    raise SceneError(
+        "SCENE",
+        f'"{name}" is no file and no built-in scene; nearest: {", ".join(near)}',
+        "a TOML file, or a name listed by `crosscontact scenes`",
+    )
+
+
+def load_all(given: Iterable[str]) -> list[Case]:
+    """Several scenes; one given twice counts once, different files of one name are numbered."""
+    loaded: dict[str, Case] = {}
+    for name in dict.fromkeys(given):
+        case = load(name)
+        unique, number = case.name, 1
+        while unique in loaded:
+            number += 1
+            unique = f"{case.name}-{number}"
+        loaded[unique] = replace(case, name=unique)
+    return list(loaded.values())
+
+
+def _known(name: str) -> dict[str, Any]:
+    return tomllib.loads((SCENES / f"{name}{_CHECKS}").read_text("utf-8"))

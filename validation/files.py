@@ -1,0 +1,69 @@
+"""Files that appear whole or not at all, and folders known to be writable before long work starts."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from scene.errors import SceneError
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file beside its place and move it there in one step."""
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with partial.open("wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        partial.replace(path)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+
+
+def to_json(value: Any) -> str:
+    """Strict JSON, two spaces; what is not finite becomes null."""
+    return json.dumps(finite(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def finite(value: Any) -> Any:
+    """The same nested data in plain Python types, with ``None`` for NaN and infinity."""
+    if isinstance(value, dict):
+        return {str(key): finite(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [finite(entry) for entry in value]
+    if value is None or isinstance(value, (bool, str, int)):
+        return value
+    if hasattr(value, "tolist"):
+        return finite(value.tolist())
+    return float(value) if math.isfinite(value) else None
+
+
+def output_folder(path: str | os.PathLike[str], key: str = "--out") -> Path:
+    """Make the folder (and its parents) and try to write into it.
+
+    Raises
+    ------
+    SceneError
+        If it names a file or cannot be written.
+    """
+    folder = Path(path)
+    allowed = "a folder that exists or can be made, and can be written to"
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise SceneError(key, f"{folder} is a file", allowed)
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except (OSError, ValueError) as error:
+        if isinstance(error, SceneError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SceneError(key, f"{folder} cannot be written: {reason}", allowed) from None
+    return folder

@@ -1,0 +1,123 @@
+"""From scenes to a report: run, check, and write every form of it into one folder."""
+
+from __future__ import annotations
+
+import functools
+import multiprocessing
+import signal
+import time
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from validation.cases import Case
+from validation.checks import Check
+from validation.compare import check_case
+from validation.environment import stamp
+from validation.files import write_whole
+from validation.runs import Run, run_all
+from validation.solvers import SOLVERS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from validation.progress import Progress
+
+
+@dataclass(frozen=True)
+class Page:
+    """One scene of a report: its runs by solver, and the verdicts on them."""
+
+    case: Case
+    runs: dict[str, Run]
+    checks: list[Check]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check on this scene passed."""
+        return all(check.passed for check in self.checks)
+
+
+@dataclass(frozen=True)
+class Report:
+    """Everything a report says; the writers only give it a form."""
+
+    suite: str
+    pages: list[Page]
+    environment: dict[str, object]
+    wall_seconds: float
+
+    @property
+    def checks(self) -> list[Check]:
+        """All verdicts."""
+        return [check for page in self.pages for check in page.checks]
+
+    @property
+    def failures(self) -> list[Check]:
+        """Verdicts that are not fulfilled."""
+        return [check for check in self.checks if not check.passed]
+
+
+def build(suite: str, loaded: list[Case], workers: int, progress: Progress) -> Report:
+    """Run every solver on every scene, in parallel processes if there is more than one worker."""
+    begin = time.perf_counter()
+    tasks = [(case, solver) for case in loaded for solver in SOLVERS]
+    finished = 0
+
+    def tell(result: Run) -> None:
+        nonlocal finished
+        finished += 1
+        kind = result.trace.outcome.kind if result.trace else "no answer"
+        progress(
+            finished / len(tasks),
+            f"{finished}/{len(tasks)} {result.scene} {result.solver}: {kind}, {result.wall_seconds:.1f} s",
+        )
+
+    try:
+        with _executor(min(workers, len(tasks))) as executor:
+            results = run_all(tasks, executor, tell)
+    finally:
+        progress.close()
+    pages = []
+    for case in loaded:
+        runs = {solver: results[case.name, solver] for solver in SOLVERS}
+        pages.append(Page(case, runs, check_case(case, runs)))
+    return Report(suite, pages, stamp(), time.perf_counter() - begin)
+
+
+def write(report: Report, folder: Path) -> None:
+    """Write ``index.html``, ``summary.md``, ``report.json``, ``junit.xml`` and ``runs/SCENE/SOLVER/``."""
+    from validation.commands import write_run
+    from validation.report import html, jsonreport, junit, markdown
+
+    for page in report.pages:
+        for solver, result in page.runs.items():
+            write_run(folder / "runs" / page.case.name / solver, page.case.scene, result)
+    for name, form in (
+        ("report.json", jsonreport.text),
+        ("junit.xml", junit.text),
+        ("summary.md", markdown.text),
+        ("index.html", html.text),
+    ):
+        write_whole(folder / name, form(report))
+
+
+@contextmanager
+def _executor(workers: int) -> Iterator[Executor | None]:
+    """Processes that leave an interrupt to their parent, which then stops them; none for one worker."""
+    if workers <= 1:
+        yield None
+        return
+    context = multiprocessing.get_context("spawn")
+    ignore = functools.partial(signal.signal, signal.SIGINT, signal.SIG_IGN)
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=ignore)
+    try:
+        yield pool
+    except BaseException:
+        for process in list((pool._processes or {}).values()):
+            process.terminate()
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()

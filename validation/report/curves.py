@@ -1,0 +1,89 @@
+"""What a figure draws: columns of runs in the paper's dimensionless form where the scene allows it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scene import Cone, PowerLaw, Scene, Sphere, Trace
+from validation.observables import largest_tension
+from validation.reference.jkr import JKR
+from validation.scales import units
+
+Labels = Mapping[str, str]
+Array = NDArray[np.float64]
+
+DIMENSIONLESS: Labels = {
+    "time": "time t (scene units)",
+    "penetration": "penetration Δ/R",
+    "force": "force (1−ν²)F/(πE₀R²)",
+    "contact_radius": "contact radius a/R",
+}
+SCENE_UNITS: Labels = {
+    "time": "time t (scene units)",
+    "penetration": "penetration Δ (scene units)",
+    "force": "force F (scene units)",
+    "contact_radius": "contact radius a (scene units)",
+}
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Columns of one run, or of a closed form (no ``style``), ready to be drawn."""
+
+    label: str
+    style: str
+    columns: dict[str, Array]
+    pull_off: int | None = None
+
+
+def labels(scene: Scene) -> Labels:
+    """Axis labels that go with the columns of :func:`of_trace`."""
+    return DIMENSIONLESS if isinstance(scene.indenter, Sphere) else SCENE_UNITS
+
+
+def of_trace(trace: Trace, scene: Scene) -> Curves:
+    """The four columns a figure needs."""
+    size = units(scene)
+    length, force = size.get("length", 1.0), size.get("force", 1.0)
+    columns = {
+        "time": trace.time,
+        "penetration": trace.penetration / length,
+        "force": trace.force / force,
+        "contact_radius": trace.contact_radius / length,
+    }
+    return Curves(trace.solver, trace.solver, columns, largest_tension(trace) if len(trace) else None)
+
+
+def elastic_limits(scene: Scene, largest_radius: float) -> list[Curves]:
+    """The exact JKR curves of the relaxed and the glassy modulus, up to a contact radius.
+
+    They belong to a vanishing process zone and therefore run slightly beside the elastic limits of a solver.
+    """
+    if scene.adhesion is None or not scene.is_adhesive:
+        return []
+    if not isinstance(scene.indenter, (Sphere, Cone, PowerLaw)):
+        return []
+    size = units(scene)
+    length, force = size.get("length", 1.0), size.get("force", 1.0)
+    material = scene.material
+    moduli = {"JKR, E₀": material.relaxed_plane_modulus}
+    if not material.is_elastic:
+        moduli["JKR, E∞"] = material.glassy_plane_modulus
+    found = []
+    for label, modulus in moduli.items():
+        law = JKR(scene.indenter, modulus, scene.adhesion.work)
+        least = law.pull_off_penetration_control().contact_radius
+        if not 0.0 < least < largest_radius:
+            continue
+        a = np.geomspace(least, largest_radius, 200)
+        columns = {
+            "penetration": law.penetration(a) / length,
+            "force": law.force(a) / force,
+            "contact_radius": a / length,
+        }
+        found.append(Curves(label, "", columns))
+    return found

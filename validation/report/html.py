@@ -1,0 +1,148 @@
+"""The report as one HTML file that loads nothing: for screen, phone and paper, light and dark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import TYPE_CHECKING
+
+from validation.report import figures
+from validation.report.curves import elastic_limits, labels, of_trace
+from validation.report.style import STYLE
+from validation.report.text import HEAD, number, parameters, row
+
+if TYPE_CHECKING:
+    from validation.report.build import Page, Report
+
+
+def text(report: Report) -> str:
+    """The whole page."""
+    failed = len(report.failures)
+    verdict = "all passed" if not failed else f"{failed} not passed"
+    title = f"crosscontact report, suite {report.suite}"
+    parts = [
+        "<!doctype html>",
+        '<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        '<meta name="color-scheme" content="light dark">',
+        f"<title>{escape(title)}</title>",
+        f"<style>{STYLE}</style></head><body>",
+        f"<header><h1>{escape(title)}</h1>",
+        f'<p class="{"fail" if failed else "pass"}">{len(report.checks)} checks on {len(report.pages)} '
+        f"scenes: {verdict}.</p>",
+        "<p>Differences are relative; each stands beside its tolerance. A coarse or failed run stays in the "
+        "tables and figures.</p></header><main>",
+        _overview(report),
+        *(_section(page) for page in report.pages),
+        _environment(report),
+        "</main></body></html>",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def _overview(report: Report) -> str:
+    head = ("scene", "paper", "checks", "verdict", "closest to its limit")
+    rows = []
+    for page in report.pages:
+        good = sum(check.passed for check in page.checks)
+        rows.append(
+            (
+                f'<a href="#{_anchor(page)}">{escape(page.case.name)}</a>',
+                escape(page.case.figure),
+                f"{good}/{len(page.checks)}",
+                _verdict("pass" if page.passed else "FAIL"),
+                escape(_closest(page)),
+            )
+        )
+    return "<section><h2>Overview</h2>" + _table(head, rows) + "</section>"
+
+
+def _closest(page: Page) -> str:
+    """The check that uses most of its tolerance."""
+    used = [
+        (abs(check.difference) / check.tolerance, check)
+        for check in page.checks
+        if check.difference is not None and check.tolerance
+    ]
+    if not used:
+        return "–"
+    share, check = max(used, key=lambda pair: pair[0])
+    return f"{100 * share:.0f} %: {check.quantity.replace('_', ' ')}, {check.solver}"
+
+
+def _section(page: Page) -> str:
+    case = page.case
+    head = "".join(f"<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in parameters(page))
+    return "\n".join(
+        (
+            f'<section id="{_anchor(page)}"><h2>{escape(case.scene.title or case.name)} '
+            f"{_verdict('pass' if page.passed else 'FAIL')}</h2>",
+            f"<p>{escape(case.statement)}</p>" if case.statement else "",
+            f'<details><summary>Parameters (scene units)</summary><div class="wide"><table>{head}</table>'
+            "</div></details>",
+            f'<div class="figures">{_figures(page)}</div>',
+            "<h3>Runs</h3>",
+            _runs(page),
+            "<h3>Checks</h3>",
+            _table(HEAD, [_check_row(row(check)) for check in page.checks]),
+            "</section>",
+        )
+    )
+
+
+def _figures(page: Page) -> str:
+    scene = page.case.scene
+    traces = [result.trace for result in page.runs.values() if result.trace is not None]
+    curves = [of_trace(trace, scene) for trace in traces if len(trace)]
+    if not curves:
+        return "<p>No run gave a curve.</p>"
+    curves += elastic_limits(scene, max(float(trace.contact_radius.max()) for trace in traces if len(trace)))
+    drawn = []
+    for panel in figures.PANELS:
+        description = escape(f"{panel.caption}, {page.case.name}")
+        picture = figures.svg(
+            figures.draw(panel, curves, labels(scene)), f"{_anchor(page)}-{panel.name}", description
+        )
+        drawn.append(f"<figure>{picture}<figcaption>{escape(panel.caption)}</figcaption></figure>")
+    return "\n".join(drawn)
+
+
+def _runs(page: Page) -> str:
+    head = ("solver", "ending", "steps", "rejected", "closure", "solves", "factorisations", "seconds")
+    rows = []
+    for solver, result in page.runs.items():
+        counts = [
+            number(result.measures.get(f"counters.{name}"))
+            for name in ("steps", "rejected_steps", "closure_evaluations", "linear_solves", "factorisations")
+        ]
+        cells = (solver, result.ending, *counts, number(result.wall_seconds, 3))
+        rows.append(tuple(map(escape, cells)))
+    return _table(head, rows)
+
+
+def _environment(report: Report) -> str:
+    rows = []
+    for key, value in report.environment.items():
+        shown = ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
+        rows.append((escape(key), escape(shown)))
+    rows.append(("whole report", f"{report.wall_seconds:.1f} s"))
+    return "<section><h2>Computed on</h2>" + _table(("", ""), rows) + "</section>"
+
+
+def _check_row(cells: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(_verdict(c) if h == "verdict" else escape(c) for h, c in zip(HEAD, cells, strict=True))
+
+
+def _verdict(word: str) -> str:
+    return f'<span class="{"pass" if word == "pass" else "fail"}">{escape(word)}</span>'
+
+
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    """A table of ready-made cells that scrolls by itself where it is too wide."""
+    titles = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in line) + "</tr>" for line in rows)
+    return f'<div class="wide"><table><thead><tr>{titles}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def _anchor(page: Page) -> str:
+    return "scene-" + "".join(c if c.isascii() and c.isalnum() else "-" for c in page.case.name)

@@ -1,0 +1,45 @@
+"""The report as JSON: every number of it, for programs."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from validation.files import to_json
+from validation.runs import summary
+
+if TYPE_CHECKING:
+    from validation.report.build import Page, Report
+
+FORMAT = 1
+
+
+def text(report: Report) -> str:
+    """The whole report."""
+    return to_json(
+        {
+            "format": FORMAT,
+            "suite": report.suite,
+            "passed": not report.failures,
+            "checks": len(report.checks),
+            "failed": len(report.failures),
+            "wall_seconds": report.wall_seconds,
+            "environment": report.environment,
+            "scenes": [_scene(page) for page in report.pages],
+        }
+    )
+
+
+def _scene(page: Page) -> dict[str, Any]:
+    return {
+        "name": page.case.name,
+        "title": page.case.scene.title,
+        "figure": page.case.figure,
+        "statement": page.case.statement,
+        "passed": page.passed,
+        "runs": {
+            solver: summary(result) | {"traceback": result.details or None}
+            for solver, result in page.runs.items()
+        },
+        "checks": [asdict(check) for check in page.checks],
+    }

@@ -1,0 +1,55 @@
+"""The report as Markdown, short enough for the summary of a CI job."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from validation.report.text import HEAD, number, row
+
+if TYPE_CHECKING:
+    from validation.report.build import Page, Report
+
+
+def text(report: Report) -> str:
+    """Verdict, one line per scene, then every check that did not pass."""
+    failed = report.failures
+    verdict = "all passed" if not failed else f"**{len(failed)} failed**"
+    lines = [
+        f"# crosscontact report, suite {report.suite}",
+        "",
+        f"{len(report.checks)} checks on {len(report.pages)} scenes: {verdict}. "
+        f"{report.wall_seconds:.0f} s on {report.environment['processor']}.",
+        "",
+        "| scene | checks | verdict | pull-off force | " + " | ".join(_solvers(report)) + " |",
+        "|---|---|---|---|" + "---|" * len(_solvers(report)),
+    ]
+    lines += [_line(page) for page in report.pages]
+    if failed:
+        lines += ["", "## Not passed", "", "| scene | " + " | ".join(HEAD) + " |", "|---" * 9 + "|"]
+        lines += [f"| {_cell(c.scene)} | " + " | ".join(map(_cell, row(c))) + " |" for c in failed]
+    return "\n".join(lines) + "\n"
+
+
+def _solvers(report: Report) -> list[str]:
+    return list(dict.fromkeys(solver for page in report.pages for solver in page.runs))
+
+
+def _line(page: Page) -> str:
+    good = sum(check.passed for check in page.checks)
+    forces = [run.measures.get("pull_off_force") for run in page.runs.values()]
+    endings = [
+        f"{run.trace.outcome.kind}, {run.wall_seconds:.2g} s" if run.trace else run.ending
+        for run in page.runs.values()
+    ]
+    cells = [
+        page.case.name,
+        f"{good}/{len(page.checks)}",
+        "pass" if page.passed else "**FAIL**",
+        " / ".join(number(force, 5) for force in forces),
+        *endings,
+    ]
+    return "| " + " | ".join(map(_cell, cells)) + " |"
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.replace("|", "\\|").split())

@@ -1,0 +1,89 @@
+"""Numbers and tables as plain text, the same wording in every form of the report."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from validation.scales import SYMBOLS
+
+if TYPE_CHECKING:
+    from validation.checks import Check
+    from validation.report.build import Page
+
+NONE = "–"
+HEAD = ("solver", "quantity", "found", "expected", "difference", "tolerance", "verdict", "source")
+
+
+def number(value: object, digits: int = 6) -> str:
+    """A number with enough digits to see a difference; words as they are."""
+    if value is None:
+        return NONE
+    if isinstance(value, float):
+        return format(value, f".{digits}g")
+    return str(value)
+
+
+def row(check: Check) -> tuple[str, ...]:
+    """One verdict, in the order of ``HEAD``."""
+    unit = SYMBOLS[check.unit]
+    relation = {"<=": "≤ ", ">=": "≥ "}.get(check.relation, "")
+    expected = relation + number(check.expected)
+    source = check.source if not check.note else f"{check.source}; {check.note}"
+    return (
+        check.solver,
+        f"{check.quantity.replace('_', ' ')} / {unit}" if unit else check.quantity.replace("_", " "),
+        number(check.found),
+        expected,
+        NONE if check.difference is None else format(check.difference, "+.1e"),
+        NONE if check.tolerance is None else format(check.tolerance, ".0e"),
+        "pass" if check.passed else ("missing" if check.found is None else "FAIL"),
+        source,
+    )
+
+
+def table(page: Page) -> str:
+    """All verdicts on a scene in aligned columns."""
+    rows = [HEAD, *(row(check) for check in page.checks)]
+    widths = [max(len(line[i]) for line in rows) for i in range(len(HEAD))]
+    lines = [f"{page.case.name}: {page.case.scene.title}"]
+    lines += [
+        "  " + "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in rows
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def parameters(page: Page) -> list[tuple[str, str]]:
+    """What the scene consists of, as name and value."""
+    scene = page.case.scene
+    material = scene.material
+    branches = ", ".join(f"{b.modulus:g} (τ = {b.time:g})" for b in material.branches) or "none: elastic"
+    shape = ", ".join(
+        f"{name.replace('_', ' ')} {value:g}"
+        for name, value in vars(scene.indenter).items()
+        if isinstance(value, float)
+    )
+    steps = "; ".join(
+        step.kind
+        + " "
+        + ", ".join(
+            f"{name.replace('_', ' ')} {value:g}"
+            for name, value in vars(step).items()
+            if isinstance(value, float)
+        )
+        for step in scene.loading.steps
+    )
+    rows = [
+        ("relaxed modulus E₀", f"{material.modulus:g}"),
+        ("branches", branches if len(material.branches) <= 8 else f"{len(material.branches)} branches"),
+        ("Poisson's ratio", f"{material.poisson:g}"),
+        ("indenter", f"{scene.indenter.shape}{', ' + shape if shape else ''}"),
+        ("start", f"{scene.loading.start} at penetration {scene.loading.penetration:g}"),
+        ("loading", steps or "none"),
+    ]
+    if scene.adhesion is not None:
+        rows[4:4] = [
+            ("work of adhesion", f"{scene.adhesion.work:g}"),
+            ("process zone", f"{scene.adhesion.zone:g}"),
+        ]
+    return rows

@@ -1,0 +1,154 @@
+"""One run of one solver on one scene, and many of them through an executor.
+
+A run never raises for what a scene or a solver did: it carries the failure, so that a report shows it.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor, Future, as_completed
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from scene import Scene, SceneError, Trace
+from validation import solvers
+from validation.cases import Case
+from validation.cycles import cycle_times
+from validation.observables import Observables, cycle_losses, observe
+
+
+@dataclass(frozen=True)
+class Run:
+    """What came out of one solver on one scene.
+
+    Parameters
+    ----------
+    scene, solver : str
+        Names.
+    trace : Trace or None
+        ``None`` if the solver gave no answer at all; then ``failure`` says why.
+    failure : str
+        One line.
+    refused : bool
+        Whether the solver does not take this scene (as opposed to a breakdown).
+    details : str
+        Traceback of a breakdown.
+    wall_seconds : float
+        As measured around the call, imports excluded.
+    """
+
+    scene: str
+    solver: str
+    trace: Trace | None = None
+    failure: str = ""
+    refused: bool = False
+    details: str = ""
+    wall_seconds: float = 0.0
+    measures: dict[str, float | None] = field(default_factory=dict)
+
+    @property
+    def finished(self) -> bool:
+        """Whether all that was asked has been computed."""
+        return self.trace is not None and self.trace.outcome.finished
+
+    @property
+    def ending(self) -> str:
+        """How it ended, in words."""
+        if self.trace is None:
+            return f"{'refused' if self.refused else 'failed'}: {self.failure}"
+        return f"{self.trace.outcome.kind}: {self.trace.outcome.reason}"
+
+
+def run(
+    case: Case,
+    solver: str,
+    resolution: int | None = None,
+    progress: solvers.Progress | None = None,
+) -> Run:
+    """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step."""
+    begin = time.perf_counter()
+    try:
+        function = solvers.SOLVERS[solver]()
+        begin = time.perf_counter()  # imports are not part of a run
+        trace = function(case.scene, resolution, None, cycle_times(case.scene.loading), progress)
+    except SceneError as error:
+        return Run(case.name, solver, failure=str(error), refused=True)
+    except Exception as error:
+        said = " ".join(str(error).split())
+        return Run(
+            case.name,
+            solver,
+            failure=f"{type(error).__name__}: {said}" if said else type(error).__name__,
+            details=traceback.format_exc(),
+            wall_seconds=time.perf_counter() - begin,
+        )
+    seconds = time.perf_counter() - begin
+    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
+    if broken:
+        return Run(case.name, solver, failure=f"not finite: {', '.join(broken)}", wall_seconds=seconds)
+    return Run(case.name, solver, trace, wall_seconds=seconds, measures=measure(trace, case.scene, seconds))
+
+
+def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
+    """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
+    found: dict[str, float | None] = dict(observe(trace).as_dict())
+    stored = float(trace.stored_energy.max()) if len(trace) else 0.0
+    found["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
+    cycles = cycle_losses(trace, cycle_times(scene.loading))
+    peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
+    found["peak_cycle_loss"] = peak.loop if peak else None
+    found["peak_cycle_frequency"] = peak.angular_frequency if peak else None
+    found |= {f"counters.{name}": float(count) for name, count in asdict(trace.counters).items()}
+    found["wall_seconds"] = wall_seconds
+    return found
+
+
+def summary(result: Run) -> dict[str, Any]:
+    """Contents of ``summary.json``; ``None`` where something does not apply."""
+    trace = result.trace
+    return {
+        "solver": result.solver,
+        "scene": result.scene,
+        "outcome": str(trace.outcome.kind) if trace else ("refused" if result.refused else "failed"),
+        "reason": trace.outcome.reason if trace else result.failure,
+        "finished": result.finished,
+        **Observables().as_dict(),
+        **{name: value for name, value in result.measures.items() if not name.startswith("counters.")},
+        "wall_seconds": result.wall_seconds,
+        "counters": asdict(trace.counters) if trace else None,
+        "error_estimates": dict(trace.errors) if trace else None,
+        "events": [asdict(event) for event in trace.events] if trace else [],
+    }
+
+
+def run_all(
+    tasks: Iterable[tuple[Case, str]],
+    executor: Executor | None = None,
+    done: Callable[[Run], None] = lambda result: None,
+) -> dict[tuple[str, str], Run]:
+    """Run ``(case, solver)`` pairs, here or through any ``concurrent.futures`` executor.
+
+    ``done`` is called as each run ends. The answer is keyed by scene and solver, in the order of ``tasks``.
+    """
+    todo = list(tasks)
+    results: dict[tuple[str, str], Run] = {}
+    if executor is None:
+        for case, solver in todo:
+            results[case.name, solver] = run(case, solver)
+            done(results[case.name, solver])
+        return results
+    futures: dict[Future[Run], tuple[str, str]] = {
+        executor.submit(run, case, solver): (case.name, solver) for case, solver in todo
+    }
+    for future in as_completed(futures):
+        name, solver = futures[future]
+        try:
+            results[name, solver] = future.result()
+        except Exception as error:  # a worker that died takes its run along, not the report
+            results[name, solver] = Run(name, solver, failure=f"{type(error).__name__}: {error}")
+        done(results[name, solver])
+    return {(case.name, solver): results[case.name, solver] for case, solver in todo}
