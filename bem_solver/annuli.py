@@ -1,0 +1,104 @@
+"""Annuli that travel with the contact edge, and the one factorisation they need.
+
+On the unit contact the borders are ``sin(pi j/2M)`` and the collocation radii ``sin(pi (j + 1/2)/2M)``. Because
+the kernel is scale-free this grid serves every contact radius: the edge is continuous, the matrix is
+factorised once. The error of piecewise constant pressure under an edge singularity is the same pattern on
+every grid, known from the flat punch, whose pressure ``1/(pi sqrt(1 - x^2))`` and displacement
+``(2/pi) arcsin(1/x)`` are exact: the singular part of every solution is taken out with them, and annuli carry
+the rest. Unit plane modulus; lengths in contact radii.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgetrf, dgetrs
+
+from bem_solver.kernel import annulus_influence
+
+Array = NDArray[np.float64]
+
+
+def even_cubic(values: Array, position: Array) -> Array:
+    """Cubic Lagrange interpolation of samples at half-integers, even about both ends.
+
+    ``values`` (n,) stand at 0.5, 1.5, ...; ``position`` in [0, n], any shape.
+    """
+    padded = np.concatenate((values[1::-1], values, values[:-3:-1]))
+    y = position + 1.5
+    first = np.clip(y.astype(int) - 1, 0, len(padded) - 4)
+    return _lagrange(padded, first, y - first)
+
+
+def _lagrange(samples: Array, first: NDArray[np.intp], z: Array) -> Array:
+    """Cubic through ``samples[first .. first + 3]`` at offset ``z`` from the first."""
+    z1, z2, z3 = z - 1.0, z - 2.0, z - 3.0
+    return (
+        -z1 * z2 * z3 / 6.0 * samples[first]
+        + 0.5 * z * z2 * z3 * samples[first + 1]
+        - 0.5 * z * z1 * z3 * samples[first + 2]
+        + z * z1 * z2 / 6.0 * samples[first + 3]
+    )
+
+
+class Annuli:
+    """``count`` annuli on the unit contact, with the factorised influence matrix.
+
+    Attributes
+    ----------
+    borders : ndarray (M + 1,), radii, areas : ndarray (M,)
+        Annulus borders, collocation radii and areas.
+    matrix : ndarray (M, M)
+        Displacement at the collocation radii under unit pressure on each annulus.
+    """
+
+    def __init__(self, count: int) -> None:
+        angle = 0.5 * np.pi * np.arange(count + 1) / count
+        middle = 0.5 * (angle[1:] + angle[:-1])
+        self.count = count
+        self.borders = np.sin(angle)
+        self.radii = np.sin(middle)
+        self.areas = np.pi * np.diff(self.borders**2)
+        self.matrix = annulus_influence(self.radii, self.borders)
+        self._factors, self._pivots, info = dgetrf(self.matrix)
+        if info:  # cannot happen for distinct annuli
+            raise ArithmeticError("the influence matrix is singular")
+        # average of sqrt(1 - x^2) over an annulus of constant pressure
+        self._weight = 0.5 * (np.cos(angle[1:]) + np.cos(angle[:-1]))
+        self.punch = self.solve(np.ones(count))
+        self._punch_density = np.pi * self._weight * self.punch
+        offsets = (np.arange(3) + 0.5) ** 2
+        self._edge_fit = np.linalg.inv(np.vander(offsets, 3, increasing=True))[0]
+        # displacement outside, at equal angles arcsin(1/x); the far end, arcsin = 0, is zero
+        self._outside_count = count
+        outside = 1.0 / np.sin(0.5 * np.pi * np.arange(1, count + 1) / count)
+        self._outside = annulus_influence(outside, self.borders)
+
+    def solve(self, displacement: Array) -> Array:
+        """Pressures (M,) or (M, c) that produce the given displacements at the collocation radii."""
+        return dgetrs(self._factors, self._pivots, displacement)[0]
+
+    def density(self, pressure: Array) -> Array:
+        """``q_j = p sqrt(1 - x^2)`` at the collocation angles, edge pattern taken out by the punch, (M,)."""
+        return self._weight * pressure / self._punch_density
+
+    def edge_strength(self, density: Array) -> float:
+        """``kappa = pi q(edge)``: displacement of the flat punch with the same edge singularity."""
+        return float(np.pi * (self._edge_fit @ density[:-4:-1]))
+
+    def outside_field(self, pressure: Array, kappa: float) -> Array:
+        """Samples of the outer displacement without its punch part, at equal angles ``arcsin(1/x)``.
+
+        Returns shape (M + 3,): far end (zero, and its odd continuation) to the edge.
+        """
+        inner = self._outside @ (pressure - kappa * self.punch)
+        # odd about the far end (~1/x); about the edge the samples are continued by a cubic
+        beyond = 4.0 * inner[-1] - 6.0 * inner[-2] + 4.0 * inner[-3] - inner[-4]
+        return np.concatenate(([-inner[0], 0.0], inner, [beyond]))
+
+    def outside(self, field: Array, kappa: float, ratio: Array) -> Array:
+        """Displacement at ``ratio = r/a >= 1`` from the samples of :meth:`outside_field`."""
+        angle = np.arcsin(1.0 / ratio)
+        y = angle * (2.0 * self._outside_count / np.pi) + 1.0
+        first = np.clip(y.astype(int) - 1, 0, len(field) - 4)
+        return kappa * (2.0 / np.pi) * angle + _lagrange(field, first, y - first)

@@ -1,0 +1,131 @@
+"""One surface point as a viscoelastic element: Voigt chain outside the contact, Maxwell chain inside.
+
+With ``v`` the displacement the present pressure would cause at unit plane modulus, the paper's
+Eq. convolution reads ``w = int J*(t - t') dv(t')`` at every radius separately, ``w`` the surface displacement
+and ``J* = (1 - nu^2) J``. Outside the contact ``v`` is known and ``w`` creeps; inside ``w`` is prescribed and
+``v`` relaxes. Two sets of internal variables describe the same state:
+
+- Voigt lags ``l_k = J_k v - e_k`` with ``dl_k/dt = J_k dv/dt - l_k/theta_k`` and ``w = v/E0 - sum l_k``;
+- Maxwell stresses ``b_j`` with ``db_j/dt = E_j dw/dt - b_j/tau_j`` and ``v = E0 w + sum b_j``.
+
+Both dissipate ``sum b_j^2/(E_j tau_j) = sum l_k^2/(J_k theta_k)``, for every state; scaled by those square
+roots (the variables stored here) they are therefore images of each other under an *orthogonal* matrix,
+``Q_kj = sqrt(E_j tau_j J_k theta_k)/(theta_k - tau_j)``. Either recursion is exact when its input is linear in
+time, unconditionally stable, and tends to the elastic limits for steps from 0 to infinity.
+The paper's scheme (Eq. linear system) is the same with backward Euler factors.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import dawsn, erf, erfcx
+
+from scene import Material
+
+Array = NDArray[np.float64]
+
+
+def phi(y: Array) -> Array:
+    """``(1 - exp(-y))/y``, the average of ``exp(-y x)`` over 0 <= x <= 1; phi(0) = 1."""
+    return np.divide(-np.expm1(-y), y, out=np.ones_like(y), where=y > 0)
+
+
+class Chain:
+    """The material as seen by one surface point.
+
+    Attributes
+    ----------
+    relaxed, glassy : float
+        Plane moduli ``E0*`` and ``Einf*``.
+    relaxation, retardation : ndarray (K,)
+        Relaxation times ``tau`` and retardation times ``theta``.
+    stress_scale, lag_scale : ndarray (K,)
+        ``sqrt(E_j tau_j)`` and ``sqrt(J_k theta_k)``: stored variable -> stress, lag.
+    rotation : ndarray (K, K)
+        ``Q``; lags = Q @ stresses (both scaled).
+    compliances : ndarray (K,)
+        ``J_k``, plane.
+    """
+
+    def __init__(self, material: Material, backward_euler: bool = False) -> None:
+        plane = 1.0 - material.poisson**2
+        moduli, times = material.spectrum
+        creep = material.creep
+        self.backward_euler = backward_euler
+        self.relaxed = material.modulus / plane
+        self.glassy = material.glassy_modulus / plane
+        self.relaxation = times
+        self.retardation = creep.times
+        self.compliances = plane * creep.compliances
+        self.stress_scale = np.sqrt(moduli / plane * times)
+        self.lag_scale = np.sqrt(self.compliances * self.retardation)
+        gap = self.retardation[:, None] - times[None, :]
+        if times.size:
+            smallest = np.finfo(float).tiny
+            rotation = np.outer(self.lag_scale, self.stress_scale) / np.where(gap == 0, smallest, gap)
+            # each column has length one; dividing restores it where theta and tau nearly coincide
+            self.rotation = rotation / np.linalg.norm(rotation, axis=0)
+        else:
+            self.rotation = np.empty((0, 0))
+
+    def __len__(self) -> int:
+        return len(self.relaxation)
+
+    def decay(self, y: Array) -> Array:
+        """What is left of an internal variable after ``y`` = step/time."""
+        return 1.0 / (1.0 + y) if self.backward_euler else np.exp(-y)
+
+    def spread(self, y: Array) -> Array:
+        """Share of an increment spread evenly over a step that is still there at its end."""
+        return 1.0 / (1.0 + y) if self.backward_euler else phi(y)
+
+    def spread_to_edge(self, y: Array) -> Array:
+        """As :meth:`spread`, the increment following ``-sqrt(distance)`` to an edge arriving at the end."""
+        if self.backward_euler:
+            return self.spread(y)
+        root = np.sqrt(y)
+        return np.divide(0.5 * np.sqrt(np.pi) * erf(root), root, out=np.ones_like(y), where=root > 0)
+
+    def spread_from_edge(self, y: Array) -> Array:
+        """As :meth:`spread`, the increment following ``-sqrt(distance)`` to an edge leaving at the start."""
+        if self.backward_euler:
+            return self.spread(y)
+        root = np.sqrt(y)
+        return np.divide(dawsn(root), root, out=np.ones_like(y), where=root > 0)
+
+    def spread_outside(self, y: Array, before: Array, after: Array) -> Array:
+        """As :meth:`spread`, following ``sqrt(distance)`` while the edge moves at constant speed.
+
+        ``before`` and ``after`` (m, 1) are the distances from the edge at both ends of the step, ``y`` (m, K).
+        ``int exp(-y (1 - x)) d sqrt(distance)`` is Dawson's integral for a receding edge and a scaled error
+        function for an advancing one.
+        """
+        if self.backward_euler:
+            return self.spread(y)
+        s0, s1 = np.sqrt(before), np.sqrt(after)
+        change = s1 - s0
+        far = np.abs(change) < 1e-3 * (s0 + s1)  # there sqrt is linear and the difference loses digits
+        safe = np.where(far, 1.0, change)
+        c = np.sqrt(y / np.where(far, 1.0, np.abs(after - before)))
+        tail = np.exp(-y)
+        receding = dawsn(c * s1) - tail * dawsn(c * s0)
+        advancing = 0.5 * np.sqrt(np.pi) * (erfcx(c * s1) - tail * erfcx(c * s0))
+        share = np.where(change > 0, receding, -advancing)
+        return np.where(far | (y == 0), self.spread(y), np.divide(share, c * safe, out=phi(y), where=y > 0))
+
+    def stress(self, variables: Array) -> Array:
+        """``sum b_j`` (m,) from stored variables (m, K)."""
+        return variables @ self.stress_scale
+
+    def lag(self, lags: Array) -> Array:
+        """``sum l_k`` (m,) from scaled lags (m, K)."""
+        return lags @ self.lag_scale
+
+    def from_strains(self, strains: Array, load: Array) -> Array:
+        """Stored variables (m, K) from scaled Voigt strains ``e_k/sqrt(J_k theta_k)`` (m, K) and ``v`` (m,)."""
+        return (load[:, None] * (self.lag_scale / self.retardation) - strains) @ self.rotation
+
+    def to_strains(self, variables: Array, load: Array) -> Array:
+        """Inverse of :meth:`from_strains`."""
+        return load[:, None] * (self.lag_scale / self.retardation) - variables @ self.rotation.T

@@ -1,0 +1,118 @@
+"""What the surface remembers: internal variables on nodes that stay where they are.
+
+Each side of the edge keeps the variables that are smooth there: scaled Maxwell stresses inside, where ``v`` has
+no singularity, and scaled Voigt strains outside, which do not carry the square root that ``v`` has at the edge.
+Nodes are laid where the edge goes, graded towards it, and taken out again where a straight line through
+their neighbours says the same to the stated tolerance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Track:
+    """Nodes at ``radius`` (n,), rising, and their internal variables ``state`` (n, K)."""
+
+    radius: Array
+    state: Array
+
+    @cached_property
+    def slope(self) -> Array:
+        """Derivatives (n, K) at the nodes: of the parabola through each node and its neighbours."""
+        gap = np.diff(self.radius)[:, None]
+        secant = np.diff(self.state, axis=0) / gap
+        if len(gap) < 2:
+            return np.repeat(secant, 2, axis=0)
+        left, right = gap[:-1], gap[1:]
+        middle = (secant[:-1] * right + secant[1:] * left) / (left + right)
+        first, last = 2.0 * secant[:1] - middle[:1], 2.0 * secant[-1:] - middle[-1:]
+        return np.concatenate((first, middle, last))
+
+    def at(self, radius: Array) -> Array:
+        """Variables (m, K) at any radii (m,), by cubics through values and slopes; constant beyond the ends."""
+        if len(self.radius) == 0:
+            return np.zeros((len(radius), self.state.shape[1]))
+        if len(self.radius) == 1:
+            return np.repeat(self.state, len(radius), axis=0)
+        right = np.clip(np.searchsorted(self.radius, radius), 1, len(self.radius) - 1)
+        left = right - 1
+        x0 = self.radius[left]
+        width = self.radius[right] - x0
+        z = np.clip((radius - x0) / width, 0.0, 1.0)
+        up = z * z * (3.0 - 2.0 * z)
+        in_slope, out_slope = width * z * (1.0 - z) ** 2, width * z * z * (z - 1.0)
+        y0, slope = self.state[left], self.slope
+        return (
+            y0
+            + up[:, None] * (self.state[right] - y0)
+            + in_slope[:, None] * slope[left]
+            + out_slope[:, None] * slope[right]
+        )
+
+    def thinned(self, tolerance: float, spacing: Array, parity: int) -> Track:
+        """Without every second node that its neighbours reproduce; both ends stay.
+
+        Parameters
+        ----------
+        tolerance : float
+            Largest change of any variable, in their own unit.
+        spacing : ndarray (n,)
+            Largest distance allowed between neighbours.
+        parity : int
+            0 or 1: which nodes are looked at.
+        """
+        i = np.arange(1 + parity, len(self.radius) - 1, 2)
+        if len(i) == 0:
+            return self
+        x0, x, x1 = self.radius[i - 1], self.radius[i], self.radius[i + 1]
+        share = ((x - x0) / (x1 - x0))[:, None]
+        change = np.abs(self.state[i - 1] * (1 - share) + self.state[i + 1] * share - self.state[i]).max(axis=1)
+        keep = np.ones(len(self.radius), bool)
+        keep[i[(change <= tolerance) & (x1 - x0 <= spacing[i])]] = False
+        return Track(self.radius[keep], self.state[keep])
+
+
+@dataclass(frozen=True)
+class History:
+    """Scaled Maxwell stresses up to the edge, scaled Voigt strains from the edge on."""
+
+    inner: Track
+    outer: Track
+
+    @property
+    def radius(self) -> Array:
+        """All nodes, rising, the edge once."""
+        return np.union1d(self.inner.radius, self.outer.radius)
+
+    @classmethod
+    def blank(cls, branches: int) -> History:
+        """Nothing has happened yet."""
+        nothing = Track(np.empty(0), np.empty((0, branches)))
+        return cls(nothing, nothing)
+
+
+def distinct(radius: Array) -> Array:
+    """Sorted radii without near-duplicates, whose slopes would mean nothing."""
+    merged = np.unique(radius)
+    return merged[np.concatenate(([True], np.diff(merged) > 1e-12 * merged[1:]))]
+
+
+def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:
+    """Collocation radii within ``reach`` inside the edge, their mirror images outside, and the edge."""
+    inside = edge * annuli_radii
+    inside = inside[inside >= edge - reach]
+    return np.concatenate((inside, [edge], 2.0 * edge - inside))
+
+
+def gaps_to_halve(radius: Array, spacing: Array) -> Array:
+    """Mid-points of the intervals that are longer than ``spacing`` (n - 1,) allows."""
+    wide = np.diff(radius) > spacing
+    return 0.5 * (radius[1:] + radius[:-1])[wide]

@@ -1,0 +1,146 @@
+"""Surface points over one step, while the edge moves at constant speed from one radius to another.
+
+A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside, then
+outside). Inside, displacement is linear in time and the Maxwell recursion exact; outside, ``v`` follows the
+square root of the distance to the moving edge and the Voigt recursion is exact for that. A covered point
+meets the indenter at the moment the edge passes; a released one is let go, glassy, at that moment.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem_solver.creep import Chain
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One step: duration, and edge and penetration at both ends."""
+
+    duration: float
+    edge: float
+    new_edge: float
+    penetration: float
+    new_penetration: float
+
+    def passing(self, radius: Array) -> Array:
+        """Share of the step after which the edge passes radii between its two ends."""
+        return np.clip((radius - self.edge) / (self.new_edge - self.edge), 0.0, 1.0)
+
+    def penetration_at(self, share: Array) -> Array:
+        """Penetration after a share of the step."""
+        return self.penetration + share * (self.new_penetration - self.penetration)
+
+
+@dataclass(frozen=True)
+class Points:
+    """Radii (m,), indenter heights there, and their state at the start of the step.
+
+    ``variables`` (m, K) are scaled Maxwell stresses, ``load`` the displacement ``v`` at unit modulus and
+    ``displacement`` ``w``, each (m,).
+    """
+
+    radius: Array
+    height: Array
+    variables: Array
+    load: Array
+    displacement: Array
+
+    def __getitem__(self, chosen: Array) -> Points:
+        return Points(
+            self.radius[chosen],
+            self.height[chosen],
+            self.variables[chosen],
+            self.load[chosen],
+            self.displacement[chosen],
+        )
+
+    def __len__(self) -> int:
+        return len(self.radius)
+
+
+def pressed(chain: Chain, variables: Array, rise: Array, duration: float | Array) -> Array:
+    """Variables after ``w`` rose linearly by ``rise`` (m,) over ``duration`` (scalar or (m,))."""
+    y = np.asarray(duration, float)[..., None] / chain.relaxation
+    response = chain.stress_scale / chain.relaxation * chain.spread(y)
+    return chain.decay(y) * variables + response * rise[:, None]
+
+
+def load_inside(chain: Chain, variables: Array, displacement: Array) -> Array:
+    """``v = E0 w + sum b``."""
+    return chain.relaxed * displacement + chain.stress(variables)
+
+
+def covered(chain: Chain, points: Points, motion: Motion) -> Array:
+    """Variables of points that the advancing edge passes."""
+    share = motion.passing(points.radius)
+    y = (share * motion.duration)[:, None] / chain.retardation
+    weight = chain.spread_to_edge(y)
+    lags = chain.decay(y) * (points.variables @ chain.rotation.T)
+    meeting = motion.penetration_at(share) - points.height
+    # w = v/E0 - sum l at the moment of contact, with l = decay l + sqrt(J/theta) weight (v - v_n)
+    per_load = weight @ chain.compliances
+    load = (meeting + chain.lag(lags) - per_load * points.load) / (1.0 / chain.relaxed - per_load)
+    lags = lags + weight * (chain.lag_scale / chain.retardation) * (load - points.load)[:, None]
+    rise = motion.new_penetration - points.height - meeting
+    return pressed(chain, lags @ chain.rotation, rise, (1.0 - share) * motion.duration)
+
+
+def released(chain: Chain, points: Points, motion: Motion, new_load: Array) -> Array:
+    """Variables of points that the receding edge passes; ``new_load`` is ``v`` at the end."""
+    share = motion.passing(points.radius)
+    leaving = motion.penetration_at(share) - points.height
+    at_release = pressed(chain, points.variables, leaving - points.displacement, share * motion.duration)
+    load = load_inside(chain, at_release, leaving)
+    y = ((1.0 - share) * motion.duration)[:, None] / chain.retardation
+    lags = chain.decay(y) * (at_release @ chain.rotation.T)
+    lags += chain.spread_from_edge(y) * (chain.lag_scale / chain.retardation) * (new_load - load)[:, None]
+    return lags @ chain.rotation
+
+
+def free(chain: Chain, points: Points, motion: Motion, new_load: Array) -> Array:
+    """Variables of points outside all the time."""
+    y = np.full((len(points), 1), motion.duration) / chain.retardation
+    before = (points.radius - motion.edge)[:, None]
+    after = (points.radius - motion.new_edge)[:, None]
+    lags = chain.decay(y) * (points.variables @ chain.rotation.T)
+    weight = chain.spread_outside(y, before, after)
+    lags += weight * (chain.lag_scale / chain.retardation) * (new_load - points.load)[:, None]
+    return lags @ chain.rotation
+
+
+def displacement_outside(chain: Chain, variables: Array, load: Array) -> Array:
+    """``w = v/E0 - sum l``."""
+    return load / chain.relaxed - chain.lag(variables @ chain.rotation.T)
+
+
+def advanced(chain: Chain, points: Points, motion: Motion, new_load: Array | None) -> Array:
+    """Variables of any points at the end of the step, shape (m, K).
+
+    ``new_load`` (m,) is used outside the new edge only; ``None`` when all points are inside it.
+    """
+    inside_before = (points.radius <= motion.edge) & (motion.edge > 0.0)
+    inside_after = points.radius <= motion.new_edge
+    result = np.empty_like(points.variables)
+    stays = inside_before & inside_after
+    if stays.any():
+        some = points[stays]
+        rise = motion.new_penetration - some.height - some.displacement
+        result[stays] = pressed(chain, some.variables, rise, motion.duration)
+    joins = ~inside_before & inside_after
+    if joins.any():
+        result[joins] = covered(chain, points[joins], motion)
+    if new_load is None:
+        return result
+    leaves = inside_before & ~inside_after
+    if leaves.any():
+        result[leaves] = released(chain, points[leaves], motion, new_load[leaves])
+    out = ~inside_before & ~inside_after
+    if out.any():
+        result[out] = free(chain, points[out], motion, new_load[out])
+    return result

@@ -1,0 +1,91 @@
+"""Rows of the trace as the run goes on; nothing is computed here that the trace does not hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bem_solver.creep import Chain
+from bem_solver.energy import Energies
+from bem_solver.trial import Front
+from scene import Counters, Event, Outcome, Profile, Trace
+
+
+@dataclass
+class Recorder:
+    """Collects rows; ``work`` is the work of adhesion."""
+
+    chain: Chain
+    work: float
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    profiles: list[Profile] = field(default_factory=list)
+
+    def row(self, front: Front, energies: Energies) -> None:
+        """One accepted state."""
+        self.rows.append(
+            (
+                front.time,
+                front.penetration,
+                front.surface.force,
+                front.edge,
+                energies.stored(self.chain),
+                energies.dissipated,
+                front.surface.stress_intensity,
+            )
+        )
+
+    def event(self, kind: str, front: Front) -> None:
+        """An instability at the committed state."""
+        self.events.append(Event(kind, front.time, front.penetration, front.surface.force, front.edge))
+
+    def trace(self, outcome: Outcome, counters: Counters, seconds: float) -> Trace:
+        """The finished trace; the loss is what the energy balance (Eq. energybalance) leaves."""
+        time, penetration, force, radius, stored, branch, intensity = (
+            np.array(column) for column in zip(*self.rows, strict=True)
+        )
+        steps = 0.5 * (force[1:] + force[:-1]) * np.diff(penetration)
+        external = np.concatenate(([0.0], np.cumsum(steps)))
+        area = np.pi * radius**2
+        dissipated = external + self.work * (area - area[0]) - (stored - stored[0])
+        return Trace(
+            solver="bem",
+            time=time,
+            penetration=penetration,
+            force=force,
+            contact_radius=radius,
+            stored_energy=stored,
+            external_work=external,
+            dissipated_energy=dissipated,
+            outcome=outcome,
+            counters=counters,
+            extra={
+                "branch_dissipation": branch,
+                "stress_intensity_factor": intensity,
+                "energy_release_rate": release_rate(stored, force, penetration, area, self.work),
+            },
+            events=tuple(self.events),
+            profiles=tuple(self.profiles),
+            wall_seconds=seconds,
+        )
+
+
+def release_rate(
+    stored: np.ndarray, force: np.ndarray, penetration: np.ndarray, area: np.ndarray, work: float
+) -> np.ndarray:
+    """``G = (dU - F dD)/dA`` (Eq. enrelrate) between neighbouring rows, shape (n,).
+
+    Where the area hardly moves (less than 1e-5 of its largest value over two steps) the quotient says
+    nothing: there the work of adhesion stands, its value without dissipation.
+    """
+    result = np.full(len(area), work)
+    if len(area) < 3:
+        return result
+    mean = 0.5 * (force[1:] + force[:-1]) * np.diff(penetration)
+    energy = np.diff(stored) - mean
+    change = area[2:] - area[:-2]
+    moving = np.abs(change) > 1e-5 * area.max()
+    inner = result[1:-1]
+    inner[moving] = (energy[1:] + energy[:-1])[moving] / change[moving]
+    return result

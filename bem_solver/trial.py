@@ -1,0 +1,148 @@
+"""A trial: the surface for a given edge and step, and by how much it misses the closure.
+
+Nothing here changes the committed state (``Front``); only the loop in ``stepping`` does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem_solver.annuli import Annuli
+from bem_solver.closure import closure_integral, inner_distances
+from bem_solver.creep import Chain
+from bem_solver.history import History
+from bem_solver.points import Motion, Points, advanced, displacement_outside, load_inside
+from bem_solver.surface import Surface
+from scene import Counters, Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What stays the same over a run.
+
+    ``zone`` and ``work`` are zero without adhesion; ``length`` is the length on which the edge is resolved.
+    """
+
+    scene: Scene
+    annuli: Annuli
+    chain: Chain
+    zone: float
+    work: float
+    length: float
+    counters: Counters
+
+    @property
+    def remembers(self) -> bool:
+        """Whether there is a history at all."""
+        return len(self.chain) > 0
+
+
+@dataclass(frozen=True)
+class Front:
+    """Committed state: the surface, its history, time and penetration."""
+
+    time: float
+    penetration: float
+    surface: Surface
+    history: History
+
+    @property
+    def edge(self) -> float:
+        """Contact radius."""
+        return self.surface.edge
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Surface at the end of a trial step; ``residual`` > 0 where the edge wants to recede."""
+
+    motion: Motion
+    surface: Surface
+    residual: float
+    closure: float
+
+
+def points_at(problem: Problem, front: Front, radius: Array) -> Points:
+    """State of surface points at the start of a step."""
+    chain, history = problem.chain, front.history
+    height = problem.scene.indenter.height(radius)
+    inside = (radius <= front.edge) & (front.edge > 0.0)
+    displacement = front.penetration - height
+    if inside.all():
+        variables = history.inner.at(radius)
+        return Points(radius, height, variables, load_inside(chain, variables, displacement), displacement)
+    load = np.empty(len(radius))
+    variables = np.empty((len(radius), len(chain)))
+    variables[inside] = history.inner.at(radius[inside])
+    load[inside] = load_inside(chain, variables[inside], displacement[inside])
+    outside = ~inside
+    load[outside] = front.surface.outside(radius[outside])
+    variables[outside] = chain.from_strains(history.outer.at(radius[outside]), load[outside])
+    displacement[outside] = displacement_outside(chain, variables[outside], load[outside])
+    return Points(radius, height, variables, load, displacement)
+
+
+def _required_load(problem: Problem, points: Points, motion: Motion) -> Array:
+    """``v`` at radii inside the new edge."""
+    wanted = motion.new_penetration - points.height
+    if not problem.remembers:
+        return problem.chain.relaxed * wanted
+    problem.counters.history_updates += 1
+    return load_inside(problem.chain, advanced(problem.chain, points, motion, None), wanted)
+
+
+def evaluate(
+    problem: Problem, front: Front, duration: float, edge: float, control: str, value: float
+) -> Trial:
+    """The surface with the edge at ``edge`` after ``duration``, and its residual.
+
+    Parameters
+    ----------
+    control : "penetration" or "force"
+        Which of the two has ``value`` at the end of the step.
+    """
+    annuli, counters = problem.annuli, problem.counters
+    points = points_at(problem, front, edge * annuli.radii)
+    if control == "penetration":
+        motion = Motion(duration, front.edge, edge, front.penetration, value)
+        scaled = annuli.solve(_required_load(problem, points, motion))
+        surface = Surface.under(annuli, edge, scaled)
+    else:
+        # everything is affine in the new penetration
+        step = max(abs(front.penetration), 1e-3 * edge)
+        first = Motion(duration, front.edge, edge, front.penetration, front.penetration)
+        second = Motion(duration, front.edge, edge, front.penetration, front.penetration + step)
+        loads = [_required_load(problem, points, m) for m in (first, second)]
+        both = annuli.solve(np.stack(loads, axis=1))
+        one, two = (Surface.under(annuli, edge, both[:, i]).force for i in (0, 1))
+        share = (value - one) / (two - one)
+        motion = Motion(duration, front.edge, edge, front.penetration, front.penetration + share * step)
+        surface = Surface.under(annuli, edge, both[:, 0] + share * (both[:, 1] - both[:, 0]))
+    counters.linear_solves += 1
+    if problem.work == 0.0:
+        return Trial(motion, surface, -surface.kappa, 0.0)
+    counters.closure_evaluations += 1
+    inner = inner_distances(problem.zone, edge)
+    tension = surface.tension(inner)
+    gap = gap_outside(problem, front, motion, surface, edge + problem.zone - inner)
+    value_of = closure_integral(tension, gap, problem.zone, edge)
+    if surface.kappa > 0.0:
+        value_of = -abs(value_of)
+    return Trial(motion, surface, value_of - problem.work, value_of)
+
+
+def gap_outside(problem: Problem, front: Front, motion: Motion, surface: Surface, radius: Array) -> Array:
+    """Gap at radii outside the new edge at the end of the step."""
+    load = surface.outside(radius)
+    points = points_at(problem, front, radius)
+    if problem.remembers:
+        variables = advanced(problem.chain, points, motion, load)
+        displacement = displacement_outside(problem.chain, variables, load)
+    else:
+        displacement = load / problem.chain.relaxed
+    return points.height - motion.new_penetration + displacement
