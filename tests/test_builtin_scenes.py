@@ -14,6 +14,8 @@ from validation.cases import SCENES, SUITES, Expected, load, names, suite
 from validation.checks import check_run
 from validation.compare import against_reference, check_case
 from validation.cycles import cycle_times
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.ting import Ting
 from validation.runs import run
 from validation.scales import units
 
@@ -145,3 +147,40 @@ def test_against_the_reference(bem, monkeypatch):
 def test_without_a_reference_run_the_comparison_is_missing(bem):
     checks = check_case(bem, {"bem": run(bem, "bem"), "reference": run(bem, "nobody")})
     assert [check.note for check in checks if check.quantity == "reference"] == ["no reference run"]
+
+
+@pytest.mark.parametrize("name", ["relaxed-equilibrium", "elastic-relaxed", "elastic-glassy"])
+def test_check_values_of_elastic_scenes_are_those_of_the_finite_zone(name):
+    case = load(name)
+    scene = case.scene
+    exact = FiniteZone(
+        scene.indenter.radius,
+        scene.material.relaxed_plane_modulus,
+        scene.adhesion.work,
+        scene.adhesion.zone,
+    )
+    start = exact.at_penetration(scene.loading.penetration)
+    found = {
+        "start_radius": start.contact_radius,
+        "start_force": start.force,
+        "pull_off_force": -exact.pull_off_force_control().force,
+    }
+    stated = [e for e in case.expected if e.source == "exact elastic field, finite-zone closure"]
+    assert stated
+    for expected in stated:
+        size = units(scene)[expected.unit]
+        assert expected.value * size == pytest.approx(found[expected.observable], rel=1e-6)
+
+
+def test_check_values_of_the_adhesionless_scene_are_those_of_lee_radok_and_ting():
+    case = load("adhesionless-cycle")
+    exact = Ting(case.scene.material, case.scene.indenter, rise=0.05, peak=1.0, fall=0.05)
+    for expected in case.expected:
+        if expected.observable == "detachment_time":
+            found = exact.detachment()
+        elif expected.observable == "detachment_penetration":
+            found = exact.penetration(exact.detachment())
+        else:
+            column = exact.force if expected.observable.endswith("force") else exact.contact_radius
+            found = column(1.0 if expected.at_time is None else expected.at_time)
+        assert expected.value == pytest.approx(float(found), rel=3e-6)
