@@ -88,7 +88,7 @@ def number(
     too_low = result <= low if open_low else result < low
     too_high = result >= high if open_high else result > high
     if too_low or too_high:
-        raise SceneError(key, f"got {result:g}", allowed)
+        raise SceneError(key, f"got {result!r}", allowed)
     return result
 
 

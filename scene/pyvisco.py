@@ -9,8 +9,8 @@ was made in the time or in the frequency domain) has a row of names, a row of un
     ...
 
 ``tau_i`` is a *relaxation* time, ``E_0`` the **instantaneous** (glassy) modulus, the same in every row, and
-``alpha_i = E_i/E_0``, so that ``E(t) = E_0 (1 - sum_i alpha_i + sum_i alpha_i exp(-t/tau_i))``. What the paper
-and this package call ``E0`` is the relaxed modulus, ``E_0 (1 - sum_i alpha_i)``. Shear fits say ``G_0, G_i``
+``alpha_i = E_i/E_0``, so that ``E(t) = E_0 (1 - sum_i alpha_i + sum_i alpha_i exp(-t/tau_i))``. ``E0`` in the
+paper and in this package is the relaxed modulus, ``E_0 (1 - sum_i alpha_i)``. Shear fits say ``G_0, G_i``
 instead; then ``E = 2 (1 + nu) G``.
 
 Numbers are taken as they stand: the scene's unit of time is the file's, and its unit of stress too, unless

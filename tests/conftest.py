@@ -1,0 +1,22 @@
+"""Settings of every test: floating-point errors raise, random examples are the same in every run."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, settings
+
+settings.register_profile(
+    "ci", derandomize=True, deadline=None, database=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.register_profile("explore", parent=settings.get_profile("ci"), derandomize=False, max_examples=2000)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+
+
+@pytest.fixture(autouse=True)
+def _floating_point_errors_raise():
+    """Division by zero, overflow and invalid operations are errors; underflow to zero is not."""
+    with np.errstate(divide="raise", over="raise", invalid="raise"):
+        yield
