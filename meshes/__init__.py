@@ -1,5 +1,14 @@
-"""Meshes of an axisymmetric half-space, fitted to the path of a contact edge."""
+"""Meshes of an axisymmetric half-space, fitted to the path of a contact edge.
 
+`fit` turns plain numbers of a contact problem into declared mesh parameters, `half_space` meshes them (with
+gmsh or, where that is missing, the structured family), `cached` does so once, `ladder` refines.
+Importing this package loads neither gmsh nor meshio.
+"""
+
+from meshes.cache import cache_directory, cached
+from meshes.files import read, write
+from meshes.halfspace import half_space
+from meshes.ladder import domain_ladder, ladder
 from meshes.mesh import BOUNDARIES, HalfSpaceMesh, Quality
 from meshes.parameters import FAMILIES, MeshParameters, fit
 from meshes.structured import structured_half_space
@@ -11,7 +20,14 @@ __all__ = [
     "HalfSpaceMesh",
     "MeshParameters",
     "Quality",
+    "cache_directory",
+    "cached",
+    "domain_ladder",
     "fit",
+    "half_space",
+    "ladder",
+    "read",
     "structured_half_space",
     "surface_radii",
+    "write",
 ]

@@ -29,7 +29,7 @@ class MeshParameters:
     domain_radius : float
         Where the surface meets the far boundary; at least four times ``fine_to``.
     grading : float
-        Growth of the element size per distance from the strip, in (0, 1].
+        Growth of the element size per distance from the strip, in (0, 0.5].
     family : {"gmsh", "structured"}
         Which mesh generator; both give the same surface vertices.
     extra_fine_radius : float, optional
@@ -48,7 +48,7 @@ class MeshParameters:
     fine_from: float
     fine_to: float
     domain_radius: float
-    grading: float = 0.25
+    grading: float = 0.2
     family: str = "gmsh"
     extra_fine_radius: float | None = None
     extra_fine_size: float | None = None
@@ -62,7 +62,7 @@ class MeshParameters:
         _require(self.fine_size > 0, "fine_size", self.fine_size, "a length > 0")
         _require(self.fine_from >= 0, "fine_from", self.fine_from, "a radius >= 0")
         _require(self.fine_to > self.fine_from, "fine_to", self.fine_to, f"a radius > {self.fine_from:g}")
-        _require(0 < self.grading <= 1, "grading", self.grading, "a number in (0, 1]")
+        _require(0 < self.grading <= 0.5, "grading", self.grading, "a number in (0, 0.5]")
         _require(self.family in FAMILIES, "family", self.family, " or ".join(map(repr, FAMILIES)))
         intervals = (self.fine_to - self.fine_from) / self.fine_size
         if intervals > MAX_STRIP_INTERVALS:
@@ -98,7 +98,7 @@ def fit(
     *,
     margin: float = 2.0,
     domain_ratio: float = 400.0,
-    grading: float = 0.25,
+    grading: float = 0.2,
     family: str = "gmsh",
     edge: float | None = None,
 ) -> MeshParameters:

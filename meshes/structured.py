@@ -19,6 +19,9 @@ from meshes.mesh import Array, HalfSpaceMesh, Indices, assemble
 from meshes.parameters import MeshParameters
 from meshes.surface import Layers, layers
 
+#: Vertex distance along a row over the row's thickness: equilateral area for a triangle of the wanted size.
+SPACING = 0.75**0.5
+
 
 @dataclass(frozen=True)
 class _Row:
@@ -60,12 +63,14 @@ def _row(plan: Layers, parameters: MeshParameters, level: int, first: int) -> _R
     if level <= plan.axis:  # down, along, along below the strip, round
         left = 0.0 if level == plan.axis else start - d
         leg = _division(d, size)
-        pieces = [
-            _straight((left, 0.0), (left, -d), leg),
-            _straight((left, -d), (start, -d), leg),
-            _straight((start, -d), (stop, -d), _division(stop - start, size)),
-            _quarter(stop, d, arc),
-        ]
+        down = _straight((left, 0.0), (left, -d), leg)
+        if stop - start > size:
+            along = _straight((left, -d), (start, -d), leg)
+            below = _straight((start, -d), (stop, -d), _division(stop - start, size))
+            pieces = [down, along, below, _quarter(stop, d, arc)]
+        else:  # the part below the strip is too short for elements of its own
+            along = _straight((left, -d), (stop, -d), _division(stop - left, size))
+            pieces = [down, along, _quarter(stop, d, arc)]
         return _Row(_chain(pieces), first, leg, d)
     if stop > 1.5 * size:
         return _Row(
@@ -74,7 +79,7 @@ def _row(plan: Layers, parameters: MeshParameters, level: int, first: int) -> _R
             0,
             d,
         )
-    # far away the part below the strip is too short for an element of its own
+    # far away even the part below strip and axis is too short
     length = stop + 0.5 * np.pi * d
     along = np.linspace(0.0, length, _division(length, size) + 1)
     angle = np.maximum(along - stop, 0.0) / d
@@ -84,7 +89,7 @@ def _row(plan: Layers, parameters: MeshParameters, level: int, first: int) -> _R
 
 
 def _division(length: float, size: float) -> int:
-    return max(1, round(length / size))
+    return max(1, round(length / (SPACING * size)))
 
 
 def _straight(start: tuple[float, float], stop: tuple[float, float], count: int) -> Array:

@@ -43,15 +43,20 @@ def layers(parameters: MeshParameters) -> Layers:
     """Lay out strip and offsets.
 
     Vertex k of the strip is ``origin + k * fine_size`` for whole k, with the extra-fine radius, where there
-    is one, as its origin.
+    is one, as its origin. No interval shorter than half of ``fine_size`` is left between strip and axis.
     """
     size = parameters.fine_size
     edge = parameters.extra_fine_radius
-    origin = parameters.fine_from if edge is None else edge
+    near_axis = parameters.fine_from < 0.5 * size
+    origin = edge if edge is not None else 0.0 if near_axis else parameters.fine_from
     first = math.floor((parameters.fine_from - origin) / size + 1e-9)
     last = math.ceil((parameters.fine_to - origin) / size - 1e-9)
-    if 0.0 < origin + first * size < 0.5 * size or origin + first * size < -1e-9 * size:
-        first += 1
+    on_axis = -round(origin / size)
+    if abs(origin + on_axis * size) < 1e-9 * size:
+        first = max(first, on_axis)
+    else:
+        first = max(first, math.ceil(0.5 - origin / size))
+    last = max(last, first + 1)
     strip: Array = origin + size * np.arange(first, last + 1, dtype=np.float64)
     if abs(strip[0]) < 1e-9 * size:
         strip[0] = 0.0
