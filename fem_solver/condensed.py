@@ -1,0 +1,97 @@
+"""History on the surface alone, for a constant Poisson's ratio.
+
+All moduli relax alike, so every branch variable in the volume is the image of a surface vector. With ``w`` the
+forces that would cause the present displacement in a solid of unit shear modulus, ``u = C w``,
+
+    ``f = G_0 w + sum_k b_k``,   ``b_k' = -b_k/tau_k + G_k w'``,
+
+node by node. Outside the contact ``f = 0`` gives ``w`` without a solve; any field in the body follows from
+``w`` and ``b_k`` by one back-substitution. Clapeyron's theorem turns volume integrals into surface sums:
+stored energy ``1/2 G_0 w^T C w + sum_k b_k^T C b_k/(2 G_k)``, exterior of the mesh included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.prony import Increment, Prony
+from fem_solver.surface import SurfaceOperator
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Response:
+    """What a step makes of new surface forces: ``u = free + C f/modulus``.
+
+    ``free`` (n,) is the displacement the surface would have without forces; ``operator`` holds ``C``.
+    """
+
+    operator: SurfaceOperator
+    modulus: float
+    free: Array
+
+
+@dataclass(frozen=True)
+class CondensedState:
+    """``w`` of shape (n,) and ``branches`` of shape (branches, n)."""
+
+    image: Array
+    branches: Array
+
+
+class CondensedHistory:
+    """Relaxation form on surface vectors."""
+
+    def __init__(self, operator: SurfaceOperator, shear: Prony) -> None:
+        nodes = len(operator.unit)
+        self.operator, self.shear = operator, shear
+        self.state = CondensedState(np.zeros(nodes), np.zeros((len(shear.times), nodes)))
+        self.dissipated = 0.0
+        self.updates = 0
+        self.volume_solves = 0
+        self.factorisations = 1
+
+    def respond(self, dt: float) -> Response:
+        """Response to forces at the end of a step; changes nothing."""
+        step = self.shear.increment(dt)
+        memory = step.memory(self.state.branches, self.state.image)
+        free = -(self.operator.compliance @ memory) / step.modulus
+        return Response(self.operator, step.modulus, free)
+
+    def commit(self, dt: float, response: Response, forces: Array) -> None:
+        """Accept the step that ends with these surface forces."""
+        step: Increment = self.shear.increment(dt)
+        old = self.state
+        image = (forces - step.memory(old.branches, old.image)) / step.modulus
+        if 0.0 < dt < np.inf:
+            self.dissipated += self._loss(dt, image - old.image)
+        self.state = CondensedState(image, step.advance(old.branches, image - old.image))
+        self.updates += 1
+
+    def _loss(self, dt: float, change: Array) -> float:
+        weights = self.shear.loss_weights(dt)
+        driven = self.operator.compliance @ change
+        total = 0.0
+        for k, branch in enumerate(self.state.branches):
+            modulus = self.shear.moduli[k]
+            forms = (branch @ (self.operator.compliance @ branch) / modulus, branch @ driven)
+            total += weights[:, k] @ (*forms, modulus * (change @ driven))
+        return float(total)
+
+    @property
+    def displacement(self) -> Array:
+        """Surface displacement, downwards; shape (n,)."""
+        return self.operator.compliance @ self.state.image
+
+    @property
+    def stored_energy(self) -> float:
+        """Energy of the equilibrium spring and of all branch springs."""
+        image, branches = self.state.image, self.state.branches
+        vectors = np.vstack([image, branches])
+        forms = np.einsum("kn,kn->k", vectors, vectors @ self.operator.compliance)
+        weights = np.append(self.shear.relaxed, 1.0 / self.shear.moduli)
+        return 0.5 * float(weights @ forms)

@@ -1,0 +1,154 @@
+"""Where the contact edge settles: by the closure with adhesion, by vanishing singularity without.
+
+At a fixed instant the response is glassy and reversible in the edge position ``s``, so the closure is one
+function of it. The edge recedes where ``I > dg`` and advances where ``I < dg``; it rests at the first root it
+meets, where ``I`` rises through ``dg``. Beyond the last root the contact is unstable.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+from scipy.optimize import brentq
+
+from fem_solver.release import ContactProblem, EdgeGeometry
+
+_NODE_TOLERANCE = 1e-10
+NO_CONTACT = -1.0
+
+
+class Fate(Enum):
+    """Result of a search for the edge."""
+
+    SETTLED = "settled"
+    RECEDING = "receding"
+    ADVANCING = "advancing"
+
+
+@dataclass(frozen=True)
+class EdgeSearch:
+    """Edge position ``s`` if settled; otherwise the end of the range, and which way it ran."""
+
+    fate: Fate
+    s: float
+
+
+class EdgeLaw(Protocol):
+    """What both laws offer."""
+
+    lowest: float
+
+    def start(self, problem: ContactProblem) -> EdgeSearch:
+        """Largest stable contact."""
+        ...
+
+    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
+        """Follow the edge from ``s`` to where it settles within ``low <= s <= high``."""
+        ...
+
+    def radius(self, problem: ContactProblem, s: float) -> float:
+        """Contact radius of a settled edge."""
+        ...
+
+
+class AdhesiveEdge:
+    """Closure integral equal to the work of adhesion."""
+
+    def __init__(self, geometry: EdgeGeometry, work: float) -> None:
+        self.geometry, self.work = geometry, work
+        zone = geometry.zone or 0.0
+        #: below a contact radius of one process zone the closure has no meaning: the contact is lost
+        self.lowest = geometry.position(zone)
+
+    def _excess(self, problem: ContactProblem, s: float) -> float:
+        value = problem.closure(s) / self.work - 1.0
+        return value if value > -1.0 else -1.0
+
+    def start(self, problem: ContactProblem) -> EdgeSearch:
+        """Scan inwards from the largest contact for the first stable root."""
+        last = self.geometry.last
+        if self._excess(problem, last) <= 0.0:
+            if self.geometry.capped and problem.intensity(last, last) != 0.0:
+                return EdgeSearch(Fate.SETTLED, float(last))
+            return EdgeSearch(Fate.ADVANCING, float(last))
+        for node in range(last - 1, math.ceil(self.lowest) - 1, -1):
+            if self._excess(problem, node) < 0.0:
+                return EdgeSearch(Fate.SETTLED, self._root(problem, float(node), node + 1.0))
+        return EdgeSearch(Fate.RECEDING, self.lowest)
+
+    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
+        """Expand a bracket from ``s`` in the direction the closure asks for."""
+        low, high = max(low, self.lowest), min(high, float(self.geometry.last))
+        here = min(max(s, low), high)
+        excess = self._excess(problem, here)
+        way = -1.0 if excess > 0.0 else 1.0
+        limit = low if way < 0.0 else high
+        stride = 0.25
+        while here != limit:
+            ahead = here + way * stride
+            if (limit - ahead) * way <= 0.0:
+                ahead = limit
+            beyond = self._excess(problem, ahead)
+            if beyond * way >= 0.0:
+                return EdgeSearch(Fate.SETTLED, self._root(problem, min(here, ahead), max(here, ahead)))
+            here, stride = ahead, 2.0 * stride
+        if way > 0.0 and self.geometry.capped and limit == self.geometry.last:
+            return EdgeSearch(Fate.SETTLED, limit)
+        return EdgeSearch(Fate.ADVANCING if way > 0.0 else Fate.RECEDING, limit)
+
+    def _root(self, problem: ContactProblem, low: float, high: float) -> float:
+        return float(brentq(lambda s: self._excess(problem, s), low, high, xtol=_NODE_TOLERANCE, rtol=1e-15))
+
+    def radius(self, problem: ContactProblem, s: float) -> float:
+        """Effective radius of the partly released set."""
+        return self.geometry.radius(s)
+
+
+class AdhesionlessEdge:
+    """No tension inside, no penetration outside: whole nodes, ``s`` an integer."""
+
+    def __init__(self, geometry: EdgeGeometry, positions: list[float]) -> None:
+        self.geometry = geometry
+        self.lowest = NO_CONTACT
+        self._positions = positions
+
+    def start(self, problem: ContactProblem) -> EdgeSearch:
+        """Grow the contact from nothing."""
+        return self.seek(problem, NO_CONTACT, NO_CONTACT, float(self.geometry.last))
+
+    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
+        """Release nodes in tension, or cover nodes that would penetrate, one after the other."""
+        lowest, highest = math.ceil(max(low, NO_CONTACT)), math.floor(min(high, self.geometry.last))
+        m = int(s)
+        while m < highest and self._presses(problem, m + 1):
+            m += 1
+        if m > s:
+            capped = self.geometry.capped and m == self.geometry.last
+            ran = m == highest and not capped and self._presses(problem, m + 1)
+            return EdgeSearch(Fate.ADVANCING if ran else Fate.SETTLED, float(m))
+        while m > lowest and not self._presses(problem, m):
+            m -= 1
+        ran = m == lowest and m > NO_CONTACT and not self._presses(problem, m)
+        return EdgeSearch(Fate.RECEDING if ran else Fate.SETTLED, float(m))
+
+    @staticmethod
+    def _presses(problem: ContactProblem, node: int) -> bool:
+        """Whether contact up to this node leaves it under pressure."""
+        if node < 0:
+            return problem.control == "force" and problem.value > 0.0
+        return problem.intensity(node, float(node)) > 0.0
+
+    def radius(self, problem: ContactProblem, s: float) -> float:
+        """Where the singularity vanishes between the last node inside and the first outside."""
+        m = int(s)
+        if m < 0:
+            return 0.0
+        inside = problem.intensity(m, s)
+        outside = problem.intensity(m + 1, s)
+        here, there = self._positions[m], self._positions[m + 1]
+        if self.geometry.capped and m == self.geometry.last:
+            return self.geometry.radius(s)
+        return here + (there - here) * max(inside, 0.0) / max(inside - outside, 1e-300)

@@ -1,0 +1,178 @@
+"""The discrete half-space: spaces, assembly, one factorisation per ratio of moduli, surface compliance.
+
+Surface quantities point *downwards*: force positive where the indenter presses, displacement positive where
+the surface sinks. Everything here is for unit shear modulus; a solid of shear modulus ``G`` and
+``ratio = G/K`` displaces ``1/G`` times as much, so with a constant Poisson's ratio one factorisation serves
+all times. In unit shear modulus the mixed system is
+
+    ``[ A   -B^T ] [u]   [f]``
+    ``[-B  -ratio M] [p] = [0]``
+
+and the displacement system ``A + V/ratio``.
+
+On the far boundary the Boussinesq displacement of the load is prescribed (see ``farfield``). A nodal force
+``f_i`` enters its amplitude with the weight ``v_i = c_i/c_0``, where ``c_i`` is the displacement of node ``i``
+per unit amplitude and ``c_0`` that of the node at the axis. By Betti's theorem this is the weight with which
+a ring force excites that far field; it differs from one by the order of ``(r_i/R_far)^2``, and it makes the
+compliance ``C_ij = C^0_ij + c_i v_j`` symmetric.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+from scipy.sparse.linalg import SuperLU, splu
+from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector, MeshTri
+
+from fem_solver import forms
+from fem_solver.farfield import boussinesq_shapes
+
+Array = NDArray[np.float64]
+_QUADRATURE_ORDER = 5
+#: Keeps the mixed system quasi-definite, so that symmetric elimination needs no pivoting; changes the
+#: answer in the twelfth digit.
+_LEAST_RATIO = 1e-12
+
+
+class HalfSpace:
+    """Finite-element spaces and unit matrices on a mesh.
+
+    Parameters
+    ----------
+    mesh : object
+        With ``points`` (2, n), ``triangles`` (3, m) and ``boundaries`` "surface", "axis", "far" as (2, k)
+        vertex pairs.
+    mixed : bool
+        Displacement and pressure (right for every Poisson's ratio) or displacement alone.
+    far_field : bool
+        Prescribe the displacement of the total force on the far boundary; otherwise zero.
+    """
+
+    def __init__(self, mesh: Any, mixed: bool = True, far_field: bool = True) -> None:
+        self.mixed = mixed
+        self.mesh = MeshTri(np.ascontiguousarray(mesh.points), np.ascontiguousarray(mesh.triangles))
+        self.basis = Basis(self.mesh, ElementVector(ElementTriP2()), intorder=_QUADRATURE_ORDER)
+        self.deviatoric = forms.deviatoric_stiffness.assemble(self.basis).tocsc()
+        self.unknowns = self.basis.N
+        if mixed:
+            self.pressure_basis = Basis(self.mesh, ElementTriP1(), quadrature=self.basis.quadrature)
+            self.divergence = forms.divergence.assemble(self.basis, self.pressure_basis).tocsc()
+            self.mass = forms.pressure_mass.assemble(self.pressure_basis).tocsc()
+            self.unknowns += self.pressure_basis.N
+        else:
+            self.volumetric = forms.volumetric_stiffness.assemble(self.basis).tocsc()
+        facets = {name: self._facets(pairs) for name, pairs in mesh.boundaries.items()}
+        self._find_surface(facets["surface"])
+        self._constrain(facets["axis"], facets["far"], far_field)
+
+    def _facets(self, pairs: NDArray[np.integer]) -> NDArray[np.integer]:
+        """Facet numbers of edges given by their end vertices."""
+        count = self.mesh.p.shape[1]
+        known = np.sort(self.mesh.facets, axis=0)
+        keys = known[0].astype(np.int64) * count + known[1]
+        order = np.argsort(keys)
+        wanted = np.sort(np.asarray(pairs), axis=0)
+        sought = wanted[0].astype(np.int64) * count + wanted[1]
+        return order[np.searchsorted(keys, sought, sorter=order)]
+
+    def _find_surface(self, facets: NDArray[np.integer]) -> None:
+        vertices = np.unique(self.mesh.facets[:, facets])
+        dofs = np.concatenate([self.basis.nodal_dofs[1, vertices], self.basis.facet_dofs[1, facets]])
+        radii = self.basis.doflocs[0, dofs]
+        order = np.argsort(radii)
+        self.surface_dofs = dofs[order]
+        self.radii: Array = radii[order]
+
+    def _constrain(
+        self, axis: NDArray[np.integer], far: NDArray[np.integer], far_field: bool
+    ) -> None:
+        on_axis = np.unique(self.mesh.facets[:, axis])
+        on_far = np.unique(self.mesh.facets[:, far])
+        rollers = np.concatenate([self.basis.nodal_dofs[0, on_axis], self.basis.facet_dofs[0, axis]])
+        nodes = [self.basis.nodal_dofs[:, on_far], self.basis.facet_dofs[:, far]]
+        radial, vertical = np.hstack(nodes)
+        self.far_shapes = np.zeros((2, self.unknowns))
+        if far_field:
+            for row, shape in enumerate(boussinesq_shapes(self.basis.doflocs[:, radial])):
+                self.far_shapes[row, radial], self.far_shapes[row, vertical] = shape
+        held = np.concatenate([rollers, radial, vertical])
+        self.far_shapes[:, rollers] = 0.0
+        self.free = np.setdiff1d(np.arange(self.unknowns), held)
+
+    def matrix(self, ratio: float) -> sparse.csc_matrix:
+        """The whole system for unit shear modulus and ``ratio = G/K`` (zero if incompressible)."""
+        if not self.mixed:
+            return (self.deviatoric + self.volumetric / ratio).tocsc()
+        return sparse.bmat(
+            [[self.deviatoric, -self.divergence.T], [-self.divergence, -ratio * self.mass]], format="csc"
+        )
+
+    def factorise(self, ratio: float) -> Factorisation:
+        """Factorise the constrained system."""
+        whole = self.matrix(max(ratio, _LEAST_RATIO) if self.mixed else ratio)
+        rows = whole[self.free]
+        inner = rows[:, self.free].tocsc()
+        symmetric = {"SymmetricMode": True}
+        factor = splu(inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
+        shapes = self.far_shapes
+        lifted = np.stack([-(rows @ shape) for shape in shapes])
+        return Factorisation(self, ratio, factor, lifted)
+
+
+@dataclass
+class Factorisation:
+    """Factors of the constrained system for one ratio of moduli."""
+
+    space: HalfSpace
+    ratio: float
+    factor: SuperLU
+    lifted: Array
+    solves: int = field(default=0)
+
+    @property
+    def far_mix(self) -> Array:
+        """Weights of the two far shapes for an elastic solid of unit shear modulus, shape (2,)."""
+        return np.array([1.0, 3.0 * self.ratio / (3.0 + self.ratio)])
+
+    def solve(self, load: Array, far: Array) -> Array:
+        """Displacement (and pressure) for a right-hand side and far-field amplitudes.
+
+        Parameters
+        ----------
+        load : ndarray, shape (unknowns,)
+            Nodal forces along the coordinates, for unit shear modulus.
+        far : ndarray, shape (2,)
+            Amplitudes of the two far shapes.
+        """
+        self.solves += 1
+        result = far @ self.space.far_shapes
+        result[self.space.free] = self.factor.solve(load[self.space.free] + far @ self.lifted)
+        return result
+
+    def compliance(self, count: int) -> tuple[Array, Array]:
+        """Surface compliance of the first ``count`` surface nodes for unit shear modulus.
+
+        Returns
+        -------
+        clamped : ndarray, shape (count, count)
+            Displacement per nodal force with the far boundary held.
+        far : ndarray, shape (2, count)
+            Displacement per amplitude of each far shape.
+        """
+        space = self.space
+        position = np.full(space.unknowns, -1)
+        position[space.free] = np.arange(space.free.size)
+        rows = position[space.surface_dofs[:count]]
+        clamped = np.empty((count, count))
+        for first in range(0, count, 64):
+            last = min(first + 64, count)
+            load = np.zeros((space.free.size, last - first))
+            load[rows[first:last], np.arange(last - first)] = 1.0
+            clamped[:, first:last] = self.factor.solve(load)[rows]
+        far = np.stack([-self.factor.solve(column)[rows] for column in self.lifted])
+        self.solves += count + 2
+        return clamped, far

@@ -1,0 +1,181 @@
+"""Contact states with a continuous edge, and the node-release closure.
+
+The edge is a real number ``s``: nodes ``0..floor(s)`` are in full contact, the next one carries the fraction
+``s - floor(s)`` of the reaction it would have in full contact. Every state between two neighbouring contact
+sets is thus their linear combination, its total force and contact radius (see ``surface``) too.
+
+The closure ``(1/(2 da)) int sigma(r) g(r + da) dr`` over the process zone is read as the work of the nodal
+reactions ``f_i`` (which contain ``2 pi r``) through the gap one zone further out,
+
+    ``I(s) = (1/(2 da)) sum_i -f_i/(2 pi r_i) g(r_i + da)``.
+
+On a uniform mesh with a whole number of elements per zone a shifted vertex is a vertex and a shifted mid-side
+node a mid-side node; the sum is then the virtual crack closure integral, equal to the discrete energy release
+of an elastic body exactly, with no error from the singular stress. Otherwise the gap at ``r_i + da`` is
+interpolated between the neighbouring nodes *of the same kind*, which keeps that property up to second order:
+interpolation by the quadratic shape functions would mix the two kinds, whose reactions differ by a factor
+of two, and ripple from node to node.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.condensed import Response
+
+Array = NDArray[np.float64]
+
+
+class EdgeGeometry:
+    """Radii that belong to edge positions, and the shift by one process zone.
+
+    Parameters
+    ----------
+    radii : ndarray, shape (n,)
+        Surface nodes, vertices and mid-side nodes in turn, from the axis.
+    effective : ndarray, shape (n,)
+        Contact radius of the sets ``0..m``.
+    zone : float or None
+        Process-zone length; ``None`` without adhesion.
+    reach : float
+        Radius beyond which the mesh is not meant for a contact edge.
+    edge : float
+        Largest radius the indenter touches.
+    """
+
+    def __init__(
+        self, radii: Array, effective: Array, zone: float | None, reach: float, edge: float
+    ) -> None:
+        self.radii, self.effective, self.zone = radii, effective, zone
+        count = len(radii)
+        within = int(np.searchsorted(radii, edge * (1.0 + 1e-9))) - 1
+        span = reach - (zone or 0.0)
+        on_mesh = int(np.searchsorted(radii, span * (1.0 + 1e-9))) - 1
+        self.capped = within <= on_mesh
+        self.last = min(within, on_mesh, count - 2)
+        if zone is not None:
+            self._shift(zone)
+
+    def _shift(self, zone: float) -> None:
+        count = len(self.radii)
+        self.low = np.zeros(count, dtype=int)
+        self.high = np.zeros(count, dtype=int)
+        self.share = np.zeros(count)
+        for kind in (0, 1):
+            nodes = np.arange(kind, count, 2)
+            radii = self.radii[nodes]
+            targets = radii + zone
+            right = np.clip(np.searchsorted(radii, targets * (1.0 - 1e-9)), 1, len(nodes) - 1)
+            width = radii[right] - radii[right - 1]
+            share = np.clip((targets - radii[right - 1]) / width, 0.0, 1.0)
+            self.low[nodes], self.high[nodes], self.share[nodes] = nodes[right - 1], nodes[right], share
+        #: first node whose shifted point can lie outside the contact of the nodes 0..m
+        self.first = np.searchsorted(np.maximum.accumulate(self.high), np.arange(count), side="right")
+
+    def radius(self, s: float) -> float:
+        """Contact radius at the edge position ``s``; 0 at ``s = -1`` (no contact)."""
+        m = int(np.floor(s))
+        inner = self.effective[m] if m >= 0 else 0.0
+        part = s - m
+        return float(inner + part * (self.effective[m + 1] - inner)) if part > 0.0 else float(inner)
+
+    def position(self, radius: float) -> float:
+        """Edge position of a contact radius."""
+        return float(np.interp(radius, self.effective, np.arange(len(self.effective))))
+
+
+class ContactProblem:
+    """All contact states that are possible at one instant, as functions of the edge position.
+
+    Parameters
+    ----------
+    geometry : EdgeGeometry
+    response : Response
+        Of the half-space at that instant.
+    height : ndarray, shape (n,)
+        Indenter profile at the nodes.
+    control : "penetration" or "force"
+    value : float
+        Of the controlled quantity.
+    """
+
+    def __init__(
+        self, geometry: EdgeGeometry, response: Response, height: Array, control: str, value: float
+    ) -> None:
+        self.geometry, self.response = geometry, response
+        self.operator = response.operator
+        self.control, self.value = control, value
+        self._base = -height - response.free
+        self._base_y = self.operator.transform(self._base)
+        self._base_force = np.cumsum(self.operator.unit * self._base_y)
+        self.evaluations = 0
+
+    def penetration(self, s: float) -> float:
+        """Penetration at edge position ``s``; the unknown beside it when the force is prescribed."""
+        if self.control == "penetration":
+            return self.value
+        stiffness, force = self._totals(s)
+        if stiffness == 0.0:  # nothing is touched yet: the lowest point of the indenter just about
+            return -float(self._base.max())
+        return (self.value / self.response.modulus - force) / stiffness
+
+    def force(self, s: float) -> float:
+        """Total force."""
+        if self.control == "force":
+            return self.value
+        stiffness, force = self._totals(s)
+        return self.response.modulus * (stiffness * self.value + force)
+
+    def _totals(self, s: float) -> tuple[float, float]:
+        m = int(np.floor(s))
+        part = s - m
+        stiffness = self.operator.stiffness[m] if m >= 0 else 0.0
+        force = self._base_force[m] if m >= 0 else 0.0
+        if part > 0.0:
+            stiffness = (1.0 - part) * stiffness + part * self.operator.stiffness[m + 1]
+            force = (1.0 - part) * force + part * self._base_force[m + 1]
+        return float(stiffness), float(force)
+
+    def intensity(self, node: int, s: float) -> float:
+        """Indentation of the flat punch up to ``node`` with the same edge singularity; tension < 0."""
+        return self.penetration(s) + float(self._base_y[node] / self.operator.unit[node])
+
+    def transformed(self, s: float) -> Array:
+        """``L^-1`` of the displacement imposed inside, cut at the edge; shape (floor(s) + 2,)."""
+        m = int(np.floor(s))
+        y = self.penetration(s) * self.operator.unit[: m + 2] + self._base_y[: m + 2]
+        y[m + 1] *= s - m
+        return y
+
+    def forces(self, s: float) -> Array:
+        """All nodal forces, compressive positive; shape (n,)."""
+        y = self.transformed(s)
+        padded = np.zeros(len(self._base))
+        padded[: len(y)] = y
+        return self.response.modulus * self.operator.forces(padded)
+
+    def closure(self, s: float) -> float:
+        """Closure integral, an energy per area; minus infinity where the edge is under pressure.
+
+        Pressure at the edge would make the surface outside penetrate the indenter.
+        """
+        geometry = self.geometry
+        self.evaluations += 1
+        m = int(np.floor(s))
+        top = m + 1
+        if self.intensity(top, s) > 0.0:
+            return -np.inf
+        y = self.transformed(s)
+        first = max(int(geometry.first[m]), 1)
+        inside = np.arange(first, top + 1)
+        low, high = geometry.low[inside], geometry.high[inside]
+        beyond = int(high.max()) + 1
+        forces = self.response.modulus * self.operator.last_forces(y, first)
+        imposed = self.penetration(s) + self._base[top:beyond]
+        gap = np.zeros(beyond - first)
+        gap[top - first :] = self.operator.rows[top:beyond, : top + 1] @ y - imposed
+        share = geometry.share[inside]
+        shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
+        zone = geometry.zone or np.nan
+        return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * zone))

@@ -1,0 +1,254 @@
+"""The loop over loading steps: trial, judgement, and the only place where anything is committed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.condensed import Response
+from fem_solver.edge import EdgeLaw, EdgeSearch, Fate
+from fem_solver.record import Recorder, SurfaceState
+from fem_solver.release import ContactProblem, EdgeGeometry
+from fem_solver.stepcontrol import Clock, Judge
+from scene import Counters, Outcome, OutcomeKind, Segment
+
+Array = NDArray[np.float64]
+
+_REJECT = 4.0
+_SHORTEST = 1e-6  # of the shortest relaxation time or of the interval: below that, an instability
+_FIRST = 1.0 / 64.0
+
+
+class History(Protocol):
+    """What the two kinds of history offer."""
+
+    dissipated: float
+    updates: int
+    volume_solves: int
+    factorisations: int
+
+    def respond(self, dt: float) -> Response:
+        """Response of the surface at the end of a step."""
+        ...
+
+    def commit(self, dt: float, response: Response, forces: Array) -> None:
+        """Accept a step."""
+        ...
+
+    @property
+    def displacement(self) -> Array:
+        """Surface displacement."""
+        ...
+
+    @property
+    def stored_energy(self) -> float:
+        """Energy of all springs."""
+        ...
+
+
+class Ended(Exception):
+    """The run is over before its loading is."""
+
+    def __init__(self, kind: OutcomeKind, reason: str) -> None:
+        super().__init__(reason)
+        self.kind, self.reason = kind, reason
+
+
+@dataclass
+class Run:
+    """State of a run: the half-space, the edge and what has been recorded."""
+
+    history: History
+    geometry: EdgeGeometry
+    law: EdgeLaw
+    height: Array
+    judge: Judge
+    recorder: Recorder
+    shortest_time: float
+    force_scale: Callable[[float], float]
+    max_steps: int
+    on_time: Callable[[float], None]
+    wanted: tuple[float, ...] = ()
+    counters: Counters = field(default_factory=Counters)
+    time: float = 0.0
+
+    @property
+    def state(self) -> SurfaceState:
+        """The last accepted state."""
+        if self.recorder.last is None:
+            raise AssertionError("the run has not started")
+        return self.recorder.last
+
+    def start(self, penetration: float, relaxed: bool) -> None:
+        """Glassy or relaxed equilibrium, from the undeformed half-space."""
+        dt = math.inf if relaxed else 0.0
+        problem, response = self._problem(dt, "penetration", penetration)
+        found = self.law.start(problem)
+        self._count(problem)
+        if found.fate is Fate.ADVANCING:
+            self._out_of_range(found)
+        if found.fate is Fate.RECEDING:
+            raise Ended(
+                OutcomeKind.NO_EQUILIBRIUM,
+                f"no stable contact at penetration {penetration:.6g}",
+            )
+        self._commit(dt, problem, response, found.s)
+
+    def carry_out(self, segment: Segment) -> None:
+        """One loading step."""
+        state = self.state
+        before = state.penetration if segment.control == "penetration" else state.force
+        target = segment.value(segment.start)
+        scale = max(abs(before), abs(target))
+        self.judge.forget()
+        if abs(target - before) > 1e-12 * scale:
+            self._jump(segment.control, target)
+        inner = [t for t in self.wanted if segment.start < t < segment.end]
+        kinks = set(segment.kinks)
+        marks = sorted({*inner, *kinks, segment.end})
+        start = segment.start
+        stride = None
+        for end in marks:
+            if end <= start:
+                continue
+            stride = self._interval(segment, Clock(start, end), stride)
+            start = end
+            if end in kinks:
+                self.judge.forget()
+                stride = None
+
+    def _interval(self, segment: Segment, clock: Clock, stride: float | None) -> float:
+        length = clock.end - clock.start
+        scale = min(self.shortest_time, length)
+        first = stride or min(_FIRST * length, 2.0 * _FIRST * self.shortest_time)
+        clock.limit(first, max(_SHORTEST * scale, 8.0 * np.spacing(abs(clock.end)), length * 2.0**-40))
+        while not clock.done:
+            self._step(segment, clock)
+        return clock.dt
+
+    def _step(self, segment: Segment, clock: Clock) -> None:
+        if self.counters.steps >= self.max_steps:
+            raise Ended(OutcomeKind.STEP_BUDGET, f"{self.max_steps} steps did not suffice")
+        while True:
+            dt = clock.dt
+            problem, response = self._problem(dt, segment.control, segment.value(clock.next_time))
+            now = self.state
+            low, high = self._travel(now)
+            found = self.law.seek(problem, now.s, low, high)
+            self._count(problem)
+            if found.fate is Fate.SETTLED:
+                slopes, scales = self._slopes(problem, found.s, dt)
+                error = self.judge.error(slopes, scales, dt)
+                if error <= _REJECT or clock.shortest:
+                    break
+            elif clock.shortest:
+                self._unstable(segment, clock, found)
+                return
+            self.counters.rejected_steps += 1
+            clock.halve()
+        self.time = clock.next_time
+        clock.advance()
+        self._commit(dt, problem, response, found.s)
+        self.judge.accept(slopes)
+        moved = abs(self.state.radius - now.radius)
+        if error > 1.0 or moved > 0.9 * self.judge.travel:
+            clock.halve()
+        elif error < 0.25 and moved < 0.4 * self.judge.travel:
+            clock.double()
+        self.on_time(self.time)
+
+    def _travel(self, now: SurfaceState) -> tuple[float, float]:
+        """Edge positions within one step's travel, at least one node either way."""
+        low = self.geometry.position(now.radius - self.judge.travel)
+        high = self.geometry.position(now.radius + self.judge.travel)
+        return min(low, now.s - 1.0), max(high, now.s + 1.0)
+
+    def _slopes(
+        self, problem: ContactProblem, s: float, dt: float
+    ) -> tuple[dict[str, float], dict[str, float]]:
+        now = self.state
+        radius = self.law.radius(problem, s)
+        ends = {
+            "force": (problem.force(s), now.force, self.force_scale(radius)),
+            "penetration": (problem.penetration(s), now.penetration, self._depth_scale()),
+            "radius": (radius, now.radius, 10.0 * radius),
+        }
+        if problem.control == "penetration":
+            del ends["penetration"]
+        slopes = {name: (new - old) / dt for name, (new, old, _) in ends.items()}
+        return slopes, {name: scale for name, (_, _, scale) in ends.items()}
+
+    def _depth_scale(self) -> float:
+        depths = [row[1] for row in self.recorder.rows[:: max(1, len(self.recorder.rows) // 64)]]
+        return max(max(depths) - min(depths), 1e-2 * max(abs(d) for d in depths))
+
+    def _jump(self, control: str, target: float) -> None:
+        """A load that changes at once: glassy, as far as it takes the edge."""
+        problem, response = self._problem(0.0, control, target)
+        found = self.law.seek(problem, self.state.s, self.law.lowest, math.inf)
+        self._count(problem)
+        if found.fate is not Fate.SETTLED:
+            self._lost(found)
+        self._commit(0.0, problem, response, found.s)
+
+    def _unstable(self, segment: Segment, clock: Clock, found: EdgeSearch) -> None:
+        """The edge outruns the shortest step: let it jump at fixed time to where it is stable again."""
+        advancing = found.fate is Fate.ADVANCING
+        value = segment.value(clock.time)
+        problem, response = self._problem(0.0, segment.control, value)
+        low, high = (self.state.s, math.inf) if advancing else (self.law.lowest, self.state.s)
+        begin = found.s
+        landed = self.law.seek(problem, begin, min(low, begin), max(high, begin))
+        self._count(problem)
+        if landed.fate is not Fate.SETTLED:
+            self._lost(landed)
+        self.recorder.event("snap-in" if advancing else "pull-off")
+        self._commit(0.0, problem, response, landed.s)
+        self.judge.forget()
+
+    def _lost(self, found: EdgeSearch) -> None:
+        if found.fate is Fate.ADVANCING:
+            self._out_of_range(found)
+        self.recorder.event("pull-off")
+        raise Ended(OutcomeKind.DETACHED, f"contact lost at penetration {self.state.penetration:.6g}")
+
+    def _out_of_range(self, found: EdgeSearch) -> None:
+        reached = self.geometry.radius(found.s)
+        raise Ended(
+            OutcomeKind.OUT_OF_RANGE, f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
+        )
+
+    def _problem(self, dt: float, control: str, value: float) -> tuple[ContactProblem, Response]:
+        response = self.history.respond(dt)
+        return ContactProblem(self.geometry, response, self.height, control, value), response
+
+    def _count(self, problem: ContactProblem) -> None:
+        self.counters.closure_evaluations += problem.evaluations
+        self.counters.linear_solves += 1
+
+    def _commit(self, dt: float, problem: ContactProblem, response: Response, s: float) -> None:
+        forces = problem.forces(s)
+        values = (problem.penetration(s), problem.force(s), self.law.radius(problem, s))
+        if not (np.isfinite(forces).all() and all(map(math.isfinite, values))):
+            raise Ended(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
+        self.history.commit(dt, response, forces)
+        penetration, force, radius = values
+        history = self.history
+        state = SurfaceState(
+            self.time,
+            penetration,
+            force,
+            radius,
+            s,
+            forces,
+            history.displacement,
+            history.stored_energy,
+            history.dissipated,
+        )
+        self.recorder.add(state)
+        self.counters.steps += len(self.recorder.rows) > 1
