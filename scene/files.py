@@ -62,7 +62,7 @@ def read_rows(text: str, file: str) -> list[tuple[int, list[str]]]:
     for line, content in enumerate(text.split("\n"), 1):
         if content.strip() and not content.lstrip().startswith("#"):
             try:
-                cells = next(csv.reader([content]))
+                cells = next(csv.reader([content], strict=True))
             except csv.Error as error:
                 raise SceneError(f"line {line}", f"not CSV: {error}", "comma-separated cells", file) from None
             rows.append((line, [cell.strip() for cell in cells]))
