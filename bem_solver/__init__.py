@@ -1,1 +1,6 @@
-"""Part of crosscontact."""
+"""The paper's axisymmetric boundary-element solver: any Prony material, any loading, Griffith closure."""
+
+from bem_solver.options import Options
+from bem_solver.solver import solve
+
+__all__ = ["Options", "solve"]

@@ -36,8 +36,14 @@ class Energies:
         branches = float(np.sum(self.branch_energy / chain.compliances))
         return 0.5 * (self.load_work / chain.glassy + branches)
 
+    def unloaded(self) -> Energies:
+        """Without load, nothing else changed."""
+        return Energies(0.0, 0.0 * self.branch_work, self.branch_energy, self.dissipated)
 
-def surface_work(annuli: Annuli, chain: Chain, edge: float, scaled: Array, variables: Array) -> tuple[float, Array]:
+
+def surface_work(
+    annuli: Annuli, chain: Chain, edge: float, scaled: Array, variables: Array
+) -> tuple[float, Array]:
     """``Y`` and ``X_k`` of a contact with scaled pressures (M,) and variables (M, K) at the annuli."""
     forces = edge * annuli.areas * scaled
     load = annuli.matrix @ scaled
@@ -52,7 +58,9 @@ def at_start(chain: Chain, load_work: float, relaxed: bool) -> Energies:
     return Energies(load_work, share * load_work, share * chain.compliances * load_work, 0.0)
 
 
-def stepped(chain: Chain, before: Energies, load_work: float, branch_work: Array, duration: float) -> Energies:
+def stepped(
+    chain: Chain, before: Energies, load_work: float, branch_work: Array, duration: float
+) -> Energies:
     """Energies after a step over which X varies linearly."""
     y = 2.0 * duration / chain.retardation
     decay, spread = chain.decay(y), chain.spread(y)

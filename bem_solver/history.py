@@ -74,7 +74,9 @@ class Track:
             return self
         x0, x, x1 = self.radius[i - 1], self.radius[i], self.radius[i + 1]
         share = ((x - x0) / (x1 - x0))[:, None]
-        change = np.abs(self.state[i - 1] * (1 - share) + self.state[i + 1] * share - self.state[i]).max(axis=1)
+        change = np.abs(self.state[i - 1] * (1 - share) + self.state[i + 1] * share - self.state[i]).max(
+            axis=1
+        )
         keep = np.ones(len(self.radius), bool)
         keep[i[(change <= tolerance) & (x1 - x0 <= spacing[i])]] = False
         return Track(self.radius[keep], self.state[keep])
@@ -99,10 +101,20 @@ class History:
         return cls(nothing, nothing)
 
 
-def distinct(radius: Array) -> Array:
-    """Sorted radii without near-duplicates, whose slopes would mean nothing."""
+def distinct(radius: Array, edge: float, smallest: float) -> Array:
+    """Sorted radii at least ``smallest`` apart, the edge among them.
+
+    Slopes between closer nodes would mean nothing, and feed back.
+    """
     merged = np.unique(radius)
-    return merged[np.concatenate(([True], np.diff(merged) > 1e-12 * merged[1:]))]
+    merged = merged[(np.abs(merged - edge) >= smallest) | (merged == edge)]
+    keep = np.ones(len(merged), bool)
+    close = np.flatnonzero(np.diff(merged) < smallest)
+    # of a close pair the outer goes, unless it is the edge; runs of close nodes lose every second
+    for index in close:
+        if keep[index]:
+            keep[index if merged[index + 1] == edge else index + 1] = False
+    return merged[keep]
 
 
 def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:

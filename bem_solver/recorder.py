@@ -9,7 +9,7 @@ import numpy as np
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies
 from bem_solver.trial import Front
-from scene import Counters, Event, Outcome, Profile, Trace
+from scene import Counters, Event, Outcome, OutcomeKind, Profile, Trace
 
 
 @dataclass
@@ -40,7 +40,16 @@ class Recorder:
         """An instability at the committed state."""
         self.events.append(Event(kind, front.time, front.penetration, front.surface.force, front.edge))
 
-    def trace(self, outcome: Outcome, counters: Counters, seconds: float) -> Trace:
+    def profile(self, profile: Profile) -> None:
+        """The surface at a requested time; of two at one time (a jump) the later stays."""
+        self.profiles = [p for p in self.profiles if p.time != profile.time] + [profile]
+
+    def nothing(self, penetration: float, reason: str, counters: Counters) -> Trace:
+        """The trace of a scene without a start state: one row without contact."""
+        self.rows = [(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0)]
+        return self.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters)
+
+    def trace(self, outcome: Outcome, counters: Counters) -> Trace:
         """The finished trace; the loss is what the energy balance (Eq. energybalance) leaves."""
         time, penetration, force, radius, stored, branch, intensity = (
             np.array(column) for column in zip(*self.rows, strict=True)
@@ -67,7 +76,6 @@ class Recorder:
             },
             events=tuple(self.events),
             profiles=tuple(self.profiles),
-            wall_seconds=seconds,
         )
 
 

@@ -4,44 +4,137 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
+from bem_solver.extent import largest_contact
 from bem_solver.options import Options
 from bem_solver.pieces import pieces
+from bem_solver.profiles import surface_profile
 from bem_solver.recorder import Recorder
 from bem_solver.start import contact_scale, start_front
 from bem_solver.stepping import Stepper
 from bem_solver.trial import Problem
-from scene import Counters, Outcome, OutcomeKind, Scene, Trace
+from scene import Counters, Outcome, OutcomeKind, Scene, Trace, UnsupportedScene
+from scene.scene import zone_too_long
+
+_FEWEST, _MOST = 16, 4000
 
 
-def solve(scene, options=None, progress=None) -> Trace:
+def solve(
+    scene: Scene, options: Options | None = None, progress: Callable[[float], None] | None = None
+) -> Trace:
+    """Solve a scene with the boundary-element method of the paper.
+
+    Parameters
+    ----------
+    scene : Scene
+    options : Options, optional
+    progress : callable, optional
+        Called with the share of the run that is done, 0 to 1.
+
+    Returns
+    -------
+    Trace
+        ``outcome`` says how the run ended; a run that could not finish keeps what it computed.
+
+    Raises
+    ------
+    UnsupportedScene
+        For a bulk modulus that relaxes apart from shear: the half-space is then no longer a convolution in
+        time with one kernel in space (Eq. convolution).
+    SceneError
+        If the process zone does not fit into the contact at the start.
+    """
     options = options or Options()
+    if scene.material.bulk is not None:
+        raise UnsupportedScene(
+            "material.bulk",
+            "the boundary elements assume a constant Poisson's ratio",
+            "no bulk key, or --solver fem",
+        )
     began = clock.perf_counter()
-    counters = Counters(factorisations=1)
+    with np.errstate(all="ignore"):  # non-finite numbers are looked for where state is committed
+        if options.annuli == "uniform":
+            from bem_solver.baseline import solve_uniform
+
+            trace = solve_uniform(scene, options, progress)
+        else:
+            trace = _solve_graded(scene, options, progress)
+    return replace(trace, wall_seconds=clock.perf_counter() - began)
+
+
+def annuli_needed(divisions: int, share: float) -> int:
+    """Number of annuli that puts ``divisions`` into the outer ``share`` of the contact radius."""
+    return min(max(int(np.ceil(divisions * 0.5 * np.pi / np.arccos(1.0 - share))), _FEWEST), _MOST)
+
+
+def _solve_graded(scene: Scene, options: Options, progress: Callable[[float], None] | None) -> Trace:
     chain = Chain(scene.material, options.scheme == "backward-euler")
-    D = max(abs(scene.loading.penetration), max([abs(getattr(s, "to", 0.0)) for s in scene.loading.steps if s.kind=="ramp" and s.to>0] or [0.0]))
-    scale = contact_scale(scene, D)
-    zone = scene.adhesion.zone if scene.is_adhesive else 0.0
-    work = scene.adhesion.work if scene.is_adhesive else 0.0
-    share = min(zone / scale, 0.5) if zone else 0.01
-    count = int(np.ceil(options.divisions * 0.5 * np.pi / np.arccos(1 - share)))
-    problem = Problem(scene, Annuli(count), chain, zone, work, zone or 0.01 * scale, counters)
+    zone, work = (scene.adhesion.zone, scene.adhesion.work) if scene.adhesion else (0.0, 0.0)
+    zone = zone if work > 0.0 else 0.0
+    counters = Counters(factorisations=1)
+    unresolved = Problem(scene, Annuli(_FEWEST), chain, zone, work, 1.0, counters)
+    largest = largest_contact(scene, unresolved) or contact_scale(scene, scene.loading.penetration)
+    share = min(zone / largest, 1.0) if zone > 0.0 and largest > 0.0 else 0.01
+    counters = Counters(factorisations=1)
+    annuli = Annuli(annuli_needed(options.divisions, share))
+    problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters)
     recorder = Recorder(chain, work)
+    scale = max(largest, contact_scale(scene, scene.loading.penetration))
     started = start_front(problem, scale)
+    if started is None:
+        reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
+        return recorder.nothing(scene.loading.penetration, reason, counters)
     front, energies = started
+    if zone >= front.edge > 0.0:
+        raise zone_too_long(zone, front.edge)
     recorder.row(front, energies)
-    stepper = Stepper(problem, front, energies, recorder, options.step_tolerance, options.divisions, options.max_steps, scale, None)
-    outcome = None
-    for step in scene.loading.steps:
-        seg = step.segment(stepper.front.time, stepper.front.penetration, stepper.front.surface.force)
-        reached = stepper.front.penetration if seg.control == "penetration" else stepper.front.surface.force
-        for piece in pieces(seg, reached, ()):
+    stepper = Stepper(
+        problem,
+        front,
+        energies,
+        recorder,
+        options.step_tolerance,
+        options.divisions,
+        options.max_steps,
+        scale,
+    )
+    stepper.largest_force, stepper.largest_edge = abs(front.surface.force), front.edge
+    try:
+        outcome = _run(scene, stepper, options.profile_times, progress)
+    except FloatingPointError as error:
+        outcome = Outcome(OutcomeKind.NOT_FINITE, str(error), stepper.front.time)
+    return recorder.trace(outcome, counters)
+
+
+def _run(
+    scene: Scene, stepper: Stepper, stops: tuple[float, ...], progress: Callable[[float], None] | None
+) -> Outcome:
+    recorder, problem = stepper.recorder, stepper.problem
+    count = len(scene.loading.steps)
+    if 0.0 in stops:
+        recorder.profile(surface_profile(problem, stepper.front))
+    for index, step in enumerate(scene.loading.steps):
+        front = stepper.front
+        segment = step.segment(front.time, front.penetration, front.surface.force)
+        if progress is not None:
+            span = segment.end - segment.start
+
+            def report(
+                time: float, index: int = index, start: float = segment.start, span: float = span
+            ) -> None:
+                progress((index + ((time - start) / span if span > 0 else 1.0)) / count)
+
+            stepper.progress = report
+        reached = front.penetration if segment.control == "penetration" else front.surface.force
+        for piece in pieces(segment, reached, stops):
             outcome = stepper.follow(piece)
-            if outcome: break
-        if outcome: break
-    outcome = outcome or Outcome(OutcomeKind.COMPLETED, "all steps done", stepper.front.time)
-    return recorder.trace(outcome, counters, clock.perf_counter() - began)
+            if stepper.front.time in stops and (outcome is None or outcome.kind is OutcomeKind.DETACHED):
+                recorder.profile(surface_profile(problem, stepper.front))
+            if outcome is not None:
+                return outcome
+    return Outcome(OutcomeKind.COMPLETED, "all loading steps done", stepper.front.time)

@@ -1,22 +1,27 @@
-"""Start states: elastic equilibrium with the glassy or the relaxed modulus, same closure."""
+"""Equilibria at one instant: start states with the glassy or the relaxed modulus, and first contact."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bem_solver.commit import split
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, at_start
-from bem_solver.history import History, Track, distinct
+from bem_solver.history import History, distinct
 from bem_solver.points import Motion, advanced
 from bem_solver.rootsearch import rising_root
 from bem_solver.surface import Surface
 from bem_solver.trial import Front, Problem, Trial, evaluate, points_at
-from scene import Material, Scene
+from scene import Indenter, Material, Scene
 
 Array = NDArray[np.float64]
+
+_RATIO = 1.04  # between neighbouring edges of a scan
+_TRAVEL = 64.0  # a scan starts this many scales up, and ends a thousandfold below
 
 
 def elastic_twin(problem: Problem, modulus: float) -> Problem:
@@ -31,25 +36,18 @@ def empty_front(problem: Problem, time: float, penetration: float) -> Front:
     return Front(time, penetration, Surface.free(problem.annuli), blank)
 
 
-def elastic_equilibrium(problem: Problem, penetration: float, scale: float) -> Trial | None:
-    """Largest stable contact of an elastic problem, or ``None``.
+def largest_stable(trial: Callable[[float], Trial], scale: float, limit: float) -> Trial | None:
+    """Largest stable contact, or ``None``.
 
-    Edges from far above ``scale`` downwards are tried until the residual falls below zero, which brackets the
-    stable root; with none, there is no equilibrium. A flat punch is full contact unless it wants to recede.
+    Edges from far above ``scale`` downwards are tried until the residual falls below zero, which brackets
+    the stable root. A flat punch (``limit``) is in full contact unless it wants to recede.
     """
-    front = empty_front(problem, 0.0, penetration)
-
-    def trial(edge: float) -> Trial:
-        return evaluate(problem, front, 0.0, edge, "penetration", penetration)
-
-    limit = problem.scene.indenter.edge
-    upper = min(limit, 64.0 * scale)
-    last = trial(upper)
+    edge = upper = min(limit, _TRAVEL * scale)
+    last = trial(edge)
     if upper == limit and last.residual <= 0.0:
         return last
-    edge = upper
-    while edge > 1e-5 * upper:
-        lower = edge / 1.04
+    while edge > 1e-3 * scale:
+        lower = edge / _RATIO
         candidate = trial(lower)
         if candidate.residual <= 0.0 < last.residual:
             return rising_root(trial, lower, 0.0, lower, edge, 1e-11 * edge).trial
@@ -57,34 +55,40 @@ def elastic_equilibrium(problem: Problem, penetration: float, scale: float) -> T
     return None
 
 
-def contact_scale(scene: Scene, penetration: float) -> float:
-    """Order of magnitude of the contact radius at a penetration: where the profile is that high.
+def equilibrium(problem: Problem, front: Front, control: str, value: float, scale: float) -> Trial | None:
+    """Instantaneous equilibrium from ``front`` under the given control, or ``None``."""
 
-    With adhesion, at least the radius at which the closure can balance a profile of that height.
+    def trial(edge: float) -> Trial:
+        return evaluate(problem, front, 0.0, edge, control, value)
+
+    return largest_stable(trial, scale, problem.scene.indenter.edge)
+
+
+def radius_where(indenter: Indenter, reached: Callable[[float], bool]) -> float:
+    """Smallest radius at which a condition that grows with radius holds (by halving in log radius)."""
+    small, large = 1e-100, 1e100
+    for _ in range(200):
+        middle = float(np.sqrt(small) * np.sqrt(large))
+        small, large = (small, middle) if reached(middle) else (middle, large)
+    return large
+
+
+def contact_scale(scene: Scene, penetration: float) -> float:
+    """Order of magnitude of the contact radius at a penetration.
+
+    Where the profile is as high as the penetration; with adhesion at least where its height h and slope
+    store as much as adhesion gives, ``E0* h dh/dr = dgamma``.
     """
     indenter = scene.indenter
     if np.isfinite(indenter.edge):
         return indenter.edge
-    depth = max(abs(penetration), np.finfo(float).tiny)
-    if scene.adhesion is not None and scene.is_adhesive:
-        # depth h over radius a stores E* h^2 per area and releases work * a: sets a from f(a) ~ h
-        stiffness = scene.material.relaxed_plane_modulus
-        small, large = 1e-200, 1e200
-        for _ in range(400):
-            middle = np.sqrt(small * large)
-            if float(indenter.slope(middle)) * float(indenter.height(middle)) * stiffness > scene.adhesion.work:
-                large = middle
-            else:
-                small = middle
-        depth = max(depth, float(indenter.height(small)))
-    small, large = 1e-200, 1e200
-    for _ in range(400):
-        middle = np.sqrt(small * large)
-        if float(indenter.height(middle)) > depth:
-            large = middle
-        else:
-            small = middle
-    return float(small)
+    depth = abs(penetration)
+    geometric = radius_where(indenter, lambda r: float(indenter.height(r)) >= depth) if depth > 0 else 0.0
+    if scene.adhesion is None or not scene.is_adhesive:
+        return geometric
+    balance = scene.adhesion.work / scene.material.relaxed_plane_modulus
+    adhesive = radius_where(indenter, lambda r: float(indenter.height(r) * indenter.slope(r)) >= balance)
+    return max(geometric, adhesive)
 
 
 def start_front(problem: Problem, scale: float) -> tuple[Front, Energies] | None:
@@ -95,24 +99,28 @@ def start_front(problem: Problem, scale: float) -> tuple[Front, Energies] | None
     penetration = scene.loading.penetration
     if problem.work == 0.0 and penetration <= 0.0:
         return empty_front(problem, 0.0, penetration), at_start(problem.chain, 0.0, relaxed)
-    modulus = material.modulus if relaxed else material.glassy_modulus
-    found = elastic_equilibrium(elastic_twin(problem, modulus), penetration, scale)
+    twin = elastic_twin(problem, material.modulus if relaxed else material.glassy_modulus)
+    found = equilibrium(twin, empty_front(twin, 0.0, penetration), "penetration", penetration, scale)
     if found is None:
         return None
     surface = found.surface
     front = Front(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
-    load_work = float(surface.edge * (problem.annuli.areas * surface.scaled) @ (problem.annuli.matrix @ surface.scaled))
+    forces = surface.edge * problem.annuli.areas * surface.scaled
+    load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
     return front, at_start(problem.chain, load_work, relaxed)
 
 
 def _start_history(problem: Problem, surface: Surface, penetration: float, relaxed: bool) -> History:
     """Nodes over the contact and far beyond; relaxed means no stress in any branch."""
+    chain = problem.chain
+    if not problem.remembers:
+        return History.blank(0)
     edge, radii = surface.edge, problem.annuli.radii
     near = edge * radii
     mirrored = 2.0 * edge - near[near > edge - problem.length]
     far = (edge + problem.length) * np.geomspace(1.0, 200.0, 160)
-    radius = distinct(np.concatenate(([0.0], near, [edge], mirrored, far)))
-    chain = problem.chain
+    smallest = 0.5 * edge * (1.0 - radii[-1])
+    radius = distinct(np.concatenate(([0.0], near, [edge], mirrored, far)), edge, smallest)
     load = surface.outside(np.maximum(radius, edge))
     if relaxed:
         variables = np.zeros((len(radius), len(chain)))
@@ -120,11 +128,5 @@ def _start_history(problem: Problem, surface: Surface, penetration: float, relax
         motion = Motion(0.0, 0.0, edge, penetration, penetration)
         points = points_at(problem, empty_front(problem, 0.0, penetration), radius)
         variables = advanced(chain, points, motion, load)
-    return split(chain, radius, variables, load, edge)
-
-
-def split(chain: Chain, radius: Array, variables: Array, load: Array, edge: float) -> History:
-    """History from variables (n, K) on nodes that include the edge; ``load`` (n,) is used outside."""
-    inside, outside = radius <= edge, radius >= edge
-    strains = chain.to_strains(variables[outside], load[outside])
-    return History(Track(radius[inside], variables[inside]), Track(radius[outside], strains))
+    at_edge = penetration - float(problem.scene.indenter.height(edge))
+    return split(chain, radius, variables, load, edge, at_edge)

@@ -25,7 +25,8 @@ Array = NDArray[np.float64]
 class Problem:
     """What stays the same over a run.
 
-    ``zone`` and ``work`` are zero without adhesion; ``length`` is the length on which the edge is resolved.
+    ``zone`` and ``work`` are zero without adhesion; ``length`` is the length on which the edge is resolved in
+    the largest contact.
     """
 
     scene: Scene
@@ -40,6 +41,10 @@ class Problem:
     def remembers(self) -> bool:
         """Whether there is a history at all."""
         return len(self.chain) > 0
+
+    def length_at(self, edge: float) -> float:
+        """Length on which a contact of radius ``edge`` is resolved: the zone, or a twentieth of the radius."""
+        return self.zone if self.work > 0.0 else 0.05 * edge
 
 
 @dataclass(frozen=True)
