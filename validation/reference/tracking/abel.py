@@ -1,0 +1,122 @@
+"""Abel transform of the indenter: ``G(x) = x int_0^x f'(r)/sqrt(x^2 - r^2) dr`` (Sneddon), and its integral.
+
+In contact ``w(x) = D - G(x)``. Power laws (sphere, cone, flat punch included) in closed form,
+
+    f = c r^n:   G = c n (sqrt(pi)/2) Gamma(n/2)/Gamma((n+1)/2) x^n,
+
+tabulated profiles too, because their slope is a parabola between table points:
+``int r^m/sqrt(x^2-r^2) dr`` and ``int r^m sqrt(x^2-r^2) dr`` are elementary for m = 0, 1, 2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scene import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
+
+Array = NDArray[np.float64]
+
+
+class Transform(Protocol):
+    """``G`` and its integral from 0, both for arrays of any shape."""
+
+    def __call__(self, x: Array) -> Array:
+        """``G(x)``."""
+        ...
+
+    def integral(self, x: float) -> float:
+        """``int_0^x G = int_0^x f'(r) sqrt(x^2 - r^2) dr``."""
+        ...
+
+
+@dataclass(frozen=True)
+class PowerTransform:
+    """``G = coefficient x^exponent``."""
+
+    coefficient: float
+    exponent: float
+
+    def __call__(self, x: Array) -> Array:
+        if self.exponent == 2.0:
+            return self.coefficient * x * x
+        return self.coefficient * x**self.exponent
+
+    def integral(self, x: float) -> float:
+        return self.coefficient * x ** (self.exponent + 1.0) / (self.exponent + 1.0)
+
+
+@dataclass(frozen=True)
+class PiecewiseTransform:
+    """Transform of a slope ``c0 + c1 r + c2 r^2`` on each of the intervals ``[left, right]``, (m,)."""
+
+    left: Array
+    right: Array
+    coefficients: Array
+
+    def __call__(self, x: Array) -> Array:
+        at = np.asarray(x, float)
+        safe = np.where(at > 0.0, at, 1.0)[..., None]
+        upper = self._antiderivative(np.minimum(self.right, safe), safe)
+        lower = self._antiderivative(np.minimum(self.left, safe), safe)
+        return np.where(at > 0.0, at * (upper - lower).sum(axis=-1), 0.0)
+
+    def integral(self, x: float) -> float:
+        if x <= 0.0:
+            return 0.0
+        upper = self._weighted(np.minimum(self.right, x), x)
+        return float((upper - self._weighted(np.minimum(self.left, x), x)).sum())
+
+    def _antiderivative(self, r: Array, x: Array) -> Array:
+        c0, c1, c2 = self.coefficients
+        root, angle = np.sqrt((x - r) * (x + r)), np.arcsin(r / x)
+        return c0 * angle - c1 * root + c2 * 0.5 * (x * x * angle - r * root)
+
+    def _weighted(self, r: Array, x: float) -> Array:
+        c0, c1, c2 = self.coefficients
+        root, angle = np.sqrt((x - r) * (x + r)), np.arcsin(r / x)
+        return (
+            c0 * 0.5 * (r * root + x * x * angle)
+            - c1 * root**3 / 3.0
+            + c2 * (r * (2.0 * r * r - x * x) * root + x**4 * angle) / 8.0
+        )
+
+
+def transform(indenter: Indenter) -> Transform:
+    """Transform of any indenter a scene can hold."""
+    match indenter:
+        case Sphere():
+            return PowerTransform(1.0 / indenter.radius, 2.0)
+        case Cone():
+            return PowerTransform(0.5 * math.pi * indenter.cotangent, 1.0)
+        case FlatPunch():
+            return PowerTransform(0.0, 1.0)
+        case PowerLaw():
+            n = indenter.exponent
+            gammas = math.exp(math.lgamma(0.5 * n) - math.lgamma(0.5 * (n + 1.0)))
+            return PowerTransform(indenter.coefficient * n * 0.5 * math.sqrt(math.pi) * gammas, n)
+        case TabulatedProfile():
+            return _tabulated(indenter)
+    raise TypeError(f"no transform for {type(indenter).__name__}")
+
+
+def _tabulated(indenter: TabulatedProfile) -> PiecewiseTransform:
+    """The slope is a parabola between table points: read it off at both ends and in the middle."""
+    left = np.array(indenter.radii[:-1])
+    right = np.array(indenter.radii[1:])
+    first, last = indenter.slope(left), indenter.slope(right)
+    middle = indenter.slope(0.5 * (left + right))
+    h = right - left
+    c2 = 2.0 * (first - 2.0 * middle + last) / h**2
+    c1 = (last - first) / h
+    parabola = np.array(
+        [first - c1 * left + c2 * left * right, c1 - c2 * (left + right), c2]
+    )  # Newton's form about left and right, in powers of r
+    beyond = np.array([[float(indenter.slope(right[-1]))], [0.0], [0.0]])
+    return PiecewiseTransform(
+        np.append(left, right[-1]), np.append(right, np.inf), np.hstack((parabola, beyond))
+    )

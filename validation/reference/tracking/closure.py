@@ -1,0 +1,103 @@
+"""The closure integral (paper, Eq. closure) in Abel space, free of singular integrands.
+
+With ``x`` behind and ``y`` ahead of the edge ``a``, ``d(y) = w(y) - (D - G(y))``,
+``K(x, y) = int_{y-da}^x dr/sqrt((x^2-r^2)((r+da)^2-y^2))``, integrated by parts over ``x``:
+
+    2 da I = -(2/pi^2) int_a^{a+da} d(y) [ q(y-da) K(y-da, y) + int_{y-da}^a q(x) dK/dx dx ] dy.
+
+``K(y-da, y) = pi/(2 sqrt(y (y-da)))`` exactly; the inner integral is a correction of order ``da/a`` whose
+kernel is smooth, so it is expanded in powers of ``(x - a + da)/da`` from Gauss-Chebyshev values.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.reference.tracking import hermite
+from validation.reference.tracking.abel import Transform
+
+Array = NDArray[np.float64]
+
+_GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(3)
+_GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
+_POWERS = np.vander(_GAUSS, increasing=True)
+# _REST[j, l]: integral from Gauss point j to the end of the panel of the l-th Lagrange polynomial
+_REST = ((1.0 - _GAUSS[:, None] ** np.arange(1, 4)) / np.arange(1, 4)) @ np.linalg.inv(_POWERS)
+
+_DEGREE = 6
+_KNOTS = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_DEGREE) + 0.5) / _DEGREE))
+_TO_POWERS = np.linalg.inv(np.vander(_KNOTS, increasing=True))
+_RING = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
+
+
+@dataclass(frozen=True)
+class Zone:
+    """What the closure needs of the surface: the neighbourhood of the edge, known at nodes.
+
+    ``inside`` (m,) rises to the edge and carries ``memory = sum_k b_k``; ``outside`` (l,) rises from the edge
+    and carries the free ``w``. Nodes beyond the zone may be present, and some should be: slopes use them.
+    """
+
+    inside: Array
+    memory: Array
+    outside: Array
+    strain: Array
+    penetration: float
+
+
+def kernel_slope(start: float, zone: float) -> Array:
+    """``dK/dx`` as coefficients of ``u^p v^q``; ``x = start + zone u``, ``y - zone = start + zone v``."""
+    u, v = _KNOTS[:, None, None], _KNOTS[None, :, None]
+    x, behind = start + zone * u, start + zone * v
+    r = 0.5 * (x + behind) + 0.5 * (x - behind) * _RING
+    r_x = 0.5 * (1.0 + _RING)
+    first, second = x + r, r + behind + 2.0 * zone
+    values = -0.5 * ((1.0 + r_x) / first + r_x / second) / np.sqrt(first * second)
+    return _TO_POWERS @ (np.pi * values.mean(axis=2)) @ _TO_POWERS.T
+
+
+def closure_integral(edge: Zone, zone: float, relaxed: float, transform: Transform) -> float:
+    """``I(a)``, the energy per area that opening by one zone length would release.
+
+    Negative where the edge is under compression, or overlaps ahead: there the contact grows.
+    """
+    radius = float(edge.inside[-1])
+    start = radius - zone
+    x, memory, y, strain = _near(edge, zone)
+    breaks = np.concatenate(
+        ((0.0, zone), x[(x > start) & (x < radius)] - start, y[y < radius + zone] - radius)
+    )
+    breaks.sort()
+    width = breaks[1:] - breaks[:-1]
+    s = breaks[:-1, None] + width[:, None] * _GAUSS
+    weight = width[:, None] * _WEIGHT
+    behind, ahead = start + s, radius + s
+    q = hermite.evaluate(x, memory, hermite.slopes(x, memory), behind)
+    q += relaxed * (edge.penetration - transform(behind))
+    d = hermite.evaluate(y, strain, hermite.slopes(y, strain), ahead) - edge.penetration + transform(ahead)
+    main = 0.5 * np.pi * (weight * d * q / np.sqrt(ahead * behind)).sum()
+
+    v = (s / zone)[:, :, None] ** np.arange(_DEGREE)
+    moments = q[:, :, None] * v
+    panel = (weight[:, :, None] * moments).sum(axis=1)
+    later = np.cumsum(panel[::-1], axis=0)[::-1] - panel
+    inner = later[:, None, :] + width[:, None, None] * np.matmul(_REST, moments)
+    kernel = kernel_slope(start, zone)
+    correction = (weight[:, :, None] * d[:, :, None] * v).reshape(-1, _DEGREE)
+    total = main + float((kernel.T * (correction.T @ inner.reshape(-1, _DEGREE))).sum())
+
+    value = -total / (np.pi**2 * zone)
+    pressed = float((weight * q).sum()) > 0.0
+    overlapping = float((weight * d).sum()) < 0.0
+    return -abs(value) if pressed and overlapping else float(value)
+
+
+def _near(edge: Zone, zone: float) -> tuple[Array, Array, Array, Array]:
+    """The nodes within the zone and three beyond, on either side."""
+    radius = edge.inside[-1]
+    first = max(int(np.searchsorted(edge.inside, radius - zone)) - 3, 0)
+    last = int(np.searchsorted(edge.outside, radius + zone)) + 3
+    return edge.inside[first:], edge.memory[first:], edge.outside[:last], edge.strain[:last]

@@ -1,0 +1,85 @@
+"""How the penetration runs during one step, and what that does to a branch in contact.
+
+``D(s) = D0 + jump + c1 s + c2 s^2 + c3 s^3`` for ``0 < s <= duration``; the jump happens at the very start,
+against the glassy modulus. A branch in contact from ``s`` to the end of the step gains
+``E_k int_s^h exp(-(h - s')/tau_k) D'(s') ds'``, exact for this cubic:
+
+    int_0^h exp(-(h-u)/tau) u^m du = m! h^(m+1) phi_(m+1)(h/tau).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def phi(y: Array) -> tuple[Array, Array, Array]:
+    """``phi_m(y) = int_0^1 exp(-y (1 - v)) v^(m-1)/(m-1)! dv`` for m = 1, 2, 3 and ``y >= 0``."""
+    small = y < 0.2
+    z = np.where(small, 1.0, y)
+    one = -np.expm1(-z) / z
+    two = (1.0 - one) / z
+    three = (0.5 - two) / z
+    if np.any(small):
+        t = np.where(small, y, 0.0)
+        three_s = (1.0 / 6.0) * np.ones_like(t)
+        term = three_s.copy()
+        for j in range(4, 13):
+            term = -term * t / j
+            three_s = three_s + term
+        two_s = 0.5 - t * three_s
+        one_s = 1.0 - t * two_s
+        one, two, three = (np.where(small, s, b) for s, b in ((one_s, one), (two_s, two), (three_s, three)))
+    return one, two, three
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Penetration during one step; ``rates = (c1, c2, c3)``."""
+
+    duration: float
+    start: float
+    jump: float
+    rates: tuple[float, float, float]
+
+    def penetration(self, s: Array | float) -> Array | float:
+        """``D`` at ``s`` after the start of the step (after the jump)."""
+        c1, c2, c3 = self.rates
+        return self.start + self.jump + s * (c1 + s * (c2 + s * c3))
+
+    @property
+    def end(self) -> float:
+        """``D`` at the end of the step."""
+        return float(self.penetration(self.duration))
+
+    def memory(self, begin: Array, until: Array, times: Array) -> Array:
+        """``int exp(-(until - s)/tau_k) D'(s) ds`` over ``begin < s < until``, both (m,); shape (m, n)."""
+        c1, c2, c3 = self.rates
+        h = (until - begin)[:, None]
+        y = h / times
+        if c2 == 0.0 and c3 == 0.0:
+            small = np.where(y > 0.0, y, 1.0)
+            return c1 * h * np.where(y > 0.0, -np.expm1(-small) / small, 1.0)
+        b = begin[:, None]
+        one, two, three = phi(y)
+        first = c1 + b * (2.0 * c2 + 3.0 * c3 * b)
+        second = 2.0 * c2 + 6.0 * c3 * b
+        return h * (first * one + h * (second * two + h * 6.0 * c3 * three))
+
+
+def straight(duration: float, start: float, jump: float, end: float) -> Drive:
+    """Constant speed after the jump."""
+    rate = (end - start - jump) / duration if duration > 0.0 else 0.0
+    return Drive(duration, start, jump, (rate, 0.0, 0.0))
+
+
+def cubic(duration: float, start: float, end: float, rate: float, end_rate: float) -> Drive:
+    """The Hermite cubic through both ends."""
+    mean = (end - start) / duration
+    c2 = (3.0 * mean - 2.0 * rate - end_rate) / duration
+    c3 = (rate + end_rate - 2.0 * mean) / duration**2
+    return Drive(duration, start, 0.0, (rate, c2, c3))

@@ -1,0 +1,107 @@
+"""Start states: the elastic equilibrium of an untouched half-space, glassy ("jump-in") or fully relaxed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scene import Scene
+from scene.scene import zone_too_long
+from validation.reference.tracking.law import Griffith, Law
+from validation.reference.tracking.root import bracketed
+from validation.reference.tracking.surface import Body, Surface
+
+Array = NDArray[np.float64]
+
+NODES = 160  # of the start state, half of them within a fifth of the radius from the edge
+
+
+def start_surface(scene: Scene, body: Body, law: Law) -> Surface | None:
+    """The outermost stable elastic equilibrium; ``None`` if there is none.
+
+    Raises
+    ------
+    SceneError
+        If contact is possible, but not with a process zone of that length.
+    """
+    depth, edge = scene.loading.penetration, scene.indenter.edge
+    glassy = scene.loading.start == "jump-in"
+
+    def residual(radius: float) -> float:
+        return law.residual(elastic_surface(body, depth, radius, glassy), body)
+
+    if not isinstance(law, Griffith):
+        radius = touching_radius(body, depth, edge)
+        return elastic_surface(body, depth, radius, glassy)
+    zone = law.adhesion.zone
+    modulus = body.rheology.glassy if glassy else body.rheology.relaxed
+
+    def tip_residual(radius: float) -> float:
+        """The same for a vanishing zone: ``q^2/(2 pi a E*) - dg``, negative where the edge is pressed."""
+        q = modulus * (depth - float(body.transform(np.array([radius]))[0]))
+        return -math.copysign(q * q, q) / (2.0 * math.pi * radius * modulus * law.adhesion.work) - 1.0
+
+    highest = edge
+    if math.isinf(edge):
+        highest = max(2.0 * touching_radius(body, depth, edge), 4.0 * zone)
+        while tip_residual(highest) <= 0.0 or residual(highest) <= 0.0:
+            highest *= 2.0
+    elif residual(edge) <= 0.0:
+        return elastic_surface(body, depth, edge, glassy)
+    outermost = _outermost(residual, zone * (1.0 + 1e-9), highest)
+    if outermost is not None:
+        return elastic_surface(body, depth, outermost, glassy)
+    short = _outermost(tip_residual, 1e-6 * zone, zone)
+    if short is not None:
+        raise zone_too_long(zone, short)
+    return None
+
+
+def _outermost(residual: Callable[[float], float], lowest: float, highest: float) -> float | None:
+    """Largest radius at which the residual falls through zero on the way inwards."""
+    radii = np.geomspace(highest, lowest, 200)
+    above = radii[0]
+    at_above = residual(above)
+    for radius in radii[1:]:
+        value = residual(float(radius))
+        if value <= 0.0 < at_above:
+            return bracketed(residual, float(above), at_above, float(radius), value, 1e-12, 1e-15 * radius)
+        above, at_above = radius, value
+    return None
+
+
+def touching_radius(body: Body, depth: float, edge: float) -> float:
+    """Radius of the adhesionless elastic contact, ``G(a) = D``."""
+    if depth <= 0.0:
+        return 0.0
+    low, high = 0.0, 1.0 if math.isinf(edge) else edge
+    if math.isfinite(edge) and float(body.transform(np.array([edge]))[0]) <= depth:
+        return edge
+
+    def excess(radius: float) -> float:
+        return float(body.transform(np.array([radius]))[0]) - depth
+
+    while excess(high) < 0.0:
+        low, high = high, 2.0 * high
+    while high > 0.0 and excess(0.5 * high) > 0.0:
+        high *= 0.5
+        low = 0.5 * high
+    return bracketed(excess, low, excess(low), high, excess(high), 0.0, 1e-16 * high)
+
+
+def elastic_surface(body: Body, depth: float, radius: float, glassy: bool) -> Surface:
+    """Fields of the elastic contact of that radius."""
+    inside = radius * _grid() if radius > 0.0 else np.zeros(1)
+    count = len(body.rheology.times)
+    branches = np.zeros((len(inside), count))
+    if glassy:
+        branches += (depth - body.transform(inside))[:, None] * body.rheology.moduli
+    return Surface(depth, inside, branches, np.array([radius]), np.zeros((1, count)))
+
+
+def _grid() -> Array:
+    half = np.linspace(0.0, 1.0, NODES // 2 + 1)
+    return np.concatenate((0.8 * half[:-1], 0.8 + 0.2 * half))

@@ -1,0 +1,89 @@
+"""One Prony element in its two guises: Maxwell branches driven by ``w``, Voigt units driven by ``q``.
+
+Under the Abel transform every radius ``x`` is such an element. In contact ``w(x, t)`` is prescribed and the
+branch forces ``b_k`` relax with the relaxation times ``tau_k``; outside ``q = 0`` and the unit strains
+``e_j`` decay with the retardation times ``theta_j``. Both decays are exact for any length of time.
+
+    q = E0* w + sum_k b_k,      w = q/Einf* + sum_j e_j,
+    b_k = (E_k/Einf*) q + sum_j [E_k tau_k/(tau_k - theta_j)] e_j,
+    e_j = J_j E0* w + sum_k [J_j tau_k/(tau_k - theta_j)] b_k.
+
+Neither ``b`` changes when ``w`` is held nor ``e`` when ``q`` jumps, so that covering a point (``w`` jumps)
+and releasing it (``q`` jumps) are changes of guise. Moduli are plane moduli ``E/(1 - nu^2)``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scene import Material
+
+Array = NDArray[np.float64]
+
+NEGLIGIBLE = 1e-13  # of the glassy modulus: such a branch is below the round-off of the others
+
+
+@dataclass(frozen=True)
+class Rheology:
+    """Moduli, times and the two changes of guise; arrays over branches have shape (n,)."""
+
+    relaxed: float
+    moduli: Array
+    times: Array
+    compliances: Array
+    retardation: Array
+    branches_of_units: Array
+    units_of_branches: Array
+
+    @property
+    def glassy(self) -> float:
+        """``Einf*``."""
+        return self.relaxed + float(self.moduli.sum())
+
+    def cover(self, units: Array, strain: Array) -> Array:
+        """Branch forces just after free points (m, n) have been brought to ``w = strain`` (m,)."""
+        free = units.sum(axis=1)
+        return units @ self.branches_of_units + (strain - free)[:, None] * self.moduli
+
+    def release(self, branches: Array, strain: Array) -> Array:
+        """Unit strains of points (m, n) at ``w = strain`` (m,); a jump of ``q`` does not change them."""
+        return branches @ self.units_of_branches + (self.relaxed * strain)[:, None] * self.compliances
+
+    def stress(self, branches: Array, strain: Array) -> Array:
+        """``q`` at points in contact."""
+        return self.relaxed * strain + branches.sum(axis=1)
+
+    def stored_in_contact(self, branches: Array, strain: Array) -> Array:
+        """Energy density ``E0* w^2/2 + sum b_k^2/(2 E_k)``."""
+        return 0.5 * (self.relaxed * strain**2 + (branches**2 / self.moduli).sum(axis=1))
+
+    def stored_outside(self, units: Array) -> Array:
+        """Energy density ``sum e_j^2/(2 J_j)`` of free points; the same energy in the other guise."""
+        return 0.5 * (units**2 / self.compliances).sum(axis=1)
+
+
+def rheology(material: Material) -> Rheology:
+    """Plane moduli and compliances of a material with a constant Poisson's ratio."""
+    plane = 1.0 - material.poisson**2
+    moduli, times = material.spectrum
+    matters = moduli > NEGLIGIBLE * material.glassy_modulus
+    kept = Material(
+        material.modulus,
+        material.poisson,
+        tuple(b for b in material.branches if b.time in set(times[matters])),
+    )
+    moduli, times = kept.spectrum
+    creep = kept.creep
+    shift = times[:, None] - creep.times[None, :]
+    return Rheology(
+        relaxed=kept.relaxed_plane_modulus,
+        moduli=moduli / plane,
+        times=times,
+        compliances=creep.compliances * plane,
+        retardation=creep.times,
+        branches_of_units=((moduli * times)[:, None] / shift).T / plane,
+        units_of_branches=creep.compliances[None, :] * times[:, None] / shift * plane,
+    )

@@ -1,0 +1,203 @@
+"""State of the half-space surface in Abel space: one edge, nodes where it has been, a Prony element at each.
+
+Inside (``x <= a``) a node holds its branch forces ``b``, since ``w = D - G(x)`` is prescribed; outside its
+unit strains ``e``, since ``q = 0`` there. The outermost node is untouched: beyond it ``e = 0``.
+A step moves the edge from ``a0`` to ``a1``: points in between are covered or released *at the time the edge
+passes them*, and every node is then carried to the end of the step exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.reference.tracking import hermite
+from validation.reference.tracking.abel import Transform
+from validation.reference.tracking.closure import Zone
+from validation.reference.tracking.drive import Drive
+from validation.reference.tracking.rheology import Rheology
+
+Array = NDArray[np.float64]
+
+COINCIDENT = 1e-11  # of the radius: nodes on the two sides of a step of the fields
+
+
+@dataclass(frozen=True)
+class Body:
+    """What does not change in a run: material and indenter, both in Abel space."""
+
+    rheology: Rheology
+    transform: Transform
+
+
+@dataclass(frozen=True)
+class Path:
+    """Edge radius during a step at the fraction ``f`` of its duration: ``a0 + travel f + bend f (f - 1)``."""
+
+    start: float
+    travel: float
+    bend: float
+
+    def __call__(self, fraction: Array) -> Array:
+        return self.start + self.travel * fraction + self.bend * fraction * (fraction - 1.0)
+
+    def passing(self, x: Array) -> Array:
+        """Fraction at which the edge passes ``x``; ``|bend| < |travel|`` makes it unique."""
+        if self.travel == 0.0:
+            return np.zeros_like(x)
+        linear = (x - self.start) / self.travel
+        c = self.bend / self.travel
+        if c == 0.0:
+            return np.minimum(np.maximum(linear, 0.0), 1.0)
+        root = np.sqrt(np.maximum((1.0 - c) ** 2 + 4.0 * c * linear, 0.0))
+        return np.minimum(np.maximum(2.0 * linear / (1.0 - c + root), 0.0), 1.0)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """State at one time; ``inside`` (m,) ends at the edge, ``outside`` (l,) begins there."""
+
+    penetration: float
+    inside: Array
+    branches: Array
+    outside: Array
+    units: Array
+
+    @property
+    def radius(self) -> float:
+        """Contact radius."""
+        return float(self.inside[-1])
+
+    def zone(self) -> Zone:
+        """The fields the closure looks at."""
+        return Zone(
+            self.inside, self.branches.sum(axis=1), self.outside, self.units.sum(axis=1), self.penetration
+        )
+
+    def force(self, body: Body) -> float:
+        """``F = 2 int_0^a q dx``."""
+        a = self.radius
+        elastic = body.rheology.relaxed * (self.penetration * a - body.transform.integral(a))
+        return 2.0 * (elastic + float(hermite.integral(self.inside, self.branches.sum(axis=1))))
+
+    def edge_stress(self, body: Body) -> float:
+        """``q(a-)``."""
+        strain = self.penetration - float(body.transform(self.inside[-1:])[0])
+        return body.rheology.relaxed * strain + float(self.branches[-1].sum())
+
+    def edge_overlap(self, body: Body) -> float:
+        """``-d(a+)``: positive where the indenter would overlap the free surface next to the edge."""
+        strain = self.penetration - float(body.transform(self.outside[:1])[0])
+        return strain - float(self.units[0].sum())
+
+    def near(self, low: float, high: float) -> Surface:
+        """The part between two radii, with a few nodes beyond on either side."""
+        first = max(int(np.searchsorted(self.inside, low)) - 4, 0)
+        last = int(np.searchsorted(self.outside, high)) + 4
+        return Surface(
+            self.penetration,
+            self.inside[first:],
+            self.branches[first:],
+            self.outside[:last],
+            self.units[:last],
+        )
+
+
+def moved(surface: Surface, body: Body, drive: Drive, path: Path, fractions: Array) -> Surface:
+    """The surface at the end of a step whose edge follows ``path``.
+
+    ``fractions`` (rising, within (0, 1)) are further moments of the step at which nodes are left.
+    """
+    if path.travel > 0.0:
+        return _advanced(surface, body, drive, path, fractions)
+    if path.travel < 0.0:
+        return _receded(surface, body, drive, path, fractions)
+    h, rheology = drive.duration, body.rheology
+    return Surface(
+        drive.end,
+        surface.inside,
+        _in_contact(surface.branches, drive, rheology),
+        surface.outside,
+        surface.units * np.exp(-h / rheology.retardation),
+    )
+
+
+def _in_contact(branches: Array, drive: Drive, rheology: Rheology) -> Array:
+    h = np.array([drive.duration])
+    gain = drive.memory(np.zeros(1), h, rheology.times) * rheology.moduli
+    decay = np.exp(-drive.duration / rheology.times)
+    return (branches + drive.jump * rheology.moduli) * decay + gain
+
+
+def _advanced(surface: Surface, body: Body, drive: Drive, path: Path, fractions: Array) -> Surface:
+    rheology, h = body.rheology, drive.duration
+    radius = path.start + path.travel
+    beyond = int(np.searchsorted(surface.outside, radius, side="right"))
+    old = surface.outside[1:beyond]
+    old = old[old < radius]
+    x = np.unique(np.concatenate((path(fractions), old, [radius])))
+    units = hermite.evaluate(
+        surface.outside, surface.units, hermite.slopes(surface.outside, surface.units), x
+    )
+    inside = _in_contact(surface.branches, drive, rheology)
+    if _differ(surface, body):  # the edge has dwelt: its free side is covered now
+        x = np.concatenate(([surface.outside[0] * (1.0 + COINCIDENT)], x))
+        units = np.concatenate((surface.units[:1], units))
+    at = h * path.passing(x)
+    covered = rheology.cover(
+        units * np.exp(-at[:, None] / rheology.retardation), drive.penetration(at) - body.transform(x)
+    )
+    left = np.full_like(at, h)
+    covered = covered * np.exp(-(left - at)[:, None] / rheology.times)
+    covered = covered + drive.memory(at, left, rheology.times) * rheology.moduli
+    decay = np.exp(-h / rheology.retardation)
+    return Surface(
+        drive.end,
+        np.concatenate((surface.inside, x)),
+        np.concatenate((inside, covered)),
+        np.concatenate(([radius], surface.outside[beyond:])),
+        np.concatenate((units[-1:], surface.units[beyond:])) * decay,
+    )
+
+
+def _receded(surface: Surface, body: Body, drive: Drive, path: Path, fractions: Array) -> Surface:
+    rheology, h = body.rheology, drive.duration
+    radius = path.start + path.travel
+    kept = int(np.searchsorted(surface.inside, radius, side="left"))
+    passed = int(np.searchsorted(surface.inside, radius, side="right"))
+    x = np.concatenate(([radius], path(fractions), surface.inside[passed:]))
+    if len(fractions):
+        x = np.unique(x)
+    first = max(kept - 3, 0)
+    near = surface.inside[first:]
+    slope = hermite.slopes(near, surface.branches[first:])
+    start = hermite.evaluate(near, surface.branches[first:], slope, x) + drive.jump * rheology.moduli
+    at = h * path.passing(x)
+    at[0] = h
+    branches = start * np.exp(-at[:, None] / rheology.times)
+    branches = branches + drive.memory(np.zeros_like(at), at, rheology.times) * rheology.moduli
+    units = rheology.release(branches, drive.penetration(at) - body.transform(x))
+    units = units * np.exp(-(h - at)[:, None] / rheology.retardation)
+    outside = surface.units * np.exp(-h / rheology.retardation)
+    if _differ(surface, body):  # the edge has dwelt: its two sides are unlike, a step is left behind
+        x[-1] *= 1.0 - COINCIDENT
+        rest = 0
+    else:
+        rest = 1
+    return Surface(
+        drive.end,
+        np.concatenate((surface.inside[:kept], [radius])),
+        np.concatenate((_in_contact(surface.branches[:kept], drive, rheology), branches[:1])),
+        np.concatenate((x, surface.outside[rest:])),
+        np.concatenate((units, outside[rest:])),
+    )
+
+
+def _differ(surface: Surface, body: Body) -> bool:
+    """Whether releasing the edge from inside would leave another state than the one just outside."""
+    strain = surface.penetration - body.transform(surface.inside[-1:])
+    released = body.rheology.release(surface.branches[-1:], strain)[0]
+    gap = np.abs(released - surface.units[0]).sum()
+    return bool(gap > 1e-9 * (np.abs(released).sum() + np.abs(strain[0])))

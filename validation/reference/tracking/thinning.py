@@ -1,0 +1,42 @@
+"""Nodes behind the edge that their neighbours already imply are dropped: long histories stay cheap."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.reference.tracking import hermite
+from validation.reference.tracking.surface import Surface
+
+Array = NDArray[np.float64]
+
+
+def thinned(surface: Surface, deviation: float) -> Surface:
+    """Drop every other node that the remaining ones give within ``deviation`` of the largest value.
+
+    Every branch counts by itself: one that is small now may be what is left later.
+    """
+    inside = _needed(surface.inside, surface.branches, deviation)
+    outside = _needed(surface.outside, surface.units, deviation)
+    return Surface(
+        surface.penetration,
+        surface.inside[inside],
+        surface.branches[inside],
+        surface.outside[outside],
+        surface.units[outside],
+    )
+
+
+def _needed(x: Array, y: Array, deviation: float) -> NDArray[np.intp]:
+    """Indices of the nodes to keep; the ends always are."""
+    count = len(x)
+    if count < 8:
+        return np.arange(count)
+    candidate = np.zeros(count, bool)
+    candidate[2:-2:2] = True
+    kept = np.flatnonzero(~candidate)
+    dropped = np.flatnonzero(candidate)
+    guess = hermite.evaluate(x[kept], y[kept], hermite.slopes(x[kept], y[kept]), x[dropped])
+    scale = np.abs(y).sum(axis=1).max()
+    candidate[dropped] = np.abs(guess - y[dropped]).sum(axis=1) <= deviation * scale
+    return np.flatnonzero(~candidate)
