@@ -22,8 +22,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sparse
 from numpy.typing import NDArray
-from skfem import BilinearForm, LinearForm
+from skfem import BilinearForm
 
 Array = NDArray[np.float64]
 
@@ -56,6 +57,30 @@ def deviator(components: Array) -> Array:
     return result
 
 
+def strain_operator(basis: Any) -> sparse.csr_matrix:
+    """Matrix from nodal displacements to strains ``(rr, zz, tt, rz)`` at the quadrature points.
+
+    Its rows run over component, element and point; times ``measure`` and transposed it gives nodal forces.
+    """
+    radius = basis.global_coordinates()[0]
+    cells, points = radius.shape
+    rows = np.arange(4 * cells * points).reshape(4, cells, points)
+    entries = []
+    for local, fields in enumerate(basis.basis):
+        columns = np.broadcast_to(basis.element_dofs[local][None, :, None], rows.shape)
+        values = strain(fields[0], radius)
+        entries.append((values.ravel(), rows.ravel(), columns.ravel()))
+    data, i, j = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+    operator = sparse.coo_matrix((data, (i, j)), shape=(rows.size, basis.N)).tocsr()
+    operator.eliminate_zeros()
+    return operator
+
+
+def measure(basis: Any) -> Array:
+    """``2 pi r`` times the quadrature weights; shape (elements, points)."""
+    return 2.0 * np.pi * basis.global_coordinates()[0] * basis.dx
+
+
 def _contract(first: Array, second: Array) -> Array:
     return np.einsum("i,i...,i...->...", CONTRACTION, first, second)
 
@@ -86,9 +111,3 @@ def pressure_mass(p: Any, q: Any, w: Any) -> Array:
     """``int p q``."""
     return 2.0 * np.pi * w.x[0] * p * q
 
-
-@LinearForm
-def internal_force(v: Any, w: Any) -> Array:
-    """``int s : e(v)`` for a stress field ``s`` of shape (4, elements, points)."""
-    r = w.x[0]
-    return 2.0 * np.pi * r * _contract(np.asarray(w["stress"]), strain(v, r))

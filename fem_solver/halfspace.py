@@ -33,6 +33,7 @@ from fem_solver.farfield import boussinesq_shapes
 
 Array = NDArray[np.float64]
 _QUADRATURE_ORDER = 5
+_COLUMNS = 64  # right-hand sides solved at once
 #: Keeps the mixed system quasi-definite, so that symmetric elimination needs no pivoting; changes the
 #: answer in the twelfth digit.
 _LEAST_RATIO = 1e-12
@@ -53,7 +54,7 @@ class HalfSpace:
     """
 
     def __init__(self, mesh: Any, mixed: bool = True, far_field: bool = True) -> None:
-        self.mixed = mixed
+        self.mixed, self.far_field = mixed, far_field
         self.mesh = MeshTri(np.ascontiguousarray(mesh.points), np.ascontiguousarray(mesh.triangles))
         self.basis = Basis(self.mesh, ElementVector(ElementTriP2()), intorder=_QUADRATURE_ORDER)
         self.deviatoric = forms.deviatoric_stiffness.assemble(self.basis).tocsc()
@@ -153,26 +154,46 @@ class Factorisation:
         result[self.space.free] = self.factor.solve(load[self.space.free] + far @ self.lifted)
         return result
 
-    def compliance(self, count: int) -> tuple[Array, Array]:
-        """Surface compliance of the first ``count`` surface nodes for unit shear modulus.
+    def surface_response(self, count: int) -> tuple[Array, Array]:
+        """Displacements of the first ``count`` surface nodes for unit shear modulus.
 
         Returns
         -------
         clamped : ndarray, shape (count, count)
-            Displacement per nodal force with the far boundary held.
-        far : ndarray, shape (2, count)
-            Displacement per amplitude of each far shape.
+            Per nodal force, with the far boundary held.
+        far : ndarray, shape (count,)
+            Per amplitude of the Boussinesq field of an elastic solid.
         """
         space = self.space
         position = np.full(space.unknowns, -1)
         position[space.free] = np.arange(space.free.size)
         rows = position[space.surface_dofs[:count]]
         clamped = np.empty((count, count))
-        for first in range(0, count, 64):
-            last = min(first + 64, count)
+        for first in range(0, count, _COLUMNS):
+            last = min(first + _COLUMNS, count)
             load = np.zeros((space.free.size, last - first))
             load[rows[first:last], np.arange(last - first)] = 1.0
             clamped[:, first:last] = self.factor.solve(load)[rows]
-        far = np.stack([-self.factor.solve(column)[rows] for column in self.lifted])
-        self.solves += count + 2
-        return clamped, far
+        self.solves += count + 1
+        return clamped, -self.factor.solve(self.far_mix @ self.lifted)[rows]
+
+    def compliance(self, count: int, weights: Array | None = None) -> tuple[Array, Array]:
+        """Surface compliance with the far field of the load, and the weights of that far field.
+
+        Parameters
+        ----------
+        count : int
+            Number of surface nodes, from the axis.
+        weights : ndarray, shape (count,), optional
+            Weights ``v`` of the nodal forces in the far amplitude; default those that make it symmetric.
+
+        Returns
+        -------
+        compliance : ndarray, shape (count, count)
+        weights : ndarray, shape (count,)
+        """
+        clamped, far = self.surface_response(count)
+        if weights is None:
+            weights = far / far[0] if self.space.far_field else np.zeros(count)
+        whole = clamped + np.outer(far, weights)
+        return 0.5 * (whole + whole.T), weights

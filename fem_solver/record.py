@@ -50,6 +50,7 @@ class Recorder:
     profiles: list[Profile] = field(default_factory=list)
     external_work: float = 0.0
     surface_work: float = 0.0
+    largest_force: float = 0.0
     last: SurfaceState | None = None
     first: SurfaceState | None = None
 
@@ -82,6 +83,7 @@ class Recorder:
             )
         )
         self.last = state
+        self.largest_force = max(self.largest_force, abs(state.force))
 
     def event(self, kind: str) -> None:
         """An instability that starts from the last row."""

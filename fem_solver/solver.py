@@ -5,77 +5,120 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from fem_solver.condensed import CondensedHistory
-from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
-from fem_solver.halfspace import HalfSpace
 from fem_solver.options import DEFAULT_TOLERANCE, Options
-from fem_solver.prony import Prony
+from fem_solver.profiles import profile
 from fem_solver.record import Recorder
-from fem_solver.release import EdgeGeometry
+from fem_solver.setup import Setup, set_up
 from fem_solver.stepcontrol import Judge
 from fem_solver.stepping import Ended, Run
-from fem_solver.surface import SurfaceOperator
 from scene import Outcome, OutcomeKind, Scene, Trace
 from scene.scene import zone_too_long
 
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A trace with what is needed to look into the body at the recorded times.
+
+    ``states`` maps a time to the state of the history there (see ``condensed`` and ``quadrature``).
+    """
+
+    trace: Trace
+    setup: Setup
+    states: dict[float, object]
+
 
 def solve(
-    scene: Scene,
-    mesh: Any,
-    options: Options = Options(),
-    progress: Callable[[float], None] | None = None,
+    scene: Scene, mesh: Any, options: Options | None = None, progress: Progress | None = None
 ) -> Trace:
-    began = clock.perf_counter()
-    material = scene.material
-    space = HalfSpace(mesh, options.form == "mixed", options.far_field)
-    nu = material.poisson
-    ratio = 1.5 * (1.0 - 2.0 * nu) / (1.0 + nu)
-    factor = space.factorise(ratio)
-    reach = mesh.parameters.fine_to
-    count = int(np.searchsorted(space.radii, 1.5 * reach))
-    C0, far = factor.compliance(count)
-    c = factor.far_mix @ far
-    C = C0 + np.outer(c, c) / c[0] if options.far_field else C0
-    C = 0.5 * (C + C.T)
-    op = SurfaceOperator(C)
-    mod, tim = material.spectrum
-    shear = Prony(material.modulus, mod, tim).scaled(0.5 / (1 + nu))
-    history = CondensedHistory(op, shear)
-    radii = space.radii[:count]
-    eff = op.effective_radii(2.0 / (1.0 - nu))
-    zone = scene.adhesion.zone if scene.is_adhesive else None
-    work = scene.adhesion.work if scene.is_adhesive else 0.0
-    geo = EdgeGeometry(radii, eff, zone, reach, scene.indenter.edge)
-    if zone:
-        law: EdgeLaw = AdhesiveEdge(geo, work)
-        h = np.diff(radii[: geo.last])
-        travel = zone / (2 * options.resolution) if options.resolution else float(np.median(h))
-    else:
-        law = AdhesionlessEdge(geo, op.transform_radii(radii).tolist())
-        travel = 0.01 * reach
-    rec = Recorder(work)
-    E0 = material.relaxed_plane_modulus
+    """Solve a scene on a mesh of the half-space.
 
-    def scale(a: float) -> float:
-        return max(max(abs(row[2]) for row in rec.rows), math.sqrt(8 * math.pi * E0 * a**3 * work))
+    Parameters
+    ----------
+    scene : Scene
+    mesh : object
+        With ``points`` (2, n), ``triangles`` (3, m), ``boundaries`` "surface", "axis", "far" of vertex pairs
+        (2, k) and ``parameters.fine_to``, the radius up to which it is made for a contact edge.
+    options : Options, optional
+    progress : callable(float), optional
+        Told the fraction done, from 0 to 1.
+
+    Returns
+    -------
+    Trace
+        Extra columns ``branch_dissipation``, ``zone_excess`` and ``balance_residual`` (see ``record``).
+
+    Raises
+    ------
+    SceneError
+        If the process zone is longer than the contact it starts from.
+    UnsupportedScene
+        If the options exclude what the scene needs.
+    """
+    return record(scene, mesh, options, progress).trace
+
+
+def record(
+    scene: Scene, mesh: Any, options: Options | None = None, progress: Progress | None = None
+) -> Recording:
+    """As :func:`solve`, and keep the history at ``options.record_times``."""
+    began = clock.perf_counter()
+    options = options or Options()
+    setup = set_up(scene, mesh, options)
+    zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else 0.0
+    work = scene.adhesion.work if scene.adhesion else 0.0
+    recorder = Recorder(work)
+    states: dict[float, object] = {}
+    height = scene.indenter.height(setup.radii)
+
+    def visit(time: float) -> None:
+        if time in options.profile_times and recorder.last is not None:
+            recorder.profiles.append(profile(recorder.last, setup.radii, height))
+        if time in options.record_times:
+            states[time] = setup.history.state
+
+    def force_scale(radius: float) -> float:
+        """Largest force so far, at least that of a relaxed adhering punch of this radius."""
+        adhesion = math.sqrt(8.0 * math.pi * scene.material.relaxed_plane_modulus * radius**3 * work)
+        return max(recorder.largest_force, adhesion)
 
     run = Run(
-        history, geo, law, scene.indenter.height(radii), Judge(options.tolerance or DEFAULT_TOLERANCE, travel),
-        rec, float(tim.min()) if tim.size else math.inf, scale, options.max_steps, lambda t: None,
+        history=setup.history,
+        geometry=setup.geometry,
+        law=setup.law,
+        height=height,
+        judge=Judge(options.tolerance or DEFAULT_TOLERANCE, setup.travel),
+        recorder=recorder,
+        shortest_time=setup.shortest_time,
+        force_scale=force_scale,
+        max_steps=options.max_steps,
+        visit=visit,
+        wanted=(*options.profile_times, *options.record_times),
     )
     kind, reason = OutcomeKind.COMPLETED, "all loading steps carried out"
+    steps = scene.loading.steps
     try:
         run.start(scene.loading.penetration, scene.loading.start == "relaxed")
-        if zone and run.state.radius < zone:
+        if run.state.radius < zone:
             raise zone_too_long(zone, run.state.radius)
-        for step in scene.loading.steps:
-            seg = step.segment(run.time, run.state.penetration, run.state.force)
-            run.carry_out(seg)
-            run.time = seg.end
-    except Ended as e:
-        kind, reason = e.kind, e.reason
-    return rec.trace(Outcome(kind, reason, run.time), run.counters, clock.perf_counter() - began)
+        for done, step in enumerate(steps):
+            segment = step.segment(run.time, run.state.penetration, run.state.force)
+
+            def tell(part: float, done: int = done) -> None:
+                if progress is not None:
+                    progress((done + part) / len(steps))
+
+            run.carry_out(segment, tell)
+    except Ended as end:
+        kind, reason = end.kind, end.reason
+    if progress is not None:
+        progress(1.0)
+    run.counters.history_updates = setup.history.updates
+    run.counters.factorisations = setup.history.factorisations
+    run.counters.volume_solves = setup.history.volume_solves
+    trace = recorder.trace(Outcome(kind, reason, run.time), run.counters, clock.perf_counter() - began)
+    return Recording(trace, setup, states)

@@ -72,7 +72,7 @@ class Run:
     shortest_time: float
     force_scale: Callable[[float], float]
     max_steps: int
-    on_time: Callable[[float], None]
+    visit: Callable[[float], None]
     wanted: tuple[float, ...] = ()
     counters: Counters = field(default_factory=Counters)
     time: float = 0.0
@@ -98,9 +98,10 @@ class Run:
                 f"no stable contact at penetration {penetration:.6g}",
             )
         self._commit(dt, problem, response, found.s)
+        self.visit(self.time)
 
-    def carry_out(self, segment: Segment) -> None:
-        """One loading step."""
+    def carry_out(self, segment: Segment, tell: Callable[[float], None]) -> None:
+        """One loading step; ``tell`` hears the fraction done."""
         state = self.state
         before = state.penetration if segment.control == "penetration" else state.force
         target = segment.value(segment.start)
@@ -116,20 +117,23 @@ class Run:
         for end in marks:
             if end <= start:
                 continue
-            stride = self._interval(segment, Clock(start, end), stride)
+            clock = Clock(start, end)
+            self._begin(clock, stride)
+            while not clock.done:
+                self._step(segment, clock)
+                tell((self.time - segment.start) / (segment.end - segment.start))
+            stride = clock.dt
+            self.visit(end)
             start = end
             if end in kinks:
                 self.judge.forget()
                 stride = None
 
-    def _interval(self, segment: Segment, clock: Clock, stride: float | None) -> float:
+    def _begin(self, clock: Clock, stride: float | None) -> None:
         length = clock.end - clock.start
         scale = min(self.shortest_time, length)
         first = stride or min(_FIRST * length, 2.0 * _FIRST * self.shortest_time)
         clock.limit(first, max(_SHORTEST * scale, 8.0 * np.spacing(abs(clock.end)), length * 2.0**-40))
-        while not clock.done:
-            self._step(segment, clock)
-        return clock.dt
 
     def _step(self, segment: Segment, clock: Clock) -> None:
         if self.counters.steps >= self.max_steps:
@@ -160,7 +164,6 @@ class Run:
             clock.halve()
         elif error < 0.25 and moved < 0.4 * self.judge.travel:
             clock.double()
-        self.on_time(self.time)
 
     def _travel(self, now: SurfaceState) -> tuple[float, float]:
         """Edge positions within one step's travel, at least one node either way."""

@@ -1,0 +1,49 @@
+"""Surface profiles at requested times."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.record import SurfaceState
+from scene import Profile
+
+Array = NDArray[np.float64]
+
+
+def tributary_areas(radii: Array) -> Array:
+    """``int N_i 2 pi r dr`` of the quadratic trace; zero at the axis. Shape (n,), n odd."""
+    left, right = radii[:-2:2], radii[2::2]
+    length = right - left
+    areas = np.zeros(len(radii))
+    areas[:-2:2] += 2.0 * np.pi * length * left / 6.0
+    areas[2::2] += 2.0 * np.pi * length * right / 6.0
+    areas[1::2] += 2.0 * np.pi * length * (left + right) / 3.0
+    return areas
+
+
+def profile(state: SurfaceState, radii: Array, height: Array) -> Profile:
+    """Pressure, displacement and gap at the surface nodes.
+
+    The pressure is the nodal force over the node's area; the axis takes that of its neighbour, and the
+    partly released node at the edge is left out.
+    """
+    areas = tributary_areas(radii)
+    pressure = np.divide(state.forces, areas, out=np.zeros_like(areas), where=areas > 0.0)
+    pressure[0] = pressure[1]
+    full = int(np.floor(state.s))
+    gap = height - state.penetration + state.displacement
+    gap[: full + 1] = 0.0
+    keep = np.ones(len(radii), bool)
+    if full + 1 < len(radii) and state.s > full:
+        keep[full + 1] = False
+    return Profile(
+        state.time,
+        state.penetration,
+        state.force,
+        state.radius,
+        radii[keep],
+        pressure[keep],
+        state.displacement[keep],
+        np.maximum(gap, 0.0)[keep],
+    )

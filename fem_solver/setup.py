@@ -1,0 +1,128 @@
+"""From a scene, a mesh and options to the objects the loop works with."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.condensed import CondensedHistory
+from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
+from fem_solver.halfspace import HalfSpace
+from fem_solver.options import Options
+from fem_solver.prony import Prony
+from fem_solver.quadrature import QuadratureHistory
+from fem_solver.release import EdgeGeometry
+from fem_solver.surface import SurfaceOperator
+from scene import BulkRelaxation, Material, Scene, UnsupportedScene
+
+Array = NDArray[np.float64]
+
+_MARGIN = 1.2  # surface nodes offered, over the radius the mesh is made for
+_TRAVEL_SHARE = 0.01  # edge travel per step without adhesion, of the radius the mesh is made for
+
+
+@dataclass(frozen=True)
+class Moduli:
+    """Shear and bulk relaxation; ``bulk`` is ``None`` if incompressible."""
+
+    shear: Prony
+    bulk: Prony | None
+    alike: bool
+
+    @property
+    def ratio(self) -> float:
+        """Relaxed ``G/K``."""
+        return 0.0 if self.bulk is None else self.shear.relaxed / self.bulk.relaxed
+
+    @property
+    def unit_plane_modulus(self) -> float:
+        """``E*`` of the relaxed solid at unit shear modulus, ``2/(1 - nu)``."""
+        poisson = (3.0 - 2.0 * self.ratio) / (2.0 * (3.0 + self.ratio))
+        return 2.0 / (1.0 - poisson)
+
+
+def moduli(material: Material) -> Moduli:
+    """Shear modulus ``E(t)/(2 (1 + nu))`` and what ``material.bulk`` makes of the bulk modulus."""
+    values, times = material.spectrum
+    young = Prony(material.modulus, values, times)
+    shear = young.scaled(0.5 / (1.0 + material.poisson))
+    compressible = material.poisson < 0.5
+    factor = 1.0 / (3.0 * (1.0 - 2.0 * material.poisson)) if compressible else math.inf
+    if material.bulk is None:
+        return Moduli(shear, young.scaled(factor) if compressible else None, True)
+    none = np.zeros(0)
+    if isinstance(material.bulk, BulkRelaxation):
+        relaxed = material.bulk.modulus or material.modulus * factor
+        kept = [branch for branch in material.bulk.branches if branch.modulus > 0.0]
+        branches = np.array([b.modulus for b in kept], float), np.array([b.time for b in kept], float)
+        bulk = Prony(relaxed, *branches)
+    else:
+        bulk = Prony(material.modulus * factor, none, none)
+    return Moduli(shear, bulk, shear.times.size == 0 and bulk.times.size == 0)
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Discrete half-space with its history, and the edge law."""
+
+    space: HalfSpace
+    history: CondensedHistory | QuadratureHistory
+    geometry: EdgeGeometry
+    law: EdgeLaw
+    radii: Array
+    travel: float
+    shortest_time: float
+
+
+def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
+    """Assemble and factorise.
+
+    Raises
+    ------
+    UnsupportedScene
+        If the chosen form or path cannot answer the scene.
+    """
+    material = moduli(scene.material)
+    mixed = options.form == "mixed"
+    if not mixed and material.bulk is None:
+        raise UnsupportedScene("material.poisson", "the displacement form needs a finite bulk modulus", "mixed")
+    condensed = material.alike if options.path == "auto" else options.path == "condensed"
+    if condensed and not material.alike:
+        raise UnsupportedScene("material.bulk", "the surface carries no separate bulk relaxation", "quadrature")
+    space = HalfSpace(mesh, mixed, options.far_field)
+    reach = float(mesh.parameters.fine_to)
+    count = _node_count(space.radii, _MARGIN * reach)
+    compliance, _ = space.factorise(material.ratio).compliance(count)
+    operator = SurfaceOperator(compliance)
+    history: CondensedHistory | QuadratureHistory
+    if condensed:
+        history = CondensedHistory(operator, material.shear)
+    else:
+        history = QuadratureHistory(space, material.shear, material.bulk, count)
+    radii = space.radii[:count]
+    zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
+    effective = operator.effective_radii(material.unit_plane_modulus)
+    geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge)
+    law: EdgeLaw
+    if scene.adhesion is not None and zone is not None:
+        law = AdhesiveEdge(geometry, scene.adhesion.work)
+        element = 2.0 * float(np.median(np.diff(radii[radii <= reach])))
+        travel = zone / (4.0 * options.resolution) if options.resolution else 0.25 * element
+    else:
+        law = AdhesionlessEdge(geometry, operator.transform_radii(radii).tolist())
+        share = 1.0 / (4.0 * options.resolution) if options.resolution else 1.0
+        travel = _TRAVEL_SHARE * reach * share
+    times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)
+    return Setup(
+        space, history, geometry, law, radii, travel, float(times.min()) if times.size else math.inf
+    )
+
+
+def _node_count(radii: Array, reach: float) -> int:
+    """Vertices and mid-side nodes in turn, ending with a vertex."""
+    count = int(np.searchsorted(radii, reach))
+    return min(count + 1 - count % 2, len(radii))
