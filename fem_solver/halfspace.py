@@ -34,9 +34,9 @@ from fem_solver.farfield import boussinesq_shapes
 Array = NDArray[np.float64]
 _QUADRATURE_ORDER = 5
 _COLUMNS = 64  # right-hand sides solved at once
-#: Keeps the mixed system quasi-definite, so that symmetric elimination needs no pivoting; changes the
-#: answer in the twelfth digit.
-_LEAST_RATIO = 1e-12
+#: Least ``G/K`` of the factorised mixed system. It keeps elimination without pivoting stable; smaller ratios,
+#: zero among them, are reached from there by one step of iterative refinement (error about its square).
+_LEAST_RATIO = 1e-7
 
 
 class HalfSpace:
@@ -114,14 +114,16 @@ class HalfSpace:
 
     def factorise(self, ratio: float) -> Factorisation:
         """Factorise the constrained system."""
-        whole = self.matrix(max(ratio, _LEAST_RATIO) if self.mixed else ratio)
-        rows = whole[self.free]
-        inner = rows[:, self.free].tocsc()
+        rows = self.matrix(ratio)[self.free]
+        exact = rows[:, self.free].tocsc()
+        near = exact
+        refined = self.mixed and ratio < 10.0 * _LEAST_RATIO
+        if refined:
+            near = self.matrix(ratio + _LEAST_RATIO)[self.free][:, self.free].tocsc()
         symmetric = {"SymmetricMode": True}
-        factor = splu(inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
-        shapes = self.far_shapes
-        lifted = np.stack([-(rows @ shape) for shape in shapes])
-        return Factorisation(self, ratio, factor, lifted)
+        factor = splu(near, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
+        lifted = np.stack([-(rows @ shape) for shape in self.far_shapes])
+        return Factorisation(self, ratio, factor, exact if refined else None, lifted)
 
 
 @dataclass
@@ -131,6 +133,7 @@ class Factorisation:
     space: HalfSpace
     ratio: float
     factor: SuperLU
+    exact: sparse.csc_matrix | None
     lifted: Array
     solves: int = field(default=0)
 
@@ -138,6 +141,12 @@ class Factorisation:
     def far_mix(self) -> Array:
         """Weights of the two far shapes for an elastic solid of unit shear modulus, shape (2,)."""
         return np.array([1.0, 3.0 * self.ratio / (3.0 + self.ratio)])
+
+    def _invert(self, right: Array) -> Array:
+        first = self.factor.solve(right)
+        if self.exact is None:
+            return first
+        return first + self.factor.solve(right - self.exact @ first)
 
     def solve(self, load: Array, far: Array) -> Array:
         """Displacement (and pressure) for a right-hand side and far-field amplitudes.
@@ -151,7 +160,7 @@ class Factorisation:
         """
         self.solves += 1
         result = far @ self.space.far_shapes
-        result[self.space.free] = self.factor.solve(load[self.space.free] + far @ self.lifted)
+        result[self.space.free] = self._invert(load[self.space.free] + far @ self.lifted)
         return result
 
     def surface_response(self, count: int) -> tuple[Array, Array]:
@@ -173,9 +182,9 @@ class Factorisation:
             last = min(first + _COLUMNS, count)
             load = np.zeros((space.free.size, last - first))
             load[rows[first:last], np.arange(last - first)] = 1.0
-            clamped[:, first:last] = self.factor.solve(load)[rows]
+            clamped[:, first:last] = self._invert(load)[rows]
         self.solves += count + 1
-        return clamped, -self.factor.solve(self.far_mix @ self.lifted)[rows]
+        return clamped, -self._invert(self.far_mix @ self.lifted)[rows]
 
     def compliance(self, count: int, weights: Array | None = None) -> tuple[Array, Array]:
         """Surface compliance with the far field of the load, and the weights of that far field.
