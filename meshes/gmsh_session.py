@@ -39,7 +39,7 @@ OPTIONS = {
     "Mesh.MeshSizeFactor": 1,
     "Mesh.RandomSeed": 1,
     "Mesh.RandomFactor": 1e-9,
-    "Mesh.Smoothing": 10,
+    "Mesh.Smoothing": 1,
 }
 
 _lock = threading.RLock()  # gmsh has one global state per process

@@ -32,7 +32,7 @@ def half_space(parameters: MeshParameters) -> HalfSpaceMesh:
 
 def _triangulate(gmsh: ModuleType, parameters: MeshParameters) -> tuple[Array, Indices]:
     radii = surface_radii(parameters)
-    # gmsh merges points closer than an absolute tolerance: lengths in units of the strip's outer radius
+    # gmsh has absolute tolerances that spoil meshes of tiny size: so lengths in units of the strip
     unit = parameters.fine_to
     with session(gmsh):
         _geometry(gmsh, radii / unit)

@@ -134,7 +134,7 @@ def test_same_parameters_give_the_same_mesh(family):
 @pytest.mark.parametrize("family", meshes.FAMILIES)
 def test_mesh_does_not_depend_on_the_unit_of_length(family):
     large = meshes.half_space(meshes.fit(0.126, 0.244, 0.013, 5, family=family))
-    small = meshes.half_space(meshes.fit(0.126e-6, 0.244e-6, 0.013e-6, 5, family=family))
+    small = meshes.half_space(meshes.fit(0.126e-12, 0.244e-12, 0.013e-12, 5, family=family))
     assert small.quality.vertices == pytest.approx(large.quality.vertices, rel=0.02)
     assert small.quality.min_angle == pytest.approx(large.quality.min_angle, rel=0.25)
 

@@ -115,8 +115,10 @@ def test_a_running_session_of_the_caller_survives(gmsh):
         gmsh.model.add("theirs")
         gmsh.model.geo.addPoint(0, 0, 0)
         gmsh.model.geo.synchronize()
+        models = gmsh.model.list()
         mesh = meshes.half_space(ASKED)
         assert gmsh.isInitialized()
+        assert gmsh.model.list() == models
         assert gmsh.model.getCurrent() == "theirs"
         assert gmsh.model.getEntities(0) == [(0, 1)]
         assert gmsh.option.getNumber("Mesh.MeshSizeFactor") == 7.0
