@@ -8,11 +8,12 @@ import subprocess
 import sys
 import tomllib
 
+import numpy as np
 import pytest
 from cli_fakes import SCENE, fake, named
 
 from scene import OutcomeKind, UnsupportedScene, read_scene
-from validation import solvers
+from validation import files, solvers
 from validation.__main__ import SOLVER_NAMES, SUITE_NAMES, main
 from validation.cases import SUITES, names
 
@@ -205,6 +206,26 @@ def test_numbers_that_are_not_finite_are_a_failure(capsys, tmp_path, scene_file,
     assert code_of("solve", scene_file, "--solver", "bem", "--out", str(tmp_path)) == 1
     assert "not finite: force" in capsys.readouterr().err
     assert json.loads((tmp_path / "summary.json").read_text())["outcome"] == "failed"
+
+
+def test_json_is_strict():
+    given = {"a": [np.float64(1.5), np.nan, float("inf")], "b": np.arange(2), "c": (None, True, "x", 3)}
+    said = json.loads(files.to_json(given), parse_constant=lambda name: pytest.fail(name))
+    assert said == {"a": [1.5, None, None], "b": [0, 1], "c": [None, True, "x", 3]}
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    target = tmp_path / "file"
+    files.write_whole(target, "old")
+
+    def fail(*arguments):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(files.os, "fsync", fail)
+    with pytest.raises(OSError, match="disk full"):
+        files.write_whole(target, "new")
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
 
 
 def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
