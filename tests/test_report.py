@@ -131,6 +131,17 @@ def test_html_is_whole_and_self_contained(built):
     assert not re.search(r"#0a0a0a|#0072b2", drawn)
 
 
+def test_tables_are_rectangular_and_hold_every_check(built):
+    report, folder = built
+    text = (folder / "index.html").read_text()
+    rows = 0
+    for table in re.findall(r"<table><thead>.*?</table>", text, flags=re.DOTALL):
+        head, *body = re.findall(r"<tr>(.*?)</tr>", table, flags=re.DOTALL)
+        assert {line.count("<td>") for line in body} == {head.count("<th>")}
+        rows += len(body) if "tolerance" in head else 0
+    assert rows == len(report.checks)
+
+
 def test_a_run_without_an_answer_is_shown(tmp_path, monkeypatch):
     monkeypatch.setitem(solvers.SOLVERS, "bem", lambda: refuse)
     monkeypatch.setitem(solvers.SOLVERS, "reference", named("reference", fake(kind=OutcomeKind.STEP_BUDGET)))
