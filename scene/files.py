@@ -49,8 +49,6 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     try:
         with partial.open("x", encoding="utf-8", newline="\n") as stream:
             stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
         partial.replace(target)
     finally:
         partial.unlink(missing_ok=True)

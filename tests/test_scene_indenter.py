@@ -92,6 +92,14 @@ def test_table_of_a_smooth_profile_converges(points, worst):
     assert worst / 3.0 < error < worst
 
 
+def test_curve_between_steep_and_flat_pieces_does_not_swing_over():
+    table = TabulatedProfile((0.0, 1.0, 2.0, 3.0, 4.0), (0.0, 0.001, 1.0, 1.001, 1.001))
+    r = np.linspace(0.0, 4.0, 4001)
+    assert (np.diff(table.height(r)) >= 0.0).all()
+    assert (table.slope(r) >= 0.0).all()
+    assert float(table.height(4.0)) == 1.001
+
+
 def test_tabulated_paraboloids_and_cones_are_exact():
     radii = np.array([0.0, 0.1, 0.15, 0.3, 0.7, 1.0])
     fine = np.linspace(0.0, 1.0, 101)
