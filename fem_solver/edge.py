@@ -131,15 +131,19 @@ class AdhesionlessEdge:
             return EdgeSearch(Fate.ADVANCING if ran else Fate.SETTLED, float(m))
         while m > lowest and not self._presses(problem, m):
             m -= 1
-        ran = m == lowest and m > NO_CONTACT and not self._presses(problem, m)
-        return EdgeSearch(Fate.RECEDING if ran else Fate.SETTLED, float(m))
+        untouched = m == NO_CONTACT and s == NO_CONTACT and not self._pulls(problem)
+        held = m > NO_CONTACT and self._presses(problem, m)
+        return EdgeSearch(Fate.SETTLED if held or untouched else Fate.RECEDING, float(m))
 
     @staticmethod
     def _presses(problem: ContactProblem, node: int) -> bool:
         """Whether contact up to this node leaves it under pressure."""
-        if node < 0:
-            return problem.control == "force" and problem.value > 0.0
         return problem.intensity(node, float(node)) > 0.0
+
+    @staticmethod
+    def _pulls(problem: ContactProblem) -> bool:
+        """Whether a tension is asked for, which nothing can carry."""
+        return problem.control == "force" and problem.value < 0.0
 
     def radius(self, problem: ContactProblem, s: float) -> float:
         """Where the singularity vanishes between the last node inside and the first outside."""

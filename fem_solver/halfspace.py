@@ -33,7 +33,7 @@ from fem_solver.farfield import boussinesq_shapes
 
 Array = NDArray[np.float64]
 _QUADRATURE_ORDER = 5
-_COLUMNS = 64  # right-hand sides solved at once
+_COLUMNS = 16  # right-hand sides solved at once
 #: Least ``G/K`` of the factorised mixed system. It keeps elimination without pivoting stable; smaller ratios,
 #: zero among them, are reached from there by one step of iterative refinement (error about its square).
 _LEAST_RATIO = 1e-7

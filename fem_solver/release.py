@@ -47,7 +47,8 @@ class EdgeGeometry:
     def __init__(
         self, radii: Array, effective: Array, zone: float | None, reach: float, edge: float
     ) -> None:
-        self.radii, self.effective, self.zone = radii, effective, zone
+        self.radii, self.zone = radii, zone
+        self.effective = np.where(radii < edge * (1.0 - 1e-9), effective, np.minimum(effective, edge))
         count = len(radii)
         within = int(np.searchsorted(radii, edge * (1.0 + 1e-9))) - 1
         span = reach - (zone or 0.0)

@@ -15,7 +15,7 @@ from fem_solver.edge import EdgeLaw, EdgeSearch, Fate
 from fem_solver.record import Recorder, SurfaceState
 from fem_solver.release import ContactProblem, EdgeGeometry
 from fem_solver.stepcontrol import Clock, Judge
-from scene import Counters, Outcome, OutcomeKind, Segment
+from scene import Counters, OutcomeKind, Segment
 
 Array = NDArray[np.float64]
 
@@ -151,8 +151,9 @@ class Run:
                 if error <= _REJECT or clock.shortest:
                     break
             elif clock.shortest:
-                self._unstable(segment, clock, found)
-                return
+                found = self._jump_edge(problem, found)
+                slopes, error = {}, 0.0
+                break
             self.counters.rejected_steps += 1
             clock.halve()
         self.time = clock.next_time
@@ -199,20 +200,18 @@ class Run:
             self._lost(found)
         self._commit(0.0, problem, response, found.s)
 
-    def _unstable(self, segment: Segment, clock: Clock, found: EdgeSearch) -> None:
-        """The edge outruns the shortest step: let it jump at fixed time to where it is stable again."""
-        advancing = found.fate is Fate.ADVANCING
-        value = segment.value(clock.time)
-        problem, response = self._problem(0.0, segment.control, value)
-        low, high = (self.state.s, math.inf) if advancing else (self.law.lowest, self.state.s)
-        begin = found.s
-        landed = self.law.seek(problem, begin, min(low, begin), max(high, begin))
+    def _jump_edge(self, problem: ContactProblem, ran: EdgeSearch) -> EdgeSearch:
+        """The edge outruns the shortest step: follow it to where it is stable again."""
+        advancing = ran.fate is Fate.ADVANCING
+        if not advancing and ran.s <= self.law.lowest:
+            self._lost(ran)
+        low, high = (ran.s, math.inf) if advancing else (self.law.lowest, ran.s)
+        landed = self.law.seek(problem, ran.s, low, high)
         self._count(problem)
         if landed.fate is not Fate.SETTLED:
             self._lost(landed)
         self.recorder.event("snap-in" if advancing else "pull-off")
-        self._commit(0.0, problem, response, landed.s)
-        self.judge.forget()
+        return landed
 
     def _lost(self, found: EdgeSearch) -> None:
         if found.fate is Fate.ADVANCING:
