@@ -7,7 +7,6 @@ surface displacement positive *downwards* (``gap = f(r) - D + displacement``). U
 from __future__ import annotations
 
 import csv
-import math
 import os
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -160,10 +159,3 @@ def read_columns(path: str | os.PathLike[str]) -> dict[str, Array]:
             raise ValueError(f"{path}: line {line} has {len(row)} cells, the header {len(header)}")
     table = np.array([[float(cell) for cell in row] for row in rows]).reshape(len(rows), len(header))
     return {name: table[:, index] for index, name in enumerate(header)}
-
-
-def is_finite(trace: Trace) -> bool:
-    """Whether no NaN or infinity is in any column."""
-    return all(bool(np.isfinite(column).all()) for column in trace.columns().values()) and math.isfinite(
-        trace.outcome.time
-    )
