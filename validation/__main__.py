@@ -15,7 +15,7 @@ from typing import NoReturn
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
-SOLVER_NAMES = ("bem", "reference")
+SOLVER_NAMES = ("bem", "fem", "reference")
 SUITE_NAMES = ("quick", "paper", "full")
 SMALLEST_RESOLUTION = 4
 

@@ -36,6 +36,24 @@ def _bem() -> Solver:
     return call
 
 
+def _fem() -> Solver:
+    """Finite elements with node release, on a mesh fitted to the scene."""
+    from fem_solver import Options, solve
+    from validation.contact_range import mesh_for
+
+    def call(
+        scene: Scene,
+        resolution: int | None,
+        tolerance: float | None,
+        profile_times: tuple[float, ...],
+        progress: Progress | None,
+    ) -> Trace:
+        mesh = mesh_for(scene, resolution)
+        return solve(scene, mesh, Options(resolution, tolerance, profile_times), progress)
+
+    return call
+
+
 def _reference() -> Solver:
     """Front tracking under the Abel transform."""
     from validation.reference import Options, solve
@@ -52,4 +70,4 @@ def _reference() -> Solver:
     return call
 
 
-SOLVERS: dict[str, Callable[[], Solver]] = {"bem": _bem, REFERENCE: _reference}
+SOLVERS: dict[str, Callable[[], Solver]] = {"bem": _bem, "fem": _fem, REFERENCE: _reference}

@@ -13,6 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from validation.report.curves import Curves, Labels
 
 if TYPE_CHECKING:
@@ -79,8 +82,23 @@ def draw(panel: Panel, curves: Sequence[Curves], labels: Labels) -> Figure:
         if curve.pull_off is not None:
             at = ([x[curve.pull_off]], [y[curve.pull_off]])
             axes.plot(*at, "o", markersize=size, color=style["color"], fillstyle="none")
+    solved = [curve for curve in curves if curve.style]
+    for column, limit in ((panel.across, axes.set_xlim), (panel.up, axes.set_ylim)):
+        span = _span([curve.columns[column] for curve in solved])
+        if span is not None:
+            limit(*span)
     _dress(axes, labels[panel.across], labels[panel.up])
     return figure
+
+
+def _span(columns: Sequence[NDArray[np.float64]]) -> tuple[float, float] | None:
+    """Limits around what was solved; closed forms may run out of the picture."""
+    filled = [column for column in columns if column.size]
+    if not filled:
+        return None
+    low, high = min(c.min() for c in filled), max(c.max() for c in filled)
+    spare = 0.06 * (high - low)
+    return (low - spare, high + spare) if spare > 0.0 else None
 
 
 def _dress(axes: Axes, across: str, up: str) -> None:
@@ -95,7 +113,7 @@ def _dress(axes: Axes, across: str, up: str) -> None:
     for text in (axes.xaxis.label, axes.yaxis.label, axes.xaxis.offsetText, axes.yaxis.offsetText):
         text.set_color(INK)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, labelcolor=INK, fontsize="small")
+        axes.legend(frameon=False, labelcolor=INK, fontsize="small", handlelength=2.6)
 
 
 def svg(figure: Figure, name: str, description: str) -> str:

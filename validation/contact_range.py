@@ -1,0 +1,91 @@
+"""How far a contact edge will travel: what a finite-element mesh is fitted to before anything is solved.
+
+A bound, not a solution: the largest contact is that of the fully relaxed elastic contact (soft modulus,
+hence the largest area) at the largest penetration, or under the largest force, of the loading.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+
+from scene import Scene, SceneError
+from validation.reference import sneddon
+
+if TYPE_CHECKING:
+    from meshes import HalfSpaceMesh
+
+DIVISIONS = 10  # elements per process zone, where nothing is asked
+ADHESIONLESS_DIVISIONS = 2  # elements per hundredth of the largest contact radius
+SPARE = 1.02  # a finite process zone lets the contact grow a little beyond the exact edge's
+DECADES = np.geomspace(1e-18, 1e18, 1441)  # radii in any unit
+
+
+def mesh_for(scene: Scene, resolution: int | None) -> HalfSpaceMesh:
+    """A graded half-space fitted to the scene, at a number of elements per process zone.
+
+    Without adhesion a hundredth of the largest contact radius takes the place of the process zone.
+
+    Raises
+    ------
+    SceneError
+        If no mesh of reasonable size resolves the process zone.
+    """
+    import meshes
+
+    largest = largest_contact_radius(scene)
+    edge = scene.indenter.edge if math.isfinite(scene.indenter.edge) else None
+    if scene.adhesion is not None and scene.is_adhesive:
+        zone, divisions = scene.adhesion.zone, resolution or DIVISIONS
+    else:
+        zone, divisions = 0.01 * largest, resolution or ADHESIONLESS_DIVISIONS
+    try:
+        asked = meshes.fit(edge if edge is not None else 0.0, largest, zone, divisions, edge=edge)
+        return meshes.cached(asked)
+    except ValueError as error:
+        raise SceneError("", f"no mesh for this scene: {error}", "a coarser resolution") from None
+
+
+def largest_contact_radius(scene: Scene) -> float:
+    """Upper estimate of the contact radius over the whole loading."""
+    if math.isfinite(scene.indenter.edge):
+        return scene.indenter.edge
+    depth, force = _largest_load(scene)
+    stiffness = scene.material.relaxed_plane_modulus
+    work = scene.adhesion.work if scene.adhesion is not None else 0.0
+
+    def spare_load(radius: ArrayLike) -> NDArray[np.float64]:
+        """Positive where the load would hold a larger contact."""
+        a = np.asarray(radius, float)
+        pull = np.sqrt(2.0 * np.pi * a * work / stiffness)
+        by_depth = depth - (sneddon.depth(scene.indenter, a) - pull)
+        resisting = sneddon.force(scene.indenter, a, stiffness) - 2.0 * stiffness * a * pull
+        return np.maximum(by_depth, (force - resisting) / (2.0 * stiffness * a))
+
+    with np.errstate(over="ignore"):
+        held = np.flatnonzero(spare_load(DECADES) > 0.0)
+    if held.size == 0 or held[-1] + 1 == DECADES.size:
+        raise SceneError("loading", "never brings a contact about", "a penetration or force that touches")
+    last = held[-1]
+    return SPARE * float(brentq(spare_load, DECADES[last], DECADES[last + 1], rtol=1e-13))
+
+
+def _largest_load(scene: Scene) -> tuple[float, float]:
+    """Largest penetration and largest force that the loading prescribes."""
+    time, depth, force = 0.0, scene.loading.penetration, 0.0
+    deepest, strongest = depth, -math.inf
+    for step in scene.loading.steps:
+        segment = step.segment(time, depth, force)
+        values = [segment.value(at) for at in (segment.start, *segment.kinks, segment.end)]
+        time = segment.end
+        if segment.control == "penetration":
+            depth = values[-1]
+            deepest = max(deepest, *values, values[0] + abs(getattr(step, "amplitude", 0.0)))
+        else:
+            force = values[-1]
+            strongest = max(strongest, *values)
+    return deepest, strongest
