@@ -71,7 +71,7 @@ class AdhesiveEdge:
         """Scan inwards from the largest contact for the first stable root."""
         last = self.geometry.last
         if self._excess(problem, last) <= 0.0:
-            if self.geometry.capped and problem.intensity(last, last) != 0.0:
+            if self.geometry.capped:
                 return EdgeSearch(Fate.SETTLED, float(last))
             return EdgeSearch(Fate.ADVANCING, float(last))
         for node in range(last - 1, math.ceil(self.lowest) - 1, -1):

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 _LEVELS = 48
 _FULL = 1 << _LEVELS
-_CURVATURE_SHARE = 4.0  # curvature allowed per tolerance; the history forgets most of what a step errs
+_CURVATURE_SHARE = 1.0  # curvature of a step allowed per tolerance
 
 
 @dataclass
