@@ -1,7 +1,7 @@
 """History on the surface alone, for a constant Poisson's ratio.
 
-All moduli relax alike, so every branch variable in the volume is the image of a surface vector. With ``w`` the
-forces that would cause the present displacement in a solid of unit shear modulus, ``u = C w``,
+All moduli relax alike, so every branch variable in the volume is the image of a surface vector. With ``w``
+the forces that would cause the present displacement in a solid of unit shear modulus, ``u = C w``,
 
     ``f = G_0 w + sum_k b_k``,   ``b_k' = -b_k/tau_k + G_k w'``,
 

@@ -110,4 +110,3 @@ def divergence(u: Any, q: Any, w: Any) -> Array:
 def pressure_mass(p: Any, q: Any, w: Any) -> Array:
     """``int p q``."""
     return 2.0 * np.pi * w.x[0] * p * q
-

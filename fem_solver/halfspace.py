@@ -11,7 +11,7 @@ all times. In unit shear modulus the mixed system is
 and the displacement system ``A + V/ratio``.
 
 On the far boundary the Boussinesq displacement of the load is prescribed (see ``farfield``). A nodal force
-``f_i`` enters its amplitude with the weight ``v_i = c_i/c_0``, where ``c_i`` is the displacement of node ``i``
+``f_i`` enters its amplitude with the weight ``v_i = c_i/c_0``, where ``c_i`` is the displacement of node i
 per unit amplitude and ``c_0`` that of the node at the axis. By Betti's theorem this is the weight with which
 a ring force excites that far field; it differs from one by the order of ``(r_i/R_far)^2``, and it makes the
 compliance ``C_ij = C^0_ij + c_i v_j`` symmetric.
@@ -88,9 +88,7 @@ class HalfSpace:
         self.surface_dofs = dofs[order]
         self.radii: Array = radii[order]
 
-    def _constrain(
-        self, axis: NDArray[np.integer], far: NDArray[np.integer], far_field: bool
-    ) -> None:
+    def _constrain(self, axis: NDArray[np.integer], far: NDArray[np.integer], far_field: bool) -> None:
         on_axis = np.unique(self.mesh.facets[:, axis])
         on_far = np.unique(self.mesh.facets[:, far])
         rollers = np.concatenate([self.basis.nodal_dofs[0, on_axis], self.basis.facet_dofs[0, axis]])

@@ -2,10 +2,11 @@
 
     ``dev s = G * 2 dev e(u)``,   ``-p = K * div u``   (hereditary products, see ``prony``)
 
-Each step solves the half-space with the algorithmic moduli ``G_hat, K_hat`` of its size, loaded by the stress
-that the past leaves, ``memory``; the surface sees ``u = free + C(G_hat/K_hat) f/G_hat``. One factorisation and
-one surface compliance are kept for every distinct ratio; with a constant Poisson's ratio there is one only.
-In the mixed form the volume strain ``-div u`` lives in the pressure space, as its projection ``(p - p_m)/K_hat``.
+Each step solves the half-space with the algorithmic moduli ``G_hat, K_hat`` of its size, loaded by the
+stress that the past leaves, ``memory``; the surface sees ``u = free + C(G_hat/K_hat) f/G_hat``. One
+factorisation and one surface compliance are kept for every distinct ratio; with a constant Poisson's ratio
+there is one only. In the mixed form the volume strain ``-div u`` lives in the pressure space, as its
+projection ``(p - p_memory)/K_hat``.
 
 The far field follows its two scalars, ``G * e_1 = F`` and ``(3K + G) * e_2 = 3F``, by the same recursion.
 
@@ -143,7 +144,8 @@ class QuadratureHistory:
             self.dissipated += self._loss(dt, self.shear, shear, self._shear_form)
             self.dissipated += self._loss(dt, self.volume, volume, self._volume_form)
         self.shear, self.volume, self.unknowns = shear, volume, unknowns
-        self.far = tuple(part.advanced(dt, amplitudes[i : i + 1]) for i, part in enumerate(self.far))
+        first, second = self.far
+        self.far = first.advanced(dt, amplitudes[:1]), second.advanced(dt, amplitudes[1:])
         self._pending = None
         self.updates += 1
 

@@ -97,7 +97,13 @@ class Recorder:
         columns = dict(zip((*COLUMNS, *EXTRA), table.T.copy(), strict=True))
         return Trace(
             solver="fem",
-            **{name: columns[name] for name in COLUMNS},
+            time=columns["time"],
+            penetration=columns["penetration"],
+            force=columns["force"],
+            contact_radius=columns["contact_radius"],
+            stored_energy=columns["stored_energy"],
+            external_work=columns["external_work"],
+            dissipated_energy=columns["dissipated_energy"],
             outcome=outcome,
             counters=counters,
             extra={name: columns[name] for name in EXTRA},

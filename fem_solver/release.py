@@ -44,9 +44,7 @@ class EdgeGeometry:
         Largest radius the indenter touches.
     """
 
-    def __init__(
-        self, radii: Array, effective: Array, zone: float | None, reach: float, edge: float
-    ) -> None:
+    def __init__(self, radii: Array, effective: Array, zone: float | None, reach: float, edge: float) -> None:
         self.radii, self.zone = radii, zone
         self.effective = np.where(radii < edge * (1.0 - 1e-9), effective, np.minimum(effective, edge))
         count = len(radii)

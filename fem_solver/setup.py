@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 _MARGIN = 1.2  # surface nodes offered, over the radius the mesh is made for
 _TRAVEL_SHARE = 0.01  # edge travel per step without adhesion, of the radius the mesh is made for
+_ELASTIC_TRAVEL = 8.0  # more of it where there is no history to resolve
 
 
 @dataclass(frozen=True)
@@ -89,10 +90,12 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
     material = moduli(scene.material)
     mixed = options.form == "mixed"
     if not mixed and material.bulk is None:
-        raise UnsupportedScene("material.poisson", "the displacement form needs a finite bulk modulus", "mixed")
+        raise UnsupportedScene(
+            "material.poisson", "the displacement form needs compressibility", "form mixed"
+        )
     condensed = material.alike if options.path == "auto" else options.path == "condensed"
     if condensed and not material.alike:
-        raise UnsupportedScene("material.bulk", "the surface carries no separate bulk relaxation", "quadrature")
+        raise UnsupportedScene("material.bulk", "separate relaxation is not condensable", "path quadrature")
     space = HalfSpace(mesh, mixed, options.far_field)
     reach = float(mesh.parameters.fine_to)
     count = _node_count(space.radii, _MARGIN * reach)
@@ -114,12 +117,11 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         travel = zone / (4.0 * options.resolution) if options.resolution else 0.25 * element
     else:
         law = AdhesionlessEdge(geometry, operator.transform_radii(radii).tolist())
-        share = 1.0 / (4.0 * options.resolution) if options.resolution else 1.0
-        travel = _TRAVEL_SHARE * reach * share
+        travel = _TRAVEL_SHARE * reach * (4.0 / options.resolution if options.resolution else 1.0)
+    if material.shear.times.size == 0 and material.alike:
+        travel *= _ELASTIC_TRAVEL
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)
-    return Setup(
-        space, history, geometry, law, radii, travel, float(times.min()) if times.size else math.inf
-    )
+    return Setup(space, history, geometry, law, radii, travel, float(times.min()) if times.size else math.inf)
 
 
 def _node_count(radii: Array, reach: float) -> int:

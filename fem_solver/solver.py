@@ -32,9 +32,7 @@ class Recording:
     states: dict[float, object]
 
 
-def solve(
-    scene: Scene, mesh: Any, options: Options | None = None, progress: Progress | None = None
-) -> Trace:
+def solve(scene: Scene, mesh: Any, options: Options | None = None, progress: Progress | None = None) -> Trace:
     """Solve a scene on a mesh of the half-space.
 
     Parameters

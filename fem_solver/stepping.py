@@ -27,17 +27,17 @@ _FIRST = 1.0 / 64.0
 class History(Protocol):
     """What the two kinds of history offer."""
 
-    dissipated: float
-    updates: int
-    volume_solves: int
-    factorisations: int
-
     def respond(self, dt: float) -> Response:
         """Response of the surface at the end of a step."""
         ...
 
     def commit(self, dt: float, response: Response, forces: Array) -> None:
         """Accept a step."""
+        ...
+
+    @property
+    def dissipated(self) -> float:
+        """Energy dissipated in the branches so far."""
         ...
 
     @property
@@ -217,12 +217,15 @@ class Run:
         if found.fate is Fate.ADVANCING:
             self._out_of_range(found)
         self.recorder.event("pull-off")
-        raise Ended(OutcomeKind.DETACHED, f"contact lost at penetration {self.state.penetration:.6g}")
+        shrunk = self.state.radius < 2.0 * (self.geometry.zone or 0.0)
+        remark = ", having shrunk to about the process zone" if shrunk else ""
+        raise Ended(OutcomeKind.DETACHED, f"contact lost at penetration {self.state.penetration:.6g}{remark}")
 
     def _out_of_range(self, found: EdgeSearch) -> None:
         reached = self.geometry.radius(found.s)
         raise Ended(
-            OutcomeKind.OUT_OF_RANGE, f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
+            OutcomeKind.OUT_OF_RANGE,
+            f"the contact grows beyond the radius {reached:.6g} the mesh is made for",
         )
 
     def _problem(self, dt: float, control: str, value: float) -> tuple[ContactProblem, Response]:

@@ -1,8 +1,8 @@
 """The surface as the indenter sees it: a triangular operator that serves every contact radius.
 
-The compliance ``C`` of the surface nodes, ordered by radius, is factorised once, ``C = L L^T``. Contact of the
-nodes ``0..m`` at prescribed displacement ``b`` asks for ``C_mm f = b``. With ``y = L^-1 b``, one triangular
-solve for *all* m at once,
+The compliance ``C`` of the surface nodes, ordered by radius, is factorised once, ``C = L L^T``. Contact of
+the nodes ``0..m`` at prescribed displacement ``b`` asks for ``C_mm f = b``. With ``y = L^-1 b``, one
+triangular solve for *all* m at once,
 
 - the nodal forces are ``f = L_mm^-T y_m``: near the edge they need a small trailing block of ``L`` only;
 - the displacement outside is ``L_om y_m``;
@@ -69,4 +69,3 @@ class SurfaceOperator:
         A punch of height ``r^2`` has the transform ``2 x^2``.
         """
         return np.sqrt(np.maximum(0.5 * self.transform(radii**2) / self.unit, 0.0))
-
