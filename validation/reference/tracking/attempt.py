@@ -1,28 +1,25 @@
-"""One trial step: the edge that satisfies the law at the end of a given time, or the time for a given edge.
-
-Under force control the penetration at the end of the step is a further unknown. For a given edge every field
-is affine in it, so that two values of it give the surface for any.
-"""
+"""One trial step: the edge that satisfies the law after a given time, or the time for a given edge."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scene import Counters, Segment
-from validation.reference.tracking.drive import Drive, cubic, straight
+from validation.reference.tracking.control import balanced, prescribed
 from validation.reference.tracking.law import Law
-from validation.reference.tracking.root import bracketed
+from validation.reference.tracking.root import bracketed, rising_root
 from validation.reference.tracking.surface import Body, Path, Surface, moved
 
 Array = NDArray[np.float64]
 
-CLOSED = 1e-10  # residual of the law at an accepted edge
-NARROW = 1e-14  # of the radius: two edges that are the same
+CLOSED = 1e-8  # residual of the law at an accepted edge
+GROWTH = 1.1  # of the strides in which an edge on the run is looked for
+NARROW = 1e-14  # relative: two radii or two times that are the same
 
 
 @dataclass(frozen=True)
@@ -39,13 +36,15 @@ class Found:
 
     radius: float
     reached: bool
+    steepness: float = 0.0
 
 
 @dataclass(frozen=True)
 class Attempt:
     """A step of any duration from one state, under one loading segment.
 
-    ``marks(duration)`` are the fractions of the step at which nodes are left besides its end.
+    ``marks(duration)`` are the fractions of the step at which nodes are left besides its end; ``cap`` is the
+    largest possible radius.
     """
 
     body: Body
@@ -58,119 +57,117 @@ class Attempt:
     counters: Counters
     cap: float
 
-    def surface_at(self, duration: float, radius: float, reach: float = math.inf) -> Surface:
-        """The surface when the edge arrives at ``radius``; only its part within ``reach`` of the edge if that
-        is all that is needed (never under force control, which needs the whole)."""
+    def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
+        """The surface when the edge has arrived at ``radius``; if not ``whole``, what the law looks at."""
         start = self.surface
         travel = radius - start.radius
         limit = 0.5 * abs(travel)
         bend = min(max(0.5 * self.curvature.radius * duration**2, -limit), limit)
         path = Path(start.radius, travel, bend)
         marks = self.marks(duration) if travel != 0.0 else np.empty(0)
-        if self.segment.control == "penetration":
-            if math.isfinite(reach):
-                start = start.near(min(radius, start.radius) - reach, max(radius, start.radius) + reach)
-            return moved(start, self.body, self._prescribed(duration), path, marks)
-        return self._balanced(duration, path, marks)
+        if self.segment.control == "force":
+            sag = 0.5 * self.curvature.penetration
+            target = self.segment.value(self.time + duration)
+            return balanced(start, self.body, target, duration, sag, path, marks)
+        if not whole:
+            reach = self.law.reach
+            start = start.near(min(radius, start.radius) - reach, max(radius, start.radius) + reach)
+        return moved(start, self.body, prescribed(self.segment, self.time, duration, start), path, marks)
 
-    def residual(self, duration: float, radius: float, reach: float) -> float:
-        """Residual of the law at that edge."""
+    def residual(self, duration: float, radius: float) -> float:
+        """Residual of the law at an edge that moves there."""
         self.counters.closure_evaluations += 1
-        surface = self.surface_at(duration, radius, reach)
-        if radius == self.surface.radius:
-            return self.law.at_rest(surface, self.body)
-        return self.law.residual(surface, self.body)
+        return self.law.residual(self.surface_at(duration, radius, False), self.body)
 
-    def edge(self, duration: float, guess: float, reach: float, lowest: float, highest: float) -> Found:
-        """Stable edge nearest to the present one after ``duration``, sought between the limits.
+    def tendencies(self, duration: float) -> tuple[float, float]:
+        """How much the edge, at rest so far, wants to go inward and outward after ``duration``."""
+        self.counters.closure_evaluations += 1
+        if self.surface.radius == 0.0 and self.segment.control == "force":
+            target = self.segment.value(self.time + duration)
+            return -1.0, math.copysign(1.0, target) if target != 0.0 else 0.0
+        inward, outward = self.law.tendencies(
+            self.surface_at(duration, self.surface.radius, False), self.body
+        )
+        return inward, -1.0 if self.surface.radius >= self.cap else outward
 
-        The indenter's own edge is an answer where the law wants to go further.
+    def edge(
+        self, duration: float, guess: float, lowest: float, highest: float, steepness: float = 0.0
+    ) -> Found:
+        """Stable edge nearest to the present one after ``duration``, sought between two limits.
+
+        ``guess`` and ``steepness`` (of the residual over the radius, 0 if unknown) only save work.
         """
         a0 = self.surface.radius
 
         def function(radius: float) -> float:
-            return self.residual(duration, radius, reach)
+            return self.residual(duration, radius)
 
-        f0 = function(a0)
-        up = f0 < 0.0
-        if abs(f0) <= CLOSED or (up and a0 >= self.cap):
+        if guess != a0 and lowest < guess < highest:
+            quick = rising_root(function, guess, 0.01 * (guess - a0), steepness, (lowest, highest), CLOSED)
+            if quick is not None and (quick[0] - a0) * (guess - a0) > 0.0:
+                return Found(quick[0], True, quick[1])
+        inward, outward = self.tendencies(duration)
+        if inward <= CLOSED and outward <= CLOSED:
             return Found(a0, True)
-        limit = highest if up else lowest
-        if (limit <= a0) if up else (limit >= a0):
-            return Found(a0, False)
+        up = outward > inward
+        limit = min(highest, self.cap) if up else lowest
+        near, at_near = a0, -outward if up else inward
         stride = abs(guess - a0) if (guess > a0) == up and guess != a0 else 1e-3 * abs(limit - a0)
-        near, at_near = a0, f0
-        while True:
+        while near != limit:
             far = min(near + stride, limit) if up else max(near - stride, limit)
             at_far = function(far)
-            if abs(at_far) <= CLOSED:
-                return Found(far, True)
-            if (at_far > 0.0) == up:
-                root = bracketed(function, near, at_near, far, at_far, CLOSED, NARROW * a0)
-                return Found(root, True)
-            if far == limit:
-                return Found(limit, up and limit >= self.cap)
+            if (at_far >= 0.0) == up or abs(at_far) <= CLOSED:
+                return Found(bracketed(function, near, at_near, far, at_far, CLOSED, NARROW * a0), True)
             near, at_near, stride = far, at_far, 3.0 * stride
+        return Found(limit, up and limit >= self.cap)
 
-    def duration_to(self, radius: float, longest: float, reach: float) -> float | None:
+    def duration_to(self, radius: float, longest: float) -> float | None:
         """Time at which the edge arrives at ``radius``; ``None`` if it would be there at once."""
         outward = radius > self.surface.radius
 
         def function(duration: float) -> float:
-            return self.residual(duration, radius, reach)
+            return self.residual(duration, radius)
 
         at_once, late = function(0.0), function(longest)
         if (at_once <= 0.0) if outward else (at_once >= 0.0):
             return None
         if (late >= 0.0) if outward else (late <= 0.0):
             return longest
-        return bracketed(function, 0.0, at_once, longest, late, CLOSED, 1e-14 * longest)
+        return bracketed(function, 0.0, at_once, longest, late, CLOSED, NARROW * longest)
 
-    def between(self, duration: float, first: float, second: float, reach: float) -> float:
-        """The edge between two radii at which the residuals differ in sign."""
+    def departure(self, longest: float) -> float | None:
+        """Time within ``longest`` at which an edge at rest sets off; ``None`` if it stays or is under way."""
+        late = self.tendencies(longest)
+        for side in (0, 1):
+            if late[side] > CLOSED:
+                now = self.tendencies(0.0)[side]
+                if now >= -CLOSED:
+                    return None
+                return bracketed(
+                    lambda t, side=side: self.tendencies(t)[side],  # type: ignore[misc]
+                    0.0,
+                    now,
+                    longest,
+                    late[side],
+                    CLOSED,
+                    NARROW * longest,
+                )
+        return None
 
-        def function(radius: float) -> float:
-            return self.residual(duration, radius, reach)
+    def run_to_rest(self, stride: float, outward: bool, limit: float) -> float | None:
+        """The next stable edge at fixed time for an edge on the run, up to ``limit``; ``None`` without one.
 
-        one, two = function(first), function(second)
-        return bracketed(function, first, one, second, two, CLOSED, NARROW * max(first, second))
-
-    def _prescribed(self, duration: float) -> Drive:
-        begin, end = self.time, self.time + duration
-        value = self.segment.value
-        first = value(begin)
-        jump = first - self.surface.penetration
-        if self.segment.linear or duration == 0.0:
-            return straight(duration, self.surface.penetration, jump, value(end) if duration > 0.0 else first)
-        shape = cubic(duration, first, value(end), self.segment.rate(begin), self.segment.rate(end))
-        return replace(shape, start=self.surface.penetration, jump=jump)
-
-    def _balanced(self, duration: float, path: Path, marks: Array) -> Surface:
-        target = self.segment.value(self.time + duration)
-        start, rheology = self.surface.penetration, self.body.rheology
-        y = duration / rheology.times
-        shared = -np.expm1(-y) / np.where(y > 0.0, y, 1.0) + (y == 0.0)
-        stiffness = 2.0 * path.start * (rheology.relaxed + float((rheology.moduli * shared).sum()))
-        one = moved(self.surface, self.body, self._free(duration, start), path, marks)
-        force = one.force(self.body)
-        if force == target:
-            return one
-        two = moved(
-            self.surface, self.body, self._free(duration, start + (target - force) / stiffness), path, marks
-        )
-        share = (target - force) / (two.force(self.body) - force)
-        return Surface(
-            one.penetration + share * (two.penetration - one.penetration),
-            one.inside,
-            one.branches + share * (two.branches - one.branches),
-            one.outside,
-            one.units + share * (two.units - one.units),
-        )
-
-    def _free(self, duration: float, end: float) -> Drive:
-        start = self.surface.penetration
-        if duration == 0.0:
-            return straight(0.0, start, end - start, end)
-        drive = straight(duration, start, 0.0, end)
-        c2 = 0.5 * self.curvature.penetration
-        return replace(drive, rates=(drive.rates[0] - c2 * duration, c2, 0.0))
+        Looked for in strides, outward in growing ones: there the residual ends up positive on any profile.
+        """
+        radius = self.surface.radius
+        value = -CLOSED if outward else CLOSED
+        while radius != limit:
+            before, at_before = radius, value
+            radius = min(radius + stride, limit) if outward else max(radius - stride, limit)
+            value = self.residual(0.0, radius)
+            if (value >= 0.0) == outward:
+                return bracketed(
+                    lambda a: self.residual(0.0, a), before, at_before, radius, value, CLOSED, NARROW * radius
+                )
+            stride *= GROWTH if outward else 1.0
+        return limit if outward and limit >= self.cap else None

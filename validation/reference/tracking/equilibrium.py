@@ -51,10 +51,10 @@ def start_surface(scene: Scene, body: Body, law: Law) -> Surface | None:
             highest *= 2.0
     elif residual(edge) <= 0.0:
         return elastic_surface(body, depth, edge, glassy)
-    outermost = _outermost(residual, zone * (1.0 + 1e-9), highest)
+    outermost = _outermost(residual, law.lowest, highest)
     if outermost is not None:
         return elastic_surface(body, depth, outermost, glassy)
-    short = _outermost(tip_residual, 1e-6 * zone, zone)
+    short = _outermost(tip_residual, 1e-6 * zone, law.lowest)
     if short is not None:
         raise zone_too_long(zone, short)
     return None

@@ -39,17 +39,16 @@ def evaluate(x: Array, y: Array, slope: Array, at: Array) -> Array:
     """Cubic through the nodes at the points ``at`` (any shape; (m,) for 2-D ``y``); constant beyond."""
     if len(x) == 1:
         return np.broadcast_to(y[0], at.shape + y.shape[1:]).copy()
-    i = np.minimum(np.maximum(np.searchsorted(x, at, side="right") - 1, 0), len(x) - 2)
-    h = x[i + 1] - x[i]
-    u = np.minimum(np.maximum((at - x[i]) / h, 0.0), 1.0)
+    i = x[1:-1].searchsorted(at, side="right")
+    left = x[i]
+    h = x[i + 1] - left
+    u = np.minimum(np.maximum((at - left) / h, 0.0), 1.0)
     if y.ndim == 2:
         h, u = h[:, None], u[:, None]
-    v = 1.0 - u
-    return (
-        (1.0 + 2.0 * u) * v * v * y[i]
-        + u * u * (3.0 - 2.0 * u) * y[i + 1]
-        + (h * u * v * (v * slope[i] - u * slope[i + 1]))
-    )
+    first, last, rise = y[i], y[i + 1], h * slope[i]
+    step = last - first
+    end = h * slope[i + 1]
+    return first + u * (rise + u * (3.0 * step - 2.0 * rise - end + u * (rise + end - 2.0 * step)))
 
 
 def integral(x: Array, y: Array) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from scene.errors import SceneError, number
 
-RESOLUTION = 20
+RESOLUTION = {True: 20.0, False: 4.0}  # with and without adhesion
 TOLERANCE = 1e-5
 
 
@@ -17,18 +17,19 @@ class Options:
     Parameters
     ----------
     resolution : int, optional
-        Steps in which the edge crosses one process zone, at least; 4 or more. Default 20 at the default
-        tolerance, and as the root of the tolerance otherwise.
+        Steps, at least, in which the edge crosses one process zone (without adhesion: one hundredth of the
+        largest contact radius); 4 or more. Default 20 (without adhesion 4) at the default tolerance, and
+        otherwise falling with its root.
     tolerance : float, optional
         Largest deviation of force and radius from a straight line within a step, relative to the largest
-        value so far. Default 1e-5 at the default resolution, and as its square otherwise.
+        value so far. Default 1e-5 at the default resolution, and otherwise falling with its square.
     profile_times : tuple of float
         Times at which surface profiles are returned; stepped onto exactly, ignored outside the run.
     max_steps : int
         Budget of accepted and rejected steps.
     estimate_errors : bool
-        Run once more at four times the tolerance and half the resolution, and put relative differences
-        into ``Trace.errors``.
+        Run a second time at half the resolution and four times the tolerance, and put estimates of the
+        relative errors into ``Trace.errors``.
     """
 
     resolution: int | None = None
@@ -38,28 +39,34 @@ class Options:
     estimate_errors: bool = False
 
     def __post_init__(self) -> None:
-        if self.resolution is not None and (
-            isinstance(self.resolution, bool)
-            or self.resolution != int(self.resolution)
-            or self.resolution < 4
-        ):
-            raise SceneError("resolution", f"got {self.resolution!r:.40}", "a whole number >= 4")
+        if self.resolution is not None:
+            number(self.resolution, "resolution", "a whole number >= 4", low=4)
+            if self.resolution != int(self.resolution):
+                raise SceneError("resolution", f"got {self.resolution}", "a whole number >= 4")
         if self.tolerance is not None:
             number(self.tolerance, "tolerance", "0 < tolerance < 1", low=0.0, high=1.0, open_low=True)
-        if self.max_steps < 1:
-            raise SceneError("max_steps", f"got {self.max_steps}", "a whole number >= 1")
+        number(self.max_steps, "max_steps", "a whole number >= 1", low=1)
         object.__setattr__(self, "profile_times", tuple(float(t) for t in self.profile_times))
 
-    @property
-    def divisions(self) -> float:
-        """Steps per process zone."""
+    def fineness(self, adhesive: bool) -> Fineness:
+        """The two numbers the stepping works with."""
+        usual = RESOLUTION[adhesive]
         if self.resolution is not None:
-            return float(self.resolution)
-        return max(4.0, RESOLUTION * (TOLERANCE / self.deviation) ** 0.5)
-
-    @property
-    def deviation(self) -> float:
-        """Largest deviation from a straight line within a step."""
+            divisions = float(self.resolution)
+        else:
+            divisions = usual * (TOLERANCE / self.tolerance) ** 0.5 if self.tolerance is not None else usual
         if self.tolerance is not None:
-            return self.tolerance
-        return TOLERANCE * (RESOLUTION / self.divisions) ** 2 if self.resolution is not None else TOLERANCE
+            return Fineness(divisions, self.tolerance)
+        return Fineness(divisions, TOLERANCE * (usual / divisions) ** 2)
+
+
+@dataclass(frozen=True)
+class Fineness:
+    """Steps per zone, and largest relative deviation from a straight line within a step."""
+
+    divisions: float
+    deviation: float
+
+    def coarser(self) -> Fineness:
+        """Twice the step."""
+        return Fineness(0.5 * self.divisions, 4.0 * self.deviation)

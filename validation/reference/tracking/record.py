@@ -1,4 +1,9 @@
-"""Rows of the trace, gathered step by step."""
+"""Rows of the trace, gathered step by step, and the columns computed from them.
+
+``F dD + dg dA = dU + P_d dt`` defines the loss. A field with a sharp edge releases only the glassy
+``K^2/(2 Einf*)`` at the tip, ``2 pi a da K^2/(2 Einf*) = q(a)^2/Einf* da``; what the branches dissipate is
+therefore ``F dD - dU + q(a)^2/Einf* da``, larger than the loss by ``(dg - K^2/(2 Einf*)) |dA|`` on opening.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +18,8 @@ from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
 
+HARDLY = 1e-6  # of the largest area: a change below it says nothing about the energy release rate
+
 
 @dataclass
 class Record:
@@ -23,18 +30,25 @@ class Record:
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
     def add(self, time: float, surface: Surface, force: float) -> None:
-        """One row for a surface in contact."""
+        """One row for a surface in contact, or free where its radius is 0."""
         radius = surface.radius
-        stress = surface.edge_stress(self.body)
-        intensity = -stress / math.sqrt(math.pi * radius) if radius > 0.0 and self.work > 0.0 else 0.0
+        stress = surface.edge_stress(self.body) if radius > 0.0 else 0.0
         energy = stored_energy(surface, self.body)
-        self.rows.append((time, surface.penetration, force, radius, energy, intensity))
+        self.rows.append((time, surface.penetration, force, radius, energy, stress))
 
     def columns(self) -> dict[str, Array]:
-        """All columns by name."""
-        time, depth, force, radius, energy, intensity = np.array(self.rows).reshape(-1, 6).T
-        external = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(depth))))
+        """All columns by name: the contract's seven, then ``stress_intensity_factor`` (``-q(a)/sqrt(pi a)``,
+        0 without contact), ``energy_release_rate`` (between a row and the one before; repeated where the
+        area hardly moved) and ``branch_dissipation``."""
+        time, depth, force, radius, energy, stress = np.array(self.rows).reshape(-1, 6).T
         area = math.pi * radius**2
+        external = _accumulated(0.5 * (force[1:] + force[:-1]) * np.diff(depth))
+        glassy = self.body.rheology.glassy
+        tip = _accumulated(0.5 * (stress[1:] ** 2 + stress[:-1] ** 2) * np.diff(radius)) / glassy
+        stored = energy - energy[:1]
+        intensity = np.where(
+            radius > 0.0, -stress / np.sqrt(math.pi * np.where(radius > 0.0, radius, 1.0)), 0.0
+        )
         return {
             "time": time,
             "penetration": depth,
@@ -42,6 +56,24 @@ class Record:
             "contact_radius": radius,
             "stored_energy": energy,
             "external_work": external,
-            "dissipated_energy": external + self.work * (area - area[:1]) - (energy - energy[:1]),
+            "dissipated_energy": external + self.work * (area - area[:1]) - stored,
             "stress_intensity_factor": intensity,
+            "energy_release_rate": self._release_rate(area, stored - external),
+            "branch_dissipation": external - stored + tip,
         }
+
+    def _release_rate(self, area: Array, potential: Array) -> Array:
+        """``(dU - F dD)/dA``; the work of adhesion, its value in equilibrium, before anything has moved."""
+        rate = np.full_like(area, self.work)
+        if len(area) < 2:
+            return rate
+        step = np.diff(area)
+        moves = np.abs(step) > HARDLY * area.max()
+        last = np.maximum.accumulate(np.where(moves, np.arange(len(step)), -1))
+        each = np.divide(np.diff(potential), step, out=np.zeros_like(step), where=moves)
+        rate[1:] = np.where(last >= 0, each[last], self.work)
+        return rate
+
+
+def _accumulated(parts: Array) -> Array:
+    return np.concatenate(([0.0], np.cumsum(parts)))

@@ -1,32 +1,27 @@
-"""Root of a function of one variable in a bracket: regula falsi with Anderson and Bjorck's weights."""
+"""Roots of a function of one variable: in a bracket, or near a good guess."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+Function = Callable[[float], float]
+
 
 def bracketed(
-    function: Callable[[float], float],
-    low: float,
-    at_low: float,
-    high: float,
-    at_high: float,
-    small: float,
-    narrow: float,
+    function: Function, low: float, at_low: float, high: float, at_high: float, small: float, narrow: float
 ) -> float:
-    """A point with ``|f| <= small``, or the better end of a sign change narrower than ``narrow``.
+    """Regula falsi with Anderson and Bjorck's weights.
 
-    ``at_low`` and ``at_high`` are the values at the ends and differ in sign. ``low > high`` is fine.
+    Returns a point with ``|f| <= small``, or the better end of a sign change narrower than ``narrow``.
+    ``at_low`` and ``at_high`` are the values at the ends and differ in sign; ``low > high`` is fine.
     """
     for count in range(200):
-        if abs(high - low) <= narrow or at_low == at_high:
+        if abs(at_high) <= small or abs(high - low) <= narrow or at_low == at_high:
             break
         x = high - at_high * (high - low) / (at_high - at_low)
         if count % 12 == 11 or not min(low, high) < x < max(low, high):
             x = 0.5 * (low + high)
         value = function(x)
-        if abs(value) <= small:
-            return x
         if (value > 0.0) != (at_high > 0.0):
             low, at_low = high, at_high
         else:
@@ -34,3 +29,35 @@ def bracketed(
             at_low *= weight if weight > 0.0 else 0.5
         high, at_high = x, value
     return low if abs(at_low) < abs(at_high) else high
+
+
+def rising_root(
+    function: Function,
+    first: float,
+    offset: float,
+    steepness: float,
+    limits: tuple[float, float],
+    small: float,
+) -> tuple[float, float] | None:
+    """A root near ``first`` at which the function rises, and its steepness, by a few secant steps.
+
+    The second point is ``offset`` away, or where ``steepness`` (if positive) points. ``None`` if the steps
+    leave the limits, the function does not rise, or they do not get there soon.
+    """
+    one = function(first)
+    if steepness > 0.0:
+        if abs(one) <= small:
+            return first, steepness
+        offset = -one / steepness
+    for _ in range(5):
+        second = first + offset
+        if not limits[0] < second < limits[1] or second == first:
+            return None
+        two = function(second)
+        steepness = (two - one) / (second - first)
+        if steepness <= 0.0:
+            return None
+        if abs(two) <= small:
+            return second, steepness
+        first, one, offset = second, two, -two / steepness
+    return None

@@ -1,21 +1,30 @@
-"""``solve(scene, options) -> Trace`` by front tracking."""
+"""``solve(scene, options) -> Trace`` by front tracking.
+
+Signs and units are the scene's: penetration and pressure positive downwards and in compression.
+"""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
-from scene import Counters, Outcome, OutcomeKind, Profile, Scene, Trace, UnsupportedScene
+from scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, Profile, Scene, Trace, UnsupportedScene
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.equilibrium import start_surface, touching_radius
+from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.law import Griffith, Law, NoTension
-from validation.reference.tracking.options import Options
+from validation.reference.tracking.options import Fineness, Options
+from validation.reference.tracking.profiles import surface_profile
 from validation.reference.tracking.record import Record
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.stepping import Run
 from validation.reference.tracking.surface import Body, Surface
+
+Array = NDArray[np.float64]
 
 NAME = "reference"
 
@@ -23,7 +32,28 @@ NAME = "reference"
 def solve(
     scene: Scene, options: Options | None = None, progress: Callable[[float], None] | None = None
 ) -> Trace:
-    """Nearly exact run of a scene."""
+    """Run a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    options : Options, optional
+    progress : callable(fraction), optional
+        Told now and then how much of the loading is done.
+
+    Returns
+    -------
+    Trace
+        Extra columns ``stress_intensity_factor``, ``energy_release_rate``, ``branch_dissipation``. If
+        contact is lost the last row is the free surface (force and radius 0) at the time of the row before.
+
+    Raises
+    ------
+    UnsupportedScene
+        Separate bulk relaxation: the Abel transform does not make that local.
+    SceneError
+        A process zone longer than the contact it starts from.
+    """
     options = options or Options()
     began = time.perf_counter()
     if scene.material.bulk is not None:
@@ -32,47 +62,59 @@ def solve(
             "the Abel transform needs bulk and shear to relax alike",
             "no bulk entry, or the finite-element solver",
         )
+    fineness = options.fineness(scene.is_adhesive)
+    result = _run(scene, options, fineness, progress)
+    errors: dict[str, float] = {}
+    if options.estimate_errors and result.outcome.finished:
+        errors = estimated_errors(result.columns, _run(scene, options, fineness.coarser(), None).columns)
+    return Trace(
+        solver=NAME,
+        **{name: result.columns[name] for name in COLUMNS},
+        outcome=result.outcome,
+        counters=result.counters,
+        extra={name: column for name, column in result.columns.items() if name not in COLUMNS},
+        events=tuple(result.events),
+        profiles=tuple(result.profiles),
+        errors=errors,
+        wall_seconds=time.perf_counter() - began,
+    )
+
+
+@dataclass(frozen=True)
+class _Result:
+    columns: dict[str, Array]
+    outcome: Outcome
+    counters: Counters = field(default_factory=Counters)
+    events: list[Event] = field(default_factory=list)
+    profiles: list[Profile] = field(default_factory=list)
+
+
+def _run(
+    scene: Scene, options: Options, fineness: Fineness, progress: Callable[[float], None] | None
+) -> _Result:
     body = Body(rheology(scene.material), transform(scene.indenter))
     depth = _largest_depth(scene)
     scale = touching_radius(body, depth, scene.indenter.edge)
     law: Law
     if scene.adhesion is not None and scene.is_adhesive:
-        law = Griffith(scene.adhesion)
-        reach, work = scene.adhesion.zone, scene.adhesion.work
-        travel = reach / options.divisions
+        law, work = Griffith(scene.adhesion), scene.adhesion.work
+        travel = scene.adhesion.zone / fineness.divisions
     else:
-        law = NoTension(body.rheology.glassy * max(depth, 1e-300))
-        reach, work, travel = 0.0, 0.0, 0.01 * scale / 2.0
+        law, work = NoTension(body.rheology.glassy * max(depth, 1e-300)), 0.0
+        travel = 0.01 * scale / fineness.divisions
+    record = Record(body, work)
     surface = start_surface(scene, body, law)
     if surface is None:
-        outcome = Outcome(OutcomeKind.NO_EQUILIBRIUM, "no stable contact at the start penetration", 0.0)
-        empty = Record(body, work).columns()
-        return _trace(empty, outcome, Counters(), began)
+        reason = f"no stable contact at penetration {scene.loading.penetration:g}"
+        return _Result(record.columns(), Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0))
     profiles: list[Profile] = []
 
     def on_profile(at: float, state: Surface, force: float) -> None:
-        pass
+        profiles.append(surface_profile(at, state, force, body, scene.indenter))
 
-    run = Run(
-        scene, body, law, options, surface, reach, travel, scale, Record(body, work), on_profile, progress
-    )
-    run.start()
+    run = Run(scene, body, law, options, fineness, surface, travel, scale, record, on_profile, progress)
     outcome = run.go()
-    return _trace(run.record.columns(), outcome, run.counters, began, tuple(run.events), tuple(profiles))
-
-
-def _trace(columns, outcome, counters, began, events=(), profiles=()) -> Trace:
-    main = {k: columns.pop(k) for k in list(columns)[:7]}
-    return Trace(
-        solver=NAME,
-        **main,
-        outcome=outcome,
-        counters=counters,
-        extra=columns,
-        events=events,
-        profiles=profiles,
-        wall_seconds=time.perf_counter() - began,
-    )
+    return _Result(record.columns(), outcome, run.counters, run.events, profiles)
 
 
 def _largest_depth(scene: Scene) -> float:
@@ -81,6 +123,6 @@ def _largest_depth(scene: Scene) -> float:
     for step in scene.loading.steps:
         segment = step.segment(0.0, depth, 0.0)
         if segment.control == "penetration":
-            values = [segment.value(t) for t in np.linspace(0.0, segment.end, 65)]
+            values = [segment.value(t) for t in np.linspace(0.0, segment.end, 257)]
             largest, depth = max(largest, *values), values[-1]
     return largest

@@ -92,6 +92,20 @@ class Surface:
         strain = self.penetration - float(body.transform(self.outside[:1])[0])
         return strain - float(self.units[0].sum())
 
+    def freed(self, body: Body) -> Surface:
+        """The surface right after all contact is lost."""
+        strain = self.penetration - body.transform(self.inside)
+        units = body.rheology.release(self.branches, strain)
+        inner = self.inside.copy()
+        inner[-1] *= 1.0 - COINCIDENT
+        return Surface(
+            self.penetration,
+            np.zeros(1),
+            np.zeros((1, self.branches.shape[1])),
+            np.concatenate((inner, self.outside)),
+            np.concatenate((units, self.units)),
+        )
+
     def near(self, low: float, high: float) -> Surface:
         """The part between two radii, with a few nodes beyond on either side."""
         first = max(int(np.searchsorted(self.inside, low)) - 4, 0)
