@@ -68,15 +68,20 @@ class AdhesiveEdge:
         return value if value > -1.0 else -1.0
 
     def start(self, problem: ContactProblem) -> EdgeSearch:
-        """Scan inwards from the largest contact for the first stable root."""
+        """Scan inwards from the largest contact for the first stable root.
+
+        A root below one process zone is returned as well, so that it can be named.
+        """
         last = self.geometry.last
         if self._excess(problem, last) <= 0.0:
             if self.geometry.capped:
                 return EdgeSearch(Fate.SETTLED, float(last))
             return EdgeSearch(Fate.ADVANCING, float(last))
-        for node in range(last - 1, math.ceil(self.lowest) - 1, -1):
+        for node in range(last - 1, 0, -1):
             if self._excess(problem, node) < 0.0:
                 return EdgeSearch(Fate.SETTLED, self._root(problem, float(node), node + 1.0))
+        if problem.penetration(1.0) >= 0.0:  # pressed, yet smaller than the mesh can tell
+            return EdgeSearch(Fate.SETTLED, 1.0)
         return EdgeSearch(Fate.RECEDING, self.lowest)
 
     def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:

@@ -8,12 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from fem_solver.history import Ended
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
 from fem_solver.record import Recorder
 from fem_solver.setup import Setup, set_up
 from fem_solver.stepcontrol import Judge
-from fem_solver.stepping import Ended, Run
+from fem_solver.stepping import Run
 from scene import Outcome, OutcomeKind, Scene, Trace
 from scene.scene import zone_too_long
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.condensed import Response
 from fem_solver.edge import EdgeLaw, EdgeSearch, Fate
+from fem_solver.history import Ended, History
 from fem_solver.record import Recorder, SurfaceState
 from fem_solver.release import ContactProblem, EdgeGeometry
 from fem_solver.stepcontrol import Clock, Judge
@@ -22,41 +22,9 @@ Array = NDArray[np.float64]
 _REJECT = 4.0
 _SHORTEST = 1e-6  # of the shortest relaxation time or of the interval: below that, an instability
 _FIRST = 1.0 / 64.0
-
-
-class History(Protocol):
-    """What the two kinds of history offer."""
-
-    def respond(self, dt: float) -> Response:
-        """Response of the surface at the end of a step."""
-        ...
-
-    def commit(self, dt: float, response: Response, forces: Array) -> None:
-        """Accept a step."""
-        ...
-
-    @property
-    def dissipated(self) -> float:
-        """Energy dissipated in the branches so far."""
-        ...
-
-    @property
-    def displacement(self) -> Array:
-        """Surface displacement."""
-        ...
-
-    @property
-    def stored_energy(self) -> float:
-        """Energy of all springs."""
-        ...
-
-
-class Ended(Exception):
-    """The run is over before its loading is."""
-
-    def __init__(self, kind: OutcomeKind, reason: str) -> None:
-        super().__init__(reason)
-        self.kind, self.reason = kind, reason
+_NOTABLE = 4.0  # jumps of the edge that count as an event, in travels allowed per step
+_BEND_SHARE = 10.0  # departure of the prescribed value from a straight line, allowed per tolerance
+_SAMPLES = (0.273, 0.618, 1.0)  # uneven, so that no oscillation hides between them
 
 
 @dataclass
@@ -76,6 +44,7 @@ class Run:
     wanted: tuple[float, ...] = ()
     counters: Counters = field(default_factory=Counters)
     time: float = 0.0
+    _range: float = 0.0
 
     @property
     def state(self) -> SurfaceState:
@@ -109,6 +78,7 @@ class Run:
         self.judge.forget()
         if abs(target - before) > 1e-12 * scale:
             self._jump(segment.control, target)
+        self._range = _range(segment)
         inner = [t for t in self.wanted if segment.start < t < segment.end]
         kinks = set(segment.kinks)
         marks = sorted({*inner, *kinks, segment.end})
@@ -139,6 +109,10 @@ class Run:
         if self.counters.steps >= self.max_steps:
             raise Ended(OutcomeKind.STEP_BUDGET, f"{self.max_steps} steps did not suffice")
         while True:
+            bend = self._bend(segment, clock)
+            if bend > _REJECT and not clock.shortest:
+                clock.halve()
+                continue
             dt = clock.dt
             problem, response = self._problem(dt, segment.control, segment.value(clock.next_time))
             now = self.state
@@ -147,7 +121,7 @@ class Run:
             self._count(problem)
             if found.fate is Fate.SETTLED:
                 slopes, scales = self._slopes(problem, found.s, dt)
-                error = self.judge.error(slopes, scales, dt)
+                error = max(bend, self.judge.error(slopes, scales, dt))
                 if error <= _REJECT or clock.shortest:
                     break
             elif clock.shortest:
@@ -165,6 +139,15 @@ class Run:
             clock.halve()
         elif error < 0.25 and moved < 0.4 * self.judge.travel:
             clock.double()
+
+    def _bend(self, segment: Segment, clock: Clock) -> float:
+        """How far the prescribed value departs from a straight line over a step, over what is allowed."""
+        if segment.linear or self._range == 0.0:
+            return 0.0
+        start, value, rate = clock.time, segment.value(clock.time), segment.rate(clock.time)
+        ahead = [(clock.next_time - start) * part for part in _SAMPLES]
+        largest = max(abs(segment.value(start + x) - value - rate * x) for x in ahead)
+        return largest / (_BEND_SHARE * self.judge.tolerance * self._range)
 
     def _travel(self, now: SurfaceState) -> tuple[float, float]:
         """Edge positions within one step's travel, at least one node either way."""
@@ -210,7 +193,9 @@ class Run:
         self._count(problem)
         if landed.fate is not Fate.SETTLED:
             self._lost(landed)
-        self.recorder.event("snap-in" if advancing else "pull-off")
+        jump = abs(self.law.radius(problem, landed.s) - self.state.radius)
+        if jump > _NOTABLE * self.judge.travel:
+            self.recorder.event("snap-in" if advancing else "pull-off")
         return landed
 
     def _lost(self, found: EdgeSearch) -> None:
@@ -257,3 +242,12 @@ class Run:
         )
         self.recorder.add(state)
         self.counters.steps += len(self.recorder.rows) > 1
+
+
+def _range(segment: Segment) -> float:
+    """Span of a curved control law over its segment, from unevenly spread samples."""
+    if segment.linear:
+        return 0.0
+    spread = np.mod(np.arange(256) * 0.5 * (math.sqrt(5.0) - 1.0), 1.0)
+    values = [segment.value(segment.start + (segment.end - segment.start) * x) for x in spread]
+    return max(values) - min(values)
