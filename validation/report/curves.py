@@ -46,14 +46,16 @@ def labels(scene: Scene) -> Labels:
 
 
 def of_trace(trace: Trace, scene: Scene) -> Curves:
-    """The four columns a figure needs."""
+    """The four columns a figure needs, without the jump to the free surface after contact is lost."""
+    lost = len(trace) > 1 and trace.contact_radius[-1] == 0.0 and trace.time[-1] == trace.time[-2]
+    rows = slice(None, -1 if lost else None)
     size = units(scene)
     length, force = size.get("length", 1.0), size.get("force", 1.0)
     columns = {
-        "time": trace.time,
-        "penetration": trace.penetration / length,
-        "force": trace.force / force,
-        "contact_radius": trace.contact_radius / length,
+        "time": trace.time[rows],
+        "penetration": trace.penetration[rows] / length,
+        "force": trace.force[rows] / force,
+        "contact_radius": trace.contact_radius[rows] / length,
     }
     return Curves(trace.solver, trace.solver, columns, largest_tension(trace) if len(trace) else None)
 
