@@ -44,7 +44,7 @@ def test_cycle():
     assert (seen.pull_off_penetration, seen.pull_off_radius) == (0, 0.6)
     assert (seen.detachment_time, seen.detachment_penetration, seen.detachment_radius) == (4, -1, 0.3)
     assert seen.loop_energy == pytest.approx(5.0 - 3.5 + 1.0 + 2.5)
-    assert seen.dissipated_energy == 5
+    assert seen.dissipated_energy == 4  # not what the snap to the free surface sets free
     assert (seen.final_force, seen.final_radius) == (0, 0)
 
 

@@ -41,7 +41,8 @@ class Observables:
     loop_energy : float or None
         ``integral F dD`` over the run.
     dissipated_energy : float or None
-        The solver's own loss at the end of the run.
+        The solver's own loss at the end of the run, or where contact is lost: what the snap to the free
+        surface sets free then is no viscous loss.
     final_time, final_penetration, final_force, final_radius : float or None
         Last row.
     """
@@ -80,7 +81,7 @@ def observe(trace: Trace) -> Observables:
         "start_force": trace.force[0],
         "start_radius": trace.contact_radius[0],
         "loop_energy": loop_energy(trace),
-        "dissipated_energy": trace.dissipated_energy[-1],
+        "dissipated_energy": trace.dissipated_energy[_last_in_contact(trace)],
         "final_time": trace.time[-1],
         "final_penetration": trace.penetration[-1],
         "final_force": trace.force[-1],
@@ -144,9 +145,14 @@ def _detachment(trace: Trace) -> dict[str, float]:
                 "detachment_radius": event.contact_radius,
                 "detachment_force": event.force,
             }
+    return _row(trace, _last_in_contact(trace), "detachment") | {"detachment_time": trace.outcome.time}
+
+
+def _last_in_contact(trace: Trace) -> int:
     touching = np.flatnonzero(trace.contact_radius > 0.0)
-    index = int(touching[-1]) if touching.size else len(trace) - 1
-    return _row(trace, index, "detachment") | {"detachment_time": trace.outcome.time}
+    if trace.outcome.kind is OutcomeKind.DETACHED and touching.size:
+        return int(touching[-1])
+    return len(trace) - 1
 
 
 @dataclass(frozen=True)
