@@ -122,7 +122,7 @@ def test_html_is_whole_and_self_contained(built):
     assert "<script" not in text
     assert "@import" not in text
     assert "A &lt;small&gt; &amp; odd scene" in text
-    assert text.count("<svg") == 5 * len(report.pages)
+    assert text.count("<svg") == 6 * len(report.pages)
     assert text.count('class="fail"') >= len(report.failures)
     assert "prefers-color-scheme: dark" in text
     drawn = "".join(re.findall(r"<svg.*?</svg>", text, flags=re.DOTALL))

@@ -82,7 +82,7 @@ def test_page_fits_and_shows_everything(page, tmp_path, width):
     assert seen["width"] == width
     assert seen["content"] <= width
     assert (seen["trouble"], seen["broken"], seen["flat"], seen["wide"]) == (0, 0, 0, 0)
-    assert seen["figures"] == 10
+    assert seen["figures"] == 12
     assert seen["labels"] > 50
 
 

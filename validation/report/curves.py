@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,18 +16,19 @@ from validation.scales import units
 Labels = Mapping[str, str]
 Array = NDArray[np.float64]
 
+DIFFERENCE = {"shared_time": "time t (scene units)", "difference": "(F − F_reference)/max |F_reference|"}
 DIMENSIONLESS: Labels = {
     "time": "time t (scene units)",
     "penetration": "penetration Δ/R",
     "force": "force (1−ν²)F/(πE₀R²)",
     "contact_radius": "contact radius a/R",
-}
+} | DIFFERENCE
 SCENE_UNITS: Labels = {
     "time": "time t (scene units)",
     "penetration": "penetration Δ (scene units)",
     "force": "force F (scene units)",
     "contact_radius": "contact radius a (scene units)",
-}
+} | DIFFERENCE
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,28 @@ def of_trace(trace: Trace, scene: Scene) -> Curves:
         "contact_radius": trace.contact_radius[rows] / length,
     }
     return Curves(trace.solver, trace.solver, columns, largest_tension(trace) if len(trace) else None)
+
+
+def with_differences(curves: list[Curves], base: str) -> list[Curves]:
+    """The same curves; those that are not ``base`` also carry ``F(t) - F_base(t)`` over its largest force.
+
+    Both are straight between rows, so a spike one row wide, at a jump, belongs to the rows.
+    """
+    found = [curve for curve in curves if curve.style == base and curve.columns["time"].size > 1]
+    if not found:
+        return curves
+    time, force = found[0].columns["time"], found[0].columns["force"]
+    scale = float(np.abs(force).max()) or 1.0
+    carried = []
+    for curve in curves:
+        if not curve.style or curve.style == base or curve.columns["time"].size < 2:
+            carried.append(curve)
+            continue
+        shared = curve.columns["time"] <= time[-1]
+        apart = (curve.columns["force"] - np.interp(curve.columns["time"], time, force)) / scale
+        columns = curve.columns | {"shared_time": curve.columns["time"][shared], "difference": apart[shared]}
+        carried.append(replace(curve, columns=columns))
+    return carried
 
 
 def elastic_limits(scene: Scene, largest_radius: float) -> list[Curves]:

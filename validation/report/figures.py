@@ -59,6 +59,7 @@ PANELS = (
     Panel("force-time", "Force over time", "time", "force"),
     Panel("radius-time", "Contact radius over time", "time", "contact_radius"),
     Panel("penetration-time", "Penetration over time", "time", "penetration"),
+    Panel("difference-time", "Force: difference from the reference", "shared_time", "difference"),
 )
 
 
@@ -79,12 +80,12 @@ def draw(panel: Panel, curves: Sequence[Curves], labels: Labels) -> Figure:
         size = 8 if curve.style == "reference" else 5
         marker = "o" if x.size == 1 else None
         axes.plot(x, y, label=curve.label, rasterized=x.size > MANY, marker=marker, markersize=size, **style)
-        if curve.pull_off is not None:
+        if curve.pull_off is not None and x.size > curve.pull_off:
             at = ([x[curve.pull_off]], [y[curve.pull_off]])
             axes.plot(*at, "o", markersize=size, color=style["color"], fillstyle="none")
     solved = [curve for curve in curves if curve.style]
     for column, limit in ((panel.across, axes.set_xlim), (panel.up, axes.set_ylim)):
-        span = _span([curve.columns[column] for curve in solved])
+        span = _span([curve.columns[column] for curve in solved if column in curve.columns])
         if span is not None:
             limit(*span)
     _dress(axes, labels[panel.across], labels[panel.up])

@@ -7,9 +7,10 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from validation.report import figures
-from validation.report.curves import elastic_limits, labels, of_trace
+from validation.report.curves import elastic_limits, labels, of_trace, with_differences
 from validation.report.style import STYLE
 from validation.report.text import HEAD, number, parameters, row
+from validation.solvers import REFERENCE
 
 if TYPE_CHECKING:
     from validation.report.build import Page, Report
@@ -93,12 +94,14 @@ def _section(page: Page) -> str:
 def _figures(page: Page) -> str:
     scene = page.case.scene
     traces = [result.trace for result in page.runs.values() if result.trace is not None]
-    curves = [of_trace(trace, scene) for trace in traces if len(trace)]
+    curves = with_differences([of_trace(trace, scene) for trace in traces if len(trace)], REFERENCE)
     if not curves:
         return "<p>No run gave a curve.</p>"
     curves += elastic_limits(scene, max(float(trace.contact_radius.max()) for trace in traces if len(trace)))
     drawn = []
     for panel in figures.PANELS:
+        if not any(panel.up in curve.columns for curve in curves):
+            continue
         description = escape(f"{panel.caption}, {page.case.name}")
         picture = figures.svg(
             figures.draw(panel, curves, labels(scene)), f"{_anchor(page)}-{panel.name}", description
