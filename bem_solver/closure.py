@@ -4,29 +4,39 @@
 the gap at distance da - s outside it. With ``s = da sin^2(psi)`` the square-root ends become smooth.
 I > dgamma recedes, I < dgamma advances; the stable edge is where I rises through dgamma with a.
 A compressive edge (kappa > 0) also has sigma g > 0, with both signs wrong: it counts negative.
+
+The rule must resolve what the history can hold. Too few points see short waves of the stress behind an
+advancing edge as long ones, and feed them: the edge then moves in jerks.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_POINTS = 12
-_nodes, _weights = np.polynomial.legendre.leggauss(_POINTS)
-_psi = 0.25 * np.pi * (_nodes + 1.0)
-#: distances from the edge in units of the zone, and the weights that go with them
-DISTANCES: Array = np.sin(_psi) ** 2
-WEIGHTS: Array = 0.25 * np.pi * _weights * 2.0 * np.sin(_psi) * np.cos(_psi)
 
+@dataclass(frozen=True)
+class ClosureRule:
+    """Quadrature over the process zone: ``distance`` (q,) inside the edge in zones, and ``weight`` (q,)."""
 
-def inner_distances(zone: float, edge: float) -> Array:
-    """Distances s inside the edge at which tension is wanted; the zone is cut at the centre."""
-    return min(zone, edge) * DISTANCES
+    distance: Array
+    weight: Array
 
+    @classmethod
+    def resolving(cls, divisions: int) -> ClosureRule:
+        """A rule for a history held at ``divisions`` per zone."""
+        nodes, weights = np.polynomial.legendre.leggauss(2 * divisions + 8)
+        psi = 0.25 * np.pi * (nodes + 1.0)
+        return cls(np.sin(psi) ** 2, 0.25 * np.pi * weights * np.sin(2.0 * psi))
 
-def closure_integral(tension: Array, gap: Array, zone: float, edge: float) -> float:
-    """``I`` from tension at ``a - s`` and gap at ``a + zone - s`` for the s of :func:`inner_distances`."""
-    length = min(zone, edge)
-    return float(length * (WEIGHTS @ (tension * gap)) / (2.0 * zone))
+    def inside(self, zone: float, edge: float) -> Array:
+        """Distances s inside the edge at which tension is wanted; the zone is cut at the centre."""
+        return min(zone, edge) * self.distance
+
+    def integral(self, tension: Array, gap: Array, zone: float, edge: float) -> float:
+        """``I`` from tension at ``a - s`` and gap at ``a + zone - s`` for the s of :meth:`inside`."""
+        return float(min(zone, edge) * (self.weight @ (tension * gap)) / (2.0 * zone))

@@ -15,7 +15,7 @@ from bem_solver.trial import Front, Problem, Trial, points_at
 Array = NDArray[np.float64]
 
 #: change of an internal variable that a removed node may cause, in step tolerances of the largest one
-_THINNING = 0.02
+_THINNING = 0.002
 
 
 def split(

@@ -42,6 +42,8 @@ class Chain:
         Relaxation times ``tau`` and retardation times ``theta``.
     stress_scale, lag_scale : ndarray (K,)
         ``sqrt(E_j tau_j)`` and ``sqrt(J_k theta_k)``: stored variable -> stress, lag.
+    lag_rate : ndarray (K,)
+        ``sqrt(J_k/theta_k)``: rise of a stored lag with ``v``.
     rotation : ndarray (K, K)
         ``Q``; lags = Q @ stresses (both scaled).
     compliances : ndarray (K,)
@@ -60,6 +62,7 @@ class Chain:
         self.compliances = plane * creep.compliances
         self.stress_scale = np.sqrt(moduli / plane * times)
         self.lag_scale = np.sqrt(self.compliances * self.retardation)
+        self.lag_rate = self.lag_scale / self.retardation
         gap = self.retardation[:, None] - times[None, :]
         if times.size:
             smallest = np.finfo(float).tiny
@@ -124,8 +127,8 @@ class Chain:
 
     def from_strains(self, strains: Array, load: Array) -> Array:
         """Stored variables (m, K) from scaled Voigt strains ``e_k/sqrt(J_k theta_k)`` (m, K) and ``v`` (m,)."""
-        return (load[:, None] * (self.lag_scale / self.retardation) - strains) @ self.rotation
+        return (load[:, None] * self.lag_rate - strains) @ self.rotation
 
     def to_strains(self, variables: Array, load: Array) -> Array:
         """Inverse of :meth:`from_strains`."""
-        return load[:, None] * (self.lag_scale / self.retardation) - variables @ self.rotation.T
+        return load[:, None] * self.lag_rate - variables @ self.rotation.T

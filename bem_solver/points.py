@@ -1,9 +1,10 @@
 """Surface points over one step, while the edge moves at constant speed from one radius to another.
 
 A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside, then
-outside). Inside, displacement is linear in time and the Maxwell recursion exact; outside, ``v`` follows the
-square root of the distance to the moving edge and the Voigt recursion is exact for that. A covered point
-meets the indenter at the moment the edge passes; a released one is let go, glassy, at that moment.
+outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the sum of
+the edge's own part, ``-singular * sqrt(distance to the moving edge)``, and a rest that is linear in time; the Voigt
+recursion is exact for both. A covered point meets the indenter at the moment the edge passes; a released one
+is let go, glassy, at that moment.
 """
 
 from __future__ import annotations
@@ -20,13 +21,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Motion:
-    """One step: duration, and edge and penetration at both ends."""
+    """One step: duration, edge and penetration at both ends, and the strength of the edge's square root.
+
+    ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step.
+    """
 
     duration: float
     edge: float
     new_edge: float
     penetration: float
     new_penetration: float
+    singular: float = 0.0
 
     def passing(self, radius: Array) -> Array:
         """Share of the step after which the edge passes radii between its two ends."""
@@ -80,15 +85,17 @@ def covered(chain: Chain, points: Points, motion: Motion) -> Array:
     """Variables of points that the advancing edge passes."""
     share = motion.passing(points.radius)
     y = (share * motion.duration)[:, None] / chain.retardation
-    weight = chain.spread_to_edge(y)
+    even = chain.spread(y)
+    rise = motion.singular * np.sqrt(points.radius - motion.edge)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
+    lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
     meeting = motion.penetration_at(share) - points.height
-    # w = v/E0 - sum l at the moment of contact, with l = decay l + sqrt(J/theta) weight (v - v_n)
-    per_load = weight @ chain.compliances
+    # w = v/E0 - sum l at the moment of contact, with even * (v - v_n) still to come into l
+    per_load = even @ chain.compliances
     load = (meeting + chain.lag(lags) - per_load * points.load) / (1.0 / chain.relaxed - per_load)
-    lags = lags + weight * (chain.lag_scale / chain.retardation) * (load - points.load)[:, None]
-    rise = motion.new_penetration - points.height - meeting
-    return pressed(chain, lags @ chain.rotation, rise, (1.0 - share) * motion.duration)
+    lags += even * chain.lag_rate * (load - points.load)[:, None]
+    pushed = motion.new_penetration - points.height - meeting
+    return pressed(chain, lags @ chain.rotation, pushed, (1.0 - share) * motion.duration)
 
 
 def released(chain: Chain, points: Points, motion: Motion, new_load: Array) -> Array:
@@ -98,19 +105,24 @@ def released(chain: Chain, points: Points, motion: Motion, new_load: Array) -> A
     at_release = pressed(chain, points.variables, leaving - points.displacement, share * motion.duration)
     load = load_inside(chain, at_release, leaving)
     y = ((1.0 - share) * motion.duration)[:, None] / chain.retardation
+    even = chain.spread(y)
+    fall = -motion.singular * np.sqrt(points.radius - motion.new_edge)
     lags = chain.decay(y) * (at_release @ chain.rotation.T)
-    lags += chain.spread_from_edge(y) * (chain.lag_scale / chain.retardation) * (new_load - load)[:, None]
+    lags += even * chain.lag_rate * (new_load - load)[:, None]
+    lags += (chain.spread_from_edge(y) - even) * chain.lag_rate * fall[:, None]
     return lags @ chain.rotation
 
 
 def free(chain: Chain, points: Points, motion: Motion, new_load: Array) -> Array:
     """Variables of points outside all the time."""
-    y = np.full((len(points), 1), motion.duration) / chain.retardation
-    before = (points.radius - motion.edge)[:, None]
-    after = (points.radius - motion.new_edge)[:, None]
+    y = motion.duration / chain.retardation
+    before, after = points.radius - motion.edge, points.radius - motion.new_edge
+    even = chain.spread(y)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
-    weight = chain.spread_outside(y, before, after)
-    lags += weight * (chain.lag_scale / chain.retardation) * (new_load - points.load)[:, None]
+    lags += even * chain.lag_rate * (new_load - points.load)[:, None]
+    change = -motion.singular * (np.sqrt(after) - np.sqrt(before))
+    weight = chain.spread_outside(np.broadcast_to(y, lags.shape), before[:, None], after[:, None])
+    lags += (weight - even) * chain.lag_rate * change[:, None]
     return lags @ chain.rotation
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from bem_solver.annuli import Annuli
+from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.extent import largest_contact
 from bem_solver.options import Options
@@ -77,12 +78,13 @@ def _solve_graded(scene: Scene, options: Options, progress: Callable[[float], No
     zone, work = (scene.adhesion.zone, scene.adhesion.work) if scene.adhesion else (0.0, 0.0)
     zone = zone if work > 0.0 else 0.0
     counters = Counters(factorisations=1)
-    unresolved = Problem(scene, Annuli(_FEWEST), chain, zone, work, 1.0, counters)
+    rule = ClosureRule.resolving(options.divisions)
+    unresolved = Problem(scene, Annuli(_FEWEST), chain, zone, work, 1.0, counters, rule)
     largest = largest_contact(scene, unresolved) or contact_scale(scene, scene.loading.penetration)
     share = min(zone / largest, 1.0) if zone > 0.0 and largest > 0.0 else 0.01
     counters = Counters(factorisations=1)
     annuli = Annuli(annuli_needed(options.divisions, share))
-    problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters)
+    problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     recorder = Recorder(chain, work)
     scale = max(largest, contact_scale(scene, scene.loading.penetration))
     started = start_front(problem, scale)

@@ -73,8 +73,7 @@ class Stepper:
             if piece.fresh
             else [(row[0] - self.past.rows[-1][0], row[1], row[2]) for row in self.past.rows]
         )
-        jumped = math.inf  # travel of the last rejected trial from here, and its step
-        tried = 0.0
+        rejected: list[tuple[float, float]] = []  # step and travel of the trials rejected from here
         while parameter < piece.length:
             counters = self.problem.counters
             if counters.steps + counters.rejected_steps >= self.max_steps:
@@ -100,13 +99,13 @@ class Stepper:
                 continue
             moved = abs(candidate.trial.motion.new_edge - self.front.edge)
             # a travel that no shorter step shortens is the edge snapping over an annulus: taken as it is
-            snapped = step < 0.5 * tried and moved > 0.7 * jumped
+            snapped = any(step < 0.5 * tried and moved > 0.7 * travelled for tried, travelled in rejected)
             if candidate.error > 1.0 and not snapped:
                 counters.rejected_steps += 1
-                jumped, tried = moved, step
+                rejected.append((step, moved))
                 self.step = shrunk(step, candidate.error)
                 continue
-            jumped, tried = math.inf, 0.0
+            rejected = []
             self.step = grown(candidate.parameter - parameter, candidate.error)
             parameter = candidate.parameter
             self._commit(candidate.trial, piece.time(parameter))

@@ -79,6 +79,11 @@ class Surface:
         return self.annuli.outside(self.field, self.kappa, radius / self.edge)
 
     @property
+    def singular(self) -> float:
+        """Coefficient of ``-sqrt(r - a)`` in the displacement ``v`` just outside the edge."""
+        return self.kappa * float(2.0 / np.pi * np.sqrt(2.0 / self.edge)) if self.edge > 0 else 0.0
+
+    @property
     def stress_intensity(self) -> float:
         """``K_I``, positive in tension; zero without contact."""
         return -self.kappa / float(np.sqrt(np.pi * self.edge)) if self.edge > 0 else 0.0

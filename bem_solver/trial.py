@@ -5,13 +5,13 @@ Nothing here changes the committed state (``Front``); only the loop in ``steppin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.annuli import Annuli
-from bem_solver.closure import closure_integral, inner_distances
+from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.history import History
 from bem_solver.points import Motion, Points, advanced, displacement_outside, load_inside
@@ -36,6 +36,7 @@ class Problem:
     work: float
     length: float
     counters: Counters
+    rule: ClosureRule
 
     @property
     def remembers(self) -> bool:
@@ -114,28 +115,30 @@ def evaluate(
     annuli, counters = problem.annuli, problem.counters
     points = points_at(problem, front, edge * annuli.radii)
     if control == "penetration":
-        motion = Motion(duration, front.edge, edge, front.penetration, value)
+        motion = Motion(duration, front.edge, edge, front.penetration, value, front.surface.singular)
         scaled = annuli.solve(_required_load(problem, points, motion))
         surface = Surface.under(annuli, edge, scaled)
     else:
         # everything is affine in the new penetration
         step = max(abs(front.penetration), 1e-3 * edge)
-        first = Motion(duration, front.edge, edge, front.penetration, front.penetration)
-        second = Motion(duration, front.edge, edge, front.penetration, front.penetration + step)
+        first = Motion(
+            duration, front.edge, edge, front.penetration, front.penetration, front.surface.singular
+        )
+        second = replace(first, new_penetration=front.penetration + step)
         loads = [_required_load(problem, points, m) for m in (first, second)]
         both = annuli.solve(np.stack(loads, axis=1))
         one, two = (Surface.under(annuli, edge, both[:, i]).force for i in (0, 1))
         share = (value - one) / (two - one)
-        motion = Motion(duration, front.edge, edge, front.penetration, front.penetration + share * step)
+        motion = replace(first, new_penetration=front.penetration + share * step)
         surface = Surface.under(annuli, edge, both[:, 0] + share * (both[:, 1] - both[:, 0]))
     counters.linear_solves += 1
     if problem.work == 0.0:
         return Trial(motion, surface, -surface.kappa, 0.0)
     counters.closure_evaluations += 1
-    inner = inner_distances(problem.zone, edge)
+    inner = problem.rule.inside(problem.zone, edge)
     tension = surface.tension(inner)
     gap = gap_outside(problem, front, motion, surface, edge + problem.zone - inner)
-    value_of = closure_integral(tension, gap, problem.zone, edge)
+    value_of = problem.rule.integral(tension, gap, problem.zone, edge)
     if surface.kappa > 0.0:
         value_of = -abs(value_of)
     return Trial(motion, surface, value_of - problem.work, value_of)
