@@ -124,7 +124,11 @@ def report(suite: str, out: str, jobs: int | None) -> int:
 
 
 def _workers(jobs: int | None) -> int:
-    return (os.cpu_count() or 1) if jobs is None else jobs
+    if jobs is not None:
+        return jobs
+    if hasattr(os, "sched_getaffinity"):  # the cores this process may use, not those of the machine
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _verdict(failures: list) -> int:

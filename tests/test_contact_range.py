@@ -1,0 +1,89 @@
+"""The largest contact a finite-element mesh has to hold, against closed forms."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from scene import (
+    Adhesion,
+    Branch,
+    Cone,
+    FlatPunch,
+    Force,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+)
+from validation.contact_range import SPARE, largest_contact_radius, mesh_for
+from validation.reference.jkr import JKR
+
+MATERIAL = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+
+
+def scene(*steps, indenter=None, adhesion=None, depth=0.0):
+    return Scene(MATERIAL, indenter or Sphere(1.0), Loading("relaxed", depth, steps), adhesion)
+
+
+def test_hertz_at_the_largest_penetration():
+    asked = scene(Ramp(0.04, 1.0), Hold(3.0), Ramp(-1.0, 1.0))
+    assert largest_contact_radius(asked) == pytest.approx(SPARE * 0.2)
+
+
+def test_cone():
+    flank = np.tan(np.radians(20.0))
+    asked = scene(indenter=Cone(70.0), depth=0.1)
+    assert largest_contact_radius(asked) == pytest.approx(SPARE * 0.1 / (0.5 * np.pi * flank))
+
+
+def test_jkr_under_penetration_and_under_force():
+    law = JKR(Sphere(1.0), 1.0, 5e-4)
+    sticky = Adhesion(5e-4, 0.013)
+    assert largest_contact_radius(scene(depth=0.03, adhesion=sticky)) == pytest.approx(
+        SPARE * law.at_penetration(0.03).contact_radius
+    )
+    pressed = scene(Force(0.05, 1.0), depth=0.001, adhesion=sticky)
+    assert largest_contact_radius(pressed) == pytest.approx(SPARE * law.at_force(0.05).contact_radius)
+
+
+def test_amplitude_counts_whatever_its_sign():
+    for amplitude in (0.01, -0.01):
+        asked = scene(Oscillate(amplitude, 3.0, 100.0), depth=0.03)
+        assert largest_contact_radius(asked) == pytest.approx(SPARE * 0.2)
+
+
+def test_flat_punch_ends_at_its_edge():
+    assert largest_contact_radius(scene(indenter=FlatPunch(0.7), depth=0.1)) == 0.7
+
+
+def test_same_scene_in_other_units():
+    first = scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 0.013))
+    unit = 1e-9
+    second = dataclasses.replace(
+        first,
+        indenter=Sphere(unit),
+        loading=Loading("relaxed", 0.0, (Ramp(0.03 * unit, unit),)),
+        adhesion=Adhesion(5e-4 * unit, 0.013 * unit),
+    )
+    assert largest_contact_radius(second) == pytest.approx(unit * largest_contact_radius(first), rel=1e-10)
+
+
+def test_no_contact_is_said():
+    with pytest.raises(SceneError, match="never brings a contact about"):
+        largest_contact_radius(scene(depth=-0.1))
+
+
+def test_mesh_resolves_the_zone_and_refuses_the_absurd():
+    sticky = scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 0.02))
+    mesh = mesh_for(sticky, 4)
+    assert mesh.parameters.fine_size == pytest.approx(0.005)
+    assert mesh.parameters.fine_to > largest_contact_radius(sticky)
+    with pytest.raises(SceneError, match="coarser"):
+        mesh_for(scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 1e-9)), None)
