@@ -86,14 +86,23 @@ def history_force(
     return float(quad(integrand, 0.0, time, **_ACCURACY)[0])
 
 
-def radius_under_force_step(material: Material, indenter: Indenter, force: float, time: ArrayLike) -> Array:
-    """Contact radius at ``time >= 0`` under a dead load ``force > 0`` put on at ``t = 0``."""
-    return _radius_of_unit_force(indenter, prony_integrals.creep(material, time) * force)
+def radius_under_force_step(
+    material: Material, indenter: Indenter, force: float, time: ArrayLike, preload: float = 0.0
+) -> Array:
+    """Contact radius at ``time >= 0`` under a dead load ``force > 0`` added at ``t = 0``.
+
+    ``preload`` is a force carried since long before, fully relaxed.
+    """
+    crept = prony_integrals.creep(material, time) * force
+    return _radius_of_unit_force(indenter, crept + preload / material.relaxed_plane_modulus)
 
 
-def radius_under_force_ramp(material: Material, indenter: Indenter, rate: float, time: ArrayLike) -> Array:
-    """Contact radius at ``time >= 0`` under ``F = rate * t``."""
-    return _radius_of_unit_force(indenter, prony_integrals.creep_integral(material, time) * rate)
+def radius_under_force_ramp(
+    material: Material, indenter: Indenter, rate: float, time: ArrayLike, preload: float = 0.0
+) -> Array:
+    """Contact radius at ``time >= 0`` under ``F = preload + rate * t``, the preload relaxed."""
+    crept = prony_integrals.creep_integral(material, time) * rate
+    return _radius_of_unit_force(indenter, crept + preload / material.relaxed_plane_modulus)
 
 
 def _radius_of_unit_force(indenter: Indenter, unit_force: Array) -> Array:
