@@ -165,7 +165,7 @@ class Attempt:
             before, at_before = radius, value
             radius = min(radius + stride, limit) if outward else max(radius - stride, limit)
             value = self.residual(0.0, radius)
-            if (value >= 0.0) == outward:
+            if value > 0.0 if outward else value < 0.0:
                 return bracketed(
                     lambda a: self.residual(0.0, a), before, at_before, radius, value, CLOSED, NARROW * radius
                 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,8 @@ from validation.reference.tracking.drive import Drive, cubic, straight
 from validation.reference.tracking.surface import Body, Path, Surface, moved
 
 Array = NDArray[np.float64]
+
+APART = 1e-3  # of the force: two trial penetrations nearer than that lose digits
 
 
 def prescribed(segment: Segment, time: float, duration: float, surface: Surface) -> Drive:
@@ -48,7 +51,8 @@ def balanced(
     lacking = wanted - measure(one)
     if lacking == 0.0:
         return one
-    two = attempt(surface.penetration + _first_guess(body, duration, path, lacking))
+    apart = math.copysign(max(abs(lacking), APART * abs(wanted)), lacking)
+    two = attempt(surface.penetration + _first_guess(body, duration, path, apart))
     share = lacking / (measure(two) - measure(one))
     return Surface(
         one.penetration + share * (two.penetration - one.penetration),

@@ -92,6 +92,25 @@ def touching_radius(body: Body, depth: float, edge: float) -> float:
     return bracketed(excess, low, excess(low), high, excess(high), 0.0, 1e-16 * high)
 
 
+def pressed_radius(body: Body, force: float, edge: float) -> float:
+    """Radius of the adhesionless relaxed contact under a force, ``F = 2 E0* (a G(a) - int_0^a G)``."""
+    if force <= 0.0:
+        return 0.0
+
+    def excess(radius: float) -> float:
+        depth = float(body.transform(np.array([radius]))[0])
+        return 2.0 * body.rheology.relaxed * (depth * radius - body.transform.integral(radius)) - force
+
+    high = 1.0
+    while excess(high) < 0.0:
+        if high >= edge:
+            return edge
+        high *= 2.0
+    while excess(0.5 * high) > 0.0:
+        high *= 0.5
+    return min(bracketed(excess, 0.5 * high, excess(0.5 * high), high, excess(high), 0.0, 1e-9 * high), edge)
+
+
 def elastic_surface(body: Body, depth: float, radius: float, glassy: bool) -> Surface:
     """Fields of the elastic contact of that radius."""
     inside = radius * _grid() if radius > 0.0 else np.zeros(1)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, Profile, Scene, Trace, UnsupportedScene
 from validation.reference.tracking.abel import transform
-from validation.reference.tracking.equilibrium import start_surface, touching_radius
+from validation.reference.tracking.equilibrium import pressed_radius, start_surface, touching_radius
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.law import Griffith, Law, NoTension
 from validation.reference.tracking.options import Fineness, Options
@@ -93,14 +93,16 @@ def _run(
     scene: Scene, options: Options, fineness: Fineness, progress: Callable[[float], None] | None
 ) -> _Result:
     body = Body(rheology(scene.material), transform(scene.indenter))
-    depth = _largest_depth(scene)
-    scale = touching_radius(body, depth, scene.indenter.edge)
+    depth, load = _largest_load(scene)
+    edge = scene.indenter.edge
+    scale = max(touching_radius(body, depth, edge), pressed_radius(body, load, edge))
     law: Law
     if scene.adhesion is not None and scene.is_adhesive:
         law, work = Griffith(scene.adhesion), scene.adhesion.work
         travel = scene.adhesion.zone / fineness.divisions
     else:
-        law, work = NoTension(body.rheology.glassy * max(depth, 1e-300)), 0.0
+        typical = max(depth, float(body.transform(np.array([scale]))[0])) or 1.0
+        law, work = NoTension(body.rheology.glassy * typical), 0.0
         travel = 0.01 * scale / fineness.divisions
     record = Record(body, work)
     surface = start_surface(scene, body, law)
@@ -112,17 +114,34 @@ def _run(
     def on_profile(at: float, state: Surface, force: float) -> None:
         profiles.append(surface_profile(at, state, force, body, scene.indenter))
 
-    run = Run(scene, body, law, options, fineness, surface, travel, scale, record, on_profile, progress)
+    weight = 2.0 * body.rheology.relaxed * (depth * scale - body.transform.integral(scale))
+    run = Run(
+        scene=scene,
+        body=body,
+        law=law,
+        options=options,
+        fineness=fineness,
+        surface=surface,
+        largest_travel=travel,
+        radius_scale=scale,
+        force_scale=max(weight, load),
+        record=record,
+        on_profile=on_profile,
+        progress=progress,
+    )
     outcome = run.go()
     return _Result(record.columns(), outcome, run.counters, run.events, profiles)
 
 
-def _largest_depth(scene: Scene) -> float:
-    """Largest penetration the loading prescribes."""
-    depth = largest = scene.loading.penetration
+def _largest_load(scene: Scene) -> tuple[float, float]:
+    """Largest penetration and largest force that the loading prescribes."""
+    depth = deepest = scene.loading.penetration
+    force = hardest = 0.0
     for step in scene.loading.steps:
-        segment = step.segment(0.0, depth, 0.0)
+        segment = step.segment(0.0, depth, force)
+        values = [segment.value(t) for t in np.linspace(0.0, segment.end, 257)]
         if segment.control == "penetration":
-            values = [segment.value(t) for t in np.linspace(0.0, segment.end, 257)]
-            largest, depth = max(largest, *values), values[-1]
-    return largest
+            deepest, depth = max(deepest, *values), values[-1]
+        else:
+            hardest, force = max(hardest, *values), values[-1]
+    return deepest, hardest

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from scene import Counters, Event, Outcome, OutcomeKind, Scene, Segment
 from validation.reference.tracking.attempt import Attempt, Curvature
-from validation.reference.tracking.law import Griffith, Law
+from validation.reference.tracking.law import Griffith, Law, NoTension
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.record import Record
 from validation.reference.tracking.surface import Body, Surface
@@ -43,6 +43,7 @@ class Run:
     surface: Surface
     largest_travel: float
     radius_scale: float
+    force_scale: float
     record: Record
     on_profile: Callable[[float, Surface, float], None]
     progress: Callable[[float], None] | None = None
@@ -52,7 +53,6 @@ class Run:
     events: list[Event] = field(default_factory=list)
     outcome: Outcome | None = None
     _trail: Trail = field(default_factory=Trail)
-    _force_scale: float = 0.0
     _travel: float = 0.0
     _steepness: float = 0.0
 
@@ -114,6 +114,9 @@ class Run:
         if 0.1 * h < turn < h:  # a row at the extremum reads off the pull-off force
             h = turn
         guess = a0 + slope * h
+        unloads = isinstance(self.law, NoTension) and segment.control == "force" and a0 > 0.0
+        if unloads and segment.value(self.time + h) <= 0.0:
+            return self._let_go(segment, h)
         attempt = self._attempt(segment, self._trail.curvature(), abs(guess - a0))
         low, high = max(a0 - self._travel, self.law.lowest), min(a0 + self._travel, self.scene.indenter.edge)
         found = attempt.edge(h, guess, low, high, self._steepness)
@@ -139,6 +142,18 @@ class Run:
             self._lost()
         return h * min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
 
+    def _let_go(self, segment: Segment, longest: float) -> float:
+        """Without adhesion the contact shrinks to a point as the force goes to zero, within ``longest``."""
+        ends = [segment.value(self.time), segment.value(self.time + longest)]
+        h = longest * ends[0] / (ends[0] - ends[1])
+        attempt = self._attempt(segment, self._trail.curvature(), 0.0)
+        a0 = self.surface.radius
+        if a0 > self._travel:
+            return self._by_distance(attempt, a0 - self._travel, h)
+        self._commit(self.time + h, attempt.surface_at(h, 0.0))
+        self._lost()
+        return h
+
     def _by_distance(self, attempt: Attempt, radius: float, longest: float) -> float:
         """The edge wants to go beyond ``radius`` within ``longest``: find when it passes there."""
         a0 = self.surface.radius
@@ -158,8 +173,14 @@ class Run:
         if abs(radius - a0) > FOLD * self.largest_travel:
             self._travel = 0.5 * abs(radius - a0)
             return longest
-        self._event("snap-in" if radius > a0 else "pull-off")
-        self._run_free(attempt, radius > a0)
+        outward = radius > a0
+        event = Event(
+            "snap-in" if outward else "pull-off", self.time, self.surface.penetration, self.force, a0
+        )
+        self._run_free(attempt, outward)
+        far = abs(self.surface.radius - a0) > self.largest_travel
+        if far and isinstance(self.law, Griffith) and self.outcome is None:
+            self.events.append(event)
         return longest
 
     def _jump(self, segment: Segment) -> None:
@@ -167,11 +188,7 @@ class Run:
         attempt = self._attempt(segment, Curvature(), 0.0)
         inward, outward = attempt.tendencies(0.0)
         if max(inward, outward) > 0.0:
-            events = len(self.events)
-            self._event("pull-off")
             self._run_free(attempt, outward > inward)
-            if self.outcome is None:
-                del self.events[events:]
         else:
             self._commit(self.time, attempt.surface_at(0.0, self.surface.radius))
 
@@ -192,14 +209,10 @@ class Run:
         if touch != self.surface.penetration:
             self._commit(self.time, replace(self.surface, penetration=touch))
 
-    def _event(self, kind: str) -> None:
-        surface = self.surface
-        self.events.append(Event(kind, self.time, surface.penetration, self.force, surface.radius))
-
     def _lost(self) -> None:
         """Contact ends here; the last row is the free surface."""
-        if not self.events or self.events[-1].kind != "pull-off" or self.events[-1].time != self.time:
-            self._event("pull-off")
+        surface = self.surface
+        self.events.append(Event("pull-off", self.time, surface.penetration, self.force, surface.radius))
         self._end(OutcomeKind.DETACHED, "no stable contact is left")
         if self.surface.radius > 0.0:
             self.surface, self.force = self.surface.freed(self.body), 0.0
@@ -236,7 +249,7 @@ class Run:
         """Departure from a straight line within the step, over what is allowed."""
         force = surface.force(self.body)
         radius_sag, force_sag = self._trail.sag(h, surface.radius, force)
-        force_scale = max(self._force_scale, abs(force))
+        force_scale = max(self.force_scale, abs(force))
         relative = max(
             radius_sag / self.radius_scale if self.radius_scale > 0.0 else 0.0,
             force_sag / force_scale if force_scale > 0.0 else 0.0,
@@ -253,7 +266,7 @@ class Run:
 
     def _row(self) -> None:
         surface = self.surface
-        self._force_scale = max(self._force_scale, abs(self.force))
+        self.force_scale = max(self.force_scale, abs(self.force))
         self.radius_scale = max(self.radius_scale, surface.radius)
         self.record.add(self.time, surface, self.force)
         self._trail.add(self.time, surface.radius, self.force, surface.penetration)

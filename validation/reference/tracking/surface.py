@@ -157,7 +157,7 @@ def _advanced(surface: Surface, body: Body, drive: Drive, path: Path, fractions:
     )
     inside = _in_contact(surface.branches, drive, rheology)
     if _differ(surface, body):  # the edge has dwelt: its free side is covered now
-        x = np.concatenate(([surface.outside[0] * (1.0 + COINCIDENT)], x))
+        x = np.concatenate(([surface.outside[0] + COINCIDENT * radius], x))
         units = np.concatenate((surface.units[:1], units))
     at = h * path.passing(x)
     covered = rheology.cover(
