@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 _MARGIN = 1.2  # surface nodes offered, over the radius the mesh is made for
 _TRAVEL_SHARE = 0.01  # edge travel per step without adhesion, of the radius the mesh is made for
-_ELASTIC_TRAVEL = 8.0  # more of it where there is no history to resolve
+_ELASTIC_TRAVEL = 4.0  # more of it where there is no history to resolve
 
 
 @dataclass(frozen=True)
