@@ -30,7 +30,7 @@ def split(
     beyond = load[outside]
     beyond[0] = load_inside(chain, variables[outside][:1], np.array([displacement]))[0]
     strains = chain.to_strains(variables[outside], beyond)
-    return History(Track(radius[inside], variables[inside]), Track(radius[outside], strains))
+    return History(Track(radius[inside], variables[inside]), Track(radius[outside], strains, edge))
 
 
 def spacing(radius: Array, edge: float, length: float, divisions: int) -> Array:

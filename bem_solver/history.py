@@ -19,22 +19,32 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Track:
-    """Nodes at ``radius`` (n,), rising, and their internal variables ``state`` (n, K)."""
+    """Nodes at ``radius`` (n,), rising, and their internal variables ``state`` (n, K).
+
+    ``tip`` is the edge from which the root of the distance is the coordinate of interpolation: outside an edge
+    that has lingered, the strains have its square root. ``None``: the radius itself.
+    """
 
     radius: Array
     state: Array
+    tip: float | None = None
+
+    def coordinate(self, radius: Array) -> Array:
+        """The variable in which the state is smooth."""
+        return radius if self.tip is None else np.sqrt(np.maximum(radius - self.tip, 0.0))
 
     @cached_property
-    def slope(self) -> Array:
-        """Derivatives (n, K) at the nodes: of the parabola through each node and its neighbours."""
-        gap = np.diff(self.radius)[:, None]
+    def _nodes(self) -> tuple[Array, Array]:
+        """Coordinates (n,) and derivatives (n, K) there: of the parabola through neighbouring nodes."""
+        at = self.coordinate(self.radius)
+        gap = np.diff(at)[:, None]
         secant = np.diff(self.state, axis=0) / gap
         if len(gap) < 2:
-            return np.repeat(secant, 2, axis=0)
+            return at, np.repeat(secant, 2, axis=0)
         left, right = gap[:-1], gap[1:]
         middle = (secant[:-1] * right + secant[1:] * left) / (left + right)
         first, last = 2.0 * secant[:1] - middle[:1], 2.0 * secant[-1:] - middle[-1:]
-        return np.concatenate((first, middle, last))
+        return at, np.concatenate((first, middle, last))
 
     def at(self, radius: Array) -> Array:
         """Variables (m, K) at any radii (m,), by cubics through values and slopes; constant beyond the ends."""
@@ -42,14 +52,16 @@ class Track:
             return np.zeros((len(radius), self.state.shape[1]))
         if len(self.radius) == 1:
             return np.repeat(self.state, len(radius), axis=0)
-        right = np.clip(np.searchsorted(self.radius, radius), 1, len(self.radius) - 1)
+        nodes, slope = self._nodes
+        x = self.coordinate(radius)
+        right = np.clip(np.searchsorted(nodes, x), 1, len(nodes) - 1)
         left = right - 1
-        x0 = self.radius[left]
-        width = self.radius[right] - x0
-        z = np.clip((radius - x0) / width, 0.0, 1.0)
+        x0 = nodes[left]
+        width = nodes[right] - x0
+        z = np.clip((x - x0) / width, 0.0, 1.0)
         up = z * z * (3.0 - 2.0 * z)
         in_slope, out_slope = width * z * (1.0 - z) ** 2, width * z * z * (z - 1.0)
-        y0, slope = self.state[left], self.slope
+        y0 = self.state[left]
         return (
             y0
             + up[:, None] * (self.state[right] - y0)
@@ -72,14 +84,15 @@ class Track:
         i = np.arange(1 + parity, len(self.radius) - 1, 2)
         if len(i) == 0:
             return self
-        x0, x, x1 = self.radius[i - 1], self.radius[i], self.radius[i + 1]
+        at = self.coordinate(self.radius)
+        x0, x, x1 = at[i - 1], at[i], at[i + 1]
         share = ((x - x0) / (x1 - x0))[:, None]
         change = np.abs(self.state[i - 1] * (1 - share) + self.state[i + 1] * share - self.state[i]).max(
             axis=1
         )
         keep = np.ones(len(self.radius), bool)
-        keep[i[(change <= tolerance) & (x1 - x0 <= spacing[i])]] = False
-        return Track(self.radius[keep], self.state[keep])
+        keep[i[(change <= tolerance) & (self.radius[i + 1] - self.radius[i - 1] <= spacing[i])]] = False
+        return Track(self.radius[keep], self.state[keep], self.tip)
 
 
 @dataclass(frozen=True)
