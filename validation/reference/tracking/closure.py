@@ -21,12 +21,13 @@ from validation.reference.tracking.abel import Transform
 
 Array = NDArray[np.float64]
 
-_GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(3)
+_GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(2)
 _GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
 _POWERS = np.vander(_GAUSS, increasing=True)
 # _REST[j, l]: integral from Gauss point j to the end of the panel of the l-th Lagrange polynomial
-_REST = ((1.0 - _GAUSS[:, None] ** np.arange(1, 4)) / np.arange(1, 4)) @ np.linalg.inv(_POWERS)
+_REST = ((1.0 - _GAUSS[:, None] ** np.arange(1, 3)) / np.arange(1, 3)) @ np.linalg.inv(_POWERS)
 
+_LATTICE = np.linspace(0.0, 1.0, 11)  # panels where nodes are few
 _DEGREE = 6
 _KNOTS = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_DEGREE) + 0.5) / _DEGREE))
 _TO_POWERS = np.linalg.inv(np.vander(_KNOTS, increasing=True))
@@ -68,7 +69,7 @@ def closure_integral(edge: Zone, zone: float, relaxed: float, transform: Transfo
     start = radius - zone
     x, memory, y, strain = _near(edge, zone)
     breaks = np.concatenate(
-        ((0.0, zone), x[(x > start) & (x < radius)] - start, y[y < radius + zone] - radius)
+        (zone * _LATTICE, x[(x > start) & (x < radius)] - start, y[y < radius + zone] - radius)
     )
     breaks.sort()
     width = breaks[1:] - breaks[:-1]

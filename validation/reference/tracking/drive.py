@@ -9,6 +9,7 @@ against the glassy modulus. A branch in contact from ``s`` to the end of the ste
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,24 +18,33 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+_SERIES = [(-1.0) ** j / math.factorial(j + 3) for j in range(9, -1, -1)]  # of phi_3, for y < SMALL
+SMALL = 0.2
+
+
 def phi(y: Array) -> tuple[Array, Array, Array]:
     """``phi_m(y) = int_0^1 exp(-y (1 - v)) v^(m-1)/(m-1)! dv`` for m = 1, 2, 3 and ``y >= 0``."""
-    small = y < 0.2
+    small = y < SMALL
+    if small.all():
+        return _from_series(y)
     z = np.where(small, 1.0, y)
     one = -np.expm1(-z) / z
     two = (1.0 - one) / z
-    three = (0.5 - two) / z
-    if np.any(small):
-        t = np.where(small, y, 0.0)
-        three_s = (1.0 / 6.0) * np.ones_like(t)
-        term = three_s.copy()
-        for j in range(4, 13):
-            term = -term * t / j
-            three_s = three_s + term
-        two_s = 0.5 - t * three_s
-        one_s = 1.0 - t * two_s
-        one, two, three = (np.where(small, s, b) for s, b in ((one_s, one), (two_s, two), (three_s, three)))
+    direct = (one, two, (0.5 - two) / z)
+    if not small.any():
+        return direct
+    series = _from_series(np.where(small, y, 0.0))
+    one, two, three = (np.where(small, s, d) for s, d in zip(series, direct, strict=True))
     return one, two, three
+
+
+def _from_series(y: Array) -> tuple[Array, Array, Array]:
+    """By Horner's rule, then downwards: no difference of nearly equal numbers."""
+    three = np.full_like(y, _SERIES[0])
+    for coefficient in _SERIES[1:]:
+        three = three * y + coefficient
+    two = 0.5 - y * three
+    return 1.0 - y * two, two, three
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 THIN_EVERY = 12
 THIN_SHARE = 0.01  # of the deviation allowed in a step: what dropping a node may cost
 FOLD = 1e-4  # of the largest travel: the limit point counts as reached when no longer step is stable
+SMOOTH = 16.0  # times the deviation is allowed where the load is curved: closed loops integrate well anyway
+FIRST = 100.0  # times the deviation times the shortest time: the step after a kink, which nothing judges
 LAYER = 1e-6  # of the process zone: a boundary layer thinner than this does not matter
 
 
@@ -97,8 +99,8 @@ class Run:
 
     def _first_step(self, length: float) -> float:
         times = self.body.rheology.times
-        quick = 1e-2 * float(times.min()) if len(times) else length
-        return min(max(quick, 1e-10 * length), 1e-2 * length)
+        quick = FIRST * self.fineness.deviation * float(times[0]) if len(times) else length
+        return min(max(quick, 1e-12 * length), 1e-2 * length)
 
     def _advance(self, segment: Segment, stop: float, proposed: float) -> float:
         """One step towards ``stop``; returns the next proposal."""
@@ -129,7 +131,7 @@ class Run:
         if not found.reached:
             return self._by_distance(attempt, found.radius, h)
         surface = attempt.surface_at(h, found.radius)
-        deviation = self._deviation(h, surface)
+        deviation = self._deviation(h, surface, segment.linear)
         if deviation > 2.0:
             self.counters.rejected_steps += 1
             if h <= tick:
@@ -245,7 +247,7 @@ class Run:
             self.scene.indenter.edge,
         )
 
-    def _deviation(self, h: float, surface: Surface) -> float:
+    def _deviation(self, h: float, surface: Surface, linear: bool) -> float:
         """Departure from a straight line within the step, over what is allowed."""
         force = surface.force(self.body)
         radius_sag, force_sag = self._trail.sag(h, surface.radius, force)
@@ -254,7 +256,7 @@ class Run:
             radius_sag / self.radius_scale if self.radius_scale > 0.0 else 0.0,
             force_sag / force_scale if force_scale > 0.0 else 0.0,
         )
-        return relative / self.fineness.deviation
+        return relative / (self.fineness.deviation * (1.0 if linear else SMOOTH))
 
     def _commit(self, time: float, surface: Surface) -> None:
         self.counters.steps += 1
