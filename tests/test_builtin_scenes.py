@@ -145,6 +145,15 @@ def test_against_the_reference(bem, monkeypatch):
     assert verdicts["F(t), RMS"].found == pytest.approx(3.5e-3 / np.sqrt(3), rel=0.1)
 
 
+def test_an_oscillation_has_no_end_of_approach(monkeypatch):
+    for solver in ("bem", "reference"):
+        monkeypatch.setitem(solvers.SOLVERS, solver, fake())
+    case = load("oscillation-w1.4")
+    checks = against_reference(case, run(case, "bem"), run(case, "reference"))
+    assert {"pull_off_force", "loop_energy"} <= {check.quantity for check in checks}
+    assert not [check for check in checks if check.quantity.startswith("approach")]
+
+
 def test_without_a_reference_run_the_comparison_is_missing(bem):
     checks = check_case(bem, {"bem": run(bem, "bem"), "reference": run(bem, "nobody")})
     assert [check.note for check in checks if check.quantity == "reference"] == ["no reference run"]
