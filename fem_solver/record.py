@@ -5,6 +5,10 @@ indenter does, ``int F dD``, and what opening the interface takes, ``int sum_i f
 nodes. It stores and dissipates it in its branches; both are volume integrals (or their condensed
 equivalents) that know nothing of the work. ``balance_residual`` is what is left of that identity.
 
+A partly released node is held by the interface as by a spring, with the force ``f`` at the opening ``g``:
+its energy ``-f g/2`` belongs to ``stored_energy``, which without it would sag between any two nodes by up to
+an eighth of what the edge releases there. The balance of the half-space alone does without it.
+
 ``dissipated_energy`` is the loss of the balance ``F dD + dg dA = dU + dL``. It differs from the branch
 dissipation by ``zone_excess``: a sharp edge gives back only the glassy ``K^2/(2 Einf*)`` of the work of
 adhesion, the remainder is dissipated where the process zone would have held it.
@@ -27,7 +31,10 @@ EXTRA = ("branch_dissipation", "zone_excess", "balance_residual")
 
 @dataclass(frozen=True)
 class SurfaceState:
-    """An accepted state: edge position, controlled and conjugate quantity, nodal vectors."""
+    """An accepted state: edge position, controlled and conjugate quantity, nodal vectors, energies.
+
+    ``stored`` is the energy of the half-space, ``held`` that of the hold on a partly released node.
+    """
 
     time: float
     penetration: float
@@ -37,6 +44,7 @@ class SurfaceState:
     forces: Array
     displacement: Array
     stored: float
+    held: float
     branch_dissipation: float
 
 
@@ -65,8 +73,9 @@ class Recorder:
             self.first = state
         first = self.first or state
         stored = state.stored - first.stored
+        held = state.held - first.held
         adhesion = self.work_of_adhesion * math.pi * (state.radius**2 - first.radius**2)
-        loss = self.external_work + adhesion - stored
+        loss = self.external_work + adhesion - stored - held
         residual = self.surface_work - stored - state.branch_dissipation
         self.rows.append(
             (
@@ -74,7 +83,7 @@ class Recorder:
                 state.penetration,
                 state.force,
                 state.radius,
-                state.stored,
+                state.stored + state.held,
                 self.external_work,
                 loss,
                 state.branch_dissipation,

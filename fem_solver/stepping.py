@@ -229,6 +229,8 @@ class Run:
         self.history.commit(dt, response, forces)
         penetration, force, radius = values
         history = self.history
+        displacement = history.displacement
+        gap = self.height - penetration + displacement
         state = SurfaceState(
             self.time,
             penetration,
@@ -236,8 +238,9 @@ class Run:
             radius,
             s,
             forces,
-            history.displacement,
+            displacement,
             history.stored_energy,
+            -0.5 * float(forces @ gap),
             history.dissipated,
         )
         self.recorder.add(state)
