@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, stepped, surface_work
-from bem_solver.history import History, Track, distinct, gaps_to_halve, graded_nodes
+from bem_solver.history import History, Track, distinct, gaps_to_halve, graded_nodes, lingered
 from bem_solver.points import Motion, advanced, load_inside
 from bem_solver.surface import Surface
 from bem_solver.trial import Front, Problem, Trial, points_at
@@ -19,9 +19,15 @@ _THINNING = 0.002
 
 
 def split(
-    chain: Chain, radius: Array, variables: Array, load: Array, edge: float, displacement: float
-) -> History:
-    """History from variables (n, K) on nodes that include the edge.
+    chain: Chain,
+    radius: Array,
+    variables: Array,
+    load: Array,
+    edge: float,
+    displacement: float,
+    kinks: tuple[float, ...] = (),
+) -> tuple[Track, Track]:
+    """Inner and outer track from variables (n, K) on nodes that include the edge and the kinks.
 
     ``load`` (n,) is used beyond the edge; at the edge itself it follows from ``displacement`` there, so that
     both sides hold the same state.
@@ -30,7 +36,8 @@ def split(
     beyond = load[outside]
     beyond[0] = load_inside(chain, variables[outside][:1], np.array([displacement]))[0]
     strains = chain.to_strains(variables[outside], beyond)
-    return History(Track(radius[inside], variables[inside]), Track(radius[outside], strains, edge))
+    inner = Track(radius[inside], variables[inside], tuple(k for k in kinks if k < edge))
+    return inner, Track(radius[outside], strains, (edge, *(k for k in kinks if k > edge)))
 
 
 def spacing(radius: Array, edge: float, length: float, divisions: int) -> Array:
@@ -79,18 +86,20 @@ def _new_history(
     wanted = graded_nodes(radii, edge, reach)
     if len(front.history.outer.radius) == 0:  # first contact: nothing beyond it yet
         wanted = np.concatenate((wanted, [0.0], (edge + length) * np.geomspace(1.0, 1e6, 240)))
-    radius = distinct(np.concatenate((front.history.radius, wanted)), edge, smallest)
+    kinks, direction, turning = lingered(front.history, motion.edge, edge, 8.0 * smallest)
+    fixed = (edge, *kinks) if turning is None or abs(turning - edge) < smallest else (edge, turning, *kinks)
+    radius = distinct(np.concatenate((front.history.radius, wanted)), fixed, smallest)
     allowed = spacing(radius, edge, length, divisions)
     halves = gaps_to_halve(radius, 0.5 * (allowed[1:] + allowed[:-1]))
     radius = np.sort(np.concatenate((radius, halves)))
     load = surface.outside(np.maximum(radius, edge))
     state = advanced(chain, points_at(problem, front, radius), motion, load)
     at_edge = motion.new_penetration - float(problem.scene.indenter.height(edge))
-    history = split(chain, radius, state, load, edge, at_edge)
+    inner, outer = split(chain, radius, state, load, edge, at_edge, kinks)
     change = _THINNING * tolerance * float(np.abs(state).max(initial=0.0))
     parity = problem.counters.steps % 2
 
     def thin(track: Track) -> Track:
         return track.thinned(change, spacing(track.radius, edge, length, divisions), parity)
 
-    return History(thin(history.inner), thin(history.outer))
+    return History(thin(inner), thin(outer), direction, turning)

@@ -16,35 +16,39 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_KINKS = 8  # kept at most, the newest
+
 
 @dataclass(frozen=True)
 class Track:
     """Nodes at ``radius`` (n,), rising, and their internal variables ``state`` (n, K).
 
-    ``tip`` is the edge from which the root of the distance is the coordinate of interpolation: outside an edge
-    that has lingered, the strains have its square root. ``None``: the radius itself.
+    ``kinks`` are nodes where an edge is or has lingered: each leaves the square root of the distance beyond
+    it. From a kink to the next the root of the distance from it is the coordinate of interpolation, in which
+    such a state is smooth; before the first, the radius is. No slope is taken across a kink.
     """
 
     radius: Array
     state: Array
-    tip: float | None = None
-
-    def coordinate(self, radius: Array) -> Array:
-        """The variable in which the state is smooth."""
-        return radius if self.tip is None else np.sqrt(np.maximum(radius - self.tip, 0.0))
+    kinks: tuple[float, ...] = ()
 
     @cached_property
-    def _nodes(self) -> tuple[Array, Array]:
-        """Coordinates (n,) and derivatives (n, K) there: of the parabola through neighbouring nodes."""
-        at = self.coordinate(self.radius)
-        gap = np.diff(at)[:, None]
-        secant = np.diff(self.state, axis=0) / gap
-        if len(gap) < 2:
-            return at, np.repeat(secant, 2, axis=0)
-        left, right = gap[:-1], gap[1:]
-        middle = (secant[:-1] * right + secant[1:] * left) / (left + right)
-        first, last = 2.0 * secant[:1] - middle[:1], 2.0 * secant[-1:] - middle[-1:]
-        return at, np.concatenate((first, middle, last))
+    def _pieces(self) -> tuple[Array, Array, Array, Array, Array]:
+        """Per interval (n - 1): origin of the root (NaN: radius), coordinates of its ends, slopes there (.., K)."""
+        n, branches = self.state.shape
+        origin, start, end = np.full(n - 1, np.nan), np.empty(n - 1), np.empty(n - 1)
+        first, last = np.empty((n - 1, branches)), np.empty((n - 1, branches))
+        marks = np.searchsorted(self.radius, self.kinks)
+        bounds = np.unique(np.concatenate(([0], marks[marks < n - 1], [n - 1])).astype(int))
+        for low, high in zip(bounds[:-1], bounds[1:], strict=True):
+            at, values = self.radius[low : high + 1], self.state[low : high + 1]
+            if low > 0 or (self.kinks and self.kinks[0] == at[0]):
+                origin[low:high] = at[0]
+                at = np.sqrt(at - at[0])
+            slope = _slopes(at, values)
+            start[low:high], end[low:high] = at[:-1], at[1:]
+            first[low:high], last[low:high] = slope[:-1], slope[1:]
+        return origin, start, end, first, last
 
     def at(self, radius: Array) -> Array:
         """Variables (m, K) at any radii (m,), by cubics through values and slopes; constant beyond the ends."""
@@ -52,21 +56,21 @@ class Track:
             return np.zeros((len(radius), self.state.shape[1]))
         if len(self.radius) == 1:
             return np.repeat(self.state, len(radius), axis=0)
-        nodes, slope = self._nodes
-        x = self.coordinate(radius)
-        right = np.clip(np.searchsorted(nodes, x), 1, len(nodes) - 1)
-        left = right - 1
-        x0 = nodes[left]
-        width = nodes[right] - x0
+        origin, start, end, first, last = self._pieces
+        i = np.clip(np.searchsorted(self.radius, radius) - 1, 0, len(self.radius) - 2)
+        base = origin[i]
+        x = np.where(np.isnan(base), radius, np.sqrt(np.maximum(radius - base, 0.0)))
+        x0 = start[i]
+        width = end[i] - x0
         z = np.clip((x - x0) / width, 0.0, 1.0)
         up = z * z * (3.0 - 2.0 * z)
         in_slope, out_slope = width * z * (1.0 - z) ** 2, width * z * z * (z - 1.0)
-        y0 = self.state[left]
+        y0 = self.state[i]
         return (
             y0
-            + up[:, None] * (self.state[right] - y0)
-            + in_slope[:, None] * slope[left]
-            + out_slope[:, None] * slope[right]
+            + up[:, None] * (self.state[i + 1] - y0)
+            + in_slope[:, None] * first[i]
+            + out_slope[:, None] * last[i]
         )
 
     def thinned(self, tolerance: float, spacing: Array, parity: int) -> Track:
@@ -84,23 +88,50 @@ class Track:
         i = np.arange(1 + parity, len(self.radius) - 1, 2)
         if len(i) == 0:
             return self
-        at = self.coordinate(self.radius)
-        x0, x, x1 = at[i - 1], at[i], at[i + 1]
+        origin = self._pieces[0][i]
+        x0, x, x1 = (
+            np.where(np.isnan(origin), at, np.sqrt(np.maximum(at - origin, 0.0)))
+            for at in (self.radius[i - 1], self.radius[i], self.radius[i + 1])
+        )
         share = ((x - x0) / (x1 - x0))[:, None]
         change = np.abs(self.state[i - 1] * (1 - share) + self.state[i + 1] * share - self.state[i]).max(
             axis=1
         )
+        close = self.radius[i + 1] - self.radius[i - 1] <= spacing[i]
         keep = np.ones(len(self.radius), bool)
-        keep[i[(change <= tolerance) & (self.radius[i + 1] - self.radius[i - 1] <= spacing[i])]] = False
-        return Track(self.radius[keep], self.state[keep], self.tip)
+        keep[i[(change <= tolerance) & close & ~np.isin(self.radius[i], self.kinks)]] = False
+        return Track(self.radius[keep], self.state[keep], self.kinks)
+
+
+def _slopes(at: Array, values: Array) -> Array:
+    """Derivatives at the nodes (n, K): of the parabola through each node and its neighbours."""
+    gap = np.diff(at)[:, None]
+    secant = np.diff(values, axis=0) / gap
+    if len(gap) < 2:
+        return np.repeat(secant, 2, axis=0)
+    left, right = gap[:-1], gap[1:]
+    middle = (secant[:-1] * right + secant[1:] * left) / (left + right)
+    first, last = 2.0 * secant[:1] - middle[:1], 2.0 * secant[-1:] - middle[-1:]
+    return np.concatenate((first, middle, last))
 
 
 @dataclass(frozen=True)
 class History:
-    """Scaled Maxwell stresses up to the edge, scaled Voigt strains from the edge on."""
+    """Scaled Maxwell stresses up to the edge, scaled Voigt strains from the edge on.
+
+    ``direction`` is the sign of the last motion of the edge; ``turning`` the radius at which that motion began,
+    until the edge has left it far enough for it to be a kink.
+    """
 
     inner: Track
     outer: Track
+    direction: int = 0
+    turning: float | None = None
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Where an edge is or has lingered, on either side."""
+        return tuple(sorted({*self.inner.kinks, *self.outer.kinks}))
 
     @property
     def radius(self) -> Array:
@@ -114,20 +145,37 @@ class History:
         return cls(nothing, nothing)
 
 
-def distinct(radius: Array, edge: float, smallest: float) -> Array:
-    """Sorted radii at least ``smallest`` apart, the edge among them.
+def distinct(radius: Array, fixed: tuple[float, ...], smallest: float) -> Array:
+    """Sorted radii at least ``smallest`` apart, the ``fixed`` among them.
 
     Slopes between closer nodes would mean nothing, and feed back.
     """
-    merged = np.unique(radius)
-    merged = merged[(np.abs(merged - edge) >= smallest) | (merged == edge)]
+    merged = np.unique(np.concatenate((radius, fixed)))
+    for value in fixed:
+        merged = merged[(np.abs(merged - value) >= smallest) | np.isin(merged, fixed)]
     keep = np.ones(len(merged), bool)
-    close = np.flatnonzero(np.diff(merged) < smallest)
-    # of a close pair the outer goes, unless it is the edge; runs of close nodes lose every second
-    for index in close:
+    # of a close pair the outer goes, unless it is fixed
+    for index in np.flatnonzero(np.diff(merged) < smallest):
         if keep[index]:
-            keep[index if merged[index + 1] == edge else index + 1] = False
-    return merged[keep]
+            keep[index if merged[index + 1] in fixed else index + 1] = False
+    return merged[keep | np.isin(merged, fixed)]
+
+
+def lingered(
+    before: History, edge: float, new_edge: float, apart: float
+) -> tuple[tuple[float, ...], int, float | None]:
+    """Kinks, direction and turning radius after the edge went from ``edge`` to ``new_edge``.
+
+    An edge that turned, or started from rest, leaves a kink once it is ``apart`` from there. Kinks closer than
+    that to the edge or to a newer one are dropped: the nodes that stay around them carry what they leave.
+    """
+    direction = int(np.sign(new_edge - edge)) or before.direction
+    turning = before.turning if direction == before.direction else edge
+    kinks = [k for k in before.kinks if k != edge and abs(k - new_edge) >= apart]
+    if turning is not None and abs(new_edge - turning) >= apart:
+        kinks = [k for k in kinks if abs(k - turning) >= apart] + [turning]
+        turning = None
+    return tuple(sorted(kinks[-_KINKS:])), direction, turning
 
 
 def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:

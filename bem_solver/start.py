@@ -120,7 +120,7 @@ def _start_history(problem: Problem, surface: Surface, penetration: float, relax
     mirrored = 2.0 * edge - near[near > edge - problem.length]
     far = (edge + problem.length) * np.geomspace(1.0, 200.0, 160)
     smallest = 0.5 * edge * (1.0 - radii[-1])
-    radius = distinct(np.concatenate(([0.0], near, [edge], mirrored, far)), edge, smallest)
+    radius = distinct(np.concatenate(([0.0], near, [edge], mirrored, far)), (edge,), smallest)
     load = surface.outside(np.maximum(radius, edge))
     if relaxed:
         variables = np.zeros((len(radius), len(chain)))
@@ -129,4 +129,5 @@ def _start_history(problem: Problem, surface: Surface, penetration: float, relax
         points = points_at(problem, empty_front(problem, 0.0, penetration), radius)
         variables = advanced(chain, points, motion, load)
     at_edge = penetration - float(problem.scene.indenter.height(edge))
-    return split(chain, radius, variables, load, edge, at_edge)
+    inner, outer = split(chain, radius, variables, load, edge, at_edge)
+    return History(inner, outer, 0, edge)

@@ -78,10 +78,16 @@ class Surface:
             return np.zeros(len(radius))
         return self.annuli.outside(self.field, self.kappa, radius / self.edge)
 
-    @property
-    def singular(self) -> float:
-        """Coefficient of ``-sqrt(r - a)`` in the displacement ``v`` just outside the edge."""
-        return self.kappa * float(2.0 / np.pi * np.sqrt(2.0 / self.edge)) if self.edge > 0 else 0.0
+    def root_strength(self, reach: float) -> float:
+        """B in ``v = v(a) - B sqrt(x) - C x`` at distances x outside the edge, read at ``reach`` and a quarter of it.
+
+        Where the stress behind the edge relaxes over less than ``reach``, this is the strength seen from there,
+        not the one at the very tip.
+        """
+        if self.edge == 0.0 or reach == 0.0:
+            return 0.0
+        tip, quarter, full = self.outside(self.edge + np.array([0.0, 0.25, 1.0]) * reach)
+        return float((4.0 * (tip - quarter) - (tip - full)) / np.sqrt(reach))
 
     @property
     def stress_intensity(self) -> float:

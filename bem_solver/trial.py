@@ -114,16 +114,15 @@ def evaluate(
     """
     annuli, counters = problem.annuli, problem.counters
     points = points_at(problem, front, edge * annuli.radii)
+    singular = front.surface.root_strength(abs(edge - front.edge)) if problem.remembers else 0.0
     if control == "penetration":
-        motion = Motion(duration, front.edge, edge, front.penetration, value, front.surface.singular)
+        motion = Motion(duration, front.edge, edge, front.penetration, value, singular)
         scaled = annuli.solve(_required_load(problem, points, motion))
         surface = Surface.under(annuli, edge, scaled)
     else:
         # everything is affine in the new penetration
         step = max(abs(front.penetration), 1e-3 * edge)
-        first = Motion(
-            duration, front.edge, edge, front.penetration, front.penetration, front.surface.singular
-        )
+        first = Motion(duration, front.edge, edge, front.penetration, front.penetration, singular)
         second = replace(first, new_penetration=front.penetration + step)
         loads = [_required_load(problem, points, m) for m in (first, second)]
         both = annuli.solve(np.stack(loads, axis=1))
