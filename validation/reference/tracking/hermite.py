@@ -51,6 +51,16 @@ def evaluate(x: Array, y: Array, slope: Array, at: Array) -> Array:
     return first + u * (rise + u * (3.0 * step - 2.0 * rise - end + u * (rise + end - 2.0 * step)))
 
 
+def rate(x: Array, y: Array, slope: Array, at: Array) -> Array:
+    """Derivative of the cubic at the points ``at``, for 1-D ``y``."""
+    i = x[1:-1].searchsorted(at, side="right")
+    h = x[i + 1] - x[i]
+    u = (at - x[i]) / h
+    secant = (y[i + 1] - y[i]) / h
+    first, last = slope[i], slope[i + 1]
+    return first + u * (6.0 * secant - 4.0 * first - 2.0 * last + 3.0 * u * (first + last - 2.0 * secant))
+
+
 def integral(x: Array, y: Array) -> Array:
     """Integral of the cubic from the first node to the last; over axis 0."""
     if len(x) == 1:

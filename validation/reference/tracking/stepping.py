@@ -26,7 +26,7 @@ from validation.reference.tracking.trail import Trail
 Array = NDArray[np.float64]
 
 THIN_EVERY = 12
-THIN_SHARE = 0.01  # of the deviation allowed in a step: what dropping a node may cost
+THIN_SHARE = 0.1  # of the deviation allowed in a step: what dropping a node may cost
 FOLD = 1e-4  # of the largest travel: the limit point counts as reached when no longer step is stable
 SMOOTH = 16.0  # times the deviation is allowed where the load is curved: closed loops integrate well anyway
 FIRST = 100.0  # times the deviation times the shortest time: the step after a kink, which nothing judges
@@ -74,7 +74,7 @@ class Run:
         return Outcome(OutcomeKind.COMPLETED, "all loading steps carried out", self.time)
 
     def _segment(self, segment: Segment, share: Callable[[float], float]) -> None:
-        self._trail.kink()
+        self._kink()
         if segment.control == "force" and self.surface.radius == 0.0:
             self._lower_to_touch()
         present = self.surface.penetration if segment.control == "penetration" else self.force
@@ -95,7 +95,12 @@ class Run:
             if stop in self.options.profile_times:
                 self.on_profile(self.time, self.surface, self.force)
             if stop in kinks:
-                self._trail.kink()
+                self._kink()
+
+    def _kink(self) -> None:
+        """Rates jump at the present row."""
+        self._trail.kink()
+        self.record.kink()
 
     def _first_step(self, length: float) -> float:
         times = self.body.rheology.times
@@ -126,7 +131,7 @@ class Run:
             departure = attempt.departure(h)
             if departure is not None and departure > tick:
                 self._commit(self.time + departure, attempt.surface_at(departure, a0))
-                self._trail.kink()
+                self._kink()
                 return self._first_step(stop - self.time)
         if not found.reached:
             return self._by_distance(attempt, found.radius, h)
