@@ -19,7 +19,7 @@ from scene import Counters, OutcomeKind, Segment
 
 Array = NDArray[np.float64]
 
-_REJECT = 4.0
+_REJECT = 2.0
 _SHORTEST = 1e-6  # of the shortest relaxation time or of the interval: below that, an instability
 _FIRST = 1.0 / 64.0
 _NOTABLE = 4.0  # jumps of the edge that count as an event, in travels allowed per step

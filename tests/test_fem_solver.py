@@ -178,6 +178,20 @@ def test_elastic_bulk_relaxes_a_punch_as_the_correspondence_principle_says():
     assert lost == pytest.approx(trace.stored_energy[0] - trace.stored_energy[-1], rel=1e-3)
 
 
+def test_far_field_holds_when_shear_and_bulk_relax_apart():
+    material = Material(1.0, 0.3, (Branch(9.0, 1.0),), bulk="elastic")
+    scene = Scene(material, FlatPunch(1.0), Loading("jump-in", 0.01, (Hold(3.0),)))
+
+    def force(domain, far_field=True):
+        graded = structured_half_space(fit(1.0, 1.0, 0.2, 2, edge=1.0, domain_ratio=domain))
+        trace = solve(scene, graded, Options(far_field=far_field))
+        return np.interp(np.linspace(0.0, 3.0, 13), trace.time, trace.force)
+
+    wide, narrow = force(400.0), force(10.0)
+    assert np.abs(narrow / wide - 1.0).max() < 5e-4
+    assert np.abs(force(10.0, far_field=False) / wide - 1.0).min() > 3e-2
+
+
 def test_relaxing_bulk_with_the_shear_s_own_branches_is_a_constant_poisson_ratio():
     alike = Material(1.0, 0.3, (Branch(3.0, 0.5),))
     factor = 1.0 / (3.0 * 0.4)
