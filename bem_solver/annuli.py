@@ -1,11 +1,11 @@
 """Annuli that travel with the contact edge, and the one factorisation they need.
 
-On the unit contact the borders are ``sin(pi j/2M)`` and the collocation radii ``sin(pi (j + 1/2)/2M)``. Because
-the kernel is scale-free this grid serves every contact radius: the edge is continuous, the matrix is
-factorised once. The error of piecewise constant pressure under an edge singularity is the same pattern on
-every grid, known from the flat punch, whose pressure ``1/(pi sqrt(1 - x^2))`` and displacement
-``(2/pi) arcsin(1/x)`` are exact: the singular part of every solution is taken out with them, and annuli carry
-the rest. Unit plane modulus; lengths in contact radii.
+On the unit contact the borders are ``sin(pi j/2M)`` and the collocation radii ``sin(pi (j + 1/2)/2M)``.
+Because the kernel is scale-free this grid serves every contact radius: the edge is continuous, the matrix
+is factorised once. The error of piecewise constant pressure under an edge singularity is the same pattern
+on every grid, known from the flat punch, whose pressure ``1/(pi sqrt(1 - x^2))`` and displacement ``(2/pi)
+arcsin(1/x)`` are exact: the singular part of every solution is taken out with them, and annuli carry the
+rest. Unit plane modulus; lengths in contact radii.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def even_cubic(values: Array, position: Array) -> Array:
     """
     padded = np.concatenate((values[1::-1], values, values[:-3:-1]))
     y = position + 1.5
-    first = np.clip(y.astype(int) - 1, 0, len(padded) - 4)
+    first = np.minimum(np.maximum(y.astype(int) - 1, 0), len(padded) - 4)
     return _lagrange(padded, first, y - first)
 
 
@@ -100,5 +100,5 @@ class Annuli:
         """Displacement at ``ratio = r/a >= 1`` from the samples of :meth:`outside_field`."""
         angle = np.arcsin(1.0 / ratio)
         y = angle * (2.0 * self._outside_count / np.pi) + 1.0
-        first = np.clip(y.astype(int) - 1, 0, len(field) - 4)
+        first = np.minimum(np.maximum(y.astype(int) - 1, 0), len(field) - 4)
         return kappa * (2.0 / np.pi) * angle + _lagrange(field, first, y - first)

@@ -1,9 +1,9 @@
 """Closure at the contact edge (paper, Eq. closure).
 
-``I = (1/(2 da)) int_0^da sigma(a - s) g(a + da - s) ds = dgamma``: the tension at distance s inside the edge meets
-the gap at distance da - s outside it. With ``s = da sin^2(psi)`` the square-root ends become smooth.
-I > dgamma recedes, I < dgamma advances; the stable edge is where I rises through dgamma with a.
-A compressive edge (kappa > 0) also has sigma g > 0, with both signs wrong: it counts negative.
+``I = (1/(2 da)) int_0^da sigma(a - s) g(a + da - s) ds = dgamma``: the tension at distance s inside the
+edge meets the gap at distance da - s outside it. With ``s = da sin^2(psi)`` the square-root ends become
+smooth. I > dgamma recedes, I < dgamma advances; the stable edge is where I rises through dgamma with a. A
+compressive edge (kappa > 0) also has sigma g > 0, with both signs wrong: it counts negative.
 
 The rule must resolve what the history can hold. Too few points see short waves of the stress behind an
 advancing edge as long ones, and feed them: the edge then moves in jerks.

@@ -10,9 +10,9 @@ and ``J* = (1 - nu^2) J``. Outside the contact ``v`` is known and ``w`` creeps; 
 
 Both dissipate ``sum b_j^2/(E_j tau_j) = sum l_k^2/(J_k theta_k)``, for every state; scaled by those square
 roots (the variables stored here) they are therefore images of each other under an *orthogonal* matrix,
-``Q_kj = sqrt(E_j tau_j J_k theta_k)/(theta_k - tau_j)``. Either recursion is exact when its input is linear in
-time, unconditionally stable, and tends to the elastic limits for steps from 0 to infinity.
-The paper's scheme (Eq. linear system) is the same with backward Euler factors.
+``Q_kj = sqrt(E_j tau_j J_k theta_k)/(theta_k - tau_j)``. Either recursion is exact when its input is linear
+in time, unconditionally stable, and tends to the elastic limits for steps from 0 to infinity. The paper's
+scheme (Eq. linear system) is the same with backward Euler factors.
 """
 
 from __future__ import annotations
@@ -100,9 +100,9 @@ class Chain:
     def spread_outside(self, y: Array, before: Array, after: Array) -> Array:
         """As :meth:`spread`, following ``sqrt(distance)`` while the edge moves at constant speed.
 
-        ``before`` and ``after`` (m, 1) are the distances from the edge at both ends of the step, ``y`` (m, K).
-        ``int exp(-y (1 - x)) d sqrt(distance)`` is Dawson's integral for a receding edge and a scaled error
-        function for an advancing one.
+        ``before`` and ``after`` (m, 1) are the distances from the edge at both ends of the step, ``y`` (m,
+        K). ``int exp(-y (1 - x)) d sqrt(distance)`` is Dawson's integral for a receding edge and a scaled
+        error function for an advancing one.
         """
         if self.backward_euler:
             return self.spread(y)
@@ -126,7 +126,7 @@ class Chain:
         return lags @ self.lag_scale
 
     def from_strains(self, strains: Array, load: Array) -> Array:
-        """Stored variables (m, K) from scaled Voigt strains ``e_k/sqrt(J_k theta_k)`` (m, K) and ``v`` (m,)."""
+        """Stored variables (m, K) from Voigt strains ``e_k/sqrt(J_k theta_k)`` (m, K) and ``v`` (m,)."""
         return (load[:, None] * self.lag_rate - strains) @ self.rotation
 
     def to_strains(self, variables: Array, load: Array) -> Array:

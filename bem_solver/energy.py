@@ -1,11 +1,11 @@
 """Stored energy and branch dissipation (paper, Sec. on energy) without a double integral over the surface.
 
-With ``Y = int p v``, ``X_k = int p e_k`` and ``W_k = int s_k e_k`` over the surface (``e_k = G s_k`` the displacement
-of Voigt branch k, ``s_k`` its apparent stress), Eq. U is ``U = Y/(2 Einf*) + sum_k W_k/(2 J_k)``. Because G is
-symmetric, ``dW_k/dt = 2 (J_k X_k - W_k)/theta_k``: one number per branch, by the same exact recursion as the
-branch itself. The branch power (Eq. dissipated energy) is ``P_k = (J_k Y - X_k)/theta_k - dU_k/dt``.
-With a sharp edge that integral exceeds the loss of the energy balance by what the tip releases in excess of
-the glassy ``K^2/(2 Einf*)``; both are reported.
+With ``Y = int p v``, ``X_k = int p e_k`` and ``W_k = int s_k e_k`` over the surface (``e_k = G s_k`` the
+displacement of Voigt branch k, ``s_k`` its apparent stress), Eq. U is ``U = Y/(2 Einf*) + sum_k W_k/(2
+J_k)``. Because G is symmetric, ``dW_k/dt = 2 (J_k X_k - W_k)/theta_k``: one number per branch, by the same
+exact recursion as the branch itself. The branch power (Eq. dissipated energy) is ``P_k = (J_k Y -
+X_k)/theta_k - dU_k/dt``. With a sharp edge that integral exceeds the loss of the energy balance by what the
+tip releases in excess of the glassy ``K^2/(2 Einf*)``; both are reported.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How large the contact will become: what the number of annuli is chosen from."""
+"""How large the contact will become, how thin its boundary layer: what the number of annuli comes from."""
 
 from __future__ import annotations
 
@@ -7,11 +7,53 @@ from dataclasses import replace
 import numpy as np
 
 from bem_solver.annuli import Annuli
+from bem_solver.creep import Chain
 from bem_solver.start import contact_scale, elastic_twin, empty_front, equilibrium
 from bem_solver.trial import Problem
-from scene import Scene
+from scene import Ramp, Scene
 
+FEWEST, MOST = 16, 4000
 _COARSE = 24
+_LAYER_MOST = 480  # annuli a boundary layer may ask for
+_LAYER_MATTERS = (
+    0.01  # change of the closure, relative to the work of adhesion, below which a layer is left out
+)
+
+
+def annuli_needed(divisions: int, share: float) -> int:
+    """Number of annuli that puts ``divisions`` into the outer ``share`` of the contact radius."""
+    return min(max(int(np.ceil(divisions * 0.5 * np.pi / np.arccos(1.0 - share))), FEWEST), MOST)
+
+
+def annuli_for_layer(radius: float, layer: float) -> int:
+    """Number of annuli whose outermost is an eighteenth of a boundary layer of this thickness (0: none)."""
+    if layer <= 0.0 or radius <= 0.0:
+        return FEWEST
+    return min(int(np.ceil(1.5 * np.pi * np.sqrt(radius / layer))), _LAYER_MOST)
+
+
+def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> float:
+    """Thinnest boundary layer behind an advancing edge that changes the closure noticeably; zero without.
+
+    Advancing at speed v, the stress of branch k relaxes over ``v tau_k``, which changes the closure by the
+    order of ``(E_k/E0) v tau_k/da``. The speed is that of a contact that follows the profile, ``rate/(2
+    df/dr)``.
+    """
+    if zone == 0.0 or not len(chain):
+        return 0.0
+    slope = float(scene.indenter.slope(radius))
+    penetration, slowest = scene.loading.penetration, np.inf
+    for step in scene.loading.steps:
+        if isinstance(step, Ramp):
+            if step.to > penetration:
+                slowest = min(slowest, step.rate)
+            penetration = step.to
+    if not np.isfinite(slowest) or slope == 0.0:
+        return 0.0
+    layers = slowest / (2.0 * slope) * chain.relaxation
+    moduli = chain.stress_scale**2 / chain.relaxation
+    matter = (layers < zone) & (moduli / chain.relaxed * layers / zone > _LAYER_MATTERS)
+    return float(layers[matter].min(initial=zone)) if matter.any() else 0.0
 
 
 def largest_contact(scene: Scene, problem: Problem) -> float:

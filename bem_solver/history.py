@@ -1,15 +1,16 @@
 """What the surface remembers: internal variables on nodes that stay where they are.
 
-Each side of the edge keeps the variables that are smooth there: scaled Maxwell stresses inside, where ``v`` has
-no singularity, and scaled Voigt strains outside, which do not carry the square root that ``v`` has at the edge.
-Nodes are laid where the edge goes, graded towards it, and taken out again where a straight line through
-their neighbours says the same to the stated tolerance.
+Each side of the edge keeps the variables that are smooth there: scaled Maxwell stresses inside, where ``v``
+has no singularity, and scaled Voigt strains outside, which do not carry the square root that ``v`` has at
+the edge. Nodes are laid where the edge goes, graded towards it, and taken out again where a straight line
+through their neighbours says the same to the stated tolerance.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,13 +35,13 @@ class Track:
 
     @cached_property
     def _pieces(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Per interval (n - 1): origin of the root (NaN: radius), coordinates of its ends, slopes there (.., K)."""
+        """Per interval: origin of the root (NaN: radius), coordinates of both ends, slopes there."""
         n, branches = self.state.shape
         origin, start, end = np.full(n - 1, np.nan), np.empty(n - 1), np.empty(n - 1)
         first, last = np.empty((n - 1, branches)), np.empty((n - 1, branches))
         marks = np.searchsorted(self.radius, self.kinks)
         bounds = np.unique(np.concatenate(([0], marks[marks < n - 1], [n - 1])).astype(int))
-        for low, high in zip(bounds[:-1], bounds[1:], strict=True):
+        for low, high in pairwise(bounds):
             at, values = self.radius[low : high + 1], self.state[low : high + 1]
             if low > 0 or (self.kinks and self.kinks[0] == at[0]):
                 origin[low:high] = at[0]
@@ -51,18 +52,18 @@ class Track:
         return origin, start, end, first, last
 
     def at(self, radius: Array) -> Array:
-        """Variables (m, K) at any radii (m,), by cubics through values and slopes; constant beyond the ends."""
+        """Variables (m, K) at any radii (m,), by cubics; constant beyond the ends."""
         if len(self.radius) == 0:
             return np.zeros((len(radius), self.state.shape[1]))
         if len(self.radius) == 1:
             return np.repeat(self.state, len(radius), axis=0)
         origin, start, end, first, last = self._pieces
-        i = np.clip(np.searchsorted(self.radius, radius) - 1, 0, len(self.radius) - 2)
+        i = np.minimum(np.maximum(np.searchsorted(self.radius, radius) - 1, 0), len(self.radius) - 2)
         base = origin[i]
         x = np.where(np.isnan(base), radius, np.sqrt(np.maximum(radius - base, 0.0)))
         x0 = start[i]
         width = end[i] - x0
-        z = np.clip((x - x0) / width, 0.0, 1.0)
+        z = np.minimum(np.maximum((x - x0) / width, 0.0), 1.0)
         up = z * z * (3.0 - 2.0 * z)
         in_slope, out_slope = width * z * (1.0 - z) ** 2, width * z * z * (z - 1.0)
         y0 = self.state[i]
@@ -119,8 +120,8 @@ def _slopes(at: Array, values: Array) -> Array:
 class History:
     """Scaled Maxwell stresses up to the edge, scaled Voigt strains from the edge on.
 
-    ``direction`` is the sign of the last motion of the edge; ``turning`` the radius at which that motion began,
-    until the edge has left it far enough for it to be a kink.
+    ``direction`` is the sign of the last motion of the edge; ``turning`` the radius at which that motion
+    began, until the edge has left it far enough for it to be a kink.
     """
 
     inner: Track
@@ -166,8 +167,9 @@ def lingered(
 ) -> tuple[tuple[float, ...], int, float | None]:
     """Kinks, direction and turning radius after the edge went from ``edge`` to ``new_edge``.
 
-    An edge that turned, or started from rest, leaves a kink once it is ``apart`` from there. Kinks closer than
-    that to the edge or to a newer one are dropped: the nodes that stay around them carry what they leave.
+    An edge that turned, or started from rest, leaves a kink once it is ``apart`` from there. Kinks closer
+    than that to the edge or to a newer one are dropped: the nodes that stay around them carry what they
+    leave.
     """
     direction = int(np.sign(new_edge - edge)) or before.direction
     turning = before.turning if direction == before.direction else edge

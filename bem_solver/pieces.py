@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from scene import Segment
 
@@ -40,7 +41,7 @@ class Piece:
 
 
 def pieces(segment: Segment, reached: float, stops: tuple[float, ...]) -> Iterator[Piece]:
-    """Pieces of one segment; ``reached`` is the controlled quantity before it, ``stops`` the requested times."""
+    """Pieces of one segment; ``reached`` is the controlled quantity before it, ``stops`` requested times."""
     first = segment.value(segment.start)
     if first != reached:
         yield Piece(
@@ -53,6 +54,6 @@ def pieces(segment: Segment, reached: float, stops: tuple[float, ...]) -> Iterat
         )
     inner = {t for t in stops if segment.start < t < segment.end}
     times = sorted({segment.start, *segment.kinks, *inner, segment.end})
-    for start, end in zip(times, times[1:], strict=False):
+    for start, end in pairwise(times):
         fresh = start == segment.start or start in segment.kinks
         yield Piece(segment.control, start, end, segment.value, jump=False, fresh=fresh)

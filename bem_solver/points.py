@@ -1,10 +1,10 @@
 """Surface points over one step, while the edge moves at constant speed from one radius to another.
 
-A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside, then
-outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the sum of
-the edge's own part, ``-singular * sqrt(distance to the moving edge)``, and a rest that is linear in time; the Voigt
-recursion is exact for both. A covered point meets the indenter at the moment the edge passes; a released one
-is let go, glassy, at that moment.
+A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside,
+then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
+sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, and a rest that is linear in
+time; the Voigt recursion is exact for both. A covered point meets the indenter at the moment the edge
+passes; a released one is let go, glassy, at that moment.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ class Motion:
 
     def passing(self, radius: Array) -> Array:
         """Share of the step after which the edge passes radii between its two ends."""
-        return np.clip((radius - self.edge) / (self.new_edge - self.edge), 0.0, 1.0)
+        share = (radius - self.edge) / (self.new_edge - self.edge)
+        return np.minimum(np.maximum(share, 0.0), 1.0)
 
     def penetration_at(self, share: Array) -> Array:
         """Penetration after a share of the step."""
@@ -56,7 +57,7 @@ class Points:
     load: Array
     displacement: Array
 
-    def __getitem__(self, chosen: Array) -> Points:
+    def __getitem__(self, chosen: NDArray[np.bool_]) -> Points:
         return Points(
             self.radius[chosen],
             self.height[chosen],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, Literal, Protocol, TypeVar
@@ -13,6 +14,8 @@ class HasResidual(Protocol):
     @property
     def residual(self) -> float: ...
 
+
+_MOST = 200
 
 T = TypeVar("T", bound=HasResidual)
 
@@ -35,42 +38,35 @@ def rising_root(
     ``slope`` is an estimate of the derivative (<= 0: unknown). The result is accurate to ``accuracy`` in x.
     """
     negative: float | None = None  # largest x known with residual < 0
-    positive: float | None = None
+    positive: float | None = None  # smallest x known with residual > 0
     x = min(max(guess, low), high)
     trial = evaluate(x)
-    for iteration in range(80):
+    for iteration in range(_MOST):
         r = trial.residual
-        if r == 0.0:
-            break
+        if not math.isfinite(r):
+            raise FloatingPointError(f"the closure is not finite at contact radius {x:.6g}")
         if r < 0.0:
             if x >= high:
                 return Found("above", x, trial, slope)
             negative = x if negative is None else max(negative, x)
-        else:
+        elif r > 0.0:
             if x <= low:
                 return Found("below", x, trial, slope)
             positive = x if positive is None else min(positive, x)
-        if slope > 0.0 and abs(r) <= slope * accuracy and iteration > 0:
-            break
-        bracketed = negative is not None and positive is not None and negative < positive
-        left, right = (negative, positive) if bracketed else (low, high)
-        assert left is not None and right is not None
-        if bracketed and right - left <= accuracy:
-            break
-        if slope > 0.0:
-            new = x - r / slope
-        else:
-            new = x + (0.05 if r < 0.0 else -0.05) * (high - low)
-        if bracketed and not left < new < right or iteration > 8 and bracketed and iteration % 2:
+        if r == 0.0 or (iteration > 0 and slope > 0.0 and abs(r) <= slope * accuracy):
+            return Found("here", x, trial, slope)
+        left = low if negative is None else negative
+        right = high if positive is None else positive
+        if right - left <= accuracy:
+            return Found("here", x, trial, slope)
+        new = min(max(x - r / slope, left), right) if slope > 0.0 else (right if r < 0.0 else left)
+        bracketed = negative is not None and positive is not None
+        if bracketed and (not left < new < right or iteration % 6 == 5):
             new = 0.5 * (left + right)
-        new = min(max(new, left), right)
-        if abs(new - x) <= 1e-3 * accuracy:
-            break
+        if new == x:
+            return Found("here", x, trial, slope)
         new_trial = evaluate(new)
         secant = (new_trial.residual - r) / (new - x)
-        if secant > 0.0:
-            slope = secant
-        elif not bracketed:
-            slope = 0.0
+        slope = secant if secant > 0.0 else 0.0
         x, trial = new, new_trial
-    return Found("here", x, trial, slope)
+    raise FloatingPointError("the search for the edge did not converge")

@@ -11,7 +11,7 @@ import numpy as np
 from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
-from bem_solver.extent import largest_contact
+from bem_solver.extent import FEWEST, annuli_for_layer, annuli_needed, largest_contact, thinnest_layer
 from bem_solver.options import Options
 from bem_solver.pieces import pieces
 from bem_solver.profiles import surface_profile
@@ -21,8 +21,6 @@ from bem_solver.stepping import Stepper
 from bem_solver.trial import Problem
 from scene import Counters, Outcome, OutcomeKind, Scene, Trace, UnsupportedScene
 from scene.scene import zone_too_long
-
-_FEWEST, _MOST = 16, 4000
 
 
 def solve(
@@ -68,22 +66,18 @@ def solve(
     return replace(trace, wall_seconds=clock.perf_counter() - began)
 
 
-def annuli_needed(divisions: int, share: float) -> int:
-    """Number of annuli that puts ``divisions`` into the outer ``share`` of the contact radius."""
-    return min(max(int(np.ceil(divisions * 0.5 * np.pi / np.arccos(1.0 - share))), _FEWEST), _MOST)
-
-
 def _solve_graded(scene: Scene, options: Options, progress: Callable[[float], None] | None) -> Trace:
     chain = Chain(scene.material, options.scheme == "backward-euler")
     zone, work = (scene.adhesion.zone, scene.adhesion.work) if scene.adhesion else (0.0, 0.0)
     zone = zone if work > 0.0 else 0.0
     counters = Counters(factorisations=1)
     rule = ClosureRule.resolving(options.divisions)
-    unresolved = Problem(scene, Annuli(_FEWEST), chain, zone, work, 1.0, counters, rule)
+    unresolved = Problem(scene, Annuli(FEWEST), chain, zone, work, 1.0, counters, rule)
     largest = largest_contact(scene, unresolved) or contact_scale(scene, scene.loading.penetration)
     share = min(zone / largest, 1.0) if zone > 0.0 and largest > 0.0 else 0.01
     counters = Counters(factorisations=1)
-    annuli = Annuli(annuli_needed(options.divisions, share))
+    layer = thinnest_layer(scene, chain, largest, zone)
+    annuli = Annuli(max(annuli_needed(options.divisions, share), annuli_for_layer(largest, layer)))
     problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     recorder = Recorder(chain, work)
     scale = max(largest, contact_scale(scene, scene.loading.penetration))

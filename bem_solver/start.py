@@ -21,7 +21,7 @@ from scene import Indenter, Material, Scene
 Array = NDArray[np.float64]
 
 _RATIO = 1.04  # between neighbouring edges of a scan
-_TRAVEL = 64.0  # a scan starts this many scales up, and ends a thousandfold below
+_TRAVEL = 64.0  # a scan starts this many scales up, and ends a millionfold below
 
 
 def elastic_twin(problem: Problem, modulus: float) -> Problem:
@@ -46,7 +46,7 @@ def largest_stable(trial: Callable[[float], Trial], scale: float, limit: float) 
     last = trial(edge)
     if upper == limit and last.residual <= 0.0:
         return last
-    while edge > 1e-3 * scale:
+    while edge > 1e-6 * scale:
         lower = edge / _RATIO
         candidate = trial(lower)
         if candidate.residual <= 0.0 < last.residual:

@@ -1,16 +1,16 @@
 """The loop: trial steps, accepted or not; only here is state committed.
 
-Steps adapt to how far edge and load depart from straight lines within them, and to a limit on the travel of the
-edge. Where the edge would go further than that, the step that takes it just there is sought instead; if it goes
-further even in no time, with the travel limit reduced sixty-fourfold, the contact is unstable: recorded as an
-event, followed by the next stable contact at the same load or, without one, by detachment.
+Steps adapt to how far edge and load depart from straight lines within them, and to a limit on the travel of
+the edge. Where the edge would go further than that, the step that takes it just there is sought instead; if
+it goes further even in no time, with the travel limit reduced sixty-fourfold, the contact is unstable:
+recorded as an event, followed by the next stable contact at the same load or, without one, by detachment.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from scipy.optimize import brentq
 
@@ -21,12 +21,13 @@ from bem_solver.pieces import Piece
 from bem_solver.prediction import Past, departure, grown, shrunk
 from bem_solver.recorder import Recorder
 from bem_solver.rootsearch import rising_root
-from bem_solver.start import equilibrium
+from bem_solver.start import contact_scale, equilibrium
 from bem_solver.surface import Surface
 from bem_solver.trial import Front, Problem, Trial, evaluate
 from scene import Outcome, OutcomeKind
 
 _FINEST_TRAVEL = 1.0 / 64.0
+_ACCURACY = 1e-6  # of the edge, in the length it is resolved on
 _VANISHING = (
     2e-3  # contact radius, relative to its largest, below which an adhesionless contact is lifting off
 )
@@ -59,10 +60,10 @@ class Stepper:
     step: float = 0.0
     largest_force: float = 0.0
     largest_edge: float = 0.0
+    past: Past = field(default_factory=Past)
 
     def follow(self, piece: Piece) -> Outcome | None:
         """Take the run through a piece; an outcome if it ends there."""
-        self.past = Past() if piece.fresh or not hasattr(self, "past") else self.past
         if piece.fresh:
             self.step = min(self.step, 0.05 * piece.length) if self.step > 0.0 else 0.01 * piece.length
         if piece.jump:
@@ -100,8 +101,13 @@ class Stepper:
             moved = abs(candidate.trial.motion.new_edge - self.front.edge)
             # a travel that no shorter step shortens is the edge snapping over an annulus: taken as it is
             snapped = any(step < 0.5 * tried and moved > 0.7 * travelled for tried, travelled in rejected)
-            if candidate.error > 1.0 and not snapped:
+            if candidate.error > 1.0 and not (snapped and candidate.error < math.inf):
                 counters.rejected_steps += 1
+                if candidate.error == math.inf and step <= 1e-12 * piece.length:
+                    outcome = self._run_away(piece, parameter)
+                    if outcome is not None:
+                        return outcome
+                    continue
                 rejected.append((step, moved))
                 self.step = shrunk(step, candidate.error)
                 continue
@@ -142,13 +148,17 @@ class Stepper:
         low, high = max(front.edge - reach, 0.25 * front.edge), min(front.edge + reach, limit)
         rates = self.past.rates(step)
         end = piece.length if step == piece.length - parameter else parameter + step
+        if front.edge == limit:
+            resting = self._at_rest(piece, parameter, end, rates)
+            if resting is not None:
+                return resting
         found = rising_root(
             lambda edge: self._trial(piece, end, edge),
             front.edge + rates[0] * step,
             self.slope,
             low,
             high,
-            1e-7 * length,
+            _ACCURACY * length,
         )
         self.slope = found.slope if found.slope > 0.0 else self.slope
         if found.where == "here" or (found.where == "above" and high == limit):
@@ -164,7 +174,28 @@ class Stepper:
         if parameter + share * step <= parameter:
             return None
         trial = self._trial(piece, parameter + share * step, edge)
+        inward = self._trial(piece, parameter + share * step, edge - 0.01 * reach)
+        if inward.residual > trial.residual:
+            return Candidate(end, found.trial, math.inf)  # an equilibrium, but not a stable one
         return Candidate(parameter + share * step, trial, 0.0)
+
+    def _at_rest(
+        self, piece: Piece, parameter: float, end: float, rates: tuple[float, float]
+    ) -> Candidate | None:
+        """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""
+        edge, step = self.front.edge, end - parameter
+        trial = self._trial(piece, end, edge)
+        if trial.residual <= 0.0:
+            return Candidate(end, trial, self._error(piece, trial, step, rates))
+        if self._trial(piece, parameter, edge).residual >= -1e-6 * trial.residual:
+            return None
+        at = brentq(lambda p: self._trial(piece, p, edge).residual, parameter, end, xtol=1e-12 * end)
+        if at <= parameter:
+            return None
+        trial = self._trial(piece, at, edge)
+        return Candidate(
+            at, trial, self._error(piece, trial, at - parameter, self.past.rates(at - parameter))
+        )
 
     def _error(self, piece: Piece, trial: Trial, step: float, rates: tuple[float, float]) -> float:
         """Departure of edge and load from straight lines, in tolerances."""
@@ -218,7 +249,9 @@ class Stepper:
         first = parameter
         while piece.prescribed(first) <= 0.0 and first < piece.length:
             first = min(parameter + max(1e-6 * piece.length, 2.0 * (first - parameter)), piece.length)
-        found = equilibrium(self.problem, self.front, piece.control, piece.prescribed(first), self.scale)
+        load = piece.prescribed(first)
+        scale = contact_scale(self.problem.scene, load) if piece.control == "penetration" else self.scale
+        found = equilibrium(self.problem, self.front, piece.control, load, scale)
         if found is None:
             return parameter, Outcome(OutcomeKind.NO_EQUILIBRIUM, "no first contact found", self.front.time)
         self._commit(found, piece.time(first))
@@ -244,7 +277,7 @@ class Stepper:
                 continue
             if (landed.residual > 0.0) != receding:
                 low, high = min(edge, nearer), max(edge, nearer)
-                landed = rising_root(trial, edge, 0.0, low, high, 1e-7 * problem.length_at(edge)).trial
+                landed = rising_root(trial, edge, 0.0, low, high, _ACCURACY * problem.length_at(edge)).trial
             self._commit(landed, front.time)
             self._restart(piece, parameter, 1e-3 * piece.length)
             return None

@@ -79,10 +79,12 @@ class Surface:
         return self.annuli.outside(self.field, self.kappa, radius / self.edge)
 
     def root_strength(self, reach: float) -> float:
-        """B in ``v = v(a) - B sqrt(x) - C x`` at distances x outside the edge, read at ``reach`` and a quarter of it.
+        """B in ``v = v(a) - B sqrt(x) - C x`` at distance x outside the edge.
 
-        Where the stress behind the edge relaxes over less than ``reach``, this is the strength seen from there,
-        not the one at the very tip.
+        Read at ``reach`` and a quarter of it.
+
+        Where the stress behind the edge relaxes over less than ``reach``, this is the strength seen from
+        there, not the one at the very tip.
         """
         if self.edge == 0.0 or reach == 0.0:
             return 0.0
