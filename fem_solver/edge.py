@@ -59,9 +59,8 @@ class AdhesiveEdge:
 
     def __init__(self, geometry: EdgeGeometry, work: float) -> None:
         self.geometry, self.work = geometry, work
-        zone = geometry.zone or 0.0
-        #: below a contact radius of one process zone the closure has no meaning: the contact is lost
-        self.lowest = geometry.position(zone)
+        #: contact of the first element only cannot be told from none
+        self.lowest = 2.0
 
     def _excess(self, problem: ContactProblem, s: float) -> float:
         value = problem.closure(s) / self.work - 1.0

@@ -202,8 +202,8 @@ class Run:
         if found.fate is Fate.ADVANCING:
             self._out_of_range(found)
         self.recorder.event("pull-off")
-        shrunk = self.state.radius < 2.0 * (self.geometry.zone or 0.0)
-        remark = ", having shrunk to about the process zone" if shrunk else ""
+        shrunk = self.state.radius < (self.geometry.zone or 0.0)
+        remark = ", having shrunk below the process zone" if shrunk else ""
         raise Ended(OutcomeKind.DETACHED, f"contact lost at penetration {self.state.penetration:.6g}{remark}")
 
     def _out_of_range(self, found: EdgeSearch) -> None:
