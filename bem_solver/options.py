@@ -9,7 +9,7 @@ from scene.errors import number, one_of, positive
 
 ANNULI = ("graded", "uniform")
 SCHEMES = ("exponential", "backward-euler")
-DEFAULT_RESOLUTION = 16
+DEFAULT_RESOLUTION = 12
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Options:
     ----------
     resolution : int, optional
         Annuli within the process zone (within the outer hundredth of the largest contact radius, without
-        adhesion) at the largest contact radius, >= 4. Default 16.
+        adhesion) at the largest contact radius, >= 4. Default 12.
     tolerance : float, optional
         Step tolerance: error of extrapolating the edge over a step, in process zones (in twentieths of the
         contact radius, without adhesion), and of the force relative to its scale. Default

@@ -30,6 +30,14 @@ class Past:
         span = now[0] - base[0]
         return (now[1] - base[1]) / span, (now[2] - base[2]) / span
 
+    def edge_after(self, step: float) -> float:
+        """Edge a step ahead by the parabola through the last three states: where its search starts."""
+        if len(self.rows) < 3:
+            return self.rows[-1][1] + self.rates(step)[0] * step
+        (t0, a0, _), (t1, a1, _), (t2, a2, _) = self.rows[-3:]
+        late, early = (a2 - a1) / (t2 - t1), (a1 - a0) / (t1 - t0)
+        return a2 + step * (late + (t2 - t1 + step) * (late - early) / (t2 - t0))
+
 
 def departure(miss: float, scale: float) -> float:
     """Departure from a straight line in the middle of a step, relative to ``scale``.

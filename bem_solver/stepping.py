@@ -27,7 +27,8 @@ from bem_solver.trial import Front, Problem, Trial, evaluate
 from scene import Outcome, OutcomeKind
 
 _FINEST_TRAVEL = 1.0 / 64.0
-_ACCURACY = 1e-6  # of the edge, in the length it is resolved on
+_LOAD_WEIGHT = 4.0  # the load follows the prescribed history closer than the edge its chord
+_ACCURACY = 4e-3  # of the edge, in step tolerances of the length it is resolved on
 _VANISHING = (
     2e-3  # contact radius, relative to its largest, below which an adhesionless contact is lifting off
 )
@@ -154,11 +155,11 @@ class Stepper:
                 return resting
         found = rising_root(
             lambda edge: self._trial(piece, end, edge),
-            front.edge + rates[0] * step,
+            self.past.edge_after(step),
             self.slope,
             low,
             high,
-            _ACCURACY * length,
+            _ACCURACY * self.tolerance * length,
         )
         self.slope = found.slope if found.slope > 0.0 else self.slope
         if found.where == "here" or (found.where == "above" and high == limit):
@@ -207,7 +208,7 @@ class Stepper:
             scale /= 2.0 * edge * self.problem.chain.relaxed
         off_edge = departure(edge - self.front.edge - rates[0] * step, self.problem.length_at(edge))
         off_load = departure(load - self._load(piece, self.front) - rates[1] * step, scale)
-        return max(off_edge, off_load) / self.tolerance
+        return max(off_edge, _LOAD_WEIGHT * off_load) / self.tolerance
 
     def _commit(self, trial: Trial, time: float) -> None:
         """Make the trial the state."""
@@ -277,7 +278,9 @@ class Stepper:
                 continue
             if (landed.residual > 0.0) != receding:
                 low, high = min(edge, nearer), max(edge, nearer)
-                landed = rising_root(trial, edge, 0.0, low, high, _ACCURACY * problem.length_at(edge)).trial
+                landed = rising_root(
+                    trial, edge, 0.0, low, high, _ACCURACY * self.tolerance * problem.length_at(edge)
+                ).trial
             self._commit(landed, front.time)
             self._restart(piece, parameter, 1e-3 * piece.length)
             return None
