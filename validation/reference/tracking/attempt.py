@@ -18,6 +18,7 @@ from validation.reference.tracking.surface import Body, Path, Surface, moved
 Array = NDArray[np.float64]
 
 CLOSED = 1e-8  # residual of the law at an accepted edge
+MOST = 400  # nodes left by an edge that runs
 GROWTH = 1.1  # of the strides in which an edge on the run is looked for
 NARROW = 1e-14  # relative: two radii or two times that are the same
 
@@ -44,7 +45,7 @@ class Attempt:
     """A step of any duration from one state, under one loading segment.
 
     ``marks(duration)`` are the fractions of the step at which nodes are left besides its end; ``cap`` is the
-    largest possible radius.
+    largest possible radius, ``spacing`` the distance of nodes left behind.
     """
 
     body: Body
@@ -56,6 +57,7 @@ class Attempt:
     marks: Callable[[float], Array]
     counters: Counters
     cap: float
+    spacing: float
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
         """The surface when the edge has arrived at ``radius``; if not ``whole``, what the law looks at."""
@@ -65,6 +67,9 @@ class Attempt:
         bend = min(max(0.5 * self.curvature.radius * duration**2, -limit), limit)
         path = Path(start.radius, travel, bend)
         marks = self.marks(duration) if travel != 0.0 else np.empty(0)
+        if abs(travel) > 2.0 * self.spacing:  # an edge that runs leaves nodes on its way, too
+            count = min(int(abs(travel) / self.spacing), MOST)
+            marks = np.union1d(marks, np.arange(1, count + 1) / (count + 1))
         if self.segment.control == "force":
             sag = 0.5 * self.curvature.penetration
             target = self.segment.value(self.time + duration)
@@ -165,7 +170,7 @@ class Attempt:
             before, at_before = radius, value
             radius = min(radius + stride, limit) if outward else max(radius - stride, limit)
             value = self.residual(0.0, radius)
-            if value > 0.0 if outward else value < 0.0:
+            if value > CLOSED if outward else value < -CLOSED:
                 return bracketed(
                     lambda a: self.residual(0.0, a), before, at_before, radius, value, CLOSED, NARROW * radius
                 )

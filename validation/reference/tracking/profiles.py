@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 POINTS = 160  # on either side of the edge
 AXIS = 1e-6  # of the contact radius: the pressure at r = 0 is taken there (below a cone it is infinite)
+APART = 1e-7  # of the contact radius: nodes nearer than that are one for a second derivative
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(4)
 
 
@@ -51,6 +52,8 @@ def pressure(surface: Surface, body: Body, radius: Array) -> Array:
     a = surface.radius
     nodes = surface.inside
     fine = np.unique(np.concatenate((nodes, 0.75 * nodes[:-1] + 0.25 * nodes[1:], np.linspace(0.0, a, 400))))
+    apart = np.append(np.diff(fine) > APART * a, True)
+    fine = fine[apart]
     memory = surface.branches.sum(axis=1)
     q = hermite.evaluate(nodes, memory, hermite.slopes(nodes, memory), fine)
     q += body.rheology.relaxed * (surface.penetration - body.transform(fine))

@@ -125,6 +125,7 @@ def _run(
         largest_travel=travel,
         radius_scale=scale,
         force_scale=max(weight, load),
+        depth_scale=max(depth, float(body.transform(np.array([scale]))[0])),
         record=record,
         on_profile=on_profile,
         progress=progress,

@@ -46,6 +46,7 @@ class Run:
     largest_travel: float
     radius_scale: float
     force_scale: float
+    depth_scale: float
     record: Record
     on_profile: Callable[[float, Surface, float], None]
     progress: Callable[[float], None] | None = None
@@ -136,7 +137,7 @@ class Run:
         if not found.reached:
             return self._by_distance(attempt, found.radius, h)
         surface = attempt.surface_at(h, found.radius)
-        deviation = self._deviation(h, surface, segment.linear)
+        deviation = self._deviation(h, surface, segment)
         if deviation > 2.0:
             self.counters.rejected_steps += 1
             if h <= tick:
@@ -165,7 +166,7 @@ class Run:
         """The edge wants to go beyond ``radius`` within ``longest``: find when it passes there."""
         a0 = self.surface.radius
         if radius == a0:
-            self._end(OutcomeKind.OUT_OF_RANGE, "the contact has become as short as the process zone")
+            self._lost("the contact has shrunk to the length of the process zone")
             return longest
         h = attempt.duration_to(radius, longest)
         if h is not None and h > 0.0:
@@ -216,11 +217,11 @@ class Run:
         if touch != self.surface.penetration:
             self._commit(self.time, replace(self.surface, penetration=touch))
 
-    def _lost(self) -> None:
+    def _lost(self, reason: str = "no stable contact is left") -> None:
         """Contact ends here; the last row is the free surface."""
         surface = self.surface
         self.events.append(Event("pull-off", self.time, surface.penetration, self.force, surface.radius))
-        self._end(OutcomeKind.DETACHED, "no stable contact is left")
+        self._end(OutcomeKind.DETACHED, reason)
         if self.surface.radius > 0.0:
             self.surface, self.force = self.surface.freed(self.body), 0.0
             self.record.add(self.time, self.surface, self.force)
@@ -250,18 +251,17 @@ class Run:
             marks,
             self.counters,
             self.scene.indenter.edge,
+            self.largest_travel,
         )
 
-    def _deviation(self, h: float, surface: Surface, linear: bool) -> float:
+    def _deviation(self, h: float, surface: Surface, segment: Segment) -> float:
         """Departure from a straight line within the step, over what is allowed."""
-        force = surface.force(self.body)
-        radius_sag, force_sag = self._trail.sag(h, surface.radius, force)
-        force_scale = max(self.force_scale, abs(force))
-        relative = max(
-            radius_sag / self.radius_scale if self.radius_scale > 0.0 else 0.0,
-            force_sag / force_scale if force_scale > 0.0 else 0.0,
-        )
-        return relative / (self.fineness.deviation * (1.0 if linear else SMOOTH))
+        force, depth = surface.force(self.body), surface.penetration
+        scales = (self.radius_scale, max(self.force_scale, abs(force)), max(self.depth_scale, abs(depth)))
+        sags = self._trail.sag(h, surface.radius, force, depth)
+        judged = 3 if segment.control == "force" else 2
+        relative = max(sag / scale for sag, scale in zip(sags[:judged], scales, strict=False) if scale > 0.0)
+        return relative / (self.fineness.deviation * (1.0 if segment.linear else SMOOTH))
 
     def _commit(self, time: float, surface: Surface) -> None:
         self.counters.steps += 1
@@ -275,5 +275,6 @@ class Run:
         surface = self.surface
         self.force_scale = max(self.force_scale, abs(self.force))
         self.radius_scale = max(self.radius_scale, surface.radius)
+        self.depth_scale = max(self.depth_scale, abs(surface.penetration))
         self.record.add(self.time, surface, self.force)
         self._trail.add(self.time, surface.radius, self.force, surface.penetration)

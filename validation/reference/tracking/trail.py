@@ -53,14 +53,13 @@ class Trail:
         second = self._second(2)
         return -(f2 - f1) / (t2 - t1) / second - 0.5 * (t2 - t1) if second != 0.0 else math.inf
 
-    def sag(self, h: float, radius: float, force: float) -> tuple[float, float]:
-        """How far radius and force leave a straight line within a step of length ``h`` to these values."""
+    def sag(self, h: float, *row: float) -> tuple[float, ...]:
+        """How far radius, force and penetration leave a straight line within a step of length ``h``."""
         if self.fresh:
-            return 0.0, 0.0
-        (t1, a1, f1, _), (t2, a2, f2, _) = self.rows[-2:]
-        share = 0.25 * h / (h + t2 - t1)
-        along = h / (t2 - t1)
-        return share * abs(radius - a2 - (a2 - a1) * along), share * abs(force - f2 - (f2 - f1) * along)
+            return 0.0, 0.0, 0.0
+        (t1, *before), (t2, *now) = self.rows[-2:]
+        share, along = 0.25 * h / (h + t2 - t1), h / (t2 - t1)
+        return tuple(share * abs(z - y - (y - x) * along) for x, y, z in zip(before, now, row, strict=True))
 
     def _second(self, column: int) -> float:
         (t0, t1, t2), (y0, y1, y2) = ([row[i] for row in self.rows] for i in (0, column))
