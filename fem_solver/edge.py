@@ -154,9 +154,9 @@ class AdhesionlessEdge:
         m = int(s)
         if m < 0:
             return 0.0
-        inside = problem.intensity(m, s)
-        outside = problem.intensity(m + 1, s)
-        here, there = self._positions[m], self._positions[m + 1]
         if self.geometry.capped and m == self.geometry.last:
             return self.geometry.radius(s)
-        return here + (there - here) * max(inside, 0.0) / max(inside - outside, 1e-300)
+        inside = max(problem.intensity(m, s), 0.0)
+        outside = min(problem.intensity(m + 1, s), 0.0)
+        share = inside / (inside - outside) if inside > outside else 0.5
+        return self._positions[m] + (self._positions[m + 1] - self._positions[m]) * share

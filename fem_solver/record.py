@@ -3,7 +3,9 @@
 With a sharp edge the half-space receives the work of the surface forces, ``int sum_i f_i du_i``: what the
 indenter does, ``int F dD``, and what opening the interface takes, ``int sum_i f_i dg_i`` over partly released
 nodes. It stores and dissipates it in its branches; both are volume integrals (or their condensed
-equivalents) that know nothing of the work. ``balance_residual`` is what is left of that identity.
+equivalents) that know nothing of the work. ``balance_residual`` is what is left of that identity, with the
+work taken by trapezoids between rows, as a reader of the trace would. It measures the steps: it grows where
+an edge creeps so slowly that its layer of relaxing stress, ``|da/dt| tau``, is crossed within one of them.
 
 A partly released node is held by the interface as by a spring, with the force ``f`` at the opening ``g``:
 its energy ``-f g/2`` belongs to ``stored_energy``, which without it would sag between any two nodes by up to

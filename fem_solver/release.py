@@ -4,6 +4,9 @@ The edge is a real number ``s``: nodes ``0..floor(s)`` are in full contact, the 
 ``s - floor(s)`` of the reaction it would have in full contact. Every state between two neighbouring contact
 sets is thus their linear combination, its total force and contact radius (see ``surface``) too.
 
+The fraction refers to the stiffness of the moment: when a relaxed state is met by a glassy load jump, forces
+and gaps continue unchanged under another fraction, so ``s`` may jump by less than a node.
+
 The closure ``(1/(2 da)) int sigma(r) g(r + da) dr`` over the process zone is read as the work of the nodal
 reactions ``f_i`` (which contain ``2 pi r``) through the gap one zone further out,
 
