@@ -34,6 +34,10 @@ _VANISHING = (
 )
 
 
+class Unresolvable(Exception):
+    """The edge passes its travel limit sooner than the time axis can tell: the limit has to give way."""
+
+
 @dataclass(frozen=True)
 class Candidate:
     """A trial that satisfies the closure, the parameter it was reached at, and its error in tolerances."""
@@ -89,7 +93,12 @@ class Stepper:
             step = self._next_step(piece.length - parameter)
             if parameter + step <= parameter:
                 return Outcome(OutcomeKind.STEP_UNDERFLOW, "the step fell below rounding", self.front.time)
-            candidate = self._attempt(piece, parameter, step)
+            try:
+                candidate = self._attempt(piece, parameter, step)
+            except Unresolvable:
+                counters.rejected_steps += 1
+                self.travel *= 4.0
+                continue
             if candidate is None:
                 counters.rejected_steps += 1
                 if self.travel > _FINEST_TRAVEL:
@@ -118,6 +127,10 @@ class Stepper:
             self._commit(candidate.trial, piece.time(parameter))
             self.past.add(parameter, self.front.edge, self._load(piece, self.front))
             self.travel = min(1.0, 2.0 * self.travel)
+            if self.front.edge <= self.problem.zone:
+                self.recorder.event("pull-off", self.front)
+                reason = "the contact has become as short as the process zone"
+                return Outcome(OutcomeKind.DETACHED, reason, self.front.time)
             if self.problem.work == 0.0 and self.front.edge < _VANISHING * self.largest_edge:
                 return self._lift_off(piece)
         return None
@@ -171,14 +184,22 @@ class Stepper:
 
         if (residual(0.0) > 0.0) == (found.trial.residual > 0.0):
             return None
-        share = brentq(residual, 0.0, 1.0, xtol=1e-9, rtol=1e-7)
+        share = self._share(residual, found.trial.residual > 0.0)
         if parameter + share * step <= parameter:
-            return None
+            raise Unresolvable
         trial = self._trial(piece, parameter + share * step, edge)
         inward = self._trial(piece, parameter + share * step, edge - 0.01 * reach)
         if inward.residual > trial.residual:
             return Candidate(end, found.trial, math.inf)  # an equilibrium, but not a stable one
         return Candidate(parameter + share * step, trial, 0.0)
+
+    @staticmethod
+    def _share(residual: Callable[[float], float], sign: bool) -> float:
+        """Share of the step at which a residual of the given sign at its end begins, however early."""
+        upper = lower = 1.0
+        while lower > 1e-300 and (residual(lower) > 0.0) == sign:
+            lower, upper = 1e-3 * lower, lower
+        return brentq(residual, lower, upper, xtol=1e-300, rtol=1e-9)
 
     def _at_rest(
         self, piece: Piece, parameter: float, end: float, rates: tuple[float, float]
