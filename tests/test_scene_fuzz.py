@@ -27,7 +27,7 @@ def outcome(read):
         return refusal
 
 
-def accept_or_refuse(read):
+def check_accepted_or_refused(read):
     """A valid scene that can be used, or one clear line; anything else is a failure of the reader."""
     result = outcome(read)
     if isinstance(result, SceneError):
@@ -40,7 +40,7 @@ def accept_or_refuse(read):
     return result
 
 
-def use(scene):
+def check_usable(scene):
     """What every solver asks first; nothing here may overflow or be undefined."""
     creep = scene.material.creep
     ends = [0.0, 1e-60, 1.0, 1e60]
@@ -71,7 +71,7 @@ def use(scene):
 
 @given(scenes)
 def test_every_valid_scene_can_be_used(scene):
-    use(scene)
+    check_usable(scene)
 
 
 @given(st.binary(max_size=400))
@@ -80,7 +80,7 @@ def test_every_valid_scene_can_be_used(scene):
 def test_random_bytes(folder, data):
     path = folder / "bytes.toml"
     path.write_bytes(data)
-    accept_or_refuse(lambda: read_scene(path))
+    check_accepted_or_refused(lambda: read_scene(path))
 
 
 numbers = ["nan", "-inf", "1e400", "true", "[]", "{}", "[[1]]", "-1", "0", "1e308", "-0.0", "5e-324"]
@@ -102,7 +102,7 @@ def test_mutated_scenes(folder, mutations):
         text = text[:at] + piece + text[at + cut :]
     path = folder / "mutated.toml"
     path.write_bytes(text.encode())
-    accept_or_refuse(lambda: read_scene(path))
+    check_accepted_or_refused(lambda: read_scene(path))
 
 
 @given(st.data())
@@ -121,7 +121,7 @@ def test_values_replaced(data):
     for _ in range(data.draw(st.integers(1, 3))):
         node, key = data.draw(st.sampled_from(places))
         node[key] = data.draw(anything)
-    accept_or_refuse(lambda: scene_from_dict(scene, "."))
+    check_accepted_or_refused(lambda: scene_from_dict(scene, "."))
 
 
 names = (
@@ -147,7 +147,7 @@ anything = st.recursive(
 
 @given(anything)
 def test_random_dictionaries(data):
-    accept_or_refuse(lambda: scene_from_dict(data, "."))
+    check_accepted_or_refused(lambda: scene_from_dict(data, "."))
 
 
 @given(
@@ -155,7 +155,7 @@ def test_random_dictionaries(data):
     st.sampled_from(["material", "indenter", "loading", "adhesion"]),
 )
 def test_random_tables_in_a_good_scene(table, name):
-    accept_or_refuse(lambda: scene_from_dict(tomllib.loads(GOOD) | {name: table}, "."))
+    check_accepted_or_refused(lambda: scene_from_dict(tomllib.loads(GOOD) | {name: table}, "."))
 
 
 def test_very_deep_dictionaries():
@@ -163,7 +163,7 @@ def test_very_deep_dictionaries():
     for _ in range(100_000):
         deep = {"a": deep}
     for data in (deep, {"material": deep}, {"material": {"modulus": deep, "poisson": 0.3}}):
-        assert accept_or_refuse(lambda data=data: scene_from_dict(data)) is None
+        assert check_accepted_or_refused(lambda data=data: scene_from_dict(data)) is None
     while deep:  # taken apart from outside: the interpreter frees nested dictionaries by recursion
         deep = deep["a"]
 
@@ -194,8 +194,8 @@ def test_extreme_magnitudes(values, shape, negative):
             ],
         },
     }
-    accept_or_refuse(lambda: scene_from_dict(data))
+    check_accepted_or_refused(lambda: scene_from_dict(data))
 
 
 def test_the_fuzz_reaches_valid_scenes():
-    assert accept_or_refuse(lambda: scene_from_dict(tomllib.loads(GOOD))) is not None
+    assert check_accepted_or_refused(lambda: scene_from_dict(tomllib.loads(GOOD))) is not None
