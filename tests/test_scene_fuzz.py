@@ -36,7 +36,7 @@ def check_accepted_or_refused(read):
         assert result.allowed
         return None
     assert isinstance(result, Scene)
-    use(result)
+    check_usable(result)
     return result
 
 
