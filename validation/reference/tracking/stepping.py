@@ -260,7 +260,8 @@ class Run:
         scales = (self.radius_scale, max(self.force_scale, abs(force)), max(self.depth_scale, abs(depth)))
         sags = self._trail.sag(h, surface.radius, force, depth)
         judged = 3 if segment.control == "force" else 2
-        relative = max(sag / scale for sag, scale in zip(sags[:judged], scales, strict=False) if scale > 0.0)
+        parts = [sag / scale for sag, scale in zip(sags[:judged], scales, strict=False) if scale > 0.0]
+        relative = max(parts, default=0.0)
         return relative / (self.fineness.deviation * (1.0 if segment.linear else SMOOTH))
 
     def _commit(self, time: float, surface: Surface) -> None:
