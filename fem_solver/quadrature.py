@@ -97,9 +97,10 @@ class QuadratureHistory:
         self.far = (Relaxing.at_rest(shear, 1), Relaxing.at_rest(joined, 1))
         self.unknowns = np.zeros(space.unknowns)
         self._operators: dict[float, tuple[Factorisation, SurfaceOperator]] = {}
-        self._weights: Array | None = None
+        self.weights: Array = np.zeros(0)
         self._pending: Pending | None = None
-        self._operator(self._ratio(np.inf))
+        #: of the relaxed solid
+        self.factor, self.operator = self._operator(self._ratio(np.inf))
         far_strain = [self._deviator(shape[: space.basis.N]) for shape in space.far_shapes]
         self._far_shear = np.stack([0.5 * self._measure * field for field in far_strain])
         self._far_volume = np.stack([self._volume_force(shape) for shape in space.far_shapes])
@@ -135,7 +136,7 @@ class QuadratureHistory:
         factor, _ = self._operator(pending.ratio)
         load = pending.load.copy()
         load[self.space.surface_dofs[: self.count]] -= forces / modulus
-        total = float(self._weights @ forces) if self._weights is not None else 0.0
+        total = float(self.weights @ forces)
         amplitudes = pending.far_memory + factor.far_mix * total / modulus
         unknowns = factor.solve(load, amplitudes)
         shear = self.shear.advanced(dt, np.append(2.0 * self._deviator(unknowns), amplitudes))
@@ -168,7 +169,9 @@ class QuadratureHistory:
     def _operator(self, ratio: float) -> tuple[Factorisation, SurfaceOperator]:
         if ratio not in self._operators:
             factor = self.space.factorise(ratio)
-            compliance, self._weights = factor.compliance(self.count, self._weights)
+            compliance, self.weights = factor.compliance(
+                self.count, self.weights if self.weights.size else None
+            )
             self._operators[ratio] = factor, SurfaceOperator(compliance)
         return self._operators[ratio]
 

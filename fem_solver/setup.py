@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fem_solver.condensed import CondensedHistory
 from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
-from fem_solver.halfspace import HalfSpace
+from fem_solver.halfspace import Factorisation, HalfSpace
 from fem_solver.options import Options
 from fem_solver.prony import Prony
 from fem_solver.quadrature import QuadratureHistory
@@ -68,15 +68,30 @@ def moduli(material: Material) -> Moduli:
 
 @dataclass(frozen=True)
 class Setup:
-    """Discrete half-space with its history, and the edge law."""
+    """Discrete half-space with its history, and the edge law.
+
+    ``factor`` is that of the relaxed solid, ``weights`` (n,) those of nodal forces in the far field.
+    """
 
     space: HalfSpace
+    factor: Factorisation
+    weights: Array
     history: CondensedHistory | QuadratureHistory
     geometry: EdgeGeometry
     law: EdgeLaw
     radii: Array
     travel: float
     shortest_time: float
+
+    def body(self, image: Array) -> Array:
+        """Unknowns in the whole body for surface forces on a solid of unit shear modulus.
+
+        Applied to the surface vectors of :class:`~fem_solver.condensed.CondensedState` it gives the
+        displacement field and the branch variables' fields, one back-substitution each.
+        """
+        load = np.zeros(self.space.unknowns)
+        load[self.space.surface_dofs[: len(image)]] = -image
+        return self.factor.solve(load, self.factor.far_mix * float(self.weights @ image))
 
 
 def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
@@ -99,13 +114,15 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
     space = HalfSpace(mesh, mixed, options.far_field)
     reach = float(mesh.parameters.fine_to)
     count = _node_count(space.radii, _MARGIN * reach)
-    compliance, _ = space.factorise(material.ratio).compliance(count)
-    operator = SurfaceOperator(compliance)
     history: CondensedHistory | QuadratureHistory
     if condensed:
-        history = CondensedHistory(operator, material.shear)
+        factor = space.factorise(material.ratio)
+        compliance, weights = factor.compliance(count)
+        history = CondensedHistory(SurfaceOperator(compliance), material.shear)
     else:
         history = QuadratureHistory(space, material.shear, material.bulk, count)
+        factor, weights = history.factor, history.weights
+    operator = history.operator
     radii = space.radii[:count]
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
     effective = operator.effective_radii(material.unit_plane_modulus)
@@ -121,7 +138,8 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
     if material.shear.times.size == 0 and material.alike:
         travel *= _ELASTIC_TRAVEL
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)
-    return Setup(space, history, geometry, law, radii, travel, float(times.min()) if times.size else math.inf)
+    shortest = float(times.min()) if times.size else math.inf
+    return Setup(space, factor, weights, history, geometry, law, radii, travel, shortest)
 
 
 def _node_count(radii: Array, reach: float) -> int:

@@ -19,9 +19,9 @@ from scene import Counters, OutcomeKind, Segment
 
 Array = NDArray[np.float64]
 
-_REJECT = 2.0
+_REJECT = 2.0  # errors over what is allowed at which a step is taken back
 _SHORTEST = 1e-6  # of the shortest relaxation time or of the interval: below that, an instability
-_FIRST = 1.0 / 64.0
+_FIRST = 1.0 / 64.0  # of the interval, and twice that of the shortest relaxation time: the first step
 _NOTABLE = 4.0  # jumps of the edge that count as an event, in travels allowed per step
 _BEND_SHARE = 10.0  # departure of the prescribed value from a straight line, allowed per tolerance
 _SAMPLES = (0.273, 0.618, 1.0)  # uneven, so that no oscillation hides between them

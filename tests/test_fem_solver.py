@@ -364,6 +364,10 @@ def test_progress_and_recorded_states():
     history = recording.setup.history
     total = history.shear.relaxed * state.image.sum() + state.branches.sum()
     assert total == pytest.approx(recording.trace.force[row], rel=1e-12)
+    # one back-substitution gives the body, whose surface is the one the run saw
+    setup = recording.setup
+    sinking = -setup.body(state.image)[setup.space.surface_dofs[: len(state.image)]]
+    assert np.allclose(sinking, setup.history.operator.compliance @ state.image, rtol=1e-7)
 
 
 def test_options_are_checked():
