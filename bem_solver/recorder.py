@@ -50,7 +50,11 @@ class Recorder:
         return self.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters)
 
     def trace(self, outcome: Outcome, counters: Counters) -> Trace:
-        """The finished trace; the loss is what the energy balance (Eq. energybalance) leaves."""
+        """The finished trace; the loss is what the energy balance (Eq. energybalance) leaves.
+
+        ``zone_excess`` is what the branches dissipate beyond it: at a sharp edge the whole field moves as if the
+        process zone had no length, and the tip takes only the glassy ``K^2/(2 Einf*)``.
+        """
         time, penetration, force, radius, stored, branch, intensity = (
             np.array(column) for column in zip(*self.rows, strict=True)
         )
@@ -71,6 +75,7 @@ class Recorder:
             counters=counters,
             extra={
                 "branch_dissipation": branch,
+                "zone_excess": branch - dissipated,
                 "stress_intensity_factor": intensity,
                 "energy_release_rate": release_rate(stored, force, penetration, area, self.work),
             },
