@@ -5,6 +5,7 @@ A built-in scene is a pair of files in ``validation/scenes``: ``NAME.toml``, an 
 
 - ``figure``, ``statement``: where in the paper it belongs, what it shows;
 - ``suites``: the report suites it belongs to; ``outcome``: how a run should end;
+- ``profile_times``: times at which the state of the surface is kept, none if left out;
 - ``[tolerances]``: per solver, the largest difference from the reference, relative: ``values`` for scalars,
   a scalar's own name where it differs, ``curves`` for ``F(t)`` and ``a(t)`` (RMS over maximum);
 - ``[[checks]]``: one number each, with ``observable``, ``value`` and ``tolerance`` per solver (relative to
@@ -61,6 +62,7 @@ class Case:
     outcome: str = ""
     expected: tuple[Expected, ...] = ()
     tolerances: dict[str, dict[str, float]] = field(default_factory=lambda: DEFAULT_TOLERANCES)
+    profile_times: tuple[float, ...] = ()
 
     def tolerance(self, solver: str, quantity: str) -> float | None:
         """Largest relative difference of ``solver`` from the reference in a scalar or in ``curves``."""
@@ -106,6 +108,7 @@ def load(name: str) -> Case:
             outcome=known["outcome"],
             expected=tuple(Expected(**entry) for entry in known.get("checks", [])),
             tolerances=known["tolerances"],
+            profile_times=tuple(known.get("profile_times", ())),
         )
     path = Path(name)
     if name and "\0" not in name and (path.exists() or path.suffix == ".toml" or len(path.parts) > 1):

@@ -74,7 +74,8 @@ def run(
     try:
         function = solvers.SOLVERS[solver]()
         begin = time.perf_counter()  # imports are not part of a run
-        trace = function(case.scene, resolution, None, cycle_times(case.scene.loading), progress)
+        times = tuple(sorted({*cycle_times(case.scene.loading), *case.profile_times}))
+        trace = function(case.scene, resolution, None, times, progress)
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
