@@ -8,23 +8,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, at_start, stepped
+from bem_solver.energy import Energies, at_start
 from bem_solver.extent import FEWEST, MOST, largest_contact
+from bem_solver.fixedstep import step_count
 from bem_solver.options import Options
 from bem_solver.pieces import Piece, pieces
 from bem_solver.recorder import Recorder
 from bem_solver.start import contact_scale
 from bem_solver.trial import Problem
 from bem_solver.uniform import Instant, Sheet, UniformAnnuli, settled
-from scene import Counters, Event, Material, Outcome, OutcomeKind, Profile, Scene, Segment, Trace
-from scene import UnsupportedScene
+from bem_solver.uniform_energy import start_energies, step_energies
+from scene import Counters, Event, Material, Outcome, OutcomeKind, Profile, Scene, Trace, UnsupportedScene
 from scene.scene import zone_too_long
 
 _ROOM = 1.1  # outermost contact, in estimated largest contact radii
@@ -41,18 +42,16 @@ def solve_uniform(scene: Scene, options: Options, progress: Callable[[float], No
     SceneError
         If the process zone does not fit into the contact at the start.
     """
-    chain = Chain(scene.material, options.scheme == "backward-euler")
-    counters = Counters(factorisations=1)
-    recorder = Recorder(chain, scene.adhesion.work if scene.adhesion else 0.0)
-    largest = _largest(scene, chain)
-    annuli, most = _annuli(scene, options.divisions, largest)
-    run = _Run(scene, chain, annuli, most, largest, options, recorder, counters)
-    outcome = run.start()
-    if outcome is not None:
-        return recorder.nothing(scene.loading.penetration, outcome.reason, counters, outcome.kind)
+    run = _Run(scene, options)
+    counters, recorder, penetration = run.counters, run.recorder, scene.loading.penetration
     try:
+        if not run.start():
+            reason = f"no stable contact at penetration {penetration:.6g}"
+            return recorder.nothing(penetration, reason, counters)
         outcome = run.through(progress)
     except FloatingPointError as error:
+        if not recorder.rows:
+            return recorder.nothing(penetration, str(error), counters)
         outcome = Outcome(OutcomeKind.NOT_FINITE, str(error), run.sheet.time)
     return recorder.trace(outcome, counters)
 
@@ -69,82 +68,154 @@ def _largest(scene: Scene, chain: Chain) -> float:
 def _annuli(scene: Scene, divisions: int, largest: float) -> tuple[UniformAnnuli, int]:
     """The annuli, and the number of them in the largest contact that is allowed for.
 
-    Under a flat punch the width is changed by less than one part in the number of annuli so that its edge is
-    a border.
+    Under a flat punch the width is changed by less than one part in the number of annuli, so that its edge
+    is a border.
     """
-    adhesion = scene.adhesion if scene.is_adhesive else None
-    zone = divisions if adhesion else 0
-    width = adhesion.zone / divisions if adhesion else largest / (_PER_RADIUS * divisions)
+    zone = divisions if scene.is_adhesive else 0
+    width = largest / (_PER_RADIUS * divisions)
+    if scene.adhesion is not None and zone:
+        width = scene.adhesion.zone / divisions
     edge = scene.indenter.edge
-    most = math.ceil(_ROOM * largest / width) if edge == math.inf else max(round(edge / width), 1)
+    most = (math.ceil(_ROOM * largest / width) if edge == math.inf else round(edge / width)) + 1
     count = most + max(zone, most // 10 + 1)
     if count > MOST:
         raise UnsupportedScene(
             "adhesion.zone",
             f"{count} uniform annuli would be needed",
-            f'at most {MOST}: a lower resolution, a longer zone, or annuli = "graded"',
+            f'at most {MOST}: a lower resolution, a longer zone, or annuli "graded"',
         )
     if edge != math.inf:
+        most = max(most - 1, 1)
         width = edge / most
     return UniformAnnuli(width, count, zone, scene.indenter), most
 
 
-@dataclass
 class _Run:
-    """State of a run: committed sheet and energies."""
+    """A run: what stays, and the committed sheet and energies."""
 
-    scene: Scene
-    chain: Chain
-    annuli: UniformAnnuli
-    most: int
-    largest: float
-    options: Options
-    recorder: Recorder
-    counters: Counters
-    sheet: Sheet = field(init=False)
-    energies: Energies = field(init=False)
+    def __init__(self, scene: Scene, options: Options) -> None:
+        self.scene, self.options = scene, options
+        self.chain = Chain(scene.material, options.scheme == "backward-euler")
+        self.work = scene.adhesion.work if scene.adhesion else 0.0
+        self.counters = Counters(factorisations=1)
+        self.recorder = Recorder(self.chain, self.work)
+        self.largest = _largest(scene, self.chain)
+        self.annuli, self.most = _annuli(scene, options.divisions, self.largest)
+        self.length = self.annuli.width * options.divisions
+        self.capped = scene.indenter.edge < math.inf
+        self.sheet = Sheet.untouched(self.annuli, len(self.chain), scene.loading.penetration)
+        self.energies = at_start(self.chain, 0.0, relaxed=False)
 
-    def start(self) -> Outcome | None:
-        """Make the start state; an outcome if there is none."""
-        scene, annuli, chain = self.scene, self.annuli, self.chain
-        relaxed = scene.loading.start == "relaxed"
-        penetration = scene.loading.penetration
-        modulus = scene.material.modulus if relaxed else scene.material.glassy_modulus
-        elastic = Chain(Material(modulus, scene.material.poisson))
-        untouched = Sheet.untouched(annuli, 0, penetration)
-        instant = Instant(annuli, elastic, untouched, 0.0, "penetration", penetration, self.counters)
-        contact = self._settled(instant, self.most)
-        if contact is None:
-            return self._too_far(0.0)
-        if contact == 0 and self.recorder.work > 0.0:
-            reason = f"no stable contact at penetration {penetration:.6g}"
-            return Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0)
-        if self.scene.is_adhesive and contact <= annuli.zone:
-            raise zone_too_long(annuli.zone * annuli.width, contact * annuli.width)
+    def start(self) -> bool:
+        """Make the start state, glassy or relaxed; whether there is one."""
+        material, penetration = self.scene.material, self.scene.loading.penetration
+        relaxed = self.scene.loading.start == "relaxed"
+        elastic = Chain(Material(material.modulus if relaxed else material.glassy_modulus, material.poisson))
+        untouched = Sheet.untouched(self.annuli, 0, penetration)
+        instant = Instant(self.annuli, elastic, untouched, 0.0, "penetration", penetration, self.counters)
+        contact = settled(instant, self.most, self.most, self.capped, self.work)
+        if contact is None or (contact == 0 and self.work > 0.0):
+            return False
+        if self.work > 0.0 and contact <= self.annuli.zone:
+            raise zone_too_long(self.annuli.zone * self.annuli.width, contact * self.annuli.width)
         sheet = instant.sheet(contact, 0.0)
-        strains = np.outer(sheet.load, chain.compliances * (1.0 if relaxed else 0.0))
-        self.sheet = replace(sheet, strains=strains)
-        self.energies = at_start(chain, self._work(self.sheet), relaxed)
-        self._record()
-        return None
+        strains = np.outer(sheet.load, self.chain.compliances * (1.0 if relaxed else 0.0))
+        self._commit(replace(sheet, strains=strains), start_energies(self.chain, self.annuli, sheet, relaxed))
+        return True
 
     def through(self, progress: Callable[[float], None] | None) -> Outcome:
-        """Carry out all loading steps."""
+        """Carry out the loading."""
         stops, steps = self.options.profile_times, self.scene.loading.steps
         if 0.0 in stops:
-            self._profile()
+            self.recorder.profile(self._profile())
         for index, step in enumerate(steps):
             sheet = self.sheet
             segment = step.segment(sheet.time, sheet.penetration, sheet.force)
+            span = segment.end - segment.start
+
+            def report(index: int = index, start: float = segment.start, span: float = span) -> None:
+                if progress is not None:
+                    done = (self.sheet.time - start) / span if span > 0.0 else 1.0
+                    progress((index + done) / len(steps))
+
             reached = sheet.penetration if segment.control == "penetration" else sheet.force
             for piece in pieces(segment, reached, stops):
-                outcome = self._follow(piece, self._steps(piece, segment))
+                count = step_count(self.scene, piece, segment.rate, self.options, self.largest, self.length)
+                outcome = self._follow(piece, count, report)
                 if self.sheet.time in stops and (outcome is None or outcome.kind is OutcomeKind.DETACHED):
-                    self._profile()
+                    self.recorder.profile(self._profile())
                 if outcome is not None:
                     return outcome
-                if progress is not None:
-                    span = segment.end - segment.start
-                    done = (self.sheet.time - segment.start) / span if span > 0.0 else 1.0
-                    progress((index + done) / len(steps))
         return Outcome(OutcomeKind.COMPLETED, "all loading steps done", self.sheet.time)
+
+    def _follow(self, piece: Piece, count: int, report: Callable[[], None]) -> Outcome | None:
+        """Take the run through a piece in ``count`` equal steps; an outcome if it ends there."""
+        for index in range(1, count + 1):
+            if self.counters.steps >= self.options.max_steps:
+                reason = f"{self.options.max_steps} steps were not enough"
+                return Outcome(OutcomeKind.STEP_BUDGET, reason, self.sheet.time)
+            outcome = self._step(piece, piece.length if index == count else piece.length * index / count)
+            report()
+            if outcome is not None:
+                return outcome
+        return None
+
+    def _step(self, piece: Piece, parameter: float) -> Outcome | None:
+        """One step; an outcome if the run ends with it.
+
+        An edge that travels more than a process zone in a step is recorded as unstable.
+        """
+        before, time, value = self.sheet, piece.time(parameter), piece.prescribed(parameter)
+        duration = 0.0 if piece.jump else time - before.time
+        instant = Instant(self.annuli, self.chain, before, duration, piece.control, value, self.counters)
+        contact = settled(instant, before.contact, self.most, self.capped, self.work)
+        if contact is None:
+            reason = "the contact spreads beyond the annuli"
+            return Outcome(OutcomeKind.OUT_OF_RANGE, reason, before.time)
+        lost = contact == 0 and before.contact > 0
+        leap = self.work > 0.0 and abs(contact - before.contact) > self.annuli.zone
+        if lost or leap:
+            self._event("snap-in" if contact > before.contact else "pull-off")
+        if lost and self.work > 0.0:
+            reason = f"no stable contact at {piece.control} {value:.6g}"
+            return Outcome(OutcomeKind.DETACHED, reason, before.time)
+        if contact == 0 and not lost and piece.control == "force" and value < 0.0:
+            return Outcome(OutcomeKind.DETACHED, "pulled without contact", before.time)
+        sheet = instant.sheet(contact, time)
+        energies = step_energies(self.chain, self.annuli, self.energies, before, sheet)
+        self._commit(sheet, energies)
+        self.counters.steps += 1
+        return Outcome(OutcomeKind.DETACHED, "the contact area fell to zero", time) if lost else None
+
+    def _commit(self, sheet: Sheet, energies: Energies) -> None:
+        if not (math.isfinite(sheet.force) and math.isfinite(sheet.penetration)):
+            raise FloatingPointError("force or penetration is not finite")
+        self.sheet, self.energies = sheet, energies
+        radius = sheet.contact * self.annuli.width
+        stored, intensity = energies.stored(self.chain), sheet.stress_intensity
+        state = (sheet.time, sheet.penetration, sheet.force, radius)
+        self.recorder.rows.append((*state, stored, energies.dissipated, intensity))
+
+    def _event(self, kind: str) -> None:
+        sheet = self.sheet
+        radius = sheet.contact * self.annuli.width
+        self.recorder.events.append(Event(kind, sheet.time, sheet.penetration, sheet.force, radius))
+
+    def _profile(self) -> Profile:
+        """The committed state at the collocation radii, as far as the annuli reach."""
+        sheet, annuli, contact = self.sheet, self.annuli, self.sheet.contact
+        pressure = np.zeros(annuli.count)
+        pressure[:contact] = sheet.scaled / annuli.width
+        displacement = sheet.displacement(self.chain)
+        gap = annuli.heights - sheet.penetration + displacement
+        gap[:contact] = 0.0
+        return Profile(
+            sheet.time,
+            sheet.penetration,
+            sheet.force,
+            contact * annuli.width,
+            annuli.radii,
+            pressure,
+            displacement,
+            gap,
+        )

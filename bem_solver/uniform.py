@@ -1,9 +1,9 @@
 """The paper's annuli (Appendix A): uniform width, fixed in space, the contact edge on one of their borders.
 
-A disc ``C_0`` of radius ``lambda`` is collocated at its centre, annulus ``C_q`` from ``q lambda`` to ``(q + 1)
-lambda`` at ``(q + 1/2) lambda``. A contact of n annuli has radius ``n lambda``; the process zone is a whole
-number of annuli. Every annulus has a history, in contact or not: its displacement per unit modulus ``v`` and
-the strains ``e_k`` of its Voigt branches, ``w = v/Einf + sum e_k``, so that the paper's known term
+A disc ``C_0`` of radius ``lambda`` is collocated at its centre, annulus ``C_q`` from ``q lambda`` to
+``(q + 1) lambda`` at ``(q + 1/2) lambda``. A contact of n annuli has radius ``n lambda``; the process zone is
+a whole number of annuli. Every annulus has a history, in contact or not: its displacement per unit modulus
+``v`` and the strains ``e_k`` of its Voigt branches, ``w = v/Einf + sum e_k``, so that the paper's known term
 (Eq. knownterm) is ``A = sum e_k``. One step of any scheme then reads ``w = C v + A`` at every radius, the
 same C everywhere: inside the contact ``w = D - f`` gives ``v`` and, with the influence matrix, the pressure;
 outside v follows from the pressure and w from v. Signs: see ``kernel``; lengths in scene units, ``scaled``
@@ -12,6 +12,7 @@ pressure is pressure times ``lambda`` at unit plane modulus.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,6 +54,10 @@ class UniformAnnuli:
         self.blocks = LeadingBlocks(annulus_influence(middles, borders))
         self.unit = self.blocks.forward(np.ones(count))
         self.force_weights = self.blocks.adjoint(self.areas)
+
+    def forces(self, scaled: Array) -> Array:
+        """Force on each annulus of a contact from its scaled pressures, (n,)."""
+        return self.width * self.areas[: len(scaled)] * scaled
 
     def stress_intensity(self, forward: Array) -> float:
         """``K_I`` (tension opens) from ``y = L^-1 v`` (n,): the edge annulus against the flat punch's.
@@ -104,6 +109,22 @@ class Sheet:
         return self.load / chain.glassy + self.strains.sum(axis=1)
 
 
+@dataclass(frozen=True)
+class StepFactors:
+    """``e_k = kept e_k + before v + after v`` (the last v after the step), all (K,)."""
+
+    kept: Array
+    before: Array
+    after: Array
+
+
+def step_factors(chain: Chain, duration: float) -> StepFactors:
+    """Factors of a step of either scheme."""
+    y = duration / chain.retardation
+    decay, spread = chain.decay(y), chain.spread(y)
+    return StepFactors(decay, chain.compliances * (spread - decay), chain.compliances * (1.0 - spread))
+
+
 class Instant:
     """All contacts that are possible at the end of a step, from one triangular solution.
 
@@ -129,13 +150,11 @@ class Instant:
         value: float,
         counters: Counters,
     ) -> None:
-        self.annuli, self.chain, self.before = annuli, chain, before
-        self.duration, self.control, self.value, self.counters = duration, control, value, counters
-        y = duration / chain.retardation
-        decay, spread = chain.decay(y), chain.spread(y)
-        # e_k -> decay e_k + J_k [(spread - decay) v before + (1 - spread) v after]
-        self._new_share = chain.compliances * (1.0 - spread)
-        self._kept = before.strains * decay + np.outer(before.load, chain.compliances * (spread - decay))
+        self.annuli, self.before = annuli, before
+        self.control, self.value, self.counters = control, value, counters
+        factors = step_factors(chain, duration)
+        self._new_share = factors.after
+        self._kept = before.strains * factors.kept + np.outer(before.load, factors.before)
         self._known = self._kept.sum(axis=1)
         self._compliance = 1.0 / chain.glassy + float(self._new_share.sum())
         self._base = annuli.blocks.forward(-(annuli.heights + self._known) / self._compliance)
@@ -171,6 +190,10 @@ class Instant:
         load = annuli.blocks.beyond(y, end)[-inside:]
         lowered = self._compliance * load + self._known[outside] - self.penetration(contact)
         value = -float(pressure @ (annuli.heights[outside] + lowered)) / (2.0 * zone * annuli.width)
+        if not math.isfinite(value):
+            raise FloatingPointError(
+                f"the closure is not finite at contact radius {contact * annuli.width:.6g}"
+            )
         return -abs(value) if pressure[-1] > 0.0 else value
 
     def edge_pressure(self, contact: int) -> float:
@@ -189,7 +212,7 @@ class Instant:
             inside = (penetration - annuli.heights[:contact] - self._known[:contact]) / self._compliance
             load = np.concatenate((inside, annuli.blocks.beyond(y, annuli.count)))
             scaled = annuli.blocks.backward(y)
-        force = annuli.width * float(annuli.areas[:contact] @ scaled)
+        force = float(annuli.forces(scaled).sum())
         strains = self._kept + np.outer(load, self._new_share)
         intensity = annuli.stress_intensity(y)
         return Sheet(time, penetration, contact, load, strains, scaled, force, intensity)

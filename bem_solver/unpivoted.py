@@ -1,8 +1,8 @@
 """LU factors without row exchanges: one factorisation serves every leading block of a matrix.
 
-With ``K = L U``, ``K[:n, :n] = L[:n, :n] U[:n, :n]`` for every n, and also ``K[n:, :n] = L[n:, :n] U[:n, :n]``.
-So ``y = L^-1 b`` holds the forward solutions of *all* leading blocks, and ``K[n:, :n] K[:n, :n]^-1 b[:n]``
-is ``L[n:, :n] y[:n]``, without a backward solution.
+With ``K = L U``, for every n ``K[:n, :n] = L[:n, :n] U[:n, :n]`` and ``K[n:, :n] = L[n:, :n] U[:n, :n]``. So
+``y = L^-1 b`` holds the forward solutions of *all* leading blocks, and ``K[n:, :n] K[:n, :n]^-1 b[:n]`` is
+``L[n:, :n] y[:n]``, without a backward solution.
 
 Doing without pivoting is safe for the influence matrix of uniform annuli: from 10 to 2000 annuli every
 multiplier stays below 0.58 and every pivot between 1.7 and 2 annulus widths, so partial pivoting would
