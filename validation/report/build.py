@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
 import time
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,12 +12,11 @@ from validation.checks import Check
 from validation.compare import check_case
 from validation.environment import stamp
 from validation.files import write_whole
+from validation.pool import processes
 from validation.runs import Run, run_all
 from validation.solvers import SOLVERS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from validation.progress import Progress
 
 
@@ -75,7 +70,7 @@ def build(suite: str, loaded: list[Case], workers: int, progress: Progress) -> R
         )
 
     try:
-        with _executor(min(workers, len(tasks))) as executor:
+        with processes(min(workers, len(tasks))) as executor:
             results = run_all(tasks, executor, tell)
     finally:
         progress.close()
@@ -101,35 +96,3 @@ def write(report: Report, folder: Path) -> None:
         ("index.html", html.text),
     ):
         write_whole(folder / name, form(report))
-
-
-@contextmanager
-def _executor(workers: int) -> Iterator[Executor | None]:
-    """Processes that leave an interrupt to their parent, which then stops them; none for one worker."""
-    if workers <= 1:
-        yield None
-        return
-    pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
-    with _interrupts_held_back():  # inherited by what is started here, for good
-        for _ in range(workers):
-            pool.submit(int)
-    try:
-        yield pool
-    except BaseException:
-        for process in list((pool._processes or {}).values()):
-            process.terminate()
-        pool.shutdown(wait=False, cancel_futures=True)
-        raise
-    pool.shutdown()
-
-
-@contextmanager
-def _interrupts_held_back() -> Iterator[None]:
-    if not hasattr(signal, "pthread_sigmask"):  # not a Unix
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
