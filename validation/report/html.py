@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -22,6 +22,20 @@ def text(report: Report) -> str:
     verdict = "all passed" if not failed else f"{failed} not passed"
     title = f"crosscontact report, suite {report.suite}"
     parts = [
+        f'<p class="{"fail" if failed else "pass"}">{len(report.checks)} checks on {len(report.pages)} '
+        f"scenes: {verdict}.</p>",
+        "<p>Differences are relative; each stands beside its tolerance. A coarse or failed run stays in the "
+        "tables and figures.</p></header><main>",
+        _overview(report),
+        *(_section(page) for page in report.pages),
+        environment(report.environment, report.wall_seconds),
+    ]
+    return document(title, parts)
+
+
+def document(title: str, parts: Sequence[str]) -> str:
+    """A page around ``parts``; these close the header that the title opens, and open ``main``."""
+    whole = [
         "<!doctype html>",
         '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
@@ -29,16 +43,10 @@ def text(report: Report) -> str:
         f"<title>{escape(title)}</title>",
         f"<style>{STYLE}</style></head><body>",
         f"<header><h1>{escape(title)}</h1>",
-        f'<p class="{"fail" if failed else "pass"}">{len(report.checks)} checks on {len(report.pages)} '
-        f"scenes: {verdict}.</p>",
-        "<p>Differences are relative; each stands beside its tolerance. A coarse or failed run stays in the "
-        "tables and figures.</p></header><main>",
-        _overview(report),
-        *(_section(page) for page in report.pages),
-        _environment(report),
+        *parts,
         "</main></body></html>",
     ]
-    return "\n".join(parts) + "\n"
+    return "\n".join(whole) + "\n"
 
 
 def _overview(report: Report) -> str:
@@ -55,7 +63,7 @@ def _overview(report: Report) -> str:
                 escape(_closest(page)),
             )
         )
-    return "<section><h2>Overview</h2>" + _table(head, rows) + "</section>"
+    return "<section><h2>Overview</h2>" + table(head, rows) + "</section>"
 
 
 def _closest(page: Page) -> str:
@@ -85,7 +93,7 @@ def _section(page: Page) -> str:
             "<h3>Runs</h3>",
             _runs(page),
             "<h3>Checks</h3>",
-            _table(HEAD, [_check_row(row(check)) for check in page.checks]),
+            table(HEAD, [_check_row(row(check)) for check in page.checks]),
             "</section>",
         )
     )
@@ -120,16 +128,17 @@ def _runs(page: Page) -> str:
         ]
         cells = (solver, result.ending, *counts, number(result.wall_seconds, 3))
         rows.append(tuple(map(escape, cells)))
-    return _table(head, rows)
+    return table(head, rows)
 
 
-def _environment(report: Report) -> str:
+def environment(stamp: Mapping[str, object], wall_seconds: float) -> str:
+    """The section on versions, machine and threads."""
     rows = []
-    for key, value in report.environment.items():
+    for key, value in stamp.items():
         shown = ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
         rows.append((escape(key), escape(shown)))
-    rows.append(("whole report", f"{report.wall_seconds:.1f} s"))
-    return "<section><h2>Computed on</h2>" + _table(("", ""), rows) + "</section>"
+    rows.append(("whole report", f"{wall_seconds:.1f} s"))
+    return "<section><h2>Computed on</h2>" + table(("", ""), rows) + "</section>"
 
 
 def _check_row(cells: tuple[str, ...]) -> tuple[str, ...]:
@@ -140,7 +149,7 @@ def _verdict(word: str) -> str:
     return f'<span class="{"pass" if word == "pass" else "fail"}">{escape(word)}</span>'
 
 
-def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+def table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     """A table of ready-made cells that scrolls by itself where it is too wide."""
     titles = "".join(f"<th>{escape(cell)}</th>" for cell in head)
     body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in line) + "</tr>" for line in rows)
