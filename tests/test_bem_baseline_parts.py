@@ -110,3 +110,10 @@ def test_closure_and_force_of_an_instant_are_those_of_the_state(scheme, control,
     assert after.force == pytest.approx(annuli.width**2 * annuli.areas[:n] @ pressure, rel=1e-12)
     assert (after.force if control == "force" else after.penetration) == pytest.approx(values[-1], rel=1e-10)
     assert np.sign(instant.edge_pressure(n)) == np.sign(pressure[-1])
+
+
+def test_a_compressive_edge_over_an_overlap_counts_negative():
+    """Pressure and gap both have the wrong sign there: their product must not pass for tension."""
+    annuli, _, (_, _, after), instant = stepped(RUBBER, contacts=(15, 5))
+    assert after.scaled[-1] > 0.0
+    assert instant.closure(after.contact) < -0.01 * annuli.width
