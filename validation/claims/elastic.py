@@ -1,0 +1,41 @@
+"""The elastic limits of the paper's sphere, from closed forms: JKR, and the same with the process zone."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from scene import Sphere
+from validation.cases import load
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.jkr import JKR
+from validation.scales import units
+
+BASE = "cycle-v0.02"
+
+
+def modulus(glassy: bool, scene: str = BASE) -> float:
+    """``E*`` of the limit."""
+    material = load(scene).scene.material
+    return material.glassy_plane_modulus if glassy else material.relaxed_plane_modulus
+
+
+@cache
+def vanishing(glassy: bool, scene: str = BASE) -> JKR:
+    """JKR: a vanishing process zone."""
+    asked = load(scene).scene
+    assert asked.adhesion is not None
+    return JKR(asked.indenter, modulus(glassy, scene), asked.adhesion.work)
+
+
+@cache
+def finite(glassy: bool, scene: str = BASE) -> FiniteZone:
+    """The elastic limit of the model: the paper's closure over its process zone."""
+    asked = load(scene).scene
+    assert asked.adhesion is not None
+    assert isinstance(asked.indenter, Sphere)
+    return FiniteZone(asked.indenter.radius, modulus(glassy, scene), asked.adhesion.work, asked.adhesion.zone)
+
+
+def pull_off(glassy: bool, scene: str = BASE) -> float:
+    """Pull-off force of the finite zone over ``F_JKR``."""
+    return -finite(glassy, scene).pull_off_force_control().force / units(load(scene).scene)["jkr-force"]
