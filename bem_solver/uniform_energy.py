@@ -3,7 +3,8 @@
 The quadratic forms of ``energy`` (Y, X_k, W_k: products of a displacement field with the pressures behind
 another) follow a step without approximation, since a step makes each new branch field a combination of three
 known ones, ``e_k = alpha e_k before + beta v before + gamma v after``. The work a branch receives is taken
-with the pressure at the end of the step, as backward Euler does: with that scheme no step then dissipates less than nothing.
+with the pressure at the end of the step, as backward Euler does: with that scheme no step then dissipates
+less than nothing.
 """
 
 from __future__ import annotations
