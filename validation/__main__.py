@@ -76,6 +76,16 @@ def parser() -> argparse.ArgumentParser:
     report.add_argument("--suite", choices=SUITE_NAMES, default="quick")
     report.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
     report.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    report.add_argument(
+        "--estimates",
+        action="store_true",
+        help="judge agreement by error estimates, each from a coarser run; takes half as long again",
+    )
+    report.add_argument(
+        "--baseline",
+        metavar="OLD.json",
+        help="an earlier report.json: list what moved, exit 1 when beyond tolerance",
+    )
     return top
 
 
@@ -113,7 +123,7 @@ def _run(options: argparse.Namespace) -> int:
         return commands.solve(options.scene, options.solver, options.resolution, options.out)
     if options.command == "compare":
         return commands.compare(options.scenes, options.out, options.jobs)
-    return commands.report(options.suite, options.out, options.jobs)
+    return commands.report(options.suite, options.out, options.jobs, options.estimates, options.baseline)
 
 
 if __name__ == "__main__":

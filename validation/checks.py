@@ -28,6 +28,9 @@ class Check:
         Relative, signed where a sign makes sense.
     tolerance : float or None
         Largest magnitude of ``difference``; ``None`` for words and one-sided limits.
+    estimate, base_estimate : float or None
+        Relative error estimates of the solver and of what it is compared with, where there are any. Then
+        their sum is the limit, ``tolerance`` its cap.
     relation : str
         ``"="``, ``"<="`` or ``">="``.
     passed : bool
@@ -47,6 +50,8 @@ class Check:
     tolerance: float | None = None
     relation: str = "="
     note: str = ""
+    estimate: float | None = None
+    base_estimate: float | None = None
 
 
 def check_run(case: Case, result: Run) -> list[Check]:

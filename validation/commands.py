@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -94,14 +95,14 @@ def _print(result: Run, folder: Path | None) -> None:
 
 
 def compare(given: list[str], out: str | None, jobs: int | None) -> int:
-    """All solvers on the given scenes, one table; exit code 1 when something is out of tolerance."""
+    """All solvers on the given scenes, one table with error estimates; exit code 1 when they disagree."""
     from validation.files import output_folder
     from validation.report.build import build, write
     from validation.report.text import table
 
     loaded = cases.load_all(given)
     folder = None if out is None else output_folder(out)
-    result = build("compare", loaded, _workers(jobs), Progress("compare"))
+    result = build("compare", loaded, _workers(jobs), Progress("compare"), estimate=True)
     for page in result.pages:
         print(table(page))
     if folder is not None:
@@ -110,17 +111,33 @@ def compare(given: list[str], out: str | None, jobs: int | None) -> int:
     return _verdict(result.failures)
 
 
-def report(suite: str, out: str, jobs: int | None) -> int:
-    """Run a suite and write the report; exit code 1 when a check fails."""
+def report(
+    suite: str, out: str, jobs: int | None, estimate: bool = False, baseline: str | None = None
+) -> int:
+    """Run a suite and write the report; exit code 1 when a check fails or a value left its baseline."""
+    from validation import baseline as earlier
     from validation.files import output_folder
     from validation.report.build import build, write
+    from validation.report.jsonreport import data
 
+    old = None if baseline is None else earlier.read(baseline)
     folder = output_folder(out)
     loaded = cases.load_all(cases.suite(suite))
-    result = build(suite, loaded, _workers(jobs), Progress("report"))
+    result = build(suite, loaded, _workers(jobs), Progress("report"), estimate)
+    if baseline is not None and old is not None:
+        result = replace(result, baseline=earlier.compare(baseline, old, data(result), loaded))
     write(result, folder)
     print(f"{len(result.checks)} checks, {len(result.failures)} failed: {folder / 'index.html'}")
-    return _verdict(result.failures)
+    code = _verdict(result.failures)
+    if result.baseline is None:
+        return code
+    print(result.baseline.verdict)
+    for move in result.baseline.beyond:
+        print(
+            f"moved: {move.scene}: {move.solver}: {move.what}: {_short(move.before)} -> {_short(move.after)}",
+            file=sys.stderr,
+        )
+    return 1 if result.baseline.beyond else code
 
 
 def _workers(jobs: int | None) -> int:
@@ -133,9 +150,8 @@ def _workers(jobs: int | None) -> int:
 
 def _verdict(failures: list) -> int:
     for check in failures:
-        found = "-" if check.found is None else check.found
         print(
-            f"failed: {check.scene}: {check.solver}: {check.quantity}: found {_short(found)}, "
+            f"failed: {check.scene}: {check.solver}: {check.quantity}: found {_short(check.found)}, "
             f"expected {check.relation} {_short(check.expected)}{' ' + check.note if check.note else ''}",
             file=sys.stderr,
         )
@@ -143,4 +159,4 @@ def _verdict(failures: list) -> int:
 
 
 def _short(value: object) -> str:
-    return format(value, ".6g") if isinstance(value, float) else str(value)
+    return "-" if value is None else format(value, ".6g") if isinstance(value, float) else str(value)

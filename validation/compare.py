@@ -4,27 +4,33 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from scene import Trace
 from validation.cases import Case
 from validation.checks import Check, check_run
 from validation.cycles import cycle_times
+from validation.error_estimate import column_of, scale
 from validation.norms import distance, parting_time
+from validation.observables import ROUND_OFF
 from validation.runs import Run
 from validation.scales import units
 from validation.solvers import REFERENCE
 
-SCALARS = {  # observable: (unit, column that sets the smallest meaningful scale)
-    "start_force": ("force", "force"),
-    "start_radius": ("length", "contact_radius"),
-    "approach_force": ("force", "force"),
-    "approach_radius": ("length", "contact_radius"),
-    "pull_off_force": ("jkr-force", "force"),
-    "detachment_penetration": ("length", "penetration"),
-    "detachment_time": ("", "time"),
-    "loop_energy": ("energy", ""),
-    "peak_cycle_loss": ("energy", ""),
+SCALARS = {  # observable: unit
+    "start_force": "force",
+    "start_radius": "length",
+    "approach_force": "force",
+    "approach_radius": "length",
+    "pull_off_force": "jkr-force",
+    "pull_off_penetration": "length",
+    "pull_off_radius": "length",
+    "pull_off_time": "",
+    "detachment_penetration": "length",
+    "detachment_time": "",
+    "loop_energy": "energy",
+    "dissipated_energy": "energy",
+    "branch_dissipation": "energy",
+    "zone_excess": "energy",
+    "peak_cycle_loss": "energy",
 }
 CURVES = {"force": "F(t), RMS", "contact_radius": "a(t), RMS"}
 
@@ -41,66 +47,69 @@ def check_case(case: Case, runs: dict[str, Run]) -> list[Check]:
 
 
 def against_reference(case: Case, result: Run, base: Run) -> list[Check]:
-    """Differences from the reference, each beside its tolerance.
+    """Differences from the reference, each beside its limit.
 
-    Scalars are relative to the reference's value, penetrations to the largest penetration; values that
-    nearly vanish are relative to a twentieth of their column's largest magnitude.
+    Where both runs estimate their errors, the limit is the sum of the two estimates, at most the scene's
+    tolerance; otherwise it is the tolerance. What differences are relative to: see ``error_estimate.scale``.
     """
     if result.trace is None or base.trace is None:
         missing = "no run" if result.trace is None else "no reference run"
         return [
             Check(case.name, result.solver, "reference", "front tracking", None, None, False, note=missing)
         ]
-    return _scalars(case, result, base) + _curves(case, result, result.trace, base.trace)
+    return _scalars(case, result, base, base.trace) + _curves(case, result, result.trace, base, base.trace)
 
 
-def _scalars(case: Case, result: Run, base: Run) -> list[Check]:
+def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
     known = units(case.scene)
     oscillates = bool(cycle_times(case.scene.loading))
     checks = []
-    for name, (unit, column) in SCALARS.items():
+    for name, unit in SCALARS.items():
         wanted, found = base.measures.get(name), result.measures.get(name)
         tolerance = case.tolerance(result.solver, name)
         if wanted is None or tolerance is None:
             continue
         if oscillates and name.startswith("approach"):
             continue  # of many crests of one height, which row comes first depends on the rows
-        unit = unit if unit in known else ""
-        scale = abs(wanted)
-        if column and base.trace is not None:
-            largest = float(np.abs(base.trace.columns()[column]).max())
-            scale = largest if column == "penetration" else max(scale, 0.05 * largest)
-        difference = None if found is None else _ratio(found - wanted, scale)
+        size = known.get(unit, 1.0)
+        difference = None if found is None else _ratio(found - wanted, scale(name, wanted, trace))
+        limit, estimates = _limit(result, base, name, tolerance)
+        passed = difference is not None and abs(difference) <= limit
+        note = "" if found is not None else "the run does not give it"
+        if found is not None and not passed:
+            note = _parting(result, trace, column_of(name) or "external_work", limit)
         checks.append(
             Check(
                 case.name,
                 result.solver,
                 name,
                 "front tracking",
-                wanted / known[unit],
-                None if found is None else found / known[unit],
-                difference is not None and abs(difference) <= tolerance,
-                unit,
+                wanted / size,
+                None if found is None else found / size,
+                passed,
+                unit if unit in known else "",
                 difference,
                 tolerance,
-                note="" if found is not None else "the run does not give it",
+                note=note,
+                estimate=estimates[0],
+                base_estimate=estimates[1],
             )
         )
     return checks
 
 
-def _curves(case: Case, result: Run, trace: Trace, base: Trace) -> list[Check]:
+def _curves(case: Case, result: Run, trace: Trace, base: Run, base_trace: Trace) -> list[Check]:
     tolerance = case.tolerance(result.solver, "curves")
     if tolerance is None:
         return []
     checks = []
     for column, name in CURVES.items():
-        apart = distance(trace, base, column)
-        passed = apart is not None and apart.rms <= tolerance
+        apart = distance(trace, base_trace, column)
+        limit, estimates = _limit(result, base, column, tolerance)
+        passed = apart is not None and apart.rms <= limit
         note = "" if apart is None else f"largest {apart.largest:.2g} at t = {apart.at:.4g}"
         if apart is not None and not passed:
-            parted = parting_time(trace, base, tolerance, column)
-            note += "" if parted is None else f", parts at t = {parted:.4g}"
+            note = ", ".join(filter(None, (note, _parting(result, base_trace, column, limit))))
         checks.append(
             Check(
                 case.name,
@@ -114,12 +123,30 @@ def _curves(case: Case, result: Run, trace: Trace, base: Trace) -> list[Check]:
                 None if apart is None else apart.rms,
                 tolerance,
                 note=note or "no common interval of time",
+                estimate=estimates[0],
+                base_estimate=estimates[1],
             )
         )
     return checks
 
 
-def _ratio(difference: float, scale: float) -> float:
-    if scale > 0.0:
-        return difference / scale
+def _limit(
+    result: Run, base: Run, name: str, tolerance: float
+) -> tuple[float, tuple[float | None, float | None]]:
+    """Largest difference that counts as agreement, and the two estimates it comes from."""
+    mine, theirs = result.errors.get(name), base.errors.get(name)
+    if mine is None or theirs is None:
+        return tolerance, (mine, theirs)
+    return min(tolerance, mine + theirs + ROUND_OFF), (mine, theirs)
+
+
+def _parting(result: Run, base: Trace, column: str, limit: float) -> str:
+    """When the curves part by more than the limit, in words; empty if they never do."""
+    parted = None if result.trace is None else parting_time(result.trace, base, limit, column)
+    return "" if parted is None else f"parts at t = {parted:.4g}"
+
+
+def _ratio(difference: float, size: float) -> float:
+    if size > 0.0:
+        return difference / size
     return 0.0 if difference == 0.0 else math.copysign(math.inf, difference)

@@ -21,11 +21,12 @@ if TYPE_CHECKING:
 
 DIVISIONS = 10  # elements per process zone, where nothing is asked
 ADHESIONLESS_DIVISIONS = 2  # elements per hundredth of the largest contact radius
+GRADING = 0.2  # growth of the elements with the distance from the edge
 SPARE = 1.02  # a finite process zone lets the contact grow a little beyond the exact edge's
 DECADES = np.geomspace(1e-18, 1e18, 1441)  # radii in any unit
 
 
-def mesh_for(scene: Scene, resolution: int | None) -> HalfSpaceMesh:
+def mesh_for(scene: Scene, resolution: int | None, grading: float | None = None) -> HalfSpaceMesh:
     """A graded half-space fitted to the scene, at a number of elements per process zone.
 
     Without adhesion a hundredth of the largest contact radius takes the place of the process zone.
@@ -44,7 +45,9 @@ def mesh_for(scene: Scene, resolution: int | None) -> HalfSpaceMesh:
     else:
         zone, divisions = 0.01 * largest, resolution or ADHESIONLESS_DIVISIONS
     try:
-        asked = meshes.fit(edge if edge is not None else 0.0, largest, zone, divisions, edge=edge)
+        asked = meshes.fit(
+            edge if edge is not None else 0.0, largest, zone, divisions, edge=edge, grading=grading or GRADING
+        )
         return meshes.cached(asked)
     except ValueError as error:
         raise SceneError("", f"no mesh for this scene: {error}", "a coarser resolution") from None

@@ -112,6 +112,12 @@ def largest_tension(trace: Trace) -> int | None:
     return int(np.flatnonzero(tension >= tension.max() - slack)[-1])
 
 
+def at_last_contact(trace: Trace, column: str) -> float | None:
+    """A column at the last row in contact; ``None`` if the run has no such column or no row."""
+    values = trace.columns().get(column)
+    return None if values is None or len(trace) == 0 else float(values[_last_in_contact(trace)])
+
+
 def loop_energy(trace: Trace) -> float:
     """``integral F dD`` over the run by trapezoids.
 

@@ -9,16 +9,16 @@ import time
 import traceback
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future, as_completed
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from scene import Scene, SceneError, Trace
-from validation import solvers
+from validation import error_estimate, solvers
 from validation.cases import Case
 from validation.cycles import cycle_times
-from validation.observables import Observables, cycle_losses, observe
+from validation.observables import Observables, at_last_contact, cycle_losses, observe
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,11 @@ class Run:
     details : str
         Traceback of a breakdown.
     wall_seconds : float
-        As measured around the call, imports excluded.
+        As measured around the call, imports and error estimates excluded where those are a run of their own.
+    measures : dict
+        Every scalar by name (see :func:`measure`).
+    errors : dict
+        Relative error estimates by observable and column (see ``error_estimate``); empty if not asked for.
     """
 
     scene: str
@@ -49,6 +53,7 @@ class Run:
     details: str = ""
     wall_seconds: float = 0.0
     measures: dict[str, float | None] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
 
     @property
     def finished(self) -> bool:
@@ -68,11 +73,18 @@ def run(
     solver: str,
     resolution: int | None = None,
     progress: solvers.Progress | None = None,
+    estimate: bool = False,
 ) -> Run:
-    """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step."""
+    """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
+
+    With ``estimate`` the run is judged by a coarser one (see ``error_estimate``), which takes half as long
+    again.
+    """
     begin = time.perf_counter()
     try:
         function = solvers.SOLVERS[solver]()
+        if estimate:
+            function = getattr(function, "estimating", function)
         begin = time.perf_counter()  # imports are not part of a run
         times = tuple(sorted({*cycle_times(case.scene.loading), *case.profile_times}))
         trace = function(case.scene, resolution, None, times, progress)
@@ -91,13 +103,39 @@ def run(
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
     if broken:
         return Run(case.name, solver, failure=f"not finite: {', '.join(broken)}", wall_seconds=seconds)
-    return Run(case.name, solver, trace, wall_seconds=seconds, measures=measure(trace, case.scene, seconds))
+    result = Run(case.name, solver, trace, wall_seconds=seconds, measures=measure(trace, case.scene, seconds))
+    if estimate and result.finished:
+        return replace(result, errors=_errors(case, result, function, times, resolution))
+    return result
+
+
+def _errors(
+    case: Case, result: Run, function: solvers.Solver, times: tuple[float, ...], resolution: int | None
+) -> dict[str, float]:
+    """Error estimates of a finished run; none if the coarser run ends otherwise."""
+    trace = result.trace
+    if trace is None:
+        return {}
+    if result.solver == solvers.REFERENCE:
+        return error_estimate.from_own(trace, result.measures)
+    twice = getattr(function, "coarser", function)
+    try:
+        coarse = twice(
+            case.scene, *error_estimate.coarser(result.solver, case.scene, resolution), times, None
+        )
+    except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
+        return {}
+    if coarse.outcome.kind is not trace.outcome.kind:
+        return {}
+    return error_estimate.from_two_runs(trace, coarse, result.measures, measure(coarse, case.scene, 0.0))
 
 
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
     """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
     found: dict[str, float | None] = dict(observe(trace).as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
+    for column in ("branch_dissipation", "zone_excess"):
+        found[column] = at_last_contact(trace, column)
     found["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
     cycles = cycle_losses(trace, cycle_times(scene.loading))
     peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
@@ -121,7 +159,7 @@ def summary(result: Run) -> dict[str, Any]:
         **{name: value for name, value in result.measures.items() if not name.startswith("counters.")},
         "wall_seconds": result.wall_seconds,
         "counters": asdict(trace.counters) if trace else None,
-        "error_estimates": dict(trace.errors) if trace else None,
+        "error_estimates": (result.errors or dict(trace.errors)) if trace else None,
         "events": [asdict(event) for event in trace.events] if trace else [],
     }
 
@@ -130,20 +168,22 @@ def run_all(
     tasks: Iterable[tuple[Case, str]],
     executor: Executor | None = None,
     done: Callable[[Run], None] = lambda result: None,
+    estimate: bool = False,
 ) -> dict[tuple[str, str], Run]:
     """Run ``(case, solver)`` pairs, here or through any ``concurrent.futures`` executor.
 
-    ``done`` is called as each run ends. The answer is keyed by scene and solver, in the order of ``tasks``.
+    ``done`` is called as each run ends; ``estimate`` asks for error estimates. The answer is keyed by scene
+    and solver, in the order of ``tasks``.
     """
     todo = list(tasks)
     results: dict[tuple[str, str], Run] = {}
     if executor is None:
         for case, solver in todo:
-            results[case.name, solver] = run(case, solver)
+            results[case.name, solver] = run(case, solver, estimate=estimate)
             done(results[case.name, solver])
         return results
     futures: dict[Future[Run], tuple[str, str]] = {
-        executor.submit(run, case, solver): (case.name, solver) for case, solver in todo
+        executor.submit(run, case, solver, estimate=estimate): (case.name, solver) for case, solver in todo
     }
     for future in as_completed(futures):
         name, solver = futures[future]

@@ -7,6 +7,7 @@ resolution or tolerance leaves the choice to the solver.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -36,38 +37,74 @@ def _bem() -> Solver:
     return call
 
 
-def _fem() -> Solver:
-    """Finite elements with node release, on a mesh fitted to the scene."""
-    from fem_solver import Options, solve
-    from validation.contact_range import mesh_for
+@dataclass(frozen=True)
+class FiniteElements:
+    """Finite elements with node release, on a mesh fitted to the scene.
 
-    def call(
+    ``grading`` is the growth of the elements with the distance from the edge; ``None``: the mesh's default.
+    """
+
+    grading: float | None = None
+
+    def __call__(
+        self,
         scene: Scene,
         resolution: int | None,
         tolerance: float | None,
         profile_times: tuple[float, ...],
         progress: Progress | None,
     ) -> Trace:
-        mesh = mesh_for(scene, resolution)
+        from fem_solver import Options, solve
+        from validation.contact_range import mesh_for
+
+        mesh = mesh_for(scene, resolution, self.grading)
         return solve(scene, mesh, Options(resolution, tolerance, profile_times), progress)
 
-    return call
+    @property
+    def coarser(self) -> FiniteElements:
+        """The same on meshes that grade twice as fast."""
+        from validation.contact_range import GRADING
+
+        return FiniteElements(2.0 * (self.grading or GRADING))
+
+
+@dataclass(frozen=True)
+class FrontTracking:
+    """Front tracking under the Abel transform."""
+
+    estimate_errors: bool = False
+
+    def __call__(
+        self,
+        scene: Scene,
+        resolution: int | None,
+        tolerance: float | None,
+        profile_times: tuple[float, ...],
+        progress: Progress | None,
+    ) -> Trace:
+        from validation.reference import Options, solve
+
+        options = Options(
+            resolution, tolerance, profile_times=profile_times, estimate_errors=self.estimate_errors
+        )
+        return solve(scene, options, progress)
+
+    @property
+    def estimating(self) -> FrontTracking:
+        """The same with estimates of its errors."""
+        return FrontTracking(True)
+
+
+def _fem() -> Solver:
+    import fem_solver  # noqa: F401  # imports are not part of a run
+
+    return FiniteElements()
 
 
 def _reference() -> Solver:
-    """Front tracking under the Abel transform."""
-    from validation.reference import Options, solve
+    import validation.reference  # noqa: F401
 
-    def call(
-        scene: Scene,
-        resolution: int | None,
-        tolerance: float | None,
-        profile_times: tuple[float, ...],
-        progress: Progress | None,
-    ) -> Trace:
-        return solve(scene, Options(resolution, tolerance, profile_times=profile_times), progress)
-
-    return call
+    return FrontTracking()
 
 
 SOLVERS: dict[str, Callable[[], Solver]] = {"bem": _bem, "fem": _fem, REFERENCE: _reference}

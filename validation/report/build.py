@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from validation.baseline import Comparison
 from validation.cases import Case
 from validation.checks import Check
 from validation.compare import check_case
@@ -42,6 +43,7 @@ class Report:
     pages: list[Page]
     environment: dict[str, object]
     wall_seconds: float
+    baseline: Comparison | None = None
 
     @property
     def checks(self) -> list[Check]:
@@ -54,8 +56,11 @@ class Report:
         return [check for check in self.checks if not check.passed]
 
 
-def build(suite: str, loaded: list[Case], workers: int, progress: Progress) -> Report:
-    """Run every solver on every scene, in parallel processes if there is more than one worker."""
+def build(suite: str, loaded: list[Case], workers: int, progress: Progress, estimate: bool = False) -> Report:
+    """Run every solver on every scene, in parallel processes if there is more than one worker.
+
+    With ``estimate`` every run is judged by a coarser one, and agreement by what they say of their errors.
+    """
     begin = time.perf_counter()
     tasks = [(case, solver) for case in loaded for solver in SOLVERS]
     finished = 0
@@ -71,7 +76,7 @@ def build(suite: str, loaded: list[Case], workers: int, progress: Progress) -> R
 
     try:
         with processes(min(workers, len(tasks))) as executor:
-            results = run_all(tasks, executor, tell)
+            results = run_all(tasks, executor, tell, estimate)
     finally:
         progress.close()
     pages = []

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from validation.report import figures
 from validation.report.curves import elastic_limits, labels, of_trace, with_differences
 from validation.report.style import STYLE
-from validation.report.text import HEAD, number, parameters, row
+from validation.report.text import HEAD, MOVE_HEAD, move_row, number, parameters, row
 from validation.solvers import REFERENCE
 
 if TYPE_CHECKING:
@@ -24,9 +24,11 @@ def text(report: Report) -> str:
     parts = [
         f'<p class="{"fail" if failed else "pass"}">{len(report.checks)} checks on {len(report.pages)} '
         f"scenes: {verdict}.</p>",
-        "<p>Differences are relative; each stands beside its tolerance. A coarse or failed run stays in the "
+        "<p>Differences are relative; each stands beside its tolerance and, where they were asked for, "
+        "beside what solver and reference say of their own errors. A coarse or failed run stays in the "
         "tables and figures.</p></header><main>",
         _overview(report),
+        _baseline(report),
         *(_section(page) for page in report.pages),
         environment(report.environment, report.wall_seconds),
     ]
@@ -64,6 +66,26 @@ def _overview(report: Report) -> str:
             )
         )
     return "<section><h2>Overview</h2>" + table(head, rows) + "</section>"
+
+
+def _baseline(report: Report) -> str:
+    """What moved since an earlier report; nothing without one."""
+    if report.baseline is None:
+        return ""
+    moves = report.baseline.moves
+    rows = [
+        tuple(
+            _flag(cell) if name == "beyond" else escape(cell)
+            for name, cell in zip(MOVE_HEAD, cells, strict=True)
+        )
+        for cells in map(move_row, moves)
+    ]
+    listed = table(MOVE_HEAD, rows) if rows else ""
+    return f"<section><h2>Since the baseline</h2><p>{escape(report.baseline.verdict)}</p>{listed}</section>"
+
+
+def _flag(word: str) -> str:
+    return f'<span class="{"pass" if word == "no" else "fail"}">{escape(word)}</span>'
 
 
 def _closest(page: Page) -> str:

@@ -16,18 +16,25 @@ FORMAT = 1
 
 def text(report: Report) -> str:
     """The whole report."""
-    return to_json(
-        {
-            "format": FORMAT,
-            "suite": report.suite,
-            "passed": not report.failures,
-            "checks": len(report.checks),
-            "failed": len(report.failures),
-            "wall_seconds": report.wall_seconds,
-            "environment": report.environment,
-            "scenes": [_scene(page) for page in report.pages],
-        }
-    )
+    return to_json(data(report))
+
+
+def data(report: Report) -> dict[str, Any]:
+    """The same before it is written."""
+    whole = {
+        "format": FORMAT,
+        "suite": report.suite,
+        "passed": not report.failures,
+        "checks": len(report.checks),
+        "failed": len(report.failures),
+        "wall_seconds": report.wall_seconds,
+        "environment": report.environment,
+        "scenes": [_scene(page) for page in report.pages],
+    }
+    if report.baseline is not None:
+        moves = [asdict(move) for move in report.baseline.moves]
+        whole["baseline"] = {"path": report.baseline.path, "moves": moves}
+    return whole
 
 
 def _scene(page: Page) -> dict[str, Any]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from validation.report.text import HEAD, number, row
+from validation.report.text import HEAD, MOVE_HEAD, move_row, number, row
 
 if TYPE_CHECKING:
+    from validation.baseline import Comparison
     from validation.report.build import Page, Report
+
+MOST = 20  # moves shown, if fewer count
 
 
 def text(report: Report) -> str:
@@ -25,9 +28,24 @@ def text(report: Report) -> str:
     ]
     lines += [_line(page) for page in report.pages]
     if failed:
-        lines += ["", "## Not passed", "", "| scene | " + " | ".join(HEAD) + " |", "|---" * 9 + "|"]
+        rule = "|---" * (1 + len(HEAD)) + "|"
+        lines += ["", "## Not passed", "", "| scene | " + " | ".join(HEAD) + " |", rule]
         lines += [f"| {_cell(c.scene)} | " + " | ".join(map(_cell, row(c))) + " |" for c in failed]
+    if report.baseline is not None:
+        lines += _baseline(report.baseline)
     return "\n".join(lines) + "\n"
+
+
+def _baseline(baseline: Comparison) -> list[str]:
+    """What moved, all that counts and the largest of the rest."""
+    lines = ["", "## Since the baseline", "", baseline.verdict]
+    shown = baseline.moves[: max(len(baseline.beyond), MOST)]
+    if shown:
+        lines += ["", "| " + " | ".join(MOVE_HEAD) + " |", "|---" * len(MOVE_HEAD) + "|"]
+        lines += ["| " + " | ".join(map(_cell, move_row(move))) + " |" for move in shown]
+    if len(shown) < len(baseline.moves):
+        lines += ["", f"{len(baseline.moves) - len(shown)} smaller moves are in report.json."]
+    return lines
 
 
 def _solvers(report: Report) -> list[str]:

@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 from validation.scales import SYMBOLS
 
 if TYPE_CHECKING:
+    from validation.baseline import Move
     from validation.checks import Check
     from validation.report.build import Page
 
 NONE = "–"
-HEAD = ("solver", "quantity", "found", "expected", "difference", "tolerance", "verdict", "source")
+HEAD = (
+    "solver", "quantity", "found", "expected", "difference", "estimates", "tolerance", "verdict", "source"
+)  # fmt: skip
 
 
 def number(value: object, digits: int = 6) -> str:
@@ -35,9 +38,34 @@ def row(check: Check) -> tuple[str, ...]:
         number(check.found),
         expected,
         NONE if check.difference is None else format(check.difference, "+.1e"),
+        _estimates(check),
         NONE if check.tolerance is None else format(check.tolerance, ".0e"),
         "pass" if check.passed else ("missing" if check.found is None else "FAIL"),
         source,
+    )
+
+
+def _estimates(check: Check) -> str:
+    """What the solver says of its own error, and what the reference says of its own."""
+    if check.estimate is None or check.base_estimate is None:
+        return NONE
+    return f"{check.estimate:.1e} + {check.base_estimate:.1e}"
+
+
+MOVE_HEAD = ("scene", "solver", "what", "before", "after", "change", "tolerance", "beyond")
+
+
+def move_row(move: Move) -> tuple[str, ...]:
+    """One difference from an earlier report, in the order of ``MOVE_HEAD``."""
+    return (
+        move.scene,
+        move.solver or NONE,
+        move.what.replace("_", " "),
+        number(move.before, 8),
+        number(move.after, 8),
+        NONE if move.change is None else format(move.change, "+.1e"),
+        NONE if move.tolerance is None else format(move.tolerance, ".0e"),
+        "BEYOND" if move.beyond else "no",
     )
 
 
