@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from scene import Counters, Segment
 from validation.reference.tracking.control import balanced, prescribed
 from validation.reference.tracking.law import Law
 from validation.reference.tracking.root import bracketed, rising_root
-from validation.reference.tracking.surface import Body, Path, Surface, moved
+from validation.reference.tracking.surface import Body, Path, Step, Surface, moved, step
 
 Array = NDArray[np.float64]
 
@@ -58,6 +58,7 @@ class Attempt:
     counters: Counters
     cap: float
     spacing: float
+    _steps: dict[float, Step] = field(default_factory=dict)
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
         """The surface when the edge has arrived at ``radius``; if not ``whole``, what the law looks at."""
@@ -74,10 +75,14 @@ class Attempt:
             sag = 0.5 * self.curvature.penetration
             target = self.segment.value(self.time + duration)
             return balanced(start, self.body, target, duration, sag, path, marks)
+        by = self._steps.get(duration)
+        if by is None:
+            drive = prescribed(self.segment, self.time, duration, start)
+            by = self._steps[duration] = step(start, self.body, drive)
         if not whole:
             reach = self.law.reach
             start = start.near(min(radius, start.radius) - reach, max(radius, start.radius) + reach)
-        return moved(start, self.body, prescribed(self.segment, self.time, duration, start), path, marks)
+        return moved(start, self.body, by, path, marks)
 
     def residual(self, duration: float, radius: float) -> float:
         """Residual of the law at an edge that moves there."""

@@ -50,7 +50,19 @@ class Zone:
 
 
 def kernel_slope(start: float, zone: float) -> Array:
-    """``dK/dx`` as coefficients of ``u^p v^q``; ``x = start + zone u``, ``y - zone = start + zone v``."""
+    """``dK/dx`` as coefficients of ``u^p v^q``; ``x = start + zone u``, ``y - zone = start + zone v``.
+
+    ``a^2 dK/dx`` depends on ``zone/a`` alone (``a = start + zone``): a Chebyshev series, made once.
+    """
+    a = start + zone
+    argument = 2.0 * zone / (a * LONGEST) - 1.0
+    if argument > 1.0:
+        return _kernel_slope(start, zone)
+    series = np.cos(_ORDERS * np.arccos(argument))
+    return (series @ _TABLE).reshape(_DEGREE, _DEGREE) / (a * a)
+
+
+def _kernel_slope(start: float, zone: float) -> Array:
     u, v = _KNOTS[:, None, None], _KNOTS[None, :, None]
     x, behind = start + zone * u, start + zone * v
     r = 0.5 * (x + behind) + 0.5 * (x - behind) * _RING
@@ -58,6 +70,17 @@ def kernel_slope(start: float, zone: float) -> Array:
     first, second = x + r, r + behind + 2.0 * zone
     values = -0.5 * ((1.0 + r_x) / first + r_x / second) / np.sqrt(first * second)
     return _TO_POWERS @ (np.pi * values.mean(axis=2)) @ _TO_POWERS.T
+
+
+LONGEST = 0.5  # of the radius: longer zones are rare, and their kernel is computed each time
+_ORDERS = np.arange(32)
+_SAMPLES = np.cos(np.pi * (_ORDERS + 0.5) / len(_ORDERS))
+_TABLE = np.array(
+    [_kernel_slope(1.0 - z, z).ravel() for z in 0.5 * LONGEST * (_SAMPLES + 1.0)]
+)  # at Chebyshev points, then as a series
+_TABLE = (
+    (2.0 - (_ORDERS[:, None] == 0)) / len(_ORDERS) * np.cos(np.outer(_ORDERS, np.arccos(_SAMPLES))) @ _TABLE
+)
 
 
 def closure_integral(edge: Zone, zone: float, relaxed: float, transform: Transform) -> float:
@@ -79,26 +102,28 @@ def closure_integral(edge: Zone, zone: float, relaxed: float, transform: Transfo
     q = hermite.evaluate(x, memory, hermite.slopes(x, memory), behind)
     q += relaxed * (edge.penetration - transform(behind))
     d = hermite.evaluate(y, strain, hermite.slopes(y, strain), ahead) - edge.penetration + transform(ahead)
-    main = 0.5 * np.pi * (weight * d * q / np.sqrt(ahead * behind)).sum()
+    main = 0.5 * np.pi * float((weight * d * q / np.sqrt(ahead * behind)).sum())
 
-    v = (s / zone)[:, :, None] ** np.arange(_DEGREE)
-    moments = q[:, :, None] * v
-    panel = (weight[:, :, None] * moments).sum(axis=1)
-    later = np.cumsum(panel[::-1], axis=0)[::-1] - panel
-    inner = later[:, None, :] + width[:, None, None] * np.matmul(_REST, moments)
-    kernel = kernel_slope(start, zone)
-    correction = (weight[:, :, None] * d[:, :, None] * v).reshape(-1, _DEGREE)
-    total = main + float((kernel.T * (correction.T @ inner.reshape(-1, _DEGREE))).sum())
+    weighted = weight * d
+    powers = np.empty((_DEGREE, *s.shape))
+    powers[0], powers[1:] = 1.0, s / zone
+    np.multiply.accumulate(powers, axis=0, out=powers)
+    moments = q * powers
+    panel = (weight * moments).sum(axis=2)
+    later = panel[:, ::-1].cumsum(axis=1)[:, ::-1] - panel
+    inner = later[:, :, None] + width[:, None] * (moments @ _REST.T)
+    pairs = inner.reshape(_DEGREE, -1) @ (weighted * powers).reshape(_DEGREE, -1).T
+    total = main + float((kernel_slope(start, zone) * pairs).sum())
 
     value = -total / (np.pi**2 * zone)
     pressed = float((weight * q).sum()) > 0.0
-    overlapping = float((weight * d).sum()) < 0.0
+    overlapping = float(weighted.sum()) < 0.0
     return -abs(value) if pressed and overlapping else float(value)
 
 
 def _near(edge: Zone, zone: float) -> tuple[Array, Array, Array, Array]:
     """The nodes within the zone and three beyond, on either side."""
     radius = edge.inside[-1]
-    first = max(int(np.searchsorted(edge.inside, radius - zone)) - 3, 0)
-    last = int(np.searchsorted(edge.outside, radius + zone)) + 3
+    first = max(int(edge.inside.searchsorted(radius - zone)) - 3, 0)
+    last = int(edge.outside.searchsorted(radius + zone)) + 3
     return edge.inside[first:], edge.memory[first:], edge.outside[:last], edge.strain[:last]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from scene import Segment
 from validation.reference.tracking.drive import Drive, cubic, straight
-from validation.reference.tracking.surface import Body, Path, Surface, moved
+from validation.reference.tracking.surface import Body, Path, Surface, moved, step
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,8 @@ def balanced(
         return state.force(body) if state.radius > 0.0 else state.edge_stress(body)
 
     def attempt(end: float) -> Surface:
-        return moved(surface, body, _parabola(duration, surface.penetration, end, sag), path, marks)
+        drive = _parabola(duration, surface.penetration, end, sag)
+        return moved(surface, body, step(surface, body, drive), path, marks)
 
     wanted = target if path.start + path.travel > 0.0 else 0.0
     one = attempt(surface.penetration)

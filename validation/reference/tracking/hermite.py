@@ -25,9 +25,10 @@ def slopes(x: Array, y: Array) -> Array:
         return np.concatenate((secant, secant))
     result = np.empty_like(y)
     left, right = secant[:-1], secant[1:]
-    span = h[:-1] + h[1:]
-    bound = 3.0 * np.minimum(np.abs(left), np.abs(right))
-    result[1:-1] = np.minimum(np.maximum((h[:-1] * right + h[1:] * left) / span, -bound), bound)
+    bound = 3.0 * np.abs(secant)
+    bound = np.minimum(bound[:-1], bound[1:])
+    middle = left + (right - left) * (h[:-1] / (h[:-1] + h[1:]))
+    result[1:-1] = np.minimum(np.maximum(middle, -bound), bound)
     for end, near, far in ((0, 0, 1), (-1, -1, -2)):
         value = secant[near] + (secant[near] - secant[far]) * h[near] / (h[near] + h[far])
         bound_end = 3.0 * np.abs(secant[near])

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 THIN_EVERY = 12
 THIN_SHARE = 0.1  # of the deviation allowed in a step: what dropping a node may cost
 FOLD = 1e-4  # of the largest travel: the limit point counts as reached when no longer step is stable
-SMOOTH = 16.0  # times the deviation is allowed where the load is curved: closed loops integrate well anyway
+SMOOTH = 20.0  # times the deviation is allowed where the load is curved: closed loops integrate well anyway
 FIRST = 100.0  # times the deviation times the shortest time: the step after a kink, which nothing judges
 LAYER = 1e-6  # of the process zone: a boundary layer thinner than this does not matter
 
@@ -121,7 +121,7 @@ class Run:
         turn = self._trail.time_to_extremum()
         if 0.1 * h < turn < h:  # a row at the extremum reads off the pull-off force
             h = turn
-        guess = a0 + slope * h
+        guess = a0 + slope * h + 0.5 * self._trail.curvature().radius * h * h
         unloads = isinstance(self.law, NoTension) and segment.control == "force" and a0 > 0.0
         if unloads and segment.value(self.time + h) <= 0.0:
             return self._let_go(segment, h)
@@ -137,13 +137,14 @@ class Run:
         if not found.reached:
             return self._by_distance(attempt, found.radius, h)
         surface = attempt.surface_at(h, found.radius)
-        deviation = self._deviation(h, surface, segment)
+        force = surface.force(self.body)
+        deviation = self._deviation(h, surface, force, segment)
         if deviation > 2.0:
             self.counters.rejected_steps += 1
             if h <= tick:
                 self._end(OutcomeKind.STEP_UNDERFLOW, f"a step of {h:.3g} is still too long")
             return h * max(0.2, 0.9 / math.sqrt(deviation))
-        self._commit(self.time + h if h < left else stop, surface)
+        self._commit(self.time + h if h < left else stop, surface, force)
         self._travel = min(self.largest_travel, 2.0 * self._travel)
         self._steepness = found.steepness
         if found.radius == 0.0 < a0:
@@ -254,9 +255,9 @@ class Run:
             self.largest_travel,
         )
 
-    def _deviation(self, h: float, surface: Surface, segment: Segment) -> float:
+    def _deviation(self, h: float, surface: Surface, force: float, segment: Segment) -> float:
         """Departure from a straight line within the step, over what is allowed."""
-        force, depth = surface.force(self.body), surface.penetration
+        depth = surface.penetration
         scales = (self.radius_scale, max(self.force_scale, abs(force)), max(self.depth_scale, abs(depth)))
         sags = self._trail.sag(h, surface.radius, force, depth)
         judged = 3 if segment.control == "force" else 2
@@ -264,12 +265,13 @@ class Run:
         relative = max(parts, default=0.0)
         return relative / (self.fineness.deviation * (1.0 if segment.linear else SMOOTH))
 
-    def _commit(self, time: float, surface: Surface) -> None:
+    def _commit(self, time: float, surface: Surface, force: float | None = None) -> None:
+        force = surface.force(self.body) if force is None else force
         self.counters.steps += 1
         self.counters.history_updates += len(surface.inside) + len(surface.outside)
         if self.counters.steps % THIN_EVERY == 0:
             surface = thinned(surface, THIN_SHARE * self.fineness.deviation)
-        self.time, self.surface, self.force = time, surface, surface.force(self.body)
+        self.time, self.surface, self.force = time, surface, force
         self._row()
 
     def _row(self) -> None:

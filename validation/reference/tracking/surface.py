@@ -108,8 +108,8 @@ class Surface:
 
     def near(self, low: float, high: float) -> Surface:
         """The part between two radii, with a few nodes beyond on either side."""
-        first = max(int(np.searchsorted(self.inside, low)) - 4, 0)
-        last = int(np.searchsorted(self.outside, high)) + 4
+        first = max(int(self.inside.searchsorted(low)) - 4, 0)
+        last = int(self.outside.searchsorted(high)) + 4
         return Surface(
             self.penetration,
             self.inside[first:],
@@ -119,44 +119,60 @@ class Surface:
         )
 
 
-def moved(surface: Surface, body: Body, drive: Drive, path: Path, fractions: Array) -> Surface:
+@dataclass(frozen=True)
+class Step:
+    """What a step does to points that the edge does not pass; the same for every path.
+
+    ``b -> decay b + gain`` in contact, ``e -> recovery e`` outside. ``dwelt``: the edge has been at rest, and
+    its two sides are no longer one state in two guises.
+    """
+
+    drive: Drive
+    decay: Array
+    gain: Array
+    recovery: Array
+    dwelt: bool
+
+
+def step(surface: Surface, body: Body, drive: Drive) -> Step:
+    """The step of a surface under a drive."""
+    rheology, h = body.rheology, drive.duration
+    decay = np.exp(-h / rheology.times)
+    memory = drive.memory(np.zeros(1), np.array([h]), rheology.times)[0]
+    gain = (memory + decay * drive.jump) * rheology.moduli
+    return Step(drive, decay, gain, np.exp(-h / rheology.retardation), _differ(surface, body))
+
+
+def moved(surface: Surface, body: Body, by: Step, path: Path, fractions: Array) -> Surface:
     """The surface at the end of a step whose edge follows ``path``.
 
     ``fractions`` (rising, within (0, 1)) are further moments of the step at which nodes are left.
     """
     if path.travel > 0.0:
-        return _advanced(surface, body, drive, path, fractions)
+        return _advanced(surface, body, by, path, fractions)
     if path.travel < 0.0:
-        return _receded(surface, body, drive, path, fractions)
-    h, rheology = drive.duration, body.rheology
+        return _receded(surface, body, by, path, fractions)
     return Surface(
-        drive.end,
+        by.drive.end,
         surface.inside,
-        _in_contact(surface.branches, drive, rheology),
+        surface.branches * by.decay + by.gain,
         surface.outside,
-        surface.units * np.exp(-h / rheology.retardation),
+        surface.units * by.recovery,
     )
 
 
-def _in_contact(branches: Array, drive: Drive, rheology: Rheology) -> Array:
-    h = np.array([drive.duration])
-    gain = drive.memory(np.zeros(1), h, rheology.times) * rheology.moduli
-    decay = np.exp(-drive.duration / rheology.times)
-    return (branches + drive.jump * rheology.moduli) * decay + gain
-
-
-def _advanced(surface: Surface, body: Body, drive: Drive, path: Path, fractions: Array) -> Surface:
-    rheology, h = body.rheology, drive.duration
+def _advanced(surface: Surface, body: Body, by: Step, path: Path, fractions: Array) -> Surface:
+    rheology, drive, h = body.rheology, by.drive, by.drive.duration
     radius = path.start + path.travel
-    beyond = int(np.searchsorted(surface.outside, radius, side="right"))
+    beyond = int(surface.outside.searchsorted(radius, side="right"))
     old = surface.outside[1:beyond]
     old = old[old < radius]
-    x = np.unique(np.concatenate((path(fractions), old, [radius])))
-    units = hermite.evaluate(
-        surface.outside, surface.units, hermite.slopes(surface.outside, surface.units), x
-    )
-    inside = _in_contact(surface.branches, drive, rheology)
-    if _differ(surface, body):  # the edge has dwelt: its free side is covered now
+    x = np.array([radius])
+    if len(fractions) or len(old):
+        x = np.unique(np.concatenate((path(fractions), old, x)))
+    near, free = surface.outside[: beyond + 3], surface.units[: beyond + 3]
+    units = hermite.evaluate(near, free, hermite.slopes(near, free), x)
+    if by.dwelt:  # the free side of the edge is covered now
         x = np.concatenate(([surface.outside[0] + COINCIDENT * radius], x))
         units = np.concatenate((surface.units[:1], units))
     at = h * path.passing(x)
@@ -166,21 +182,20 @@ def _advanced(surface: Surface, body: Body, drive: Drive, path: Path, fractions:
     left = np.full_like(at, h)
     covered = covered * np.exp(-(left - at)[:, None] / rheology.times)
     covered = covered + drive.memory(at, left, rheology.times) * rheology.moduli
-    decay = np.exp(-h / rheology.retardation)
     return Surface(
         drive.end,
         np.concatenate((surface.inside, x)),
-        np.concatenate((inside, covered)),
+        np.concatenate((surface.branches * by.decay + by.gain, covered)),
         np.concatenate(([radius], surface.outside[beyond:])),
-        np.concatenate((units[-1:], surface.units[beyond:])) * decay,
+        np.concatenate((units[-1:], surface.units[beyond:])) * by.recovery,
     )
 
 
-def _receded(surface: Surface, body: Body, drive: Drive, path: Path, fractions: Array) -> Surface:
-    rheology, h = body.rheology, drive.duration
+def _receded(surface: Surface, body: Body, by: Step, path: Path, fractions: Array) -> Surface:
+    rheology, drive, h = body.rheology, by.drive, by.drive.duration
     radius = path.start + path.travel
-    kept = int(np.searchsorted(surface.inside, radius, side="left"))
-    passed = int(np.searchsorted(surface.inside, radius, side="right"))
+    kept = int(surface.inside.searchsorted(radius, side="left"))
+    passed = int(surface.inside.searchsorted(radius, side="right"))
     x = np.concatenate(([radius], path(fractions), surface.inside[passed:]))
     if len(fractions):
         x = np.unique(x)
@@ -194,8 +209,8 @@ def _receded(surface: Surface, body: Body, drive: Drive, path: Path, fractions: 
     branches = branches + drive.memory(np.zeros_like(at), at, rheology.times) * rheology.moduli
     units = rheology.release(branches, drive.penetration(at) - body.transform(x))
     units = units * np.exp(-(h - at)[:, None] / rheology.retardation)
-    outside = surface.units * np.exp(-h / rheology.retardation)
-    if _differ(surface, body):  # the edge has dwelt: its two sides are unlike, a step is left behind
+    outside = surface.units * by.recovery
+    if by.dwelt:  # a step of the fields is left behind
         x[-1] *= 1.0 - COINCIDENT
         rest = 0
     else:
@@ -203,7 +218,7 @@ def _receded(surface: Surface, body: Body, drive: Drive, path: Path, fractions: 
     return Surface(
         drive.end,
         np.concatenate((surface.inside[:kept], [radius])),
-        np.concatenate((_in_contact(surface.branches[:kept], drive, rheology), branches[:1])),
+        np.concatenate((surface.branches[:kept] * by.decay + by.gain, branches[:1])),
         np.concatenate((x, surface.outside[rest:])),
         np.concatenate((units, outside[rest:])),
     )
