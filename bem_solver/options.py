@@ -20,7 +20,8 @@ class Options:
     ----------
     resolution : int, optional
         Annuli within the process zone (within the outer hundredth of the largest contact radius, without
-        adhesion) at the largest contact radius, >= 4. Default 12.
+        adhesion) at the largest contact radius, >= 4. Default 12. Uniform annuli without adhesion have a
+        tenth of that: their width is the largest contact radius/(10 resolution).
     tolerance : float, optional
         Step tolerance: error of extrapolating the edge over a step, in process zones (in twentieths of the
         contact radius, without adhesion), and of the force relative to its scale. Default
@@ -32,8 +33,9 @@ class Options:
     profile_times : tuple of float
         Times at which the state of the surface is kept; stepped onto exactly, ignored outside the run.
     step : float, optional
-        Fixed time step of the uniform annuli; default ``1/(10 resolution)`` of the shortest relaxation time
-        or the time it takes to travel a process zone, whichever is longer.
+        Fixed time step of the uniform annuli. Default, for each piece of loading: 1/(4 resolution) of the
+        shortest of the time to travel a process zone at the fastest loading, the time to sweep the range of
+        the loading, and the shortest relaxation time (not less than a thousandth of the piece).
     max_steps : int
         Step budget; a run that exceeds it ends with that outcome.
     """

@@ -52,8 +52,8 @@ class Recorder:
     def trace(self, outcome: Outcome, counters: Counters) -> Trace:
         """The finished trace; the loss is what the energy balance (Eq. energybalance) leaves.
 
-        ``zone_excess`` is what the branches dissipate beyond it: at a sharp edge the whole field moves as if the
-        process zone had no length, and the tip takes only the glassy ``K^2/(2 Einf*)``.
+        ``zone_excess`` is what the branches dissipate beyond it: at a sharp edge the whole field moves as if
+        the process zone had no length, and the tip takes only the glassy ``K^2/(2 Einf*)``.
         """
         time, penetration, force, radius, stored, branch, intensity = (
             np.array(column) for column in zip(*self.rows, strict=True)

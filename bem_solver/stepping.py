@@ -28,6 +28,7 @@ from scene import Outcome, OutcomeKind
 
 _FINEST_TRAVEL = 1.0 / 64.0
 _LOAD_WEIGHT = 4.0  # the load follows the prescribed history closer than the edge its chord
+_WIDEST_TRAVEL = 4096.0
 _ACCURACY = 4e-3  # of the edge, in step tolerances of the length it is resolved on
 _VANISHING = (
     2e-3  # contact radius, relative to its largest, below which an adhesionless contact is lifting off
@@ -65,6 +66,7 @@ class Stepper:
     step: float = 0.0
     largest_force: float = 0.0
     largest_edge: float = 0.0
+    span: float = 0.0  # by which the prescribed quantity varies over the piece
     past: Past = field(default_factory=Past)
 
     def follow(self, piece: Piece) -> Outcome | None:
@@ -74,6 +76,8 @@ class Stepper:
         if piece.jump:
             self.step = 0.1
         parameter = 0.0
+        ends = [piece.prescribed(piece.length * share / 16.0) for share in range(17)]
+        self.span = max(ends) - min(ends)
         self.past.rows = (
             [(0.0, self.front.edge, self._load(piece, self.front))]
             if piece.fresh
@@ -96,12 +100,14 @@ class Stepper:
             try:
                 candidate = self._attempt(piece, parameter, step)
             except Unresolvable:
-                counters.rejected_steps += 1
                 self.travel *= 4.0
-                continue
+                candidate = None
+                if self.travel <= _WIDEST_TRAVEL:
+                    counters.rejected_steps += 1
+                    continue
             if candidate is None:
                 counters.rejected_steps += 1
-                if self.travel > _FINEST_TRAVEL:
+                if _FINEST_TRAVEL < self.travel <= _WIDEST_TRAVEL:
                     self.travel *= 0.5
                     continue
                 outcome = self._run_away(piece, parameter)
@@ -222,11 +228,14 @@ class Stepper:
     def _error(self, piece: Piece, trial: Trial, step: float, rates: tuple[float, float]) -> float:
         """Departure of edge and load from straight lines, in tolerances."""
         edge = trial.motion.new_edge
-        scale = max(self.largest_force, abs(trial.surface.force))
+        stiffness = 2.0 * edge * self.problem.chain.relaxed
+        force = self.span * (stiffness if piece.control == "penetration" else 1.0)
+        # a load that starts from zero is measured against a hundredth of what is to come
+        scale = max(self.largest_force, abs(trial.surface.force), 0.01 * force)
         load = trial.surface.force
         if piece.control == "force":
             load = trial.motion.new_penetration
-            scale /= 2.0 * edge * self.problem.chain.relaxed
+            scale /= stiffness
         off_edge = departure(edge - self.front.edge - rates[0] * step, self.problem.length_at(edge))
         off_load = departure(load - self._load(piece, self.front) - rates[1] * step, scale)
         return max(off_edge, _LOAD_WEIGHT * off_load) / self.tolerance
