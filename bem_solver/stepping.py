@@ -66,6 +66,7 @@ class Stepper:
     step: float = 0.0
     largest_force: float = 0.0
     largest_edge: float = 0.0
+    receding: bool = True  # which way the edge last ran into its travel limit
     span: float = 0.0  # by which the prescribed quantity varies over the piece
     past: Past = field(default_factory=Past)
 
@@ -183,7 +184,8 @@ class Stepper:
         self.slope = found.slope if found.slope > 0.0 else self.slope
         if found.where == "here" or (found.where == "above" and high == limit):
             return Candidate(end, found.trial, self._error(piece, found.trial, step, rates))
-        edge = low if found.where == "below" else high
+        self.receding = found.where == "below"
+        edge = low if self.receding else high
 
         def residual(share: float) -> float:
             return self._trial(piece, parameter + share * step, edge).residual
@@ -297,16 +299,18 @@ class Stepper:
         def trial(edge: float) -> Trial:
             return evaluate(problem, front, 0.0, edge, piece.control, piece.prescribed(parameter))
 
-        reach = problem.length_at(front.edge) / self.divisions * _FINEST_TRAVEL
-        receding = trial(max(front.edge - reach, 0.25 * front.edge)).residual > 0.0
+        # a residual of rounding size is no reason to stop
+        stress = problem.work or 0.5 * self.largest_force / front.edge
+        receding, nothing = self.receding, 1e-9 * stress
         self.recorder.event("pull-off" if receding else "snap-in", front)
         edge, ratio = front.edge, 1.0 / 1.02 if receding else 1.02
-        while 1e-3 * self.scale < edge < min(limit, 1e3 * self.scale):
+        while 1e-3 * self.scale < edge < 1e3 * self.scale and (receding or edge < limit):
             nearer, edge = edge, min(edge * ratio, limit)
             landed = trial(edge)
-            if (landed.residual > 0.0) == receding and edge < limit:
+            stays = landed.residual < -nothing if receding else landed.residual > nothing
+            if not stays and edge < limit:
                 continue
-            if (landed.residual > 0.0) != receding:
+            if stays:
                 low, high = min(edge, nearer), max(edge, nearer)
                 landed = rising_root(
                     trial, edge, 0.0, low, high, _ACCURACY * self.tolerance * problem.length_at(edge)
