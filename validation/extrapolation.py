@@ -1,0 +1,173 @@
+"""What a sequence of values on a refinement ladder tells: observed order, Richardson value, error bound.
+
+A level has a size ``h`` (relative, the finest last) and a value ``f``; ``f = f* + C h^p`` is what is looked
+for. No absolute value enters an order: an error that grows has a negative order, values that go to and fro
+have none without the exact value.
+
+References: L. F. Richardson, *Phil. Trans. R. Soc. A* 226 (1927) 299; P. J. Roache, *J. Fluids Eng.* 116
+(1994) 405; I. B. Celik et al., *J. Fluids Eng.* 130 (2008) 078001; W. L. Oberkampf and C. J. Roy,
+*Verification and Validation in Scientific Computing* (2010), Sec. 8.7.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from scipy.optimize import brentq
+
+ROUND_OFF = 1e-12  # relative: smaller differences are not told from none
+ORDERS = (-20.0, 20.0)  # beyond these an order is not looked for
+SAFE, UNSAFE = 1.25, 3.0  # safety factors of the grid convergence index
+NEAR = 0.1  # an observed order this near (relative) the nominal one is trusted
+ASYMPTOTIC = (0.7, 1.4)  # allowed ratio of a coarse difference to its prediction
+
+
+@dataclass(frozen=True)
+class Extrapolation:
+    """What one ladder says about one observable.
+
+    Parameters
+    ----------
+    orders : tuple of float or None
+        Observed order of every three neighbouring levels, coarse to fine, from differences alone; ``None``
+        where they go to and fro, do not differ, or a level failed.
+    richardson : float or None
+        Value extrapolated to ``h = 0`` from the finest two levels with the finest observed order.
+    bound : float or None
+        Grid convergence index of the finest level, relative to ``scale``: an error bound from the values
+        alone.
+    safety : float or None
+        Its safety factor: 1.25 where the observed order is the nominal one, else 3.
+    asymptotic : float or None
+        A difference two levels coarser than the finest over its prediction by the finest three levels; 1 on
+        an exact power law. (The usual ratio of two grid convergence indices is 1 by construction when both
+        take the same observed order; a fourth level is needed to test anything.)
+    verdict : str
+        In words.
+    """
+
+    orders: tuple[float | None, ...]
+    richardson: float | None
+    bound: float | None
+    safety: float | None
+    asymptotic: float | None
+    verdict: str
+
+
+def extrapolate(
+    sizes: Sequence[float], values: Sequence[float | None], nominal: float, scale: float
+) -> Extrapolation:
+    """Judge values by their differences alone, coarse to fine; ``None`` stands for a failed level.
+
+    The extrapolation uses the finest three levels that did not fail, the check the fourth.
+    """
+    _check(sizes)
+    orders = tuple(
+        None if None in values[i : i + 3] else observed_order(sizes[i : i + 3], values[i : i + 3], scale)
+        for i in range(len(sizes) - 2)
+    )
+    known = [(h, f) for h, f in zip(sizes, values, strict=True) if f is not None]
+    if len(known) < 3:
+        return Extrapolation(orders, None, None, None, None, "fewer than three levels have a value")
+    h, f = [pair[0] for pair in known], [pair[1] for pair in known]
+    smallest = ROUND_OFF * scale
+    last = f[-1] - f[-2]
+    if abs(last) <= smallest:
+        return _level(orders, f, smallest, scale)
+    order = observed_order(h[-3:], f[-3:], scale)
+    if order is not None and order > 0.0 and abs(order - nominal) <= NEAR * nominal:
+        safety, trusted = SAFE, nominal
+    else:
+        safety, trusted = UNSAFE, min(max(0.5, order if order is not None else 0.5), nominal)
+    bound = safety * abs(last) / ((h[-2] / h[-1]) ** trusted - 1.0) / scale
+    if order is None:
+        return Extrapolation(orders, None, bound, safety, None, "the values go to and fro: no order")
+    if order <= 0.0:
+        return Extrapolation(orders, None, bound, safety, None, "the differences grow: not convergent here")
+    richardson = f[-1] + last / ((h[-2] / h[-1]) ** order - 1.0)
+    if len(known) < 4:
+        return Extrapolation(orders, richardson, bound, safety, None, "no fourth level to check with")
+    predicted = last * (h[-3] ** order - h[-4] ** order) / (h[-1] ** order - h[-2] ** order)
+    ratio = (f[-3] - f[-4]) / predicted
+    asymptotic = ASYMPTOTIC[0] <= ratio <= ASYMPTOTIC[1]
+    verdict = "asymptotic" if asymptotic else "not asymptotic: the order still changes"
+    return Extrapolation(orders, richardson, bound, safety, ratio, verdict)
+
+
+def _level(
+    orders: tuple[float | None, ...], f: Sequence[float], smallest: float, scale: float
+) -> Extrapolation:
+    """The finest two values agree to round-off: all of them, or a quantity that moves in jumps."""
+    jumps = [abs(fine - coarse) for coarse, fine in pairwise(f) if abs(fine - coarse) > smallest]
+    if not jumps:
+        return Extrapolation(orders, f[-1], 0.0, None, None, "no level differs")
+    said = "the finest two do not differ, coarser ones do: bound by the last jump"
+    return Extrapolation(orders, None, UNSAFE * jumps[-1] / scale, UNSAFE, None, said)
+
+
+def observed_order(sizes: Sequence[float], values: Sequence[float | None], scale: float) -> float | None:
+    """Order ``p`` of three levels from ``(f3 - f2)/(f2 - f1) = (h3^p - h2^p)/(h2^p - h1^p)``.
+
+    ``None`` if the values go to and fro, do not differ by more than round-off, or no ``p`` fits.
+    """
+    (h3, h2, h1), (f3, f2, f1) = sizes, values
+    if f3 is None or f2 is None or f1 is None:
+        return None
+    coarse, fine = f2 - f3, f1 - f2
+    if min(abs(coarse), abs(fine)) <= ROUND_OFF * scale or coarse * fine < 0.0:
+        return None
+    a, b = math.log(h3 / h2), math.log(h2 / h1)
+
+    def excess(p: float) -> float:
+        # ln of (r32^p - 1) r21^p / (r21^p - 1), rising in p; (b p) carries the factor h2^p/h1^p
+        return _log_expm1_ratio(a, b, p) + b * p - math.log(coarse / fine)
+
+    if excess(ORDERS[0]) > 0.0 or excess(ORDERS[1]) < 0.0:
+        return None
+    return float(brentq(excess, *ORDERS, xtol=1e-13))
+
+
+def reference_orders(
+    sizes: Sequence[float], errors: Sequence[float | None], scale: float
+) -> tuple[float | None, ...]:
+    """Signed order of every two neighbouring levels, ``ln|e_coarse/e_fine| / ln(h_coarse/h_fine)``.
+
+    Negative where the error grows; ``None`` where a level failed or an error is not told from none.
+    """
+    _check(sizes)
+    found: list[float | None] = []
+    for (coarse, fine), (big, small) in zip(pairwise(errors), pairwise(sizes), strict=True):
+        if coarse is None or fine is None or min(abs(coarse), abs(fine)) <= ROUND_OFF * scale:
+            found.append(None)
+        else:
+            found.append(math.log(abs(coarse / fine)) / math.log(big / small))
+    return tuple(found)
+
+
+def fitted_slope(across: Sequence[float | None], up: Sequence[float | None]) -> float | None:
+    """Slope of the line of least squares through the logarithms of positive pairs; ``None`` below three."""
+    pairs = [
+        (math.log(x), math.log(y))
+        for x, y in zip(across, up, strict=True)
+        if x is not None and y is not None and x > 0.0 and y > 0.0
+    ]
+    if len(pairs) < 3:
+        return None
+    middle = sum(x for x, _ in pairs) / len(pairs)
+    spread = sum((x - middle) ** 2 for x, _ in pairs)
+    return sum((x - middle) * y for x, y in pairs) / spread if spread > 0.0 else None
+
+
+def _log_expm1_ratio(a: float, b: float, p: float) -> float:
+    """``ln((e^(a p) - 1)/(e^(b p) - 1))`` for positive ``a`` and ``b`` and any sign of ``p``."""
+    if abs(p) * max(a, b) < 1e-8:
+        return math.log(a / b) + 0.5 * (a - b) * p
+    return math.log(math.expm1(a * p) / math.expm1(b * p))
+
+
+def _check(sizes: Sequence[float]) -> None:
+    if any(not big > small > 0.0 for big, small in pairwise(sizes)):
+        raise ValueError(f"sizes {tuple(sizes)}: must be positive and fall from level to level")
