@@ -7,7 +7,7 @@ once, in that scene's file. Runs go through :func:`validation.runs.run_all`, hen
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -122,22 +122,22 @@ class Evidence:
         return self.measure(asked, "pull_off_force", solver) / units(asked)["jkr-force"]
 
 
+def outstanding(planned: Iterable[tuple[Case, str]]) -> list[tuple[Case, str]]:
+    """The questions that ``planned`` runs do not answer."""
+    answered = {(key(case.scene), solver, case.profile_times) for case, solver in planned}
+    return [(case, s) for case, s in questions() if (key(case.scene), s, case.profile_times) not in answered]
+
+
 def gather(
+    tasks: Iterable[tuple[Case, str]],
     executor: Executor | None = None,
-    known: Iterable[tuple[Case, Run]] = (),
-    tasks: list[tuple[Case, str]] | None = None,
     done: Callable[[Run], None] = lambda result: None,
 ) -> Evidence:
-    """Run what is not ``known`` yet, here or through an executor; ``done`` is called as each run ends.
+    """Run ``tasks``, here or through an executor; ``done`` is called as each run ends."""
+    todo = list(tasks)
+    return collect(todo, run_all(todo, executor, done))
 
-    A known run without the surface profiles that a question asks for does not answer it.
-    """
-    have = {(key(case.scene), result.solver): result for case, result in known}
-    todo = []
-    for case, solver in questions() if tasks is None else tasks:
-        found = have.get((key(case.scene), solver))
-        if found is None or (case.profile_times and not (found.trace and found.trace.profiles)):
-            todo.append((case, solver))
-    scenes = {case.name: key(case.scene) for case, _ in todo}
-    results = run_all(todo, executor, done)
-    return Evidence(have | {(scenes[name], solver): result for (name, solver), result in results.items()})
+
+def collect(tasks: Iterable[tuple[Case, str]], results: Mapping[tuple[str, str], Run]) -> Evidence:
+    """Runs keyed by name and solver, turned into evidence."""
+    return Evidence({(key(case.scene), solver): results[case.name, solver] for case, solver in tasks})

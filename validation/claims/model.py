@@ -1,4 +1,4 @@
-"""Claims of Secs. II, III and the appendix on the model itself: closed forms, and cycles with half the process zone."""
+"""Claims of Secs. II, III and the appendix on the model itself: closed forms, and a shorter process zone."""
 
 from __future__ import annotations
 

@@ -10,10 +10,14 @@ from typing import TYPE_CHECKING
 from validation.baseline import Comparison
 from validation.cases import Case
 from validation.checks import Check
+from validation.claims import evidence
+from validation.claims.all import judge
 from validation.compare import check_case
+from validation.cycles import cycle_times
 from validation.environment import stamp
 from validation.files import write_whole
 from validation.pool import processes
+from validation.report.claims_section import Claims, pictures
 from validation.runs import Run, run_all
 from validation.solvers import SOLVERS
 
@@ -44,11 +48,13 @@ class Report:
     environment: dict[str, object]
     wall_seconds: float
     baseline: Comparison | None = None
+    claims: Claims | None = None
 
     @property
     def checks(self) -> list[Check]:
         """All verdicts."""
-        return [check for page in self.pages for check in page.checks]
+        found = [check for page in self.pages for check in page.checks]
+        return found if self.claims is None else found + self.claims.checks
 
     @property
     def failures(self) -> list[Check]:
@@ -56,13 +62,24 @@ class Report:
         return [check for check in self.checks if not check.passed]
 
 
-def build(suite: str, loaded: list[Case], workers: int, progress: Progress, estimate: bool = False) -> Report:
+def build(
+    suite: str,
+    loaded: list[Case],
+    workers: int,
+    progress: Progress,
+    estimate: bool = False,
+    claims: bool = False,
+) -> Report:
     """Run every solver on every scene, in parallel processes if there is more than one worker.
 
     With ``estimate`` every run is judged by a coarser one, and agreement by what they say of their errors.
+    With ``claims`` the paper's statements are judged too, on these runs and those they need beside them.
     """
     begin = time.perf_counter()
     tasks = [(case, solver) for case in loaded for solver in SOLVERS]
+    if claims:
+        tasks += evidence.outstanding(tasks)
+    tasks.sort(key=lambda task: -len(cycle_times(task[0].scene.loading)))  # the longest first
     finished = 0
 
     def tell(result: Run) -> None:
@@ -83,17 +100,28 @@ def build(suite: str, loaded: list[Case], workers: int, progress: Progress, esti
     for case in loaded:
         runs = {solver: results[case.name, solver] for solver in SOLVERS}
         pages.append(Page(case, runs, check_case(case, runs)))
-    return Report(suite, pages, stamp(), time.perf_counter() - begin)
+    judged = None
+    if claims:
+        found = evidence.collect(tasks, results)
+        judged = Claims(judge(found), found)
+    return Report(suite, pages, stamp(), time.perf_counter() - begin, claims=judged)
 
 
 def write(report: Report, folder: Path) -> None:
-    """Write ``index.html``, ``summary.md``, ``report.json``, ``junit.xml`` and ``runs/SCENE/SOLVER/``."""
+    """Write ``index.html``, ``summary.md``, ``report.json``, ``junit.xml`` and ``runs/SCENE/SOLVER/``.
+
+    With the paper's statements also ``figures/``, the paper's figures as PNG.
+    """
     from validation.commands import write_run
     from validation.report import html, jsonreport, junit, markdown
 
     for page in report.pages:
         for solver, result in page.runs.items():
             write_run(folder / "runs" / page.case.name / solver, page.case.scene, result)
+    if report.claims is not None:
+        (folder / "figures").mkdir(exist_ok=True)
+        for name, picture in pictures(report.claims).items():
+            write_whole(folder / "figures" / name, picture)
     for name, form in (
         ("report.json", jsonreport.text),
         ("junit.xml", junit.text),

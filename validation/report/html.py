@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from validation.report import figures
+from validation.report import claims_section, figures
 from validation.report.curves import elastic_limits, labels, of_trace, with_differences
 from validation.report.style import STYLE
 from validation.report.text import HEAD, MOVE_HEAD, move_row, number, parameters, row
@@ -29,6 +29,7 @@ def text(report: Report) -> str:
         "tables and figures.</p></header><main>",
         _overview(report),
         _baseline(report),
+        "" if report.claims is None else claims_section.html(report.claims),
         *(_section(page) for page in report.pages),
         environment(report.environment, report.wall_seconds),
     ]

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from validation.files import to_json
+from validation.report import claims_section
 from validation.runs import summary
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ def data(report: Report) -> dict[str, Any]:
         "environment": report.environment,
         "scenes": [_scene(page) for page in report.pages],
     }
+    if report.claims is not None:
+        whole["claims"] = claims_section.data(report.claims)
     if report.baseline is not None:
         moves = [asdict(move) for move in report.baseline.moves]
         whole["baseline"] = {"path": report.baseline.path, "moves": moves}

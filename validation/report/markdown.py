@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from validation.report import claims_section
 from validation.report.text import HEAD, MOVE_HEAD, move_row, number, row
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ def text(report: Report) -> str:
         rule = "|---" * (1 + len(HEAD)) + "|"
         lines += ["", "## Not passed", "", "| scene | " + " | ".join(HEAD) + " |", rule]
         lines += [f"| {_cell(c.scene)} | " + " | ".join(map(_cell, row(c))) + " |" for c in failed]
+    if report.claims is not None:
+        lines += claims_section.markdown(report.claims)
     if report.baseline is not None:
         lines += _baseline(report.baseline)
     return "\n".join(lines) + "\n"
