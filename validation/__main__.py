@@ -1,4 +1,4 @@
-"""The command line: ``crosscontact scenes | solve | compare | report``.
+"""The command line: ``crosscontact scenes | solve | compare | study | report``.
 
 Exit codes: 0 all well; 1 a check failed or a run did not finish; 2 bad input, said in one line;
 130 interrupted. Nothing heavy is imported until a command needs it.
@@ -72,6 +72,11 @@ def parser() -> argparse.ArgumentParser:
     compare.add_argument("--out", metavar="DIR", help="write the report and every run there")
     compare.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
 
+    study = commands.add_parser("study", help="refinement ladders and error against run time, every solver")
+    study.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
+    study.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
+    study.add_argument("--jobs", type=_jobs, metavar="N", help="processes for what is not timed")
+
     report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
     report.add_argument("--suite", choices=SUITE_NAMES, default="quick")
     report.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
@@ -123,6 +128,8 @@ def _run(options: argparse.Namespace) -> int:
         return commands.solve(options.scene, options.solver, options.resolution, options.out)
     if options.command == "compare":
         return commands.compare(options.scenes, options.out, options.jobs)
+    if options.command == "study":
+        return commands.study(options.scenes, options.out, options.jobs)
     return commands.report(options.suite, options.out, options.jobs, options.estimates, options.baseline)
 
 

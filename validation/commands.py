@@ -111,6 +111,27 @@ def compare(given: list[str], out: str | None, jobs: int | None) -> int:
     return _verdict(result.failures)
 
 
+def study(given: list[str], out: str | None, jobs: int | None) -> int:
+    """Refinement ladders and error against run time; exit code 1 when a level gives no answer."""
+    from validation.files import output_folder
+    from validation.report.study_forms import lines, write
+    from validation.study import study as run_study
+
+    loaded = cases.load_all(given)
+    folder = None if out is None else output_folder(out)
+    result = run_study(loaded, _workers(jobs), Progress("study"))
+    for line in lines(result):
+        print(line)
+    if folder is not None:
+        write(result, folder)
+        print(f"written to {folder / 'index.html'}")
+    for scene in result.scenes:
+        for ladder, level in scene.failed:
+            name = f"{scene.case.name}: {ladder.ladder.scheme}: {ladder.ladder.kind} {level.level.label}"
+            print(f"failed: {name}: {level.failure}", file=sys.stderr)
+    return 1 if any(scene.failed for scene in result.scenes) else 0
+
+
 def report(
     suite: str, out: str, jobs: int | None, estimate: bool = False, baseline: str | None = None
 ) -> int:
