@@ -97,7 +97,7 @@ def test_static_sphere_from_pressures(depth):
     trials = [static(problem(count), EDGE, depth) for count in (40, 80, 160)]
     errors = [trial.closure / exact - 1.0 for trial in trials]
     assert abs(errors[0]) < 1e-2
-    assert abs(errors[-1]) < 2e-4
+    assert abs(errors[-1]) < 5e-4
     assert 1.7 < observed_order(errors) < 3.2, errors
     assert_allclose(trials[-1].surface.force, 2.0 * (EDGE * depth - EDGE**3 / 3.0), rtol=1e-7)
     assert_allclose(trials[-1].residual, trials[-1].closure - WORK, rtol=1e-12)

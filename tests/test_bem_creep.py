@@ -44,7 +44,7 @@ def test_both_forms_are_one_element(material):
     scale = np.sqrt(np.outer(1.0 / chain.retardation, 1.0 / chain.relaxation))
     assert_allclose(decay / scale, same / scale, rtol=2e-7, atol=1e-8)
     back, given_scale = rotation.T @ chain.lag_scale, chain.stress_scale / chain.relaxed
-    assert_allclose(back, given_scale, atol=1e-9 * np.linalg.norm(given_scale))
+    assert_allclose(back, given_scale, atol=2e-7 * np.linalg.norm(given_scale))
 
 
 @materials
