@@ -144,7 +144,7 @@ def report(
     old = None if baseline is None else earlier.read(baseline)
     folder = output_folder(out)
     loaded = cases.load_all(cases.suite(suite))
-    result = build(suite, loaded, _workers(jobs), Progress("report"), estimate)
+    result = build(suite, loaded, _workers(jobs), Progress("report"), estimate, claims=suite != "quick")
     if baseline is not None and old is not None:
         result = replace(result, baseline=earlier.compare(baseline, old, data(result), loaded))
     write(result, folder)
