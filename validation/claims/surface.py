@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from scene import Profile
+from validation.cases import load
 from validation.claims import elastic
 from validation.claims.claim import HOLDS, IN_PART, Part, claim
-from validation.claims.evidence import Evidence
+from validation.claims.evidence import Evidence, Missing
 from validation.claims.measures import (
     RECOVERED,
     annular_peak,
@@ -27,7 +28,10 @@ NEGLIGIBLE = 0.05  # change of contact area
 
 def profiles(found: Evidence, solver: str = "bem") -> list[Profile]:
     """Surface at the times the scene names, in order."""
-    return sorted(found.trace(SCENE, solver).profiles, key=lambda profile: profile.time)
+    kept = found.trace(SCENE, solver).profiles
+    if len(kept) < len(load(SCENE).profile_times):
+        raise Missing(f"{SCENE} by {solver}: no surface at some of the times it names")
+    return sorted(kept, key=lambda profile: profile.time)
 
 
 @claim(PLACE, "At the contact edge adhesion makes a square-root singularity of the pressure.", HOLDS)

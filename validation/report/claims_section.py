@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as tree
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from validation.checks import Check
 from validation.claims.claim import Finding, Verdict
 from validation.claims.evidence import Evidence
 from validation.report import figures
 from validation.report.paper_figures import FIGURES, drawn
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TITLE = "What the paper says"
 HEAD = ("verdict", "place in the paper", "what it says", "what was found")
@@ -52,6 +56,11 @@ class Claims:
             for one in self.findings
         ]
 
+    @cached_property
+    def figures(self) -> dict[str, Figure | None]:
+        """The paper's figures by name; ``None`` where a run is missing."""
+        return {paper.name: drawn(paper, self.evidence) for paper in FIGURES}
+
     @property
     def summary(self) -> str:
         """How many hold, and how many not."""
@@ -72,15 +81,15 @@ def html(claims: Claims) -> str:
     table = f"<table><thead><tr>{titles}</tr></thead><tbody>{rows}</tbody></table>"
     return (
         f'<section id="claims"><h2>{TITLE}</h2><p>{escape(claims.summary)}</p><p>{escape(EXPLAINED)}</p>'
-        f'<div class="figures">{_figures(claims.evidence)}</div>'
+        f'<div class="figures">{_figures(claims)}</div>'
         f'<div class="wide">{table}</div></section>'
     )
 
 
-def _figures(found: Evidence) -> str:
+def _figures(claims: Claims) -> str:
     shown = []
     for paper in FIGURES:
-        made = drawn(paper, found)
+        made = claims.figures[paper.name]
         body = (
             "<p>No figure: a run is missing.</p>"
             if made is None
@@ -92,8 +101,9 @@ def _figures(found: Evidence) -> str:
 
 def pictures(claims: Claims) -> dict[str, bytes]:
     """The same figures as PNG, by file name."""
-    made = {paper.name: drawn(paper, claims.evidence) for paper in FIGURES}
-    return {f"{name}.png": figures.png(figure) for name, figure in made.items() if figure is not None}
+    return {
+        f"{name}.png": figures.png(figure) for name, figure in claims.figures.items() if figure is not None
+    }
 
 
 def _cells(one: Finding) -> tuple[str, str, str, str]:
