@@ -134,8 +134,9 @@ def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float 
     """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
     found: dict[str, float | None] = dict(observe(trace).as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
-    for column in ("branch_dissipation", "zone_excess"):
-        found[column] = at_last_contact(trace, column)
+    branches, loss = at_last_contact(trace, "branch_dissipation"), found["dissipated_energy"]
+    found["branch_dissipation"] = branches
+    found["zone_excess"] = branches - loss if branches is not None and loss is not None else None
     found["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
     cycles = cycle_losses(trace, cycle_times(scene.loading))
     peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
