@@ -1,4 +1,4 @@
-"""Error against run time: prices between levels, the cheapest scheme, exponents of cost; from made-up runs."""
+"""Error against run time: prices between levels, the cheapest scheme, exponents of cost, on made-up runs."""
 
 from __future__ import annotations
 

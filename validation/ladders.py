@@ -17,7 +17,7 @@ from scene import Scene
 from validation.schemes import Settings
 
 # Front tracking, what errors are measured against: the first of these resolutions that reaches its end.
-FINEST = (160, 80)
+FINEST = (80, 40)
 FINEST_ADHESIONLESS = (32, 16, 8)
 VOLUME_LEVELS = 2  # of the finite elements with their history in the volume
 
@@ -104,7 +104,7 @@ def _bem_step() -> Ladder:
     fixed = Settings(8)
     levels = tuple(
         Level(2.0**-k, f"tolerance {t:.2g}", replace(fixed, tolerance=t))
-        for k in range(5)
+        for k in range(4)
         if (t := 0.01 * 4.0**-k)
     )
     return Ladder("bem", "step", "step tolerance, by 4, on 8 annuli per zone", levels)
