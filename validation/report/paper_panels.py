@@ -116,7 +116,7 @@ def surfaces(figure: Figure, found: Evidence) -> None:
         axes.set_title(f"({letter}) {way}, {DEPTH} = {profile.penetration:.3f}", fontsize=8)
         axes.set(xlim=(0.0, 0.5), ylim=(-0.035, 0.09))
         inside = r < 0.995 * profile.contact_radius
-        inset = axes.inset_axes((0.15, 0.58, 0.4, 0.36))
+        inset = axes.inset_axes((0.2, 0.6, 0.32, 0.36))
         inset.plot(r[inside], profile.pressure[:n][inside] / np.pi, color=COLOURS[1], linewidth=1.2)
         inset.set_xlabel(r"$\tilde{r}$", fontsize=7, labelpad=0)
         inset.set_ylabel(r"$\tilde{p}$", fontsize=7, labelpad=0)
