@@ -64,8 +64,9 @@ def _dress(axes: Axes) -> None:
     if axes.get_yscale() == "linear":
         axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 4), useOffset=False)
     if axes.get_legend_handles_labels()[0]:
-        where = "lower right" if axes.child_axes else "best"
-        axes.legend(frameon=False, labelcolor=INK, fontsize=7, handlelength=2.8, labelspacing=0.3, loc=where)
+        legend = axes.legend(frameon=False, labelcolor=INK, fontsize=7, handlelength=2.8, labelspacing=0.3)
+        if axes.child_axes:
+            legend.set_loc("lower right")
 
 
 _BY_DEPTH, _BY_FORCE = ("penetration", "force"), ("force", "contact_radius")
