@@ -95,9 +95,9 @@ def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
     ):
         assert said in page
         assert said in text
-    assert page.count("<svg") == 8  # the radius of what is made up has no error
+    assert page.count("<svg") == 9  # the radius of what is made up has no error
     pictures = sorted(file.name for file in (out / "figures").iterdir())
-    assert len(pictures) == 16
+    assert len(pictures) == 18
     assert (out / "figures" / "small-order-loop.png").read_bytes().startswith(b"\x89PNG")
     assert data["environment"]["threads"]["OMP_NUM_THREADS"] == "1"
 

@@ -8,6 +8,7 @@ from validation.convergence import Convergence, LevelRun, read
 from validation.ladders import Ladder, Level
 from validation.schemes import Settings
 from validation.work_precision import (
+    busy,
     cheapest,
     cost,
     growth,
@@ -82,6 +83,7 @@ def test_exponents_of_cost():
     assert found.with_error == pytest.approx(0.90309, rel=1e-4)
     assert growth(study, "steps").with_resolution == pytest.approx(1.0)
     assert growth(study, "linear_solves").with_resolution is None
+    assert busy([study]) == 1.0
     assert "resolution^3.00" in growth_in_words([study])[0]
     assert "fewer than three" in growth_in_words([made_up("bem", [1e-1, None], [1.0, 2.0])])[0]
 

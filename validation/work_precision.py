@@ -15,6 +15,8 @@ from validation.extrapolation import fitted_slope
 ASKED = (1e-1, 1e-2, 1e-3, 1e-4)
 MEASURES = ("force, RMS", "force, mean", "force, largest", "radius, RMS", "pull_off_force", "loop_energy")
 WORK = ("wall_seconds", "cpu_seconds", "steps", "linear_solves", "closure_evaluations", "history_updates")
+PRICED = "cpu_seconds"  # on one thread the run time of a quiet machine, and much the same on a busy one
+BUSY = 1.2  # run time over processor time above which a machine had other work
 LEFT_OUT = {  # counter: what it means that it stayed at zero, and for which schemes (empty: all)
     "closure_evaluations": ("no closure was evaluated", ()),
     "history_updates": ("no history was carried", ()),
@@ -54,7 +56,7 @@ def cost(run: LevelRun, work: str) -> float | None:
     return float(count) if count is not None else None
 
 
-def price(study: Convergence, measure: str, asked: float, work: str = "wall_seconds") -> Price:
+def price(study: Convergence, measure: str, asked: float, work: str = PRICED) -> Price:
     """Least cost at which the error stays at or below ``asked`` from there on to the finest level."""
     points = [
         (abs(run.errors[measure]), spent)
@@ -78,7 +80,7 @@ def price(study: Convergence, measure: str, asked: float, work: str = "wall_seco
 
 
 def cheapest(studies: list[Convergence], measure: str, asked: float) -> tuple[Price | None, list[Price]]:
-    """The cheapest scheme by wall time, and all prices."""
+    """The cheapest scheme by processor time, and all prices."""
     prices = [price(study, measure, asked) for study in studies]
     able = [entry for entry in prices if entry.seconds is not None]
     return min(able, key=lambda entry: entry.seconds or 0.0, default=None), prices
@@ -106,15 +108,26 @@ def in_words(studies: list[Convergence], measure: str = MEASURES[0]) -> list[str
     return said
 
 
+def busy(studies: list[Convergence]) -> float:
+    """Largest run time over processor time of the timed runs: 1 on a quiet machine."""
+    ratios = [
+        run.wall_seconds / run.cpu_seconds
+        for study in studies
+        for run in study.runs
+        if run.wall_seconds and run.cpu_seconds
+    ]
+    return max(ratios, default=1.0)
+
+
 def growth_in_words(studies: list[Convergence]) -> list[str]:
-    """How wall time grows, one sentence for each scheme."""
+    """How processor time grows, one sentence for each scheme."""
     said = []
     for study in studies:
-        fitted = growth(study, "wall_seconds")
+        fitted = growth(study, PRICED)
         if fitted.with_resolution is None:
             said.append(f"{fitted.scheme}: fewer than three levels to fit a cost to.")
             continue
-        line = f"{fitted.scheme}: run time grows as resolution^{fitted.with_resolution:.2f}"
+        line = f"{fitted.scheme}: processor time grows as resolution^{fitted.with_resolution:.2f}"
         if fitted.with_error is not None:
             line += f" and as (1/error)^{fitted.with_error:.2f}"
         said.append(line + ".")

@@ -27,6 +27,7 @@ STYLES: dict[str, dict[str, Any]] = {
 }
 WORK_LABELS = {
     "wall_seconds": "run time (s)",
+    "cpu_seconds": "processor time (s)",
     "steps": "accepted steps",
     "linear_solves": "triangular solves",
     "closure_evaluations": "closure evaluations",
@@ -51,6 +52,7 @@ CONVERGENCE = (
 )
 PRICES = (
     Chart("price-force", "F(t), RMS, against run time", "force, RMS", "wall_seconds"),
+    Chart("price-processor", "F(t), RMS, against processor time", "force, RMS", "cpu_seconds"),
     Chart("price-pull-off", "Pull-off force against run time", "pull_off_force", "wall_seconds"),
     Chart("price-loop", "Loop integral against run time", "loop_energy", "wall_seconds"),
     Chart("price-steps", "F(t), RMS, against steps", "force, RMS", "steps"),
@@ -127,6 +129,8 @@ def _slopes(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
 
 
 def _dress(axes: Axes, chart: Chart) -> None:
+    from matplotlib.ticker import NullFormatter
+
     axes.set_xlabel(WORK_LABELS[chart.work] if chart.work else "level size h/h₀ (finer to the right)")
     axes.set_ylabel(f"relative error, {chart.measure.replace('_', ' ')}")
     axes.grid(True, which="major", color="#b3b3b4", linewidth=0.5)
@@ -136,4 +140,15 @@ def _dress(axes: Axes, chart: Chart) -> None:
         spine.set_color(INK)
     for text in (axes.xaxis.label, axes.yaxis.label):
         text.set_color(INK)
-    axes.legend(frameon=False, labelcolor=INK, fontsize="x-small", handlelength=2.6)
+    for axis in (axes.xaxis, axes.yaxis):  # few decades: labels between them would run into each other
+        axis.set_minor_formatter(NullFormatter())
+    columns = min(4, len(axes.get_legend_handles_labels()[0]))
+    axes.figure.legend(  # above the axes, where it hides no point
+        loc="outside upper center",
+        ncols=columns,
+        frameon=False,
+        labelcolor=INK,
+        fontsize="x-small",
+        handlelength=2.4,
+        columnspacing=1.0,
+    )

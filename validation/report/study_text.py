@@ -174,7 +174,8 @@ def prices(scene: SceneStudy, threads: str) -> Section:
     said = [
         "Each run alone, after a warm-up run of its scheme: the smallest of the repeats stated below (fewer "
         f"where a run takes longer than a second), threads {threads}. Meshing and assembly count, imports "
-        "do not. Costs between levels are interpolated on logarithms, never extrapolated.",
+        "do not. Prices below are processor seconds, on one thread the run time of a quiet machine; between "
+        "levels they are interpolated on logarithms, never extrapolated.",
         "By the RMS error of F(t) over the run, relative to the largest force: "
         + " ".join(work_precision.in_words(studies)),
         "By the pull-off force: " + " ".join(work_precision.in_words(studies, "pull_off_force")),
@@ -182,6 +183,9 @@ def prices(scene: SceneStudy, threads: str) -> Section:
         "Growth of cost (least squares over the ladder, the error that of F(t), RMS): "
         + " ".join(work_precision.growth_in_words(studies)),
     ]
+    share = work_precision.busy(studies)
+    if share > work_precision.BUSY:
+        said.insert(1, f"The machine was busy: run times are up to {share:.1f} times the processor times.")
     spared = work_precision.left_out(studies)
     if spared:
         said.append("Left out because the scene did not need it: " + " ".join(spared))
@@ -198,7 +202,7 @@ def _price_table(studies: Sequence[Convergence]) -> Table:
                 NONE if p.seconds is None else f"{'≤ ' if p.at_most else ''}{p.seconds:.2g} s" for p in found
             ]
             rows.append((_name(measure), f"{asked:.0e}", *cells, best.scheme if best else NONE))
-    return Table("Seconds to an error", head, rows)
+    return Table("Processor seconds to an error", head, rows)
 
 
 def _growth_table(studies: Sequence[Convergence]) -> Table:
