@@ -72,7 +72,9 @@ def test_scales():
     trace = spring(1.0)
     assert scale("detachment_penetration", 1e-9, trace) == pytest.approx(0.03)
     assert scale("start_force", 1e-9, trace) == pytest.approx(0.05 * 0.03)
-    assert scale("dissipated_energy", 1e-9, trace) == trace.stored_energy.max()
+    assert scale("dissipated_energy", 1e-9, trace) == pytest.approx(trace.stored_energy.max())
+    worked = dataclasses.replace(trace, external_work=7.0 * trace.external_work)
+    assert scale("dissipated_energy", 1e-9, worked) == pytest.approx(7.0 * trace.stored_energy.max())
     assert scale("loop_energy", -2.0, trace) == 2.0
 
 

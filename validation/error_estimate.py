@@ -45,16 +45,24 @@ def scale(name: str, value: float, trace: Trace) -> float:
     """What differences in a scalar are relative to.
 
     Its value; a penetration: the largest of the run; what nearly vanishes: a twentieth of its column's
-    largest magnitude; a loss: at least the largest stored energy, because the balance is of that size.
+    largest magnitude; a loss, which is what a balance leaves: at least the largest term of that balance.
     """
     if name == "penetration" or name.endswith("_penetration"):
         return float(np.abs(trace.penetration).max())
     if name in ("dissipated_energy", *FIRST_ORDER):
-        return max(abs(value), float(trace.stored_energy.max()))
+        return max(abs(value), _turnover(trace))
     column = column_of(name)
     if not column:
         return abs(value)
     return max(abs(value), 0.05 * float(np.abs(trace.columns()[column]).max()))
+
+
+def _turnover(trace: Trace) -> float:
+    """Largest of the energies that balance: stored, external work, surface."""
+    stored = trace.stored_energy - trace.stored_energy[0]
+    surface = trace.dissipated_energy + stored - trace.external_work
+    terms = (trace.stored_energy, trace.external_work, surface)
+    return max(float(np.abs(term).max()) for term in terms)
 
 
 def coarser(solver: str, scene: Scene, resolution: int | None) -> tuple[int, float | None]:
