@@ -1,0 +1,104 @@
+"""Faults seeded into the solvers in memory, one at a time; nothing on disk is touched."""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+PACKAGES = ("bem_solver", "fem_solver", "validation.reference")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A wrong version of one function.
+
+    Parameters
+    ----------
+    solver : str
+        Which solver suffers.
+    name : str
+        What is wrong, in words.
+    target : str
+        ``module:function`` or ``module:Class.method``; properties, class and static methods too.
+    broken : callable
+        From the true function to the wrong one.
+    """
+
+    solver: str
+    name: str
+    target: str
+    broken: Callable[[Callable[..., Any]], Callable[..., Any]]
+
+    @property
+    def key(self) -> str:
+        """Name of the test."""
+        return f"{self.solver}: {self.name}"
+
+
+@dataclass
+class Calls:
+    """How often a wrong function has been called."""
+
+    count: int = 0
+
+
+@contextmanager
+def seeded(fault: Fault) -> Iterator[Calls]:
+    """Put the wrong function wherever the true one is bound, count its calls, and put the true one back."""
+    module, _, path = fault.target.partition(":")
+    owner: Any = importlib.import_module(module)
+    *outer, name = path.split(".")
+    for part in outer:
+        owner = getattr(owner, part)
+    true = vars(owner)[name]
+    calls = Calls()
+
+    def counted(function: Callable[..., Any]) -> Callable[..., Any]:
+        wrong = fault.broken(function)
+
+        @functools.wraps(function)
+        def call(*arguments: Any, **named: Any) -> Any:
+            calls.count += 1
+            return wrong(*arguments, **named)
+
+        return call
+
+    match true:
+        case property():
+            wrong: Any = property(counted(true.fget))
+        case classmethod():
+            wrong = classmethod(counted(true.__func__))
+        case staticmethod():
+            wrong = staticmethod(counted(true.__func__))
+        case _:
+            wrong = counted(true)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(owner, name, wrong)
+        for importer in [m for n, m in sys.modules.items() if n.startswith(PACKAGES)]:
+            for alias in [a for a, value in vars(importer).items() if value is true]:
+                patch.setattr(importer, alias, wrong)
+        yield calls
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Interrupt what takes longer by a :class:`TimeoutError`: a wrong function may make a search endless."""
+
+    def stop(*_: object) -> None:
+        raise TimeoutError(f"no end within {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

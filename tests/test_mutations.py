@@ -1,0 +1,151 @@
+"""Does the quick suite catch wrong physics? Single faults, one at a time, against the suite's own checks.
+
+A fault counts as caught if a check of the quick suite that passes for the true solvers fails with the fault.
+The scenes below are the cheapest of that suite; a fault that slips through all of them must not change any
+observable by more than one per cent there. The table of all faults is printed and written to
+``out/faults.md``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import faults_bem
+import faults_fem
+import faults_reference
+import numpy as np
+import pytest
+from seeding import Fault, seeded, time_limit
+
+from validation import cases, solvers
+from validation.compare import check_case
+from validation.error_estimate import ENERGIES, column_of, scale
+from validation.norms import distance
+from validation.runs import Run, run
+
+FAULTS = [*faults_reference.FAULTS, *faults_bem.FAULTS, *faults_fem.FAULTS]
+SCENES = ("relaxed-equilibrium", "elastic-relaxed", "cycle-v0.02", "adhesionless-cycle", "three-branches")
+NOTICEABLE = 0.01
+PATIENCE = 10.0  # times what the true solver takes; at least SECONDS
+SECONDS = 20.0
+TABLE = Path(__file__).parents[1] / "out" / "faults.md"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one fault did: where it was caught first, by how many checks, and how large its effect was."""
+
+    fault: Fault
+    caught: str
+    effect: float
+    most: str
+
+    def row(self) -> str:
+        """Line of the table."""
+        effect = (
+            "no run to compare" if math.isinf(self.effect) else f"{100 * self.effect:.2g} % in {self.most}"
+        )
+        return f"| {self.fault.solver} | {self.fault.name} | {self.caught or '**not caught**'} | {effect} |"
+
+
+@pytest.fixture(scope="module")
+def clean() -> dict[str, dict[str, Run]]:
+    """All solvers, unharmed, on every scene; every check passes."""
+    with np.errstate(all="ignore"):
+        runs = {name: {s: run(cases.load(name), s) for s in solvers.SOLVERS} for name in SCENES}
+    for name in SCENES:
+        failed = [check for check in check_case(cases.load(name), runs[name]) if not check.passed]
+        assert not failed, failed
+    return runs
+
+
+@pytest.fixture(scope="module")
+def findings():
+    """Collects the table, and shows it at the end."""
+    found: list[Finding] = []
+    yield found
+    head = ["| solver | fault | caught by | largest effect seen |", "|---|---|---|---|"]
+    caught = [f for f in found if f.caught]
+    missed = [f for f in found if not f.caught]
+    lines = [f"{len(found)} faults, {len(caught)} caught, {len(missed)} not:", ""]
+    lines += [*head, *(f.row() for f in (*missed, *caught))]
+    TABLE.parent.mkdir(exist_ok=True)
+    TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    print("\n" + "\n".join(lines))
+
+
+def effect(true: Run, wrong: Run) -> tuple[float, str]:
+    """Largest relative change of an observable or a curve, and its name; infinite without a curve."""
+    if true.trace is None or wrong.trace is None or len(wrong.trace) == 0:
+        return math.inf, "outcome"
+    changes: dict[str, float] = {}
+    for column, values in true.trace.columns().items():
+        if column in ("balance_residual", "energy_release_rate", "stress_intensity_factor"):
+            continue  # noise, a difference quotient, and what only one solver reports
+        apart = distance(wrong.trace, true.trace, column)
+        single = len(true.trace) == 1
+        largest = float(np.abs(values).max()) or 1.0
+        first = abs(wrong.trace.columns()[column][0] - values[0]) / largest
+        changes[column] = first if single or apart is None else apart.rms
+    for name, value in true.measures.items():
+        now = wrong.measures.get(name)
+        if value is None or name.startswith("final") or not (column_of(name) or name in ENERGIES):
+            continue
+        if now is None:
+            return math.inf, name
+        size = scale(name, value, true.trace)
+        changes[name] = abs(now - value) / size if size > 0.0 else float(now != value)
+    worst = max(changes, key=lambda name: changes[name])
+    return changes[worst], worst.replace("_", " ")
+
+
+def same(true: Run, wrong: Run) -> bool:
+    """Whether not a bit of any column has changed."""
+    if true.trace is None or wrong.trace is None:
+        return False
+    mine, theirs = true.trace.columns(), wrong.trace.columns()
+    return all(np.array_equal(mine[name], theirs[name]) for name in mine)
+
+
+def examine(fault: Fault, clean: dict[str, dict[str, Run]]) -> Finding:
+    """Run the scenes with the fault until a check fails."""
+    largest, called, changed = (0.0, "nothing"), 0, False
+    for name in SCENES:
+        case = cases.load(name)
+        limit = max(SECONDS, PATIENCE * clean[name][fault.solver].wall_seconds)
+        with seeded(fault) as calls, time_limit(limit):
+            wrong = run(case, fault.solver)
+        called += calls.count
+        changed = changed or not same(clean[name][fault.solver], wrong)
+        largest = max(largest, (*effect(clean[name][fault.solver], wrong),))
+        checks = check_case(case, {**clean[name], fault.solver: wrong})
+        failed = [check for check in checks if not check.passed]
+        if failed:
+            first = failed[0]
+            caught = f"{name}: {first.quantity.replace('_', ' ')} ({len(failed)} of {len(checks)} checks)"
+            assert called, "the wrong function is never called: the fault tests nothing"
+            return Finding(fault, caught, *largest)
+    assert called, "the wrong function is never called: the fault tests nothing"
+    assert changed, "the wrong function changes nothing: the fault tests nothing"
+    return Finding(fault, "", *largest)
+
+
+def test_there_are_enough_faults_in_every_solver():
+    assert len(FAULTS) >= 30
+    assert len({fault.key for fault in FAULTS}) == len(FAULTS)
+    assert {fault.solver for fault in FAULTS} == set(solvers.SOLVERS)
+
+
+def test_the_scenes_belong_to_the_quick_suite():
+    assert set(SCENES) <= set(cases.suite("quick"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.key)
+def test_fault_is_caught_or_small(fault, clean, findings):
+    with np.errstate(all="ignore"):
+        finding = examine(fault, clean)
+    findings.append(finding)
+    assert finding.caught or finding.effect <= NOTICEABLE, finding.row()
