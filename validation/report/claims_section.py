@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TITLE = "What the paper says"
+COUNTED = dict(zip(Verdict, ("hold", "hold in part", "do not hold", "could not be judged"), strict=True))
 HEAD = ("verdict", "place in the paper", "what it says", "what was found")
 EXPLAINED = (
     "Statements of the paper, paraphrased, each judged on boundary-element runs (and on the reference "
@@ -65,7 +66,7 @@ class Claims:
     def summary(self) -> str:
         """How many hold, and how many not."""
         counts = {verdict: sum(one.verdict is verdict for one in self.findings) for verdict in Verdict}
-        said = ", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)
+        said = ", ".join(f"{count} {COUNTED[verdict]}" for verdict, count in counts.items() if count)
         changed = sum(one.changed for one in self.findings)
         verdicts = "no verdict" if not changed else f"{changed} verdict{'s' if changed > 1 else ''}"
         return f"{len(self.findings)} statements: {said}; {verdicts} changed."
@@ -95,7 +96,8 @@ def _figures(claims: Claims) -> str:
             if made is None
             else figures.svg(made, f"paper-{paper.name}", escape(paper.caption))
         )
-        shown.append(f"<figure>{body}<figcaption>{escape(paper.caption)}</figcaption></figure>")
+        opening = '<figure class="whole">' if paper.whole else "<figure>"
+        shown.append(f"{opening}{body}<figcaption>{escape(paper.caption)}</figcaption></figure>")
     return "\n".join(shown)
 
 
@@ -112,7 +114,8 @@ def _cells(one: Finding) -> tuple[str, str, str, str]:
 
 
 def _verdict(one: Finding) -> str:
-    return f'<span class="{"fail" if one.changed else "pass"}">{escape(_cells(one)[0])}</span>'
+    kind = "fail" if one.changed else "pass" if one.verdict is Verdict.HOLDS else ""
+    return f'<span class="{kind}">{escape(_cells(one)[0])}</span>' if kind else escape(_cells(one)[0])
 
 
 def markdown(claims: Claims) -> list[str]:

@@ -24,11 +24,12 @@ SIZE = (4.2, 3.1)  # inches
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """One figure or panel: ``name`` is a file name, ``draw`` fills axes."""
+    """One figure or panel: ``name`` is a file name, ``draw`` fills axes; ``whole``: as wide as the page."""
 
     name: str
     caption: str
     draw: Callable[[Figure, Evidence], None]
+    whole: bool = False
 
 
 def drawn(figure: PaperFigure, found: Evidence) -> Figure | None:
@@ -78,7 +79,7 @@ FIGURES = (
                 panels.diagram(panels.cycles(), *_BY_FORCE)),
     PaperFigure("fig2c", "Fig. 2 (c): pull-off force of cycles against speed", panels.pull_off_of_cycles),
     PaperFigure("fig3", "Fig. 3: surface, and pressure (insets), along the cycle at speed 0.002",
-                panels.surfaces),
+                panels.surfaces, whole=True),
     PaperFigure("fig4a", "Fig. 4 (a): relaxed, then withdrawn: force against penetration",
                 panels.diagram(panels.retractions(), *_BY_DEPTH)),
     PaperFigure("fig4b", "Fig. 4 (b): the same, contact radius against force",
