@@ -18,7 +18,7 @@ from validation.schemes import Settings
 
 # Front tracking, what errors are measured against: the first of these resolutions that reaches its end.
 FINEST = (80, 40)
-FINEST_ADHESIONLESS = (32, 16, 8)
+FINEST_ADHESIONLESS = (16, 8)
 VOLUME_LEVELS = 2  # of the finite elements with their history in the volume
 
 
@@ -95,7 +95,7 @@ def _fem_volume(scene: Scene) -> Ladder:
 
 
 def _reference(scene: Scene) -> Ladder:
-    sizes = (5, 10, 20, 40) if scene.is_adhesive else (4, 8, 16, 32)
+    sizes = (5, 10, 20, 40) if scene.is_adhesive else (4, 6, 8, 12)
     levels = tuple(_by_resolution(n, Settings(n)) for n in sizes)
     return Ladder("reference", "together", "steps per zone; tolerance with their square", levels)
 
