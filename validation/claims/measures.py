@@ -95,7 +95,7 @@ def on_line(trace: Trace, slope: float, tolerance: float = RECOVERED) -> float:
     return float((depth[0] - last) / (depth[0] - depth[top]))
 
 
-def release_rate(trace: Trace, at: int, work: float, window: float = 0.02) -> float:
+def release_rate(trace: Trace, at: int, work: float, window: float = 0.005) -> float:
     """``G = dg - dP/dA`` (Eq. enrelrate2) about row ``at``: the slope of the loss over the contact area.
 
     A straight line through the rows whose area lies within ``window`` of the row's own, at least two on
