@@ -17,7 +17,6 @@ from validation.reference.tracking.surface import Body, Path, Step, Surface, mov
 
 Array = NDArray[np.float64]
 
-CLOSED = 1e-8  # residual of the law at an accepted edge
 MOST = 400  # nodes left by an edge that runs
 GROWTH = 1.1  # of the strides in which an edge on the run is looked for
 NARROW = 1e-14  # relative: two radii or two times that are the same
@@ -113,11 +112,13 @@ class Attempt:
             return self.residual(duration, radius)
 
         if guess != a0 and lowest < guess < highest:
-            quick = rising_root(function, guess, 0.01 * (guess - a0), steepness, (lowest, highest), CLOSED)
+            quick = rising_root(
+                function, guess, 0.01 * (guess - a0), steepness, (lowest, highest), self.law.closed
+            )
             if quick is not None and (quick[0] - a0) * (guess - a0) > 0.0:
                 return Found(quick[0], True, quick[1])
         inward, outward = self.tendencies(duration)
-        if inward <= CLOSED and outward <= CLOSED:
+        if inward <= self.law.closed and outward <= self.law.closed:
             return Found(a0, True)
         up = outward > inward
         limit = min(highest, self.cap) if up else lowest
@@ -126,8 +127,10 @@ class Attempt:
         while near != limit:
             far = min(near + stride, limit) if up else max(near - stride, limit)
             at_far = function(far)
-            if (at_far >= 0.0) == up or abs(at_far) <= CLOSED:
-                return Found(bracketed(function, near, at_near, far, at_far, CLOSED, NARROW * a0), True)
+            if (at_far >= 0.0) == up or abs(at_far) <= self.law.closed:
+                return Found(
+                    bracketed(function, near, at_near, far, at_far, self.law.closed, NARROW * a0), True
+                )
             near, at_near, stride = far, at_far, 3.0 * stride
         return Found(limit, up and limit >= self.cap)
 
@@ -143,15 +146,15 @@ class Attempt:
             return None
         if (late >= 0.0) if outward else (late <= 0.0):
             return longest
-        return bracketed(function, 0.0, at_once, longest, late, CLOSED, NARROW * longest)
+        return bracketed(function, 0.0, at_once, longest, late, self.law.closed, NARROW * longest)
 
     def departure(self, longest: float) -> float | None:
         """Time within ``longest`` at which an edge at rest sets off; ``None`` if it stays or is under way."""
         late = self.tendencies(longest)
         for side in (0, 1):
-            if late[side] > CLOSED:
+            if late[side] > self.law.closed:
                 now = self.tendencies(0.0)[side]
-                if now >= -CLOSED:
+                if now >= -self.law.closed:
                     return None
                 return bracketed(
                     lambda t, side=side: self.tendencies(t)[side],  # type: ignore[misc]
@@ -159,7 +162,7 @@ class Attempt:
                     now,
                     longest,
                     late[side],
-                    CLOSED,
+                    self.law.closed,
                     NARROW * longest,
                 )
         return None
@@ -170,14 +173,20 @@ class Attempt:
         Looked for in strides, outward in growing ones: there the residual ends up positive on any profile.
         """
         radius = self.surface.radius
-        value = -CLOSED if outward else CLOSED
+        value = -self.law.closed if outward else self.law.closed
         while radius != limit:
             before, at_before = radius, value
             radius = min(radius + stride, limit) if outward else max(radius - stride, limit)
             value = self.residual(0.0, radius)
-            if value > CLOSED if outward else value < -CLOSED:
+            if value > self.law.closed if outward else value < -self.law.closed:
                 return bracketed(
-                    lambda a: self.residual(0.0, a), before, at_before, radius, value, CLOSED, NARROW * radius
+                    lambda a: self.residual(0.0, a),
+                    before,
+                    at_before,
+                    radius,
+                    value,
+                    self.law.closed,
+                    NARROW * radius,
                 )
             stride *= GROWTH if outward else 1.0
         return limit if outward and limit >= self.cap else None

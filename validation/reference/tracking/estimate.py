@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
 
 RICHARDSON = 1.0 / 3.0
+NEARBY = 48  # sides of the other curve on either hand
 
 
 def estimated_errors(fine: Columns, coarse: Columns) -> dict[str, float]:
@@ -46,18 +47,17 @@ def _work(run: Columns) -> float:
 
 
 def _curve_distance(fine: Columns, coarse: Columns, name: str) -> float:
-    time, value = fine["time"], fine[name]
-    scale, span = float(np.abs(value).max()), float(time[-1] - time[0])
-    if scale == 0.0 or span == 0.0:
-        return abs(float(value[0] - coarse[name][0])) / (scale or 1.0)
-    step = np.diff(time)
-    smooth = step > 0.0
-    steepness = np.zeros_like(time)
-    rate = np.divide(np.diff(value), step, out=np.zeros_like(step), where=smooth) * span / scale
-    steepness[1:] = np.abs(rate)
-    steepness[:-1] = np.maximum(steepness[:-1], np.abs(rate))
-    other_time, other = coarse["time"], coarse[name]
-    jumps = np.union1d(time[1:][~smooth], other_time[1:][np.diff(other_time) == 0.0])
-    inner = (time <= other_time[-1]) & ~np.isin(time, jumps)
-    at = np.interp(time[inner], other_time, other)
-    return float((np.abs(at - value[inner]) / np.hypot(1.0, steepness[inner])).max(initial=0.0) / scale)
+    """Largest distance of a row of the finer run from the polygon of the other, over nearby sides."""
+    scale, span = float(np.abs(fine[name]).max()) or 1.0, float(np.ptp(fine["time"])) or 1.0
+    time, value = fine["time"] / span, fine[name] / scale
+    corner_time, corner = coarse["time"] / span, coarse[name] / scale
+    if len(corner) < 2:
+        return float(np.abs(value - corner[0]).max())
+    nearest = corner_time.searchsorted(time)
+    side = np.clip(nearest[:, None] + np.arange(-NEARBY, NEARBY + 1), 0, len(corner) - 2)
+    along_time, along = np.diff(corner_time)[side], np.diff(corner)[side]
+    off_time, off = time[:, None] - corner_time[side], value[:, None] - corner[side]
+    length = along_time**2 + along**2
+    share = (off_time * along_time + off * along) / np.where(length > 0.0, length, 1.0)
+    share = np.clip(share, 0.0, 1.0)
+    return float(np.hypot(off_time - share * along_time, off - share * along).min(axis=1).max())

@@ -22,6 +22,7 @@ class Griffith:
     """``I(a)/dg - 1`` (paper, Eq. closure)."""
 
     adhesion: Adhesion
+    closed: ClassVar[float] = 1e-8  # residual at an accepted edge
 
     @property
     def reach(self) -> float:
@@ -55,6 +56,7 @@ class NoTension:
     """``-q(a)/scale``: released where the edge would pull, covered where the indenter would overlap."""
 
     scale: float
+    closed: ClassVar[float] = 1e-13  # a shrinking contact ends in a point, where the residual is flat
     reach: ClassVar[float] = 0.0
     lowest: ClassVar[float] = 0.0
     rest: ClassVar[float] = 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from scene.errors import SceneError, number
 
 RESOLUTION = {True: 20.0, False: 4.0}  # with and without adhesion
-TOLERANCE = 7e-6
+TOLERANCE = 6e-6
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Options:
         otherwise falling with its root.
     tolerance : float, optional
         Largest deviation of force and radius from a straight line within a step, relative to the largest
-        value so far. Default 7e-6 at the default resolution, and otherwise falling with its square.
+        value so far. Default 6e-6 at the default resolution, and otherwise falling with its square.
     profile_times : tuple of float
         Times at which surface profiles are returned; stepped onto exactly, ignored outside the run.
     max_steps : int

@@ -41,7 +41,9 @@ def rising_root(
 ) -> tuple[float, float] | None:
     """A root near ``first`` at which the function rises, and its steepness, by a few secant steps.
 
-    The second point is ``offset`` away, or where ``steepness`` (if positive) points. ``None`` if the steps
+    The second point is ``offset`` away, or where ``steepness`` (if positive) points. The error of a secant
+    step is of the order of the product of the last two values (in units in which function, slope and
+    curvature are of order one): where that is small the last point is not looked at. ``None`` if the steps
     leave the limits, the function does not rise, or they do not get there soon.
     """
     one = function(first)
@@ -57,7 +59,7 @@ def rising_root(
         steepness = (two - one) / (second - first)
         if steepness <= 0.0:
             return None
-        if abs(two) <= small:
-            return second, steepness
+        if abs(one * two) <= small:
+            return second - two / steepness, steepness
         first, one, offset = second, two, -two / steepness
     return None

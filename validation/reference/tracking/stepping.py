@@ -21,14 +21,14 @@ from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.record import Record
 from validation.reference.tracking.surface import Body, Surface
 from validation.reference.tracking.thinning import thinned
-from validation.reference.tracking.trail import Trail
+from validation.reference.tracking.trail import RADIUS, TIME, Trail
 
 Array = NDArray[np.float64]
 
 THIN_EVERY = 12
 THIN_SHARE = 0.1  # of the deviation allowed in a step: what dropping a node may cost
 FOLD = 1e-4  # of the largest travel: the limit point counts as reached when no longer step is stable
-SMOOTH = 20.0  # times the deviation is allowed where the load is curved: closed loops integrate well anyway
+SMOOTH = 24.0  # times the deviation is allowed where the load is curved: closed loops integrate well anyway
 FIRST = 100.0  # times the deviation times the shortest time: the step after a kink, which nothing judges
 LAYER = 1e-6  # of the process zone: a boundary layer thinner than this does not matter
 
@@ -86,7 +86,7 @@ class Run:
         step = 0.0
         for stop in stops:
             if self._trail.fresh:
-                step = self._first_step(stop - self.time)
+                step = self._first_step(segment, stop - self.time)
             while self.time < stop and self.outcome is None:
                 step = self._advance(segment, stop, step)
                 if self.progress is not None:
@@ -103,10 +103,15 @@ class Run:
         self._trail.kink()
         self.record.kink()
 
-    def _first_step(self, length: float) -> float:
-        times = self.body.rheology.times
-        quick = FIRST * self.fineness.deviation * float(times[0]) if len(times) else length
-        return min(max(quick, 1e-12 * length), 1e-2 * length)
+    def _first_step(self, segment: Segment, length: float) -> float:
+        """The step after a kink, which nothing judges: a small part of every time that may matter."""
+        part = FIRST * self.fineness.deviation
+        quick = min(part * float(self.body.rheology.times.min(initial=math.inf)), 1e-2 * length)
+        scale = self.depth_scale if segment.control == "penetration" else self.force_scale
+        rate = abs(segment.rate(self.time))
+        if rate > 0.0 and scale > 0.0:
+            quick = min(quick, part * scale / rate)
+        return max(quick, 1e-12 * length)
 
     def _advance(self, segment: Segment, stop: float, proposed: float) -> float:
         """One step towards ``stop``; returns the next proposal."""
@@ -118,13 +123,17 @@ class Run:
         h = left if proposed >= 0.999 * left else max(min(proposed, 0.5 * left), tick)
         if abs(slope) * h > 0.95 * self._travel:
             h = 0.9 * self._travel / abs(slope)
-        turn = self._trail.time_to_extremum()
+        turn = self._trail.to_extremum()
         if 0.1 * h < turn < h:  # a row at the extremum reads off the pull-off force
             h = turn
         guess = a0 + slope * h + 0.5 * self._trail.curvature().radius * h * h
-        unloads = isinstance(self.law, NoTension) and segment.control == "force" and a0 > 0.0
-        if unloads and segment.value(self.time + h) <= 0.0:
-            return self._let_go(segment, h)
+        if isinstance(self.law, NoTension) and a0 > 0.0:
+            if segment.control == "force" and segment.value(self.time + h) <= 0.0:
+                return self._let_go(segment, h)
+            if segment.control == "penetration" and slope < 0.0 and a0 <= self.largest_travel:
+                attempt = self._attempt(segment, self._trail.curvature(), 0.0)
+                if attempt.residual(left, 0.0) > 0.0:
+                    return self._by_distance(attempt, 0.0, left)
         attempt = self._attempt(segment, self._trail.curvature(), abs(guess - a0))
         low, high = max(a0 - self._travel, self.law.lowest), min(a0 + self._travel, self.scene.indenter.edge)
         found = attempt.edge(h, guess, low, high, self._steepness)
@@ -133,12 +142,12 @@ class Run:
             if departure is not None and departure > tick:
                 self._commit(self.time + departure, attempt.surface_at(departure, a0))
                 self._kink()
-                return self._first_step(stop - self.time)
+                return self._first_step(segment, stop - self.time)
         if not found.reached:
             return self._by_distance(attempt, found.radius, h)
         surface = attempt.surface_at(h, found.radius)
         force = surface.force(self.body)
-        deviation = self._deviation(h, surface, force, segment)
+        deviation = self._deviation(self.time + h, surface, force, segment)
         if deviation > 2.0:
             self.counters.rejected_steps += 1
             if h <= tick:
@@ -169,12 +178,23 @@ class Run:
         if radius == a0:
             self._lost("the contact has shrunk to the length of the process zone")
             return longest
+        turn = self._trail.to_extremum(RADIUS) / (radius - a0)
+        if 0.1 < turn < 1.0 and radius > 0.0:
+            radius = a0 + turn * (radius - a0)
         h = attempt.duration_to(radius, longest)
         if h is not None and h > 0.0:
             probe = radius + 1e-2 * (radius - a0)
             onwards = attempt.residual(h, probe) if probe > self.law.lowest else 0.0
             if onwards * (radius - a0) >= 0.0:
-                self._commit(self.time + h, attempt.surface_at(h, radius))
+                surface = attempt.surface_at(h, radius)
+                force = surface.force(self.body)
+                deviation = self._deviation(self.time + h, surface, force, attempt.segment, RADIUS)
+                change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
+                self._travel = min(self.largest_travel, max(change, 0.2) * abs(radius - a0))
+                if deviation > 2.0 and radius > 0.0:
+                    self.counters.rejected_steps += 1
+                    return longest
+                self._commit(self.time + h, surface, force)
                 if radius == 0.0:
                     self._lost()
                 return 1.5 * h
@@ -182,7 +202,7 @@ class Run:
         if abs(radius - a0) > FOLD * self.largest_travel:
             self._travel = 0.5 * abs(radius - a0)
             return longest
-        outward = radius > a0
+        outward = self._direction(attempt, radius)
         event = Event(
             "snap-in" if outward else "pull-off", self.time, self.surface.penetration, self.force, a0
         )
@@ -191,6 +211,19 @@ class Run:
         if far and isinstance(self.law, Griffith) and self.outcome is None:
             self.events.append(event)
         return longest
+
+    def _direction(self, attempt: Attempt, radius: float) -> bool:
+        """Whether an edge that cannot stay runs outward: towards ``radius``, or on as before.
+
+        The latter if both ways are open: it has overstepped a limit point by a hair.
+        """
+        a0 = self.surface.radius
+        opposite = 2.0 * a0 - radius
+        if not self._trail.fresh and self.law.lowest < opposite < self.scene.indenter.edge:
+            pull = attempt.residual(0.0, opposite)
+            if (pull < -self.law.closed) if opposite > a0 else (pull > self.law.closed):
+                return self._trail.rate_of_radius() > 0.0
+        return radius > a0
 
     def _jump(self, segment: Segment) -> None:
         """The load jumps: glassy answer at fixed time."""
@@ -232,7 +265,7 @@ class Run:
 
     def _attempt(self, segment: Segment, curvature: Curvature, travel: float) -> Attempt:
         times = self.body.rheology.times
-        ratio = 1.0 - 3.5 / max(self.fineness.divisions, 5.0)
+        ratio = 1.0 - 3.0 / max(self.fineness.divisions, 5.0)
 
         def marks(duration: float) -> Array:
             """Moments crowded towards the end: every short time leaves a layer behind the edge."""
@@ -255,11 +288,13 @@ class Run:
             self.largest_travel,
         )
 
-    def _deviation(self, h: float, surface: Surface, force: float, segment: Segment) -> float:
+    def _deviation(
+        self, time: float, surface: Surface, force: float, segment: Segment, along: int = TIME
+    ) -> float:
         """Departure from a straight line within the step, over what is allowed."""
         depth = surface.penetration
         scales = (self.radius_scale, max(self.force_scale, abs(force)), max(self.depth_scale, abs(depth)))
-        sags = self._trail.sag(h, surface.radius, force, depth)
+        sags = self._trail.sag((time, surface.radius, force, depth), along)
         judged = 3 if segment.control == "force" else 2
         parts = [sag / scale for sag, scale in zip(sags[:judged], scales, strict=False) if scale > 0.0]
         relative = max(parts, default=0.0)
@@ -280,4 +315,4 @@ class Run:
         self.radius_scale = max(self.radius_scale, surface.radius)
         self.depth_scale = max(self.depth_scale, abs(surface.penetration))
         self.record.add(self.time, surface, self.force)
-        self._trail.add(self.time, surface.radius, self.force, surface.penetration)
+        self._trail.add((self.time, surface.radius, self.force, surface.penetration))
