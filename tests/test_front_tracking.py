@@ -55,7 +55,7 @@ def _elastic(modulus: float) -> Scene:
     return Scene(Material(modulus, 0.5), Sphere(1.0), loading, Adhesion(WORK, ZONE))
 
 
-# Digits as printed in the formulation notes; the tolerance is half a unit of the last, or 1e-5.
+# Digits of an independent prototype; the tolerance is half a unit of the last, or 1e-5.
 CYCLES = {
     0.002: {
         "approach_radius": (0.21116, 5e-6),

@@ -143,7 +143,7 @@ def test_covering_and_releasing_are_glassy() -> None:
 
 @pytest.mark.parametrize(("ratio", "accuracy"), [(0.05, 1e-10), (0.2, 1e-8), (0.5, 1e-5)])
 def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> None:
-    """The section's double integral over ``q'``, before integration by parts, for smooth ``q`` and ``d``."""
+    """The double integral over ``q'``, before integration by parts, for smooth ``q`` and ``d``."""
     a, depth = 0.2, 0.03
     da = ratio * a
     inside, outside = np.linspace(0.0, a, 300), np.linspace(a, a + 1.5 * da, 40)

@@ -55,7 +55,7 @@ def _at(trace: Trace, time: float) -> int:
 
 
 def test_lee_radok_and_ting() -> None:
-    """Adhesionless sphere, V = 0.05, reversal at t = 1 (values of the formulation notes)."""
+    """Adhesionless sphere, V = 0.05, reversal at t = 1 (closed forms)."""
     trace = solve(
         _scene((Ramp(0.05, 0.05), Ramp(-0.05, 0.05)), adhesion=None), Options(profile_times=(0.5, 1.2710490))
     )
