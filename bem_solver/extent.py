@@ -10,7 +10,7 @@ from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
 from bem_solver.start import contact_scale, elastic_twin, empty_front, equilibrium
 from bem_solver.trial import Problem
-from scene import Ramp, Scene
+from scene import Force, Hold, Ramp, Scene
 
 FEWEST, MOST = 16, 4000
 _COARSE = 24
@@ -18,6 +18,7 @@ _LAYER_MOST = 480  # annuli a boundary layer may ask for
 _LAYER_MATTERS = (
     0.01  # change of the closure, relative to the work of adhesion, below which a layer is left out
 )
+_RESTING = 0.03  # the same change, to which a layer is followed while the load rests
 
 
 def annuli_needed(divisions: int, share: float) -> int:
@@ -36,24 +37,26 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> fl
     """Thinnest boundary layer behind an advancing edge that changes the closure noticeably; zero without.
 
     Advancing at speed v, the stress of branch k relaxes over ``v tau_k``, which changes the closure by the
-    order of ``(E_k/E0) v tau_k/da``. The speed is that of a contact that follows the profile, ``rate/(2
-    df/dr)``.
+    order of ``(E_k/E0) v tau_k/da``. On a ramp the speed is that of a contact that follows the profile,
+    ``rate/(2 df/dr)``; while the load rests it falls through every value, down to where the layer hardly
+    matters.
     """
     if zone == 0.0 or not len(chain):
         return 0.0
     slope = float(scene.indenter.slope(radius))
-    penetration, slowest = scene.loading.penetration, np.inf
+    penetration, slowest, rest = scene.loading.penetration, np.inf, 0.0
     for step in scene.loading.steps:
         if isinstance(step, Ramp):
             if step.to > penetration:
                 slowest = min(slowest, step.rate)
             penetration = step.to
-    if not np.isfinite(slowest) or slope == 0.0:
-        return 0.0
-    layers = slowest / (2.0 * slope) * chain.relaxation
-    moduli = chain.stress_scale**2 / chain.relaxation
-    matter = (layers < zone) & (moduli / chain.relaxed * layers / zone > _LAYER_MATTERS)
-    return float(layers[matter].min(initial=zone)) if matter.any() else 0.0
+        elif isinstance(step, (Hold, Force)):
+            rest = max(rest, step.duration)
+    strength = chain.stress_scale**2 / chain.relaxation / chain.relaxed
+    layers = slowest / (2.0 * slope) * chain.relaxation if slope > 0.0 else np.full(len(chain), np.inf)
+    layers = np.where(rest > chain.relaxation, np.minimum(layers, _RESTING * zone / strength), layers)
+    matter = (layers < zone) & (strength * layers / zone > _LAYER_MATTERS)
+    return float(layers[matter].min()) if matter.any() else 0.0
 
 
 def largest_contact(scene: Scene, problem: Problem) -> float:

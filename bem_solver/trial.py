@@ -44,8 +44,8 @@ class Problem:
         return len(self.chain) > 0
 
     def length_at(self, edge: float) -> float:
-        """Length on which a contact of radius ``edge`` is resolved: the zone, or half the radius."""
-        return self.zone if self.work > 0.0 else 0.5 * edge
+        """Length on which a contact of radius ``edge`` is resolved: the zone, or a quarter of the radius."""
+        return self.zone if self.work > 0.0 else 0.25 * edge
 
 
 @dataclass(frozen=True)
