@@ -113,7 +113,9 @@ def ledge():
     return TabulatedProfile(tuple(r), tuple(height))
 
 
-@pytest.mark.parametrize("material", [ELASTIC, ONE], ids=["elastic", "viscoelastic"])
+@pytest.mark.parametrize(
+    "material", [ELASTIC, pytest.param(ONE, marks=pytest.mark.slow)], ids=["elastic", "viscoelastic"]
+)
 def test_snap_in_is_an_event_and_a_jump(material):
     question = scene(
         Ramp(0.06, 0.01),
@@ -162,76 +164,6 @@ def test_separate_bulk_relaxation_is_not_supported(bulk):
         solve(scene(Ramp(0.01, 0.1), material=Material(0.75, 0.4, ONE.branches, bulk)))
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"resolution": 3},
-        {"resolution": 0},
-        {"resolution": 10**6},
-        {"resolution": 6.5},
-        {"resolution": True},
-        {"resolution": "6"},
-        {"tolerance": 0.0},
-        {"tolerance": -1.0},
-        {"tolerance": float("nan")},
-        {"tolerance": 2.0},
-        {"annuli": "square"},
-        {"scheme": "forward-euler"},
-        {"profile_times": (0.0, float("inf"))},
-        {"profile_times": ("late",)},
-        {"step": 0.0},
-        {"step": float("nan")},
-        {"max_steps": 0},
-    ],
-    ids=str,
-)
-def test_options_are_checked(wrong):
-    with pytest.raises(SceneError) as error:
-        Options(**wrong)
-    assert next(iter(wrong)) in str(error.value)
-    assert "allowed" in str(error.value)
-
-
-def test_options_have_defaults_that_refine_together():
-    assert Options().divisions >= 4
-    assert Options(resolution=4).divisions == 4
-    ratio = Options(resolution=10).step_tolerance / Options(resolution=20).step_tolerance
-    assert_allclose(ratio, 4.0)
-    assert Options(tolerance=0.1).step_tolerance == 0.1
-
-
-def test_tighter_tolerance_takes_more_steps():
-    question = scene(Oscillate(0.005, 1.0, 3.0), start="relaxed", at=0.02, adhesion=None)
-    few, many = (solve(question, Options(resolution=6, tolerance=t)) for t in (0.02, 0.002))
-    assert many.counters.steps > 1.5 * few.counters.steps
-
-
-@pytest.mark.parametrize(
-    "question",
-    [
-        cycle(0.1),
-        scene(Ramp(0.02, 0.1), Hold(1.0), Force(PULL, 1.0), Ramp(-0.5, 0.1)),
-        scene(Ramp(0.01, 0.05), Ramp(-0.02, 0.05), adhesion=None),
-    ],
-    ids=["cycle", "four steps", "adhesionless"],
-)
-def test_progress_rises_within_bounds(question):
-    """Shares never fall and stay within 0 to 1; without the callable the answer is the same."""
-    shares = []
-    trace = solve(question, COARSE, shares.append)
-    assert len(shares) >= trace.counters.steps
-    assert np.all(np.diff(shares) >= 0.0)
-    assert shares[0] >= 0.0
-    assert shares[-1] <= 1.0 + 1e-12
-    assert np.array_equal(trace.force, solve(question, COARSE).force)
-
-
-def test_progress_reaches_one_when_all_is_done():
-    shares = []
-    solve(scene(Ramp(0.01, 0.1), Hold(0.1)), COARSE, shares.append)
-    assert_allclose(shares[-1], 1.0)
-
-
 EXTREMES = {
     "stiff": scene(
         Ramp(0.021, 0.01), start="relaxed", at=0.02, material=Material(0.75, 0.5, (Branch(7.5e4, 1.0),))
@@ -253,7 +185,7 @@ EXTREMES = {
     "frequent": scene(Oscillate(1e-4, 1e3, 0.05), start="relaxed", at=0.02),
     "sweep": scene(Sweep(1e-3, 50.0, 1.0), start="relaxed", at=0.02),
     "steps": scene(Table((0.0, 0.5, 1.0), (0.0, 0.02, 0.01)), Force(0.0, 0.5), ForceRamp(PULL, PULL)),
-    "weak adhesion": cycle(0.02, adhesion=Adhesion(1e-9, 1e-4), depth=1e-4),
+    "weak adhesion": cycle(0.02, adhesion=Adhesion(1e-9, 3e-4), depth=1e-5),
     "no work of adhesion": scene(Ramp(0.01, 0.1), adhesion=Adhesion(0.0, 1.0)),
 }
 

@@ -75,7 +75,16 @@ LOADINGS = {
     "table": (scene(Table((0.0, 1.0, 2.0), (0.0, 0.03, 0.01))), 2e-3),
     "jump down": (scene(Table((0.0, 1.0), (0.025, 0.025)), start="relaxed", at=0.032), 2e-3),
 }
-SLOW = {"short zone", "power 1.5", "re-approach", "oscillation with drift", "force ramps", "power 3"}
+SLOW = {
+    "cone",
+    "hundredfold",
+    "short zone",
+    "power 1.5",
+    "re-approach",
+    "oscillation with drift",
+    "force ramps",
+    "power 3",
+}
 
 
 def marked(cases):
@@ -183,7 +192,9 @@ def test_elastic_punch_lets_go_at_kendalls_force():
     assert_allclose(excess[0] / excess[1], 2.0, rtol=0.15)
 
 
-@pytest.mark.parametrize("indenter", [SPHERE, Cone(80.0)], ids=["sphere", "cone"])
+@pytest.mark.parametrize(
+    "indenter", [SPHERE, pytest.param(Cone(80.0), marks=pytest.mark.slow)], ids=["sphere", "cone"]
+)
 def test_adhesionless_cycle_with_hold_is_tings(indenter):
     question = scene(
         Ramp(0.04, 0.05), Hold(0.2), Ramp(-0.05, 0.08), material=THREE, indenter=indenter, adhesion=None
@@ -205,6 +216,7 @@ def test_creep_under_a_dead_load_and_a_growing_one():
     assert_allclose(growing.contact_radius, exact, rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_dwell_strengthens_the_pull_off():
     """Pressed longer, the contact has grown wider and relaxed: it holds more."""
     pulls = []
