@@ -77,7 +77,9 @@ def _solve_graded(scene: Scene, options: Options, progress: Callable[[float], No
     share = min(zone / largest, 1.0) if zone > 0.0 and largest > 0.0 else 0.01
     counters = Counters(factorisations=1)
     layer = thinnest_layer(scene, chain, largest, zone)
-    annuli = Annuli(max(annuli_needed(options.divisions, share), annuli_for_layer(largest, layer)))
+    count = max(annuli_needed(options.divisions, share), annuli_for_layer(largest, layer))
+    annuli = Annuli(count)
+    rule = ClosureRule.resolving(max(options.divisions, int(count * np.arccos(1.0 - share) * 2.0 / np.pi)))
     problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     recorder = Recorder(chain, work)
     scale = max(largest, contact_scale(scene, scene.loading.penetration))

@@ -279,9 +279,9 @@ class Stepper:
         if piece.prescribed(parameter) < 0.0:
             parameter = brentq(piece.prescribed, parameter, later, xtol=1e-14 * piece.length)
         # far enough to be positive beyond rounding, near enough for the history not to matter
-        first = parameter
+        first = min(parameter + 1e-6 * piece.length, piece.length)
         while piece.prescribed(first) <= 0.0 and first < piece.length:
-            first = min(parameter + max(1e-6 * piece.length, 2.0 * (first - parameter)), piece.length)
+            first = min(parameter + 2.0 * (first - parameter), piece.length)
         load = piece.prescribed(first)
         scale = contact_scale(self.problem.scene, load) if piece.control == "penetration" else self.scale
         found = equilibrium(self.problem, self.front, piece.control, load, scale)
