@@ -24,7 +24,8 @@ def surface_profile(problem: Problem, front: Front) -> Profile:
     points = points_at(problem, front, radius)
     pressure = front.surface.pressure(radius)
     gap = points.height - front.penetration + points.displacement
-    gap[radius <= edge] = 0.0
+    if edge > 0.0:
+        gap[radius <= edge] = 0.0
     return Profile(
         front.time,
         front.penetration,

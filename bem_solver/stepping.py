@@ -303,7 +303,10 @@ class Stepper:
         stress = problem.work or 0.5 * self.largest_force / front.edge
         receding, nothing = self.receding, 1e-9 * stress
         self.recorder.event("pull-off" if receding else "snap-in", front)
-        edge, ratio = front.edge, 1.0 / 1.02 if receding else 1.02
+        # from beyond the stretch that was tried in vain: landing where it stood would be for ever
+        start = problem.length_at(front.edge) / self.divisions * _FINEST_TRAVEL
+        edge = front.edge - start if receding else min(front.edge + start, limit)
+        ratio = 1.0 / 1.02 if receding else 1.02
         while 1e-3 * self.scale < edge < 1e3 * self.scale and (receding or edge < limit):
             nearer, edge = edge, min(edge * ratio, limit)
             landed = trial(edge)
