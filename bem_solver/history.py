@@ -34,22 +34,35 @@ class Track:
     kinks: tuple[float, ...] = ()
 
     @cached_property
-    def _pieces(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Per interval: origin of the root (NaN: radius), coordinates of both ends, slopes there."""
-        n, branches = self.state.shape
-        origin, start, end = np.full(n - 1, np.nan), np.empty(n - 1), np.empty(n - 1)
-        first, last = np.empty((n - 1, branches)), np.empty((n - 1, branches))
+    def _bounds(self) -> list[int]:
+        """Nodes at which stretches between kinks begin, and the last node."""
+        n = len(self.radius)
         marks = np.searchsorted(self.radius, self.kinks)
-        bounds = np.unique(np.concatenate(([0], marks[marks < n - 1], [n - 1])).astype(int))
-        for low, high in pairwise(bounds):
+        return sorted({0, *(int(mark) for mark in marks if mark < n - 1), n - 1})
+
+    @cached_property
+    def _origin(self) -> Array:
+        """Origin of the root in each interval (n - 1); NaN where the radius is the coordinate."""
+        origin = np.full(len(self.radius) - 1, np.nan)
+        for low, high in pairwise(self._bounds):
+            if low > 0 or (self.kinks and self.kinks[0] == self.radius[0]):
+                origin[low:high] = self.radius[low]
+        return origin
+
+    @cached_property
+    def _pieces(self) -> tuple[Array, Array, Array, Array]:
+        """Per interval: coordinates of both ends, slopes there."""
+        n, branches = self.state.shape
+        start, end = np.empty(n - 1), np.empty(n - 1)
+        first, last = np.empty((n - 1, branches)), np.empty((n - 1, branches))
+        for low, high in pairwise(self._bounds):
             at, values = self.radius[low : high + 1], self.state[low : high + 1]
-            if low > 0 or (self.kinks and self.kinks[0] == at[0]):
-                origin[low:high] = at[0]
+            if not np.isnan(self._origin[low]):
                 at = np.sqrt(at - at[0])
             slope = _slopes(at, values)
             start[low:high], end[low:high] = at[:-1], at[1:]
             first[low:high], last[low:high] = slope[:-1], slope[1:]
-        return origin, start, end, first, last
+        return start, end, first, last
 
     def at(self, radius: Array) -> Array:
         """Variables (m, K) at any radii (m,), by cubics; constant beyond the ends."""
@@ -57,9 +70,9 @@ class Track:
             return np.zeros((len(radius), self.state.shape[1]))
         if len(self.radius) == 1:
             return np.repeat(self.state, len(radius), axis=0)
-        origin, start, end, first, last = self._pieces
+        start, end, first, last = self._pieces
         i = np.minimum(np.maximum(np.searchsorted(self.radius, radius) - 1, 0), len(self.radius) - 2)
-        base = origin[i]
+        base = self._origin[i]
         x = np.where(np.isnan(base), radius, np.sqrt(np.maximum(radius - base, 0.0)))
         x0 = start[i]
         width = end[i] - x0
@@ -89,7 +102,7 @@ class Track:
         i = np.arange(1 + parity, len(self.radius) - 1, 2)
         if len(i) == 0:
             return self
-        origin = self._pieces[0][i]
+        origin = self._origin[i]
         x0, x, x1 = (
             np.where(np.isnan(origin), at, np.sqrt(np.maximum(at - origin, 0.0)))
             for at in (self.radius[i - 1], self.radius[i], self.radius[i + 1])
