@@ -63,14 +63,7 @@ class Chain:
         self.stress_scale = np.sqrt(moduli / plane * times)
         self.lag_scale = np.sqrt(self.compliances * self.retardation)
         self.lag_rate = self.lag_scale / self.retardation
-        gap = self.retardation[:, None] - times[None, :]
-        if times.size:
-            smallest = np.finfo(float).tiny
-            rotation = np.outer(self.lag_scale, self.stress_scale) / np.where(gap == 0, smallest, gap)
-            # each column has length one; dividing restores it where theta and tau nearly coincide
-            self.rotation = rotation / np.linalg.norm(rotation, axis=0)
-        else:
-            self.rotation = np.empty((0, 0))
+        self.rotation = np.outer(self.lag_scale, self.stress_scale) / creep.distances
 
     def __len__(self) -> int:
         return len(self.relaxation)

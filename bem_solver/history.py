@@ -168,10 +168,12 @@ def distinct(radius: Array, fixed: tuple[float, ...], smallest: float) -> Array:
     for value in fixed:
         merged = merged[(np.abs(merged - value) >= smallest) | np.isin(merged, fixed)]
     keep = np.ones(len(merged), bool)
+    last = 0  # the outermost node kept so far
     # of a close pair the outer goes, unless it is fixed
-    for index in np.flatnonzero(np.diff(merged) < smallest):
-        if keep[index]:
-            keep[index if merged[index + 1] in fixed else index + 1] = False
+    for outer in np.flatnonzero(np.diff(merged) < smallest) + 1:
+        last = outer - 1 if keep[outer - 1] else last
+        if merged[outer] - merged[last] < smallest:
+            keep[last if merged[outer] in fixed else outer] = False
     return merged[keep | np.isin(merged, fixed)]
 
 

@@ -56,12 +56,14 @@ class BulkRelaxation:
 class CreepCompliance:
     """``J(t) = glassy + sum_k compliances[k] (1 - exp(-t/times[k]))``.
 
-    ``compliances`` and ``times`` have shape (n,), ascending times; all entries positive.
+    ``compliances`` and ``times`` have shape (n,), ascending times; all entries positive. ``distances`` (n, n)
+    are ``times[k] - relaxation_times[j]`` at [k, j], accurate where the two nearly coincide.
     """
 
     glassy: float
     compliances: NDArray[np.float64]
     times: NDArray[np.float64]
+    distances: NDArray[np.float64]
 
     @property
     def relaxed(self) -> float:
@@ -171,8 +173,7 @@ class Material:
     def creep(self) -> CreepCompliance:
         """The creep compliance of Young's modulus, from the bracketed roots of ``s E(s)``."""
         moduli, times = self.spectrum
-        compliances, retardation = creep_spectrum(self.modulus, moduli, times)
-        return CreepCompliance(1.0 / self.glassy_modulus, compliances, retardation)
+        return CreepCompliance(1.0 / self.glassy_modulus, *creep_spectrum(self.modulus, moduli, times))
 
     def relaxation_modulus(self, time: ArrayLike) -> NDArray[np.float64]:
         """``E(t)`` for ``time >= 0``, zero before; same shape as ``time``."""

@@ -26,8 +26,8 @@ Array = NDArray[np.float64]
 _HALVINGS = 72  # log-distance brackets span at most a few hundred; 2^-72 of that is below round-off
 
 
-def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, Array]:
-    """Compliances ``J_k`` and retardation times ``theta_k``.
+def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, Array, Array]:
+    """Compliances ``J_k``, retardation times ``theta_k`` and their distances from the relaxation times.
 
     Parameters
     ----------
@@ -40,10 +40,12 @@ def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, 
     -------
     compliances, retardation : ndarray, shape (n,)
         Ascending in time, ``tau_k <= theta_k <= tau_(k+1)`` (equality only by rounding).
+    distances : ndarray, shape (n, n)
+        ``theta_k - tau_j`` at [k, j], to full relative accuracy however close the two are.
     """
     n = len(times)
     if n == 0:
-        return np.empty(0), np.empty(0)
+        return np.empty(0), np.empty(0), np.empty((0, 0))
     pole, distance = _roots(moduli / relaxed * times, times)
     retardation = times[pole] + distance
     to_poles = (times[None, :] - times[pole][:, None]) - distance[:, None]  # tau_j - theta_k
@@ -52,7 +54,7 @@ def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, 
     ratio = to_poles / to_roots
     diagonal = np.diag(-to_poles) / retardation
     np.fill_diagonal(ratio, diagonal)
-    return np.prod(ratio, axis=1) / relaxed, retardation
+    return np.prod(ratio, axis=1) / relaxed, retardation, -to_poles
 
 
 def relaxation_spectrum(glassy: float, compliances: Array, times: Array) -> tuple[float, Array, Array]:
