@@ -170,7 +170,7 @@ def distinct(radius: Array, fixed: tuple[float, ...], smallest: float) -> Array:
     keep = np.ones(len(merged), bool)
     last = 0  # the outermost node kept so far
     # of a close pair the outer goes, unless it is fixed
-    for outer in np.flatnonzero(np.diff(merged) < smallest) + 1:
+    for outer in (np.flatnonzero(np.diff(merged) < smallest) + 1).tolist():
         last = outer - 1 if keep[outer - 1] else last
         if merged[outer] - merged[last] < smallest:
             keep[last if merged[outer] in fixed else outer] = False
