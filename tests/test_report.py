@@ -165,6 +165,35 @@ def test_no_curve_at_all(tmp_path, monkeypatch):
     assert "No run gave a curve" in (tmp_path / "index.html").read_text()
 
 
+def test_every_scene_says_what_was_left_out_and_where_the_time_went(built):
+    """The fakes evaluate no closure and carry no history."""
+    report, folder = built
+    text, short = (folder / "index.html").read_text(), (folder / "summary.md").read_text()
+    said = "Left out because the scene did not need it, by the counters: bem: no closure was evaluated, "
+    assert text.count(said) == short.count(said) == len(report.pages) == 2
+    scenes = json.loads((folder / "report.json").read_text())["scenes"]
+    assert all(
+        "fem: no closure was evaluated, no history was carried, no solution" in s["left_out"] for s in scenes
+    )
+    spent = text.partition("Where the time went")[2].partition("</section>")[0]
+    assert spent.count("<tr>") == 1 + len(SOLVER_NAMES) + 1 + len(report.runs) == 11
+    assert "cycle-v0.1 by fem" in spent
+
+
+def test_estimates_stand_beside_differences_unless_left_out(tmp_path, monkeypatch):
+    """A fake gives the same answer at any resolution: it estimates no error, and a difference counts."""
+    for name in SOLVER_NAMES:
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake(1.001 if name == "bem" else 1.0)))
+    monkeypatch.setattr("validation.report.html._figures", lambda page: "")
+    found = {}
+    for estimate in (True, False):
+        report = build("quick", [load("cycle-v0.1")], 1, Progress("test"), estimate=estimate)
+        (found[estimate],) = [c for c in report.checks if (c.solver, c.quantity) == ("bem", "loop_energy")
+                              and c.source == "front tracking"]  # fmt: skip
+    assert (found[True].passed, found[True].estimate, found[True].base_estimate) == (False, 0.0, 0.0)
+    assert (found[False].passed, found[False].estimate) == (True, None)
+
+
 def test_report_command(tmp_path, monkeypatch, capsys):
     for name in SOLVER_NAMES:
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))

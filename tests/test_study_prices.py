@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from validation import spared
 from validation.convergence import Convergence, LevelRun, read
 from validation.ladders import Ladder, Level
 from validation.schemes import Settings
@@ -91,6 +92,12 @@ def test_exponents_of_cost():
 def test_a_failed_level_has_no_cost():
     study = made_up("bem", [1e-1, None], [1.0, 2.0])
     assert [cost(run, "wall_seconds") for run in study.runs] == [1.0, None]
+
+
+def test_a_scene_that_needs_everything_says_so():
+    work = {"bem": {"closure_evaluations": 3, "history_updates": 1, "volume_solves": 0}, "new": {"steps": 1}}
+    assert spared.in_words(work).startswith("Nothing was left out")
+    assert "fem: no history was carried." in spared.in_words(work | {"fem": {"history_updates": 0}})
 
 
 def test_what_was_left_out_comes_from_the_counters():

@@ -83,8 +83,9 @@ def parser() -> argparse.ArgumentParser:
     report.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
     report.add_argument(
         "--estimates",
-        action="store_true",
-        help="judge agreement by error estimates, each from a coarser run; takes half as long again",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="judge agreement by error estimates, each from a coarser run (default), or by tolerances alone",
     )
     report.add_argument(
         "--baseline",

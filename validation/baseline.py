@@ -30,7 +30,7 @@ from validation.solvers import REFERENCE
 ROUND_OFF = 1e-10
 REFERENCE_TOLERANCE = 5e-4
 MORE_WORK = 0.1
-_NOT_COMPARED = ("wall_seconds",)
+_NOT_COMPARED = ("wall_seconds", "cpu_seconds", "estimate_seconds")
 _ALLOWED = "a report.json written by `crosscontact report`"
 Run = Mapping[str, Any]
 

@@ -102,7 +102,7 @@ def compare(given: list[str], out: str | None, jobs: int | None) -> int:
 
     loaded = cases.load_all(given)
     folder = None if out is None else output_folder(out)
-    result = build("compare", loaded, _workers(jobs), Progress("compare"), estimate=True)
+    result = build("compare", loaded, _workers(jobs), Progress("compare"))
     for page in result.pages:
         print(table(page))
     if folder is not None:
@@ -132,9 +132,7 @@ def study(given: list[str], out: str | None, jobs: int | None) -> int:
     return 1 if any(scene.failed for scene in result.scenes) else 0
 
 
-def report(
-    suite: str, out: str, jobs: int | None, estimate: bool = False, baseline: str | None = None
-) -> int:
+def report(suite: str, out: str, jobs: int | None, estimate: bool = True, baseline: str | None = None) -> int:
     """Run a suite and write the report; exit code 1 when a check fails or a value left its baseline."""
     from validation import baseline as earlier
     from validation.files import output_folder

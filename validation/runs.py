@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import Executor, Future, as_completed
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
@@ -19,6 +19,8 @@ from validation import error_estimate, solvers
 from validation.cases import Case
 from validation.cycles import cycle_times
 from validation.observables import Observables, at_last_contact, cycle_losses, observe
+
+SECONDS = {"bem": (1.5, 0.3), "fem": (2.5, 0.1), solvers.REFERENCE: (1.2, 0.3)}  # a run; one cycle of it
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,11 @@ class Run:
         Whether the solver does not take this scene (as opposed to a breakdown).
     details : str
         Traceback of a breakdown.
-    wall_seconds : float
-        As measured around the call, imports and error estimates excluded where those are a run of their own.
+    wall_seconds, cpu_seconds : float
+        Run and processor time around the call; imports, and error estimates that are a run of their own, left
+        out.
+    estimate_seconds : float
+        Processor time of that other run.
     measures : dict
         Every scalar by name (see :func:`measure`).
     errors : dict
@@ -52,6 +57,8 @@ class Run:
     refused: bool = False
     details: str = ""
     wall_seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    estimate_seconds: float = 0.0
     measures: dict[str, float | None] = field(default_factory=dict)
     errors: dict[str, float] = field(default_factory=dict)
 
@@ -80,12 +87,12 @@ def run(
     With ``estimate`` the run is judged by a coarser one (see ``error_estimate``), which takes half as long
     again.
     """
-    begin = time.perf_counter()
+    begin, spent = time.perf_counter(), time.process_time()
     try:
         function = solvers.SOLVERS[solver]()
         if estimate:
             function = getattr(function, "estimating", function)
-        begin = time.perf_counter()  # imports are not part of a run
+        begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
         times = tuple(sorted({*cycle_times(case.scene.loading), *case.profile_times}))
         trace = function(case.scene, resolution, None, times, progress)
     except SceneError as error:
@@ -98,14 +105,18 @@ def run(
             failure=f"{type(error).__name__}: {said}" if said else type(error).__name__,
             details=traceback.format_exc(),
             wall_seconds=time.perf_counter() - begin,
+            cpu_seconds=time.process_time() - spent,
         )
-    seconds = time.perf_counter() - begin
+    wall, cpu = time.perf_counter() - begin, time.process_time() - spent
+    result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu)
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
     if broken:
-        return Run(case.name, solver, failure=f"not finite: {', '.join(broken)}", wall_seconds=seconds)
-    result = Run(case.name, solver, trace, wall_seconds=seconds, measures=measure(trace, case.scene, seconds))
+        return replace(result, trace=None, failure=f"not finite: {', '.join(broken)}")
+    result = replace(result, measures=measure(trace, case.scene, wall))
     if estimate and result.finished:
-        return replace(result, errors=_errors(case, result, function, times, resolution))
+        spent = time.process_time()
+        errors = _errors(case, result, function, times, resolution)
+        return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
     return result
 
 
@@ -159,32 +170,43 @@ def summary(result: Run) -> dict[str, Any]:
         **Observables().as_dict(),
         **{name: value for name, value in result.measures.items() if not name.startswith("counters.")},
         "wall_seconds": result.wall_seconds,
+        "cpu_seconds": result.cpu_seconds,
+        "estimate_seconds": result.estimate_seconds,
         "counters": asdict(trace.counters) if trace else None,
         "error_estimates": (result.errors or dict(trace.errors)) if trace else None,
         "events": [asdict(event) for event in trace.events] if trace else [],
     }
 
 
+def expected_seconds(case: Case, solver: str) -> float:
+    """A guess at the run time that is good enough to sort by: a start, and so much for every cycle."""
+    start, cycle = SECONDS.get(solver, (1.0, 0.1))
+    return start + cycle * len(cycle_times(case.scene.loading))
+
+
 def run_all(
     tasks: Iterable[tuple[Case, str]],
     executor: Executor | None = None,
     done: Callable[[Run], None] = lambda result: None,
-    estimate: bool = False,
+    estimated: Collection[str] = (),
 ) -> dict[tuple[str, str], Run]:
     """Run ``(case, solver)`` pairs, here or through any ``concurrent.futures`` executor.
 
-    ``done`` is called as each run ends; ``estimate`` asks for error estimates. The answer is keyed by scene
-    and solver, in the order of ``tasks``.
+    ``done`` is called as each run ends; ``estimated`` names the scenes whose errors are to be estimated. What
+    takes longest is begun first, so that no process is left alone with it at the end. The answer is keyed by
+    scene and solver, in the order of ``tasks``.
     """
     todo = list(tasks)
+    ordered = sorted(todo, key=lambda task: -expected_seconds(*task))
     results: dict[tuple[str, str], Run] = {}
     if executor is None:
         for case, solver in todo:
-            results[case.name, solver] = run(case, solver, estimate=estimate)
+            results[case.name, solver] = run(case, solver, estimate=case.name in estimated)
             done(results[case.name, solver])
         return results
     futures: dict[Future[Run], tuple[str, str]] = {
-        executor.submit(run, case, solver, estimate=estimate): (case.name, solver) for case, solver in todo
+        executor.submit(run, case, solver, estimate=case.name in estimated): (case.name, solver)
+        for case, solver in ordered
     }
     for future in as_completed(futures):
         name, solver = futures[future]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from validation import spared
 from validation.convergence import Convergence, LevelRun
 from validation.extrapolation import fitted_slope
 
@@ -17,11 +18,6 @@ MEASURES = ("force, RMS", "force, mean", "force, largest", "radius, RMS", "pull_
 WORK = ("wall_seconds", "cpu_seconds", "steps", "linear_solves", "closure_evaluations", "history_updates")
 PRICED = "cpu_seconds"  # on one thread the run time of a quiet machine, and much the same on a busy one
 BUSY = 1.2  # run time over processor time above which a machine had other work
-LEFT_OUT = {  # counter: what it means that it stayed at zero, and for which schemes (empty: all)
-    "closure_evaluations": ("no closure was evaluated", ()),
-    "history_updates": ("no history was carried", ()),
-    "volume_solves": ("no solution in the volume within the time loop", ("fem",)),
-}
 
 
 @dataclass(frozen=True)
@@ -141,12 +137,8 @@ def left_out(studies: list[Convergence]) -> list[str]:
         done = [run for run in study.runs if not run.failed]
         if not done:
             continue
-        scheme, counts = study.ladder.scheme, done[-1].counters
-        missing = [
-            text
-            for name, (text, schemes) in LEFT_OUT.items()
-            if counts.get(name) == 0 and (not schemes or scheme in schemes)
-        ]
+        scheme = study.ladder.scheme
+        missing = spared.left_out(scheme, done[-1].counters)
         if missing:
             said.append(f"{scheme}: {'; '.join(missing)}.")
     return said

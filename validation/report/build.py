@@ -13,7 +13,6 @@ from validation.checks import Check
 from validation.claims import evidence
 from validation.claims.all import judge
 from validation.compare import check_case
-from validation.cycles import cycle_times
 from validation.environment import stamp
 from validation.files import write_whole
 from validation.pool import processes
@@ -57,6 +56,14 @@ class Report:
         return found if self.claims is None else found + self.claims.checks
 
     @property
+    def runs(self) -> list[Run]:
+        """All runs, those behind the paper's statements too; each once."""
+        found = [run for page in self.pages for run in page.runs.values()]
+        if self.claims is not None:
+            found += self.claims.evidence.runs.values()
+        return list({(run.scene, run.solver): run for run in found}.values())
+
+    @property
     def failures(self) -> list[Check]:
         """Verdicts that are not fulfilled."""
         return [check for check in self.checks if not check.passed]
@@ -67,19 +74,19 @@ def build(
     loaded: list[Case],
     workers: int,
     progress: Progress,
-    estimate: bool = False,
+    estimate: bool = True,
     claims: bool = False,
 ) -> Report:
     """Run every solver on every scene, in parallel processes if there is more than one worker.
 
-    With ``estimate`` every run is judged by a coarser one, and agreement by what they say of their errors.
-    With ``claims`` the paper's statements are judged too, on these runs and those they need beside them.
+    With ``estimate`` every run on these scenes is judged by a coarser one, and agreement by what they say of
+    their errors. With ``claims`` the paper's statements are judged too, on these runs and those they need
+    beside them; a question that comes up in both is asked once.
     """
     begin = time.perf_counter()
     tasks = [(case, solver) for case in loaded for solver in SOLVERS]
     if claims:
         tasks += evidence.outstanding(tasks)
-    tasks.sort(key=lambda task: -len(cycle_times(task[0].scene.loading)))  # the longest first
     finished = 0
 
     def tell(result: Run) -> None:
@@ -93,7 +100,7 @@ def build(
 
     try:
         with processes(min(workers, len(tasks))) as executor:
-            results = run_all(tasks, executor, tell, estimate)
+            results = run_all(tasks, executor, tell, {case.name for case in loaded} if estimate else ())
     finally:
         progress.close()
     pages = []

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from validation.report import claims_section, figures
+from validation.report import claims_section, costs, figures
 from validation.report.curves import elastic_limits, labels, of_trace, with_differences
 from validation.report.style import STYLE
-from validation.report.text import HEAD, MOVE_HEAD, move_row, number, parameters, row
+from validation.report.text import HEAD, MOVE_HEAD, move_row, number, parameters, row, spared_by
 from validation.solvers import REFERENCE
 
 if TYPE_CHECKING:
@@ -24,13 +24,16 @@ def text(report: Report) -> str:
     parts = [
         f'<p class="{"fail" if failed else "pass"}">{len(report.checks)} checks on {len(report.pages)} '
         f"scenes: {verdict}.</p>",
-        "<p>Differences are relative; each stands beside its tolerance and, where they were asked for, "
-        "beside what solver and reference say of their own errors. A coarse or failed run stays in the "
-        "tables and figures.</p></header><main>",
+        "<p>Differences are relative; each stands beside what solver and reference say of their own errors "
+        "and beside the scene's tolerance. Two runs agree where they differ by no more than both estimates "
+        "together, at most by the tolerance; where an estimate is missing, by the tolerance. A coarse or "
+        "failed run stays in the tables and figures.</p></header><main>",
         _overview(report),
         _baseline(report),
         "" if report.claims is None else claims_section.html(report.claims),
         *(_section(page) for page in report.pages),
+        "<section><h2>Where the time went</h2>" + table(costs.HEAD, _escaped(costs.rows(report.runs))),
+        "</section>",
         environment(report.environment, report.wall_seconds),
     ]
     return document(title, parts)
@@ -115,6 +118,7 @@ def _section(page: Page) -> str:
             f'<div class="figures">{_figures(page)}</div>',
             "<h3>Runs</h3>",
             _runs(page),
+            f"<p>{escape(spared_by(page))}</p>",
             "<h3>Checks</h3>",
             table(HEAD, [_check_row(row(check)) for check in page.checks]),
             "</section>",
@@ -142,16 +146,31 @@ def _figures(page: Page) -> str:
 
 
 def _runs(page: Page) -> str:
-    head = ("solver", "ending", "steps", "rejected", "closure", "solves", "factorisations", "seconds")
+    head = (
+        "solver",
+        "ending",
+        "steps",
+        "rejected",
+        "closure",
+        "solves",
+        "factorisations",
+        "seconds",
+        "processor",
+    )
     rows = []
     for solver, result in page.runs.items():
         counts = [
             number(result.measures.get(f"counters.{name}"))
             for name in ("steps", "rejected_steps", "closure_evaluations", "linear_solves", "factorisations")
         ]
-        cells = (solver, result.ending, *counts, number(result.wall_seconds, 3))
+        times = (number(result.wall_seconds, 3), number(result.cpu_seconds, 3))
+        cells = (solver, result.ending, *counts, *times)
         rows.append(tuple(map(escape, cells)))
     return table(head, rows)
+
+
+def _escaped(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    return [tuple(map(escape, line)) for line in rows]
 
 
 def environment(stamp: Mapping[str, object], wall_seconds: float) -> str:

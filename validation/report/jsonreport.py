@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from validation.files import to_json
 from validation.report import claims_section
+from validation.report.costs import spent
+from validation.report.text import spared_by
 from validation.runs import summary
 
 if TYPE_CHECKING:
@@ -29,6 +31,7 @@ def data(report: Report) -> dict[str, Any]:
         "checks": len(report.checks),
         "failed": len(report.failures),
         "wall_seconds": report.wall_seconds,
+        "cpu_seconds": sum(map(spent, report.runs)),
         "environment": report.environment,
         "scenes": [_scene(page) for page in report.pages],
     }
@@ -46,6 +49,7 @@ def _scene(page: Page) -> dict[str, Any]:
         "title": page.case.scene.title,
         "figure": page.case.figure,
         "statement": page.case.statement,
+        "left_out": spared_by(page),
         "passed": page.passed,
         "runs": {
             solver: summary(result) | {"traceback": result.details or None}

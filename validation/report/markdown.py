@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from validation.report import claims_section
-from validation.report.text import HEAD, MOVE_HEAD, move_row, number, row
+from validation.report.text import HEAD, MOVE_HEAD, move_row, number, row, spared_by
 
 if TYPE_CHECKING:
     from validation.baseline import Comparison
@@ -28,6 +28,8 @@ def text(report: Report) -> str:
         "|---|---|---|---|" + "---|" * len(_solvers(report)),
     ]
     lines += [_line(page) for page in report.pages]
+    lines += ["", "Left out, by the counters of work:", ""]
+    lines += [f"- {_cell(page.case.name)}: {_cell(spared_by(page))}" for page in report.pages]
     if failed:
         rule = "|---" * (1 + len(HEAD)) + "|"
         lines += ["", "## Not passed", "", "| scene | " + " | ".join(HEAD) + " |", rule]

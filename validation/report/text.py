@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from validation.scales import SYMBOLS
+from validation.spared import in_words
 
 if TYPE_CHECKING:
     from validation.baseline import Move
@@ -79,6 +81,12 @@ def table(page: Page) -> str:
         for line in rows
     ]
     return "\n".join(lines) + "\n"
+
+
+def spared_by(page: Page) -> str:
+    """What the solvers left out because the scene did not need it."""
+    work = {solver: asdict(run.trace.counters) for solver, run in page.runs.items() if run.trace is not None}
+    return in_words(work) if work else "No run has counters of its work."
 
 
 def parameters(page: Page) -> list[tuple[str, str]]:
