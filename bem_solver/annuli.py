@@ -74,6 +74,10 @@ class Annuli:
         outside = 1.0 / np.sin(0.5 * np.pi * np.arange(1, count + 1) / count)
         self._outside = annulus_influence(outside, self.borders)
 
+    def __reduce__(self) -> tuple[type[Annuli], tuple[int]]:
+        """Kept as their number alone: matrix and factors are made anew, bit for bit."""
+        return Annuli, (self.count,)
+
     def solve(self, displacement: Array) -> Array:
         """Pressures (M,) or (M, c) that produce the given displacements at the collocation radii."""
         return dgetrs(self._factors, self._pivots, displacement)[0]

@@ -9,10 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
 from bem_solver.annuli import Annuli
+from bem_solver.checkpoint import Place, State, goes_on, put_back, taken
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, at_start
@@ -25,14 +27,27 @@ from bem_solver.start import contact_scale
 from bem_solver.trial import Problem
 from bem_solver.uniform import Instant, Sheet, UniformAnnuli, settled
 from bem_solver.uniform_energy import start_energies, step_energies
-from scene import Counters, Event, Material, Outcome, OutcomeKind, Profile, Scene, Trace, UnsupportedScene
+from scene import (
+    Counters,
+    Event,
+    Material,
+    Outcome,
+    OutcomeKind,
+    Profile,
+    Scene,
+    Trace,
+    UnsupportedScene,
+    Watch,
+)
 from scene.scene import zone_too_long
 
 _ROOM = 1.1  # outermost contact, in estimated largest contact radii
 _PER_RADIUS = 10  # annuli in the largest contact without adhesion, in resolutions
 
 
-def solve_uniform(scene: Scene, options: Options, progress: Callable[[float], None] | None) -> Trace:
+def solve_uniform(
+    scene: Scene, options: Options, progress: Callable[[float], None] | None, watch: Watch | None = None
+) -> Trace:
     """Solve a scene on uniform annuli; parameters and result as for :func:`bem_solver.solve`.
 
     Raises
@@ -42,10 +57,12 @@ def solve_uniform(scene: Scene, options: Options, progress: Callable[[float], No
     SceneError
         If the process zone does not fit into the contact at the start.
     """
-    run = _Run(scene, options)
+    run = _Run(scene, options, watch)
     counters, recorder, penetration = run.counters, run.recorder, scene.loading.penetration
     try:
-        if not run.start():
+        if watch is not None and watch.kept is not None:
+            run.go_on(watch.kept)
+        elif not run.start():
             reason = f"no stable contact at penetration {penetration:.6g}"
             return recorder.nothing(penetration, reason, counters)
         outcome = run.through(progress)
@@ -93,8 +110,9 @@ def _annuli(scene: Scene, divisions: int, largest: float) -> tuple[UniformAnnuli
 class _Run:
     """A run: what stays, and the committed sheet and energies."""
 
-    def __init__(self, scene: Scene, options: Options) -> None:
-        self.scene, self.options = scene, options
+    def __init__(self, scene: Scene, options: Options, watch: Watch | None) -> None:
+        self.scene, self.options, self.watch = scene, options, watch
+        self.place = Place()
         self.chain = Chain(scene.material, options.scheme == "backward-euler")
         self.work = scene.adhesion.work if scene.adhesion else 0.0
         self.counters = Counters(factorisations=1)
@@ -123,34 +141,51 @@ class _Run:
         self._commit(replace(sheet, strains=strains), start_energies(self.chain, self.annuli, sheet, relaxed))
         return True
 
+    def state(self) -> State:
+        """All that changes."""
+        moving = {"sheet": self.sheet, "energies": self.energies, "place": self.place}
+        return taken(moving, self.recorder, self.counters)
+
+    def go_on(self, kept: State) -> None:
+        """Stand where the kept run stood."""
+        moving = put_back(kept, self.recorder, self.counters)
+        self.sheet, self.energies, self.place = moving["sheet"], moving["energies"], moving["place"]
+
     def through(self, progress: Callable[[float], None] | None) -> Outcome:
         """Carry out the loading."""
         stops, steps = self.options.profile_times, self.scene.loading.steps
-        if 0.0 in stops:
+        place = self.place
+        if 0.0 in stops and place.fresh:
             self.recorder.profile(self._profile())
-        for index, step in enumerate(steps):
+        while place.step < len(steps):
             sheet = self.sheet
-            segment = step.segment(sheet.time, sheet.penetration, sheet.force)
+            time, penetration, force = place.enter(sheet.time, sheet.penetration, sheet.force)
+            segment = steps[place.step].segment(time, penetration, force)
             span = segment.end - segment.start
 
-            def report(index: int = index, start: float = segment.start, span: float = span) -> None:
+            def report(index: int = place.step, start: float = segment.start, span: float = span) -> None:
                 if progress is not None:
                     done = (self.sheet.time - start) / span if span > 0.0 else 1.0
                     progress((index + done) / len(steps))
 
-            reached = sheet.penetration if segment.control == "penetration" else sheet.force
-            for piece in pieces(segment, reached, stops):
+            reached = penetration if segment.control == "penetration" else force
+            for piece in islice(pieces(segment, reached, stops), place.piece, None):
                 count = step_count(self.scene, piece, segment.rate, self.options, self.largest, self.length)
                 outcome = self._follow(piece, count, report)
                 if self.sheet.time in stops and (outcome is None or outcome.kind is OutcomeKind.DETACHED):
                     self.recorder.profile(self._profile())
                 if outcome is not None:
                     return outcome
+                place.next_piece()
+            place.next_step()
         return Outcome(OutcomeKind.COMPLETED, "all loading steps done", self.sheet.time)
 
     def _follow(self, piece: Piece, count: int, report: Callable[[], None]) -> Outcome | None:
         """Take the run through a piece in ``count`` equal steps; an outcome if it ends there."""
-        for index in range(1, count + 1):
+        for index in range(self.place.taken + 1, count + 1):
+            self.place.taken = index - 1
+            if not goes_on(self.watch, self.state):
+                return Outcome(OutcomeKind.INTERRUPTED, "stopped from outside", self.sheet.time)
             if self.counters.steps >= self.options.max_steps:
                 reason = f"{self.options.max_steps} steps were not enough"
                 return Outcome(OutcomeKind.STEP_BUDGET, reason, self.sheet.time)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
 from bem_solver.annuli import Annuli
+from bem_solver.checkpoint import put_back
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.extent import FEWEST, annuli_for_layer, annuli_needed, largest_contact, thinnest_layer
@@ -19,12 +21,15 @@ from bem_solver.recorder import Recorder
 from bem_solver.start import contact_scale, start_front
 from bem_solver.stepping import Stepper
 from bem_solver.trial import Problem
-from scene import Counters, Outcome, OutcomeKind, Scene, Trace, UnsupportedScene
+from scene import Counters, Outcome, OutcomeKind, Scene, Trace, UnsupportedScene, Watch
 from scene.scene import zone_too_long
 
 
 def solve(
-    scene: Scene, options: Options | None = None, progress: Callable[[float], None] | None = None
+    scene: Scene,
+    options: Options | None = None,
+    progress: Callable[[float], None] | None = None,
+    watch: Watch | None = None,
 ) -> Trace:
     """Solve a scene with the boundary-element method of the paper.
 
@@ -34,6 +39,8 @@ def solve(
     options : Options, optional
     progress : callable, optional
         Called with the share of the run that is done, 0 to 1.
+    watch : Watch, optional
+        May keep the run between steps, stop it, and let it go on from where it was kept.
 
     Returns
     -------
@@ -60,13 +67,15 @@ def solve(
         if options.annuli == "uniform":
             from bem_solver.baseline import solve_uniform
 
-            trace = solve_uniform(scene, options, progress)
+            trace = solve_uniform(scene, options, progress, watch)
         else:
-            trace = _solve_graded(scene, options, progress)
+            trace = _solve_graded(scene, options, progress, watch)
     return replace(trace, wall_seconds=clock.perf_counter() - began)
 
 
-def _solve_graded(scene: Scene, options: Options, progress: Callable[[float], None] | None) -> Trace:
+def _solve_graded(
+    scene: Scene, options: Options, progress: Callable[[float], None] | None, watch: Watch | None
+) -> Trace:
     chain = Chain(scene.material, options.scheme == "backward-euler")
     zone, work = (scene.adhesion.zone, scene.adhesion.work) if scene.adhesion else (0.0, 0.0)
     zone = zone if work > 0.0 else 0.0
@@ -83,14 +92,20 @@ def _solve_graded(scene: Scene, options: Options, progress: Callable[[float], No
     problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     recorder = Recorder(chain, work)
     scale = max(largest, contact_scale(scene, scene.loading.penetration))
-    started = start_front(problem, scale)
-    if started is None:
-        reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
-        return recorder.nothing(scene.loading.penetration, reason, counters)
-    front, energies = started
-    if zone >= front.edge > 0.0:
-        raise zone_too_long(zone, front.edge)
-    recorder.row(front, energies)
+    kept = None if watch is None else watch.kept
+    if kept is not None:
+        moving = put_back(kept, recorder, counters)
+        front, energies = moving["front"], moving["energies"]
+    else:
+        started = start_front(problem, scale)
+        if started is None:
+            reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
+            return recorder.nothing(scene.loading.penetration, reason, counters)
+        front, energies = started
+        if zone >= front.edge > 0.0:
+            raise zone_too_long(zone, front.edge)
+        recorder.row(front, energies)
+        moving = {"largest_force": abs(front.surface.force), "largest_edge": front.edge}
     stepper = Stepper(
         problem,
         front,
@@ -100,8 +115,10 @@ def _solve_graded(scene: Scene, options: Options, progress: Callable[[float], No
         options.divisions,
         options.max_steps,
         scale,
+        watch=watch,
     )
-    stepper.largest_force, stepper.largest_edge = abs(front.surface.force), front.edge
+    for name, value in moving.items():
+        setattr(stepper, name, value)
     try:
         outcome = _run(scene, stepper, options.profile_times, progress)
     except FloatingPointError as error:
@@ -112,27 +129,30 @@ def _solve_graded(scene: Scene, options: Options, progress: Callable[[float], No
 def _run(
     scene: Scene, stepper: Stepper, stops: tuple[float, ...], progress: Callable[[float], None] | None
 ) -> Outcome:
-    recorder, problem = stepper.recorder, stepper.problem
+    recorder, problem, place = stepper.recorder, stepper.problem, stepper.place
     count = len(scene.loading.steps)
-    if 0.0 in stops:
+    if 0.0 in stops and place.fresh:
         recorder.profile(surface_profile(problem, stepper.front))
-    for index, step in enumerate(scene.loading.steps):
+    while place.step < count:
         front = stepper.front
-        segment = step.segment(front.time, front.penetration, front.surface.force)
+        time, penetration, force = place.enter(front.time, front.penetration, front.surface.force)
+        segment = scene.loading.steps[place.step].segment(time, penetration, force)
         if progress is not None:
             span = segment.end - segment.start
 
             def report(
-                time: float, index: int = index, start: float = segment.start, span: float = span
+                time: float, index: int = place.step, start: float = segment.start, span: float = span
             ) -> None:
                 progress((index + ((time - start) / span if span > 0 else 1.0)) / count)
 
             stepper.progress = report
-        reached = front.penetration if segment.control == "penetration" else front.surface.force
-        for piece in pieces(segment, reached, stops):
+        reached = penetration if segment.control == "penetration" else force
+        for piece in islice(pieces(segment, reached, stops), place.piece, None):
             outcome = stepper.follow(piece)
             if stepper.front.time in stops and (outcome is None or outcome.kind is OutcomeKind.DETACHED):
                 recorder.profile(surface_profile(problem, stepper.front))
             if outcome is not None:
                 return outcome
+            place.next_piece()
+        place.next_step()
     return Outcome(OutcomeKind.COMPLETED, "all loading steps done", stepper.front.time)

@@ -14,6 +14,8 @@ from dataclasses import dataclass, field
 
 from scipy.optimize import brentq
 
+from bem_solver.candidate import Candidate, Unresolvable
+from bem_solver.checkpoint import Place, goes_on, of_stepper
 from bem_solver.commit import committed
 from bem_solver.energy import Energies
 from bem_solver.history import History
@@ -24,7 +26,7 @@ from bem_solver.rootsearch import rising_root
 from bem_solver.start import contact_scale, equilibrium
 from bem_solver.surface import Surface
 from bem_solver.trial import Front, Problem, Trial, evaluate
-from scene import Outcome, OutcomeKind
+from scene import Outcome, OutcomeKind, Watch
 
 _FINEST_TRAVEL = 1.0 / 64.0
 _LOAD_WEIGHT = 4.0  # the load follows the prescribed history closer than the edge its chord
@@ -33,19 +35,6 @@ _ACCURACY = 4e-3  # of the edge, in step tolerances of the length it is resolved
 _VANISHING = (
     2e-3  # contact radius, relative to its largest, below which an adhesionless contact is lifting off
 )
-
-
-class Unresolvable(Exception):
-    """The edge passes its travel limit sooner than the time axis can tell: the limit has to give way."""
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A trial that satisfies the closure, the parameter it was reached at, and its error in tolerances."""
-
-    parameter: float
-    trial: Trial
-    error: float
 
 
 @dataclass
@@ -61,7 +50,9 @@ class Stepper:
     max_steps: int
     scale: float
     progress: Callable[[float], None] | None = None
-    slope: float = 0.0  # of the residual with the edge, from the last search
+    watch: Watch | None = None
+    place: Place = field(default_factory=Place)
+    slope: float = 0.0  # of the residual with the edge, from the last accepted search
     travel: float = 1.0  # share of the travel limit in force
     step: float = 0.0
     largest_force: float = 0.0
@@ -71,21 +62,14 @@ class Stepper:
     past: Past = field(default_factory=Past)
 
     def follow(self, piece: Piece) -> Outcome | None:
-        """Take the run through a piece; an outcome if it ends there."""
-        if piece.fresh:
-            self.step = min(self.step, 0.05 * piece.length) if self.step > 0.0 else 0.01 * piece.length
-        if piece.jump:
-            self.step = 0.1
-        parameter = 0.0
-        ends = [piece.prescribed(piece.length * share / 16.0) for share in range(17)]
-        self.span = max(ends) - min(ends)
-        self.past.rows = (
-            [(0.0, self.front.edge, self._load(piece, self.front))]
-            if piece.fresh
-            else [(row[0] - self.past.rows[-1][0], row[1], row[2]) for row in self.past.rows]
-        )
-        rejected: list[tuple[float, float]] = []  # step and travel of the trials rejected from here
+        """Take the run through a piece, from where it stands in it; an outcome if it ends there."""
+        if not self.place.begun:
+            self._begin(piece)
+        parameter, rejected = self.place.parameter, self.place.rejected
         while parameter < piece.length:
+            self.place.reach(parameter, rejected)
+            if not goes_on(self.watch, lambda: of_stepper(self)):
+                return Outcome(OutcomeKind.INTERRUPTED, "stopped from outside", self.front.time)
             counters = self.problem.counters
             if counters.steps + counters.rejected_steps >= self.max_steps:
                 reason = f"{self.max_steps} steps were not enough"
@@ -129,6 +113,7 @@ class Stepper:
                 self.step = shrunk(step, candidate.error)
                 continue
             rejected = []
+            self.slope = candidate.slope or self.slope
             self.step = grown(candidate.parameter - parameter, candidate.error)
             parameter = candidate.parameter
             self._commit(candidate.trial, piece.time(parameter))
@@ -141,6 +126,21 @@ class Stepper:
             if self.problem.work == 0.0 and self.front.edge < _VANISHING * self.largest_edge:
                 return self._lift_off(piece)
         return None
+
+    def _begin(self, piece: Piece) -> None:
+        """Set out on a piece."""
+        if piece.fresh:
+            self.step = min(self.step, 0.05 * piece.length) if self.step > 0.0 else 0.01 * piece.length
+        if piece.jump:
+            self.step = 0.1
+        ends = [piece.prescribed(piece.length * share / 16.0) for share in range(17)]
+        self.span = max(ends) - min(ends)
+        self.past.rows = (
+            [(0.0, self.front.edge, self._load(piece, self.front))]
+            if piece.fresh
+            else [(row[0] - self.past.rows[-1][0], row[1], row[2]) for row in self.past.rows]
+        )
+        self.place.begun = True
 
     def _next_step(self, left: float) -> float:
         """The step to try: within the travel limit, and not leaving a sliver before the end."""
@@ -181,9 +181,8 @@ class Stepper:
             high,
             _ACCURACY * self.tolerance * length,
         )
-        self.slope = found.slope if found.slope > 0.0 else self.slope
         if found.where == "here" or (found.where == "above" and high == limit):
-            return Candidate(end, found.trial, self._error(piece, found.trial, step, rates))
+            return Candidate(end, found.trial, self._error(piece, found.trial, step, rates), found.slope)
         self.receding = found.where == "below"
         edge = low if self.receding else high
 
@@ -199,7 +198,7 @@ class Stepper:
         inward = self._trial(piece, parameter + share * step, edge - 0.01 * reach)
         if inward.residual > trial.residual:
             return Candidate(end, found.trial, math.inf)  # an equilibrium, but not a stable one
-        return Candidate(parameter + share * step, trial, 0.0)
+        return Candidate(parameter + share * step, trial, 0.0, found.slope)
 
     @staticmethod
     def _share(residual: Callable[[float], float], sign: bool) -> float:

@@ -19,6 +19,7 @@ from scene.trace import (
     read_columns,
     write_trace,
 )
+from scene.watch import Watch
 
 __all__ = [
     "COLUMNS",
@@ -52,6 +53,7 @@ __all__ = [
     "TabulatedProfile",
     "Trace",
     "UnsupportedScene",
+    "Watch",
     "read_columns",
     "read_scene",
     "scene_from_dict",

@@ -40,6 +40,7 @@ class OutcomeKind(StrEnum):
     STEP_BUDGET = "step budget exhausted"
     NOT_FINITE = "not finite"
     OUT_OF_RANGE = "out of range"
+    INTERRUPTED = "interrupted"
 
 
 @dataclass(frozen=True)
