@@ -1,6 +1,7 @@
 """Adhesive contact of a viscoelastic half-space by finite elements and node release."""
 
+from fem_solver.fields import FieldState, field_states
 from fem_solver.options import Options
 from fem_solver.solver import Recording, record, solve
 
-__all__ = ["Options", "Recording", "record", "solve"]
+__all__ = ["FieldState", "Options", "Recording", "field_states", "record", "solve"]

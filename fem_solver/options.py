@@ -31,6 +31,10 @@ class Options:
         Prescribe the displacement of the total force on the far boundary; otherwise hold it.
     record_times : tuple of float
         Times, stepped onto exactly, at which the whole history is kept for fields in the body.
+    record_every : int
+        Keep it at every n-th row as well; 0: no.
+    record_pull_off : bool
+        Keep it where the tension is largest as well.
     """
 
     resolution: int | None = None
@@ -41,6 +45,13 @@ class Options:
     path: Literal["auto", "condensed", "quadrature"] = "auto"
     far_field: bool = True
     record_times: tuple[float, ...] = ()
+    record_every: int = 0
+    record_pull_off: bool = False
+
+    @property
+    def records(self) -> bool:
+        """Whether any history is to be kept."""
+        return bool(self.record_times) or self.record_every > 0 or self.record_pull_off
 
     def __post_init__(self) -> None:
         if self.resolution is not None and self.resolution < 1:
@@ -49,6 +60,8 @@ class Options:
             raise ValueError(f"tolerance = {self.tolerance}: must be between 0 and 1")
         if self.max_steps < 1:
             raise ValueError(f"max_steps = {self.max_steps}: must be >= 1")
+        if self.record_every < 0:
+            raise ValueError(f"record_every = {self.record_every}: must be a whole number >= 0")
         for name, allowed in (
             ("form", ("mixed", "displacement")),
             ("path", ("auto", "condensed", "quadrature")),

@@ -52,7 +52,7 @@ class SurfaceState:
 
 @dataclass
 class Recorder:
-    """Accumulates rows and the work between them."""
+    """Accumulates rows and the work between them; ``kept``, where it is a list, all states."""
 
     work_of_adhesion: float
     rows: list[tuple[float, ...]] = field(default_factory=list)
@@ -63,6 +63,7 @@ class Recorder:
     largest_force: float = 0.0
     last: SurfaceState | None = None
     first: SurfaceState | None = None
+    kept: list[SurfaceState] | None = None
 
     def add(self, state: SurfaceState) -> None:
         """Append an accepted state."""
@@ -94,6 +95,8 @@ class Recorder:
             )
         )
         self.last = state
+        if self.kept is not None:
+            self.kept.append(state)
         self.largest_force = max(self.largest_force, abs(state.force))
 
     def event(self, kind: str) -> None:

@@ -8,10 +8,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from fem_solver.history import Ended
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.fields_history import Log, watch
+from fem_solver.history import Ended, History
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
-from fem_solver.record import Recorder
+from fem_solver.record import Recorder, SurfaceState
 from fem_solver.setup import Setup, set_up
 from fem_solver.stepcontrol import Judge
 from fem_solver.stepping import Run
@@ -23,14 +27,31 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Recording:
-    """A trace with what is needed to look into the body at the recorded times.
+    """A trace with what is needed to look into the body afterwards (see ``fields``).
 
-    ``states`` maps a time to the state of the history there (see ``condensed`` and ``quadrature``).
+    Parameters
+    ----------
+    trace : Trace
+    setup : Setup
+    states : dict of float to object
+        State of the history at each recorded time (see ``condensed`` and ``quadrature``).
+    rows : dict of float to int
+        Row of the trace at each recorded time; where the load jumps, the one before.
+    surfaces : list of SurfaceState
+        By row.
+    height : ndarray, shape (n,)
+        Of the indenter over the surface nodes.
+    log : SurfaceLog, VolumeLog or None
+        The history as far as it was kept; ``None`` if nothing was to be recorded.
     """
 
     trace: Trace
     setup: Setup
     states: dict[float, object]
+    rows: dict[float, int]
+    surfaces: list[SurfaceState]
+    height: NDArray[np.float64]
+    log: Log | None
 
 
 def solve(scene: Scene, mesh: Any, options: Options | None = None, progress: Progress | None = None) -> Trace:
@@ -64,7 +85,7 @@ def solve(scene: Scene, mesh: Any, options: Options | None = None, progress: Pro
 def record(
     scene: Scene, mesh: Any, options: Options | None = None, progress: Progress | None = None
 ) -> Recording:
-    """As :func:`solve`, and keep the history at ``options.record_times``."""
+    """As :func:`solve`, and keep the history where the options ask for it."""
     began = clock.perf_counter()
     options = options or Options()
     setup = set_up(scene, mesh, options)
@@ -72,6 +93,12 @@ def record(
     work = scene.adhesion.work if scene.adhesion else 0.0
     recorder = Recorder(work)
     states: dict[float, object] = {}
+    rows: dict[float, int] = {}
+    history: History = setup.history
+    log: Log | None = None
+    if options.records:
+        history, log = watch(setup.history, options.record_every, options.record_pull_off)
+        recorder.kept = []
     height = scene.indenter.height(setup.radii)
 
     def visit(time: float) -> None:
@@ -79,6 +106,9 @@ def record(
             recorder.profiles.append(profile(recorder.last, setup.radii, height))
         if time in options.record_times:
             states[time] = setup.history.state
+            rows[time] = len(recorder.rows) - 1
+            if log is not None:
+                log.keep(rows[time])
 
     def force_scale(radius: float) -> float:
         """Largest force so far, at least that of a relaxed adhering punch of this radius."""
@@ -86,7 +116,7 @@ def record(
         return max(recorder.largest_force, adhesion)
 
     run = Run(
-        history=setup.history,
+        history=history,
         geometry=setup.geometry,
         law=setup.law,
         height=height,
@@ -120,4 +150,4 @@ def record(
     run.counters.factorisations = setup.history.factorisations
     run.counters.volume_solves = setup.history.volume_solves
     trace = recorder.trace(Outcome(kind, reason, run.time), run.counters, clock.perf_counter() - began)
-    return Recording(trace, setup, states)
+    return Recording(trace, setup, states, rows, recorder.kept or [], height, log)
