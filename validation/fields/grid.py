@@ -38,7 +38,8 @@ def grid(state: FieldState) -> pyvista.UnstructuredGrid:
         result.point_data[name] = values
     for name, values in cell_data(state).items():
         result.cell_data[name] = values
-    return _tell(result, state)
+    _tell(result, state)
+    return result
 
 
 def point_data(state: FieldState) -> dict[str, Array]:
@@ -90,7 +91,8 @@ def surface(state: FieldState) -> pyvista.PolyData:
     result.point_data[DISPLACEMENT] = _in_plane(moved)
     result.point_data[f"pressure [{STRESS}]"] = found.pressure
     result.point_data["gap [length]"] = found.gap
-    return _tell(result, state)
+    _tell(result, state)
+    return result
 
 
 def indenter(state: FieldState, scene: Scene) -> pyvista.PolyData:
@@ -100,7 +102,9 @@ def indenter(state: FieldState, scene: Scene) -> pyvista.PolyData:
     outline = np.column_stack([r, scene.indenter.height(r) - state.penetration])
     if math.isfinite(edge) and edge < reach:
         outline = np.vstack([outline, [edge, outline[-1, 1] + reach]])
-    return _tell(_line(outline), state)
+    result = _line(outline)
+    _tell(result, state)
+    return result
 
 
 def _line(points: Array) -> pyvista.PolyData:
@@ -113,7 +117,7 @@ def _in_plane(vectors: Array) -> Array:
     return np.column_stack([vectors, np.zeros(len(vectors))])
 
 
-def _tell(data: pyvista.DataSet, state: FieldState) -> pyvista.DataSet:
+def _tell(data: pyvista.DataSet, state: FieldState) -> None:
     """Attach what holds for the whole state; numbers only, since not every reader takes text."""
     for name, value in (
         ("TimeValue", state.time),
@@ -123,4 +127,3 @@ def _tell(data: pyvista.DataSet, state: FieldState) -> pyvista.DataSet:
         ("contact_radius [length]", state.contact_radius),
     ):
         data.field_data[name] = np.array([value])
-    return data
