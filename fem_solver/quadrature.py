@@ -118,6 +118,16 @@ class QuadratureHistory:
         return sum(factor.solves for factor, _ in self._operators.values())
 
     @property
+    def solves(self) -> dict[float, int]:
+        """Back-substitutions so far, by ratio of moduli."""
+        return {ratio: factor.solves for ratio, (factor, _) in self._operators.items()}
+
+    def factorise_again(self, solves: dict[float, int]) -> None:
+        """The factors that a run had made when it was kept, and the work it had done with them."""
+        for ratio, count in solves.items():
+            self._operator(ratio)[0].solves = count
+
+    @property
     def factorisations(self) -> int:
         """Factorisations so far."""
         return len(self._operators)

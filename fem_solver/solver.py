@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_solver.checkpoint import put_back, taken
 from fem_solver.fields_history import Log, watch
 from fem_solver.history import Ended, History
 from fem_solver.options import DEFAULT_TOLERANCE, Options
@@ -19,7 +20,7 @@ from fem_solver.record import Recorder, SurfaceState
 from fem_solver.setup import Setup, set_up
 from fem_solver.stepcontrol import Judge
 from fem_solver.stepping import Run
-from scene import Outcome, OutcomeKind, Scene, Trace
+from scene import Outcome, OutcomeKind, Scene, Trace, Watch
 from scene.scene import zone_too_long
 
 Progress = Callable[[float], None]
@@ -54,7 +55,13 @@ class Recording:
     log: Log | None
 
 
-def solve(scene: Scene, mesh: Any, options: Options | None = None, progress: Progress | None = None) -> Trace:
+def solve(
+    scene: Scene,
+    mesh: Any,
+    options: Options | None = None,
+    progress: Progress | None = None,
+    watch: Watch | None = None,
+) -> Trace:
     """Solve a scene on a mesh of the half-space.
 
     Parameters
@@ -66,6 +73,8 @@ def solve(scene: Scene, mesh: Any, options: Options | None = None, progress: Pro
     options : Options, optional
     progress : callable(float), optional
         Told the fraction done, from 0 to 1.
+    watch : Watch, optional
+        May keep the run between steps, stop it, and let it go on from where it was kept.
 
     Returns
     -------
@@ -79,13 +88,20 @@ def solve(scene: Scene, mesh: Any, options: Options | None = None, progress: Pro
     UnsupportedScene
         If the options exclude what the scene needs.
     """
-    return record(scene, mesh, options, progress).trace
+    return record(scene, mesh, options, progress, watch).trace
 
 
 def record(
-    scene: Scene, mesh: Any, options: Options | None = None, progress: Progress | None = None
+    scene: Scene,
+    mesh: Any,
+    options: Options | None = None,
+    progress: Progress | None = None,
+    outside: Watch | None = None,
 ) -> Recording:
-    """As :func:`solve`, and keep the history where the options ask for it."""
+    """As :func:`solve`, and keep the history where the options ask for it.
+
+    A run that goes on from where ``outside`` kept it has the history from there on.
+    """
     began = clock.perf_counter()
     options = options or Options()
     setup = set_up(scene, mesh, options)
@@ -126,22 +142,28 @@ def record(
         force_scale=force_scale,
         max_steps=options.max_steps,
         visit=visit,
+        goes_on=lambda: outside is None or outside.goes_on(lambda: taken(run, setup.history)),
         wanted=(*options.profile_times, *options.record_times),
     )
     kind, reason = OutcomeKind.COMPLETED, "all loading steps carried out"
     steps = scene.loading.steps
     try:
-        run.start(scene.loading.penetration, scene.loading.start == "relaxed")
-        if run.state.radius < zone:
-            raise zone_too_long(zone, run.state.radius)
-        for done, step in enumerate(steps):
-            segment = step.segment(run.time, run.state.penetration, run.state.force)
+        if outside is not None and outside.kept is not None:
+            put_back(outside.kept, run, setup.history)
+        else:
+            run.start(scene.loading.penetration, scene.loading.start == "relaxed")
+            if run.state.radius < zone:
+                raise zone_too_long(zone, run.state.radius)
+        while run.place.step < len(steps):
+            origin = run.place.enter(run.time, run.state.penetration, run.state.force)
+            segment = steps[run.place.step].segment(*origin)
 
-            def tell(part: float, done: int = done) -> None:
+            def tell(part: float, done: int = run.place.step) -> None:
                 if progress is not None:
                     progress((done + part) / len(steps))
 
             run.carry_out(segment, tell)
+            run.place.leave()
     except Ended as end:
         kind, reason = end.kind, end.reason
     if progress is not None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_solver.checkpoint import Place
 from fem_solver.condensed import Response
 from fem_solver.edge import EdgeLaw, EdgeSearch, Fate
 from fem_solver.history import Ended, History
@@ -41,7 +42,9 @@ class Run:
     force_scale: Callable[[float], float]
     max_steps: int
     visit: Callable[[float], None]
+    goes_on: Callable[[], bool]
     wanted: tuple[float, ...] = ()
+    place: Place = field(default_factory=Place)
     counters: Counters = field(default_factory=Counters)
     time: float = 0.0
     _range: float = 0.0
@@ -70,7 +73,30 @@ class Run:
         self.visit(self.time)
 
     def carry_out(self, segment: Segment, tell: Callable[[float], None]) -> None:
-        """One loading step; ``tell`` hears the fraction done."""
+        """One loading step, from where the run stands in it; ``tell`` hears the fraction done."""
+        place = self.place
+        if place.start is None:
+            self._set_out(segment)
+        inner = [t for t in self.wanted if segment.start < t < segment.end]
+        kinks = set(segment.kinks)
+        for end in sorted({*inner, *kinks, segment.end}):
+            if place.start is None or end <= place.start:
+                continue
+            if place.clock is None:
+                place.clock = Clock(place.start, end)
+                self._begin(place.clock, place.stride)
+            while not place.clock.done:
+                if not self.goes_on():
+                    raise Ended(OutcomeKind.INTERRUPTED, "stopped from outside")
+                self._step(segment, place.clock)
+                tell((self.time - segment.start) / (segment.end - segment.start))
+            self.visit(end)
+            if end in kinks:
+                self.judge.forget()
+            place.reach(end, None if end in kinks else place.clock.dt)
+
+    def _set_out(self, segment: Segment) -> None:
+        """The jump, if any, with which a loading step begins."""
         state = self.state
         before = state.penetration if segment.control == "penetration" else state.force
         target = segment.value(segment.start)
@@ -79,25 +105,7 @@ class Run:
         if abs(target - before) > 1e-12 * scale:
             self._jump(segment.control, target)
         self._range = _range(segment)
-        inner = [t for t in self.wanted if segment.start < t < segment.end]
-        kinks = set(segment.kinks)
-        marks = sorted({*inner, *kinks, segment.end})
-        start = segment.start
-        stride = None
-        for end in marks:
-            if end <= start:
-                continue
-            clock = Clock(start, end)
-            self._begin(clock, stride)
-            while not clock.done:
-                self._step(segment, clock)
-                tell((self.time - segment.start) / (segment.end - segment.start))
-            stride = clock.dt
-            self.visit(end)
-            start = end
-            if end in kinks:
-                self.judge.forget()
-                stride = None
+        self.place.reach(segment.start, None)
 
     def _begin(self, clock: Clock, stride: float | None) -> None:
         length = clock.end - clock.start
