@@ -117,8 +117,8 @@ def field_states(recording: Recording, moments: Mapping[int, str]) -> Iterator[F
     Parameters
     ----------
     recording : Recording
-        Of a run with ``Options.record_times`` (or ``record_every``, ``record_pull_off``). With a constant
-        Poisson's ratio every row can be asked for, otherwise those recorded.
+        Of a run whose options ask for a record. With a constant Poisson's ratio every row of it can be
+        asked for, otherwise those recorded.
     moments : mapping of int to str
         Rows and their labels.
 
@@ -130,10 +130,14 @@ def field_states(recording: Recording, moments: Mapping[int, str]) -> Iterator[F
     ------
     KeyError
         If a row was not recorded.
+    ValueError
+        If the recording does not begin at the start of the loading.
     """
     log = recording.log
     if log is None:
         raise KeyError("nothing was recorded: the run was not asked for it")
+    if log.rows != len(recording.trace):
+        raise ValueError("the history is not whole: the run went on from where another had been kept")
     missing = sorted(row for row in moments if row not in log)
     if missing:
         raise KeyError(f"rows not recorded: {missing}")

@@ -19,11 +19,14 @@ from fem_solver import forms
 from fem_solver.condensed import CondensedHistory, Response
 from fem_solver.halfspace import HalfSpace
 from fem_solver.history import History
+from fem_solver.options import Options
 from fem_solver.prony import Prony
 from fem_solver.quadrature import QuadratureHistory, Relaxing
 
 Array = NDArray[np.float64]
 Form = Callable[[Array, Array], Array]
+
+_ROUND_OFF = 1e-9  # of the largest tension: below it two tensions count as the same
 
 
 @dataclass(frozen=True)
@@ -47,26 +50,34 @@ class SurfaceLog:
     shear: Prony
     steps: list[tuple[float, Array]] = field(default_factory=list)
 
+    @property
+    def rows(self) -> int:
+        """How many have been accepted."""
+        return len(self.steps)
+
     def keep(self, row: int) -> None:
         """Nothing to do: all rows are kept."""
 
     def __contains__(self, row: int) -> bool:
-        return 0 <= row < len(self.steps)
+        return 0 <= row < self.rows
 
 
 @dataclass
 class VolumeLog:
     """States of the rows that were asked for.
 
-    ``every`` keeps each n-th row, ``pull_off`` the one of largest tension (the last of equals).
+    ``every`` keeps each n-th row, ``wanted`` those named, ``pull_off`` the one of largest tension (of equals
+    to round-off the last).
     """
 
     space: HalfSpace
     incompressible: bool
     every: int = 0
+    wanted: frozenset[int] = frozenset()
     pull_off: bool = False
     kept: dict[int, VolumeState] = field(default_factory=dict)
-    best: tuple[int, float, VolumeState] | None = None
+    best: tuple[int, VolumeState] | None = None
+    lowest: float = np.inf
     last: VolumeState | None = None
     rows: int = 0
 
@@ -77,9 +88,9 @@ class VolumeLog:
 
     def accept(self, force: float, state: VolumeState) -> None:
         """One more row."""
-        if self.pull_off and (self.best is None or force <= self.best[1]):
-            self.best = self.rows, force, state
-        if self.every and self.rows % self.every == 0:
+        if self.pull_off and force <= self.lowest + _ROUND_OFF * abs(self.lowest):
+            self.best, self.lowest = (self.rows, state), min(force, self.lowest)
+        if self.rows in self.wanted or (self.every and self.rows % self.every == 0):
             self.kept[self.rows] = state
         self.last = state
         self.rows += 1
@@ -88,29 +99,26 @@ class VolumeLog:
         return row in self.kept or (self.best is not None and self.best[0] == row)
 
     def __getitem__(self, row: int) -> VolumeState:
-        return self.best[2] if self.best is not None and self.best[0] == row else self.kept[row]
+        return self.best[1] if self.best is not None and self.best[0] == row else self.kept[row]
 
 
 Log = SurfaceLog | VolumeLog
 
 
-def watch(history: History, every: int = 0, pull_off: bool = False) -> tuple[History, Log]:
-    """The same history, with a log of what it accepts.
-
-    Parameters
-    ----------
-    history : CondensedHistory or QuadratureHistory
-    every : int
-        Keep every n-th row; 0: none but those asked for otherwise.
-    pull_off : bool
-        Keep the row of largest tension.
-    """
+def watch(history: History, options: Options) -> tuple[History, Log]:
+    """The same history, with a log of what it accepts as far as the options ask for it."""
     if isinstance(history, CondensedHistory):
         surface = SurfaceLog(history.shear)
         return _WatchedSurface(history, surface), surface
     if not isinstance(history, QuadratureHistory):
         raise TypeError(f"no log for a history of type {type(history).__name__}")
-    volume = VolumeLog(history.space, history.bulk_modulus is None, every, pull_off)
+    volume = VolumeLog(
+        history.space,
+        history.bulk_modulus is None,
+        options.record_every,
+        frozenset(options.record_rows),
+        options.record_pull_off,
+    )
     return _WatchedVolume(history, volume), volume
 
 

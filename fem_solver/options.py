@@ -33,6 +33,8 @@ class Options:
         Times, stepped onto exactly, at which the whole history is kept for fields in the body.
     record_every : int
         Keep it at every n-th row as well; 0: no.
+    record_rows : tuple of int
+        Keep it at these rows as well: a run of the same scene, mesh and options has the same rows.
     record_pull_off : bool
         Keep it where the tension is largest as well.
     """
@@ -46,12 +48,14 @@ class Options:
     far_field: bool = True
     record_times: tuple[float, ...] = ()
     record_every: int = 0
+    record_rows: tuple[int, ...] = ()
     record_pull_off: bool = False
 
     @property
     def records(self) -> bool:
         """Whether any history is to be kept."""
-        return bool(self.record_times) or self.record_every > 0 or self.record_pull_off
+        asked = self.record_times or self.record_rows or self.record_every
+        return bool(asked) or self.record_pull_off
 
     def __post_init__(self) -> None:
         if self.resolution is not None and self.resolution < 1:

@@ -113,7 +113,7 @@ def record(
     history: History = setup.history
     log: Log | None = None
     if options.records:
-        history, log = watch(setup.history, options.record_every, options.record_pull_off)
+        history, log = watch(setup.history, options)
         recorder.kept = []
     height = scene.indenter.height(setup.radii)
 
