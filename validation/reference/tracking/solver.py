@@ -12,8 +12,20 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, Profile, Scene, Trace, UnsupportedScene
+from scene import (
+    COLUMNS,
+    Counters,
+    Event,
+    Outcome,
+    OutcomeKind,
+    Profile,
+    Scene,
+    Trace,
+    UnsupportedScene,
+    Watch,
+)
 from validation.reference.tracking.abel import transform
+from validation.reference.tracking.checkpoint import put_back, taken
 from validation.reference.tracking.equilibrium import pressed_radius, start_surface, touching_radius
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.law import Griffith, Law, NoTension
@@ -30,7 +42,10 @@ NAME = "reference"
 
 
 def solve(
-    scene: Scene, options: Options | None = None, progress: Callable[[float], None] | None = None
+    scene: Scene,
+    options: Options | None = None,
+    progress: Callable[[float], None] | None = None,
+    watch: Watch | None = None,
 ) -> Trace:
     """Run a scene.
 
@@ -40,6 +55,9 @@ def solve(
     options : Options, optional
     progress : callable(fraction), optional
         Told now and then how much of the loading is done.
+    watch : Watch, optional
+        May keep the run between steps, stop it, and let it go on from where it was kept. A second run for
+        error estimates is not watched.
 
     Returns
     -------
@@ -63,10 +81,10 @@ def solve(
             "no bulk entry, or the finite-element solver",
         )
     fineness = options.fineness(scene.is_adhesive)
-    result = _run(scene, options, fineness, progress)
+    result = _run(scene, options, fineness, progress, watch)
     errors: dict[str, float] = {}
     if options.estimate_errors and result.outcome.finished:
-        errors = estimated_errors(result.columns, _run(scene, options, fineness.coarser(), None).columns)
+        errors = estimated_errors(result.columns, _run(scene, options, fineness.coarser()).columns)
     return Trace(
         solver=NAME,
         **{name: result.columns[name] for name in COLUMNS},
@@ -90,7 +108,11 @@ class _Result:
 
 
 def _run(
-    scene: Scene, options: Options, fineness: Fineness, progress: Callable[[float], None] | None
+    scene: Scene,
+    options: Options,
+    fineness: Fineness,
+    progress: Callable[[float], None] | None = None,
+    watch: Watch | None = None,
 ) -> _Result:
     body = Body(rheology(scene.material), transform(scene.indenter))
     depth, load = _largest_load(scene)
@@ -129,7 +151,10 @@ def _run(
         record=record,
         on_profile=on_profile,
         progress=progress,
+        goes_on=lambda: watch is None or watch.goes_on(lambda: taken(run, profiles)),
     )
+    if watch is not None and watch.kept is not None:
+        put_back(watch.kept, run, profiles)
     outcome = run.go()
     return _Result(record.columns(), outcome, run.counters, run.events, profiles)
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from scene import Counters, Event, Outcome, OutcomeKind, Scene, Segment
 from validation.reference.tracking.attempt import Attempt, Curvature
+from validation.reference.tracking.checkpoint import Place
 from validation.reference.tracking.law import Griffith, Law, NoTension
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.record import Record
@@ -50,6 +51,8 @@ class Run:
     record: Record
     on_profile: Callable[[float, Surface, float], None]
     progress: Callable[[float], None] | None = None
+    goes_on: Callable[[], bool] = lambda: True
+    place: Place = field(default_factory=Place)
     time: float = 0.0
     force: float = 0.0
     counters: Counters = field(default_factory=Counters)
@@ -60,34 +63,40 @@ class Run:
     _steepness: float = 0.0
 
     def go(self) -> Outcome:
-        """Carry out all steps of the loading."""
-        self.force = self.surface.force(self.body)
-        self._travel = self.largest_travel
-        self._row()
-        if 0.0 in self.options.profile_times:
-            self.on_profile(0.0, self.surface, self.force)
+        """Carry out all steps of the loading, from where the run stands in it."""
+        place = self.place
+        if place.fresh:
+            self.force = self.surface.force(self.body)
+            self._travel = self.largest_travel
+            self._row()
+            if 0.0 in self.options.profile_times:
+                self.on_profile(0.0, self.surface, self.force)
         steps = self.scene.loading.steps
-        for index, step in enumerate(steps):
-            segment = step.segment(self.time, self.surface.penetration, self.force)
-            self._segment(segment, lambda done, index=index: (index + done) / len(steps))  # type: ignore[misc]
+        while place.step < len(steps):
+            origin = place.enter(self.time, self.surface.penetration, self.force)
+            segment = steps[place.step].segment(*origin)
+            self._segment(segment, lambda done: (place.step + done) / len(steps))
             if self.outcome is not None:
                 return self.outcome
+            place.leave()
         return Outcome(OutcomeKind.COMPLETED, "all loading steps carried out", self.time)
 
     def _segment(self, segment: Segment, share: Callable[[float], float]) -> None:
-        self._kink()
-        if segment.control == "force" and self.surface.radius == 0.0:
-            self._lower_to_touch()
-        present = self.surface.penetration if segment.control == "penetration" else self.force
-        if segment.value(segment.start) != present:
-            self._jump(segment)
+        place = self.place
+        if not place.begun:
+            self._set_out(segment)
         kinks = {segment.end, *segment.kinks}
         stops = sorted(kinks | {t for t in self.options.profile_times if segment.start < t < segment.end})
-        step = 0.0
-        for stop in stops:
-            if self._trail.fresh:
+        step = place.proposed
+        for stop in stops[place.stop :]:
+            if self._trail.fresh and not place.under_way:
                 step = self._first_step(segment, stop - self.time)
+            place.under_way = True
             while self.time < stop and self.outcome is None:
+                place.proposed = step
+                if not self.goes_on():
+                    self._end(OutcomeKind.INTERRUPTED, "stopped from outside")
+                    return
                 step = self._advance(segment, stop, step)
                 if self.progress is not None:
                     self.progress(share((self.time - segment.start) / (segment.end - segment.start)))
@@ -97,6 +106,17 @@ class Run:
                 self.on_profile(self.time, self.surface, self.force)
             if stop in kinks:
                 self._kink()
+            place.next_stop()
+
+    def _set_out(self, segment: Segment) -> None:
+        """The jump, if any, with which a loading step begins."""
+        self._kink()
+        if segment.control == "force" and self.surface.radius == 0.0:
+            self._lower_to_touch()
+        present = self.surface.penetration if segment.control == "penetration" else self.force
+        if segment.value(segment.start) != present:
+            self._jump(segment)
+        self.place.begun = True
 
     def _kink(self) -> None:
         """Rates jump at the present row."""
