@@ -9,7 +9,7 @@ All are one formula here. A frictionless load ``p(r) = int P(k) J0(k r) k dk`` o
 
     c = (1 - 2 nu) C0 - s C1,    B0, A0, A1 = int P (1, k, k^2) exp(-k s) J0(k r) dk,    C likewise with J1.
 
-With the Abel density ``q`` of the load (``q = E* (D - G(x))`` for ``x < a``, :mod:`validation.reference.sneddon`),
+With the Abel density ``q`` of the load (``E* (D - G(x))`` in ``x < a``; :mod:`validation.reference.sneddon`),
 ``P(k) = (1/pi) int_0^a q(x) cos(k x) dx``: each x adds a harmonic function of complex depth ``s + i x``, e.g.
 
     B0 = (1/pi) Re int_0^a q(x)/sqrt(r^2 + (s + i x)^2) dx.
