@@ -1,4 +1,4 @@
-"""The command line: ``crosscontact scenes | solve | compare | study | report``.
+"""The command line: ``crosscontact scenes | solve | compare | study | fields | report``.
 
 Exit codes: 0 all well; 1 a check failed or a run did not finish; 2 bad input, said in one line;
 130 interrupted. Nothing heavy is imported until a command needs it.
@@ -7,6 +7,7 @@ Exit codes: 0 all well; 1 a check failed or a run did not finish; 2 bad input, s
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from typing import NoReturn
@@ -45,6 +46,16 @@ def _jobs(text: str) -> int:
     return int(text)
 
 
+def _time(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value >= 0.0):
+        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: times >= 0")
+    return value
+
+
 def parser() -> argparse.ArgumentParser:
     """The parser of the whole command line."""
     top = _Parser(
@@ -76,6 +87,25 @@ def parser() -> argparse.ArgumentParser:
     study.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
     study.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
     study.add_argument("--jobs", type=_jobs, metavar="N", help="processes for what is not timed")
+
+    fields = commands.add_parser("fields", help="stresses, energies and losses in the body, for ParaView")
+    fields.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
+    fields.add_argument(
+        "--at",
+        type=_time,
+        nargs="+",
+        default=[],
+        metavar="T",
+        help="times, stepped onto exactly; where the load jumps, the state before",
+    )
+    fields.add_argument("--pull-off", action="store_true", help="the moment of largest tension")
+    fields.add_argument(
+        "--every", type=_jobs, default=0, metavar="N", help="every N-th accepted step, the start included"
+    )
+    fields.add_argument(
+        "--resolution", type=_resolution, metavar="N", help="divisions per process zone, as for solve"
+    )
+    fields.add_argument("--out", metavar="DIR", help="default: out/fields/SCENE")
 
     report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
     report.add_argument("--suite", choices=SUITE_NAMES, default="quick")
@@ -131,6 +161,12 @@ def _run(options: argparse.Namespace) -> int:
         return commands.compare(options.scenes, options.out, options.jobs)
     if options.command == "study":
         return commands.study(options.scenes, options.out, options.jobs)
+    if options.command == "fields":
+        from validation.fields import command
+
+        return command.run(
+            options.scene, options.at, options.pull_off, options.every, options.resolution, options.out
+        )
     return commands.report(options.suite, options.out, options.jobs, options.estimates, options.baseline)
 
 

@@ -1,0 +1,69 @@
+"""What densities add up to in the body, beside what the trace says.
+
+The mesh ends at a finite radius: the trace counts the half-space outside it, the sum over elements does not
+(a part of relative size ``a/R_far``). The energy stored in the trace also contains that of the hold on a
+partly released node at the edge, which is no density in the body.
+
+The loss in the branches is compared with the column of the trace that is its integral, and with what closes
+the balance of the half-space without any such integral: work of the surface forces less stored energy. The
+loss of the whole balance ``F dD + dg dA = dU + dL`` is smaller by ``zone_excess`` where a sharp edge
+dissipates what a process zone would have held (see ``fem_solver.record``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fem_solver import FieldState
+    from scene import Trace
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Sums over the mesh and their counterparts in the trace, at one row.
+
+    Parameters
+    ----------
+    stored, stored_in_trace : float
+        Elastic energy of all springs.
+    dissipated_by_branch : dict of str to float
+        Energy lost since the start.
+    dissipated, branch_dissipation, work_less_stored : float
+        Their sum over the branches; the trace's integral; what the work put in leaves unaccounted for.
+    zone_excess, loss : float
+        The named difference at the tip and the loss without it.
+    """
+
+    stored: float
+    stored_in_trace: float
+    dissipated_by_branch: dict[str, float]
+    dissipated: float
+    branch_dissipation: float
+    work_less_stored: float
+    zone_excess: float
+    loss: float
+
+    @property
+    def error(self) -> float | None:
+        """Relative difference of the sum over the mesh from the trace's loss; ``None`` without loss."""
+        if self.branch_dissipation == 0.0:
+            return None
+        return self.dissipated / self.branch_dissipation - 1.0
+
+
+def balance(state: FieldState, trace: Trace) -> Balance:
+    """Sum the densities of a state."""
+    lost = dict(zip(state.branches, (state.element_dissipated @ state.element_volumes).tolist(), strict=True))
+    at = {name: float(column[state.row]) for name, column in trace.columns().items()}
+    return Balance(
+        stored=float(state.element_stored @ state.element_volumes),
+        stored_in_trace=at["stored_energy"],
+        dissipated_by_branch=lost,
+        dissipated=sum(lost.values()),
+        branch_dissipation=at["branch_dissipation"],
+        work_less_stored=at["branch_dissipation"] + at["balance_residual"],
+        zone_excess=at["zone_excess"],
+        loss=at["dissipated_energy"],
+    )

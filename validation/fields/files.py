@@ -1,0 +1,92 @@
+"""Fields on disk: VTU and VTP files with time series that ParaView opens, and the numbers beside them.
+
+``body.pvd``, ``surface.pvd`` and ``indenter.pvd`` list the files of the folder of that name by time;
+``moments.json`` says what each moment is, what the densities add up to, and what all this cost. Each file
+appears whole or not at all; the lists, and last the numbers, are written when all they name is there.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Iterable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.sax.saxutils import quoteattr
+
+from validation.fields.balance import Balance
+from validation.files import to_json, write_whole
+
+if TYPE_CHECKING:
+    import pyvista
+
+    from fem_solver import FieldState
+    from scene import Scene
+
+PARTS = {"body": "vtu", "surface": "vtp", "indenter": "vtp"}
+NUMBERS = "moments.json"
+
+
+class Series:
+    """Writes states into a folder one by one."""
+
+    def __init__(self, folder: Path, scene: Scene) -> None:
+        self._folder, self._scene = folder, scene
+        self._moments: list[dict[str, Any]] = []
+        self._times: list[float] = []
+        for name, kind in PARTS.items():
+            (folder / f"{name}.pvd").unlink(missing_ok=True)
+            (folder / name).mkdir(exist_ok=True)
+            for left_over in (folder / name).glob(f"{name}_[0-9]*.{kind}"):
+                left_over.unlink()
+        (folder / NUMBERS).unlink(missing_ok=True)
+
+    def add(self, state: FieldState, balance: Balance) -> None:
+        """Write one state."""
+        from validation.fields.grid import grid, indenter, surface
+
+        index = len(self._times)
+        sets = {"body": grid(state), "surface": surface(state), "indenter": indenter(state, self._scene)}
+        for name, data in sets.items():
+            save(data, self._folder / name / _file(name, index))
+        before = self._times[-1] if self._times else -math.inf
+        # a jump of the load is two states at one time; a reader of the list would show only one of them
+        self._times.append(state.time if state.time > before else math.nextafter(before, math.inf))
+        about = ("row", "time", "label", "penetration", "force", "contact_radius")
+        self._moments.append({name: getattr(state, name) for name in about} | asdict(balance))
+
+    def close(self, numbers: dict[str, Any]) -> list[Path]:
+        """Write the lists and the numbers; returns what a reader would open."""
+        written = []
+        for name in PARTS:
+            files = [f"{name}/{_file(name, index)}" for index in range(len(self._times))]
+            written.append(self._folder / f"{name}.pvd")
+            write_whole(written[-1], collection(zip(self._times, files, strict=True)))
+        write_whole(self._folder / NUMBERS, to_json({"moments": self._moments} | numbers))
+        return written
+
+
+def _file(name: str, index: int) -> str:
+    return f"{name}_{index:04d}.{PARTS[name]}"
+
+
+def save(data: pyvista.DataSet, path: Path) -> None:
+    """Write a data set beside its place and move it there in one step."""
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".part.") as made:
+        partial = Path(made) / path.name
+        data.save(partial)
+        if not partial.is_file():
+            raise OSError(f"{path} could not be written")
+        partial.replace(path)
+
+
+def collection(files: Iterable[tuple[float, str]]) -> str:
+    """A ParaView collection of files by time."""
+    sets = "".join(
+        f'    <DataSet timestep="{time!r}" part="0" file={quoteattr(file)}/>\n' for time, file in files
+    )
+    return (
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'
+        f"  <Collection>\n{sets}  </Collection>\n</VTKFile>\n"
+    )

@@ -1,0 +1,143 @@
+"""Which moments of a run are looked into, and the run that gives them.
+
+Moments are times, each stepped onto exactly, the largest tension, every n-th row of the trace, or rows that
+a function of the trace picks. A time at which the load jumps means the state before. With a constant
+Poisson's ratio one run serves all; with separate bulk relaxation whole states have to be kept on the way, so
+rows picked from the trace take a second run, which is the same to the bit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from scene import Loading, Scene, SceneError, Trace
+from validation.observables import ROUND_OFF, largest_tension
+
+if TYPE_CHECKING:
+    from fem_solver import FieldState, Recording
+
+Progress = Callable[[float], None]
+PULL_OFF = "pull-off"
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be looked at.
+
+    Parameters
+    ----------
+    times : tuple of float
+    pull_off : bool
+        Largest tension.
+    every : int
+        Each n-th row of the trace, the first included; 0: none.
+    picked : callable(Trace, Scene) -> dict of int to str, optional
+        Rows and their labels.
+    """
+
+    times: tuple[float, ...] = ()
+    pull_off: bool = False
+    every: int = 0
+    picked: Callable[[Trace, Scene], dict[int, str]] | None = None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A run and the rows asked for; ``missing`` are times it did not reach."""
+
+    recording: Recording
+    moments: dict[int, str]
+    missing: tuple[float, ...] = ()
+
+    def states(self) -> Iterator[FieldState]:
+        """The fields, computed one after the other in the order of time."""
+        from fem_solver import field_states
+
+        return field_states(self.recording, self.moments)
+
+
+def answer(
+    scene: Scene, request: Request, resolution: int | None = None, progress: Progress | None = None
+) -> Answer:
+    """Run the finite elements and find the rows.
+
+    Raises
+    ------
+    SceneError
+        If a time cannot lie within the loading, or the scene cannot be solved.
+    """
+    from fem_solver import Options, record
+    from fem_solver.fields_history import VolumeLog
+    from validation.contact_range import mesh_for
+
+    request = replace(request, times=check_times(request.times, scene.loading))
+    mesh = mesh_for(scene, resolution)
+    # a row is recorded in any case: fields are asked for, if only at rows not known yet
+    options = Options(
+        resolution,
+        record_times=request.times,
+        record_every=request.every,
+        record_pull_off=True,
+    )
+    recording = record(scene, mesh, options, progress)
+    picked = request.picked(recording.trace, scene) if request.picked is not None else {}
+    if picked and isinstance(recording.log, VolumeLog):
+        recording = record(scene, mesh, replace(options, record_rows=tuple(picked)), progress)
+    return _found(recording, request, picked)
+
+
+def _found(recording: Recording, request: Request, picked: dict[int, str]) -> Answer:
+    trace, moments = recording.trace, dict(picked)
+    for time in request.times:
+        if time in recording.rows:
+            moments.setdefault(recording.rows[time], "")
+    if request.every:
+        for row in range(0, len(trace), request.every):
+            moments.setdefault(row, "")
+    pull = pull_off(recording) if request.pull_off else None
+    if pull is not None:
+        moments[pull] = moments.get(pull) or PULL_OFF
+    missing = tuple(time for time in request.times if time not in recording.rows)
+    return Answer(recording, dict(sorted(moments.items())), missing)
+
+
+def pull_off(recording: Recording) -> int | None:
+    """Row of the largest tension; ``None`` if the run never pulls."""
+    from fem_solver.fields_history import VolumeLog
+
+    row, log = largest_tension(recording.trace), recording.log
+    if row is not None and isinstance(log, VolumeLog) and log.best is not None:
+        return log.best[0]  # on a plateau of the force a neighbour of the row, equal to round-off
+    return row
+
+
+def check_times(times: Iterable[float], loading: Loading) -> tuple[float, ...]:
+    """The same times, rising; what exceeds the end of the loading by round-off becomes that end.
+
+    Raises
+    ------
+    SceneError
+        If one cannot lie within the run.
+    """
+    end, checked = ending(loading), set()
+    for time in times:
+        if not (math.isfinite(time) and time >= 0.0):
+            raise SceneError("--at", f"got {time:g}", "times >= 0")
+        if end is not None and time > end * (1.0 + ROUND_OFF):
+            raise SceneError("--at", f"{time:.10g} is after the loading ends", f"times from 0 to {end:.10g}")
+        checked.add(float(time) if end is None else min(float(time), end))
+    return tuple(sorted(checked))
+
+
+def ending(loading: Loading) -> float | None:
+    """Time at which the loading ends; ``None`` if that depends on the run (a ramp after a force)."""
+    time, depth, force = 0.0, loading.penetration, math.nan
+    for step in loading.steps:
+        segment = step.segment(time, depth, force)
+        time = segment.end
+        last = segment.value(segment.end) if math.isfinite(time) else math.nan
+        depth, force = (last, math.nan) if segment.control == "penetration" else (math.nan, last)
+    return time if math.isfinite(time) else None
