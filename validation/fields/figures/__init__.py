@@ -1,0 +1,1 @@
+"""Figures of the fields under the surface; PyVista and matplotlib are loaded when something is drawn."""

@@ -1,0 +1,116 @@
+"""A whole cycle as an animated GIF: the section, and where on the force curve it stands.
+
+Pillow writes the file; it comes with matplotlib, so that no video library is needed. All frames share view,
+magnification and colours, and one table of 256 colours made for them, so that nothing flickers.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from scene import Scene, Trace
+from validation.fields.figures import sections
+from validation.fields.figures.quantities import Quantity
+from validation.fields.figures.sections import INDENTER, LENGTH_UNIT, MARK, SMALL, ZONE
+from validation.fields.figures.strip import alike, caption
+from validation.files import write_whole
+from validation.observables import end_of_approach
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from PIL.Image import Image
+
+    from fem_solver.fields import FieldState
+
+FRAME, LAST = 120, 1500  # milliseconds
+DOTS = 90  # per inch
+APPROACH, RETRACTION = "#0072b2", "#d55e00"
+
+
+def write(
+    path: Path,
+    states: Sequence[FieldState],
+    trace: Trace,
+    scene: Scene,
+    quantity: Quantity,
+    progress: Callable[[float], None] = lambda done: None,
+) -> None:
+    """Draw all states and write them as one GIF.
+
+    Raises
+    ------
+    NoRendering
+        If VTK cannot draw here.
+    """
+    from PIL import Image as New
+
+    pictures: list[Image] = []
+    for count, made in enumerate(frames(states, trace, scene, quantity), 1):
+        stream = io.BytesIO()
+        made.savefig(stream, format="png", dpi=DOTS, facecolor="white")
+        pictures.append(New.open(stream).convert("RGB"))
+        progress(count / len(states))
+    table = palette(quantity.kind.value)
+    flat = [picture.quantize(palette=table, dither=New.Dither.NONE) for picture in pictures]
+    stream = io.BytesIO()
+    durations = [FRAME] * (len(flat) - 1) + [LAST]
+    flat[0].save(stream, format="GIF", save_all=True, append_images=flat[1:], duration=durations, loop=0)
+    write_whole(path, stream.getvalue())
+
+
+def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Quantity) -> Iterator[Figure]:
+    """One figure a state."""
+    from matplotlib.figure import Figure as New
+
+    cut, view, shown = alike(states, scene, quantity)
+    turn = end_of_approach(trace)
+    for one in cut:
+        made = New(figsize=(9.6, 3.7), layout="constrained")
+        left, right = made.subplots(1, 2, width_ratios=(2.3, 1.0))
+        sections.draw(left, one, view, quantity, shown)
+        left.set_title(f"{caption(one.state)}\ndisplacements {sections.times(one.scale)}", fontsize=SMALL + 1)
+        left.set_xlabel(f"x {LENGTH_UNIT}", fontsize=SMALL + 1)
+        left.set_ylabel(f"y {LENGTH_UNIT}", fontsize=SMALL + 1)
+        sections.key(left, one)
+        sections.bar(made, [left], quantity, shown, shrink=0.8)
+        _curve(right, trace, turn, one.state)
+        yield made
+
+
+def _curve(axes: Axes, trace: Trace, turn: int, state: FieldState) -> None:
+    """Force over penetration, the state marked on it."""
+    rows = slice(None, len(trace) - int(trace.contact_radius[-1] == 0.0))
+    depth, force = trace.penetration[rows], trace.force[rows]
+    axes.plot(depth[: turn + 1], force[: turn + 1], "--", color=APPROACH, linewidth=1.2, label="approach")
+    axes.plot(depth[turn:], force[turn:], color=RETRACTION, linewidth=1.2, label="retraction")
+    axes.axhline(0.0, color=MARK, linewidth=0.5)
+    axes.plot(state.penetration, state.force, "o", color=MARK, markersize=6, gid="state")
+    axes.set_xlabel("penetration (length)", fontsize=SMALL + 1)
+    axes.set_ylabel("force (scene units of force)", fontsize=SMALL + 1)
+    axes.tick_params(labelsize=SMALL)
+    axes.ticklabel_format(style="sci", scilimits=(-2, 3), useOffset=False)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.get_offset_text().set_fontsize(SMALL)
+    axes.legend(loc="upper left", frameon=False, fontsize=SMALL)
+
+
+def palette(name: str) -> Image:
+    """The table of 256 colours: those of a map, greys, and those of the lines towards white."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
+    from PIL import Image as New
+
+    greys = np.linspace(0.0, 1.0, 28)[:, None].repeat(3, axis=1)
+    pale = np.linspace(0.0, 0.75, 8)[:, None]
+    lines = [np.array(to_rgb(c)) * (1.0 - pale) + pale for c in (ZONE, APPROACH, RETRACTION)]
+    fixed = np.vstack([greys, *lines, [to_rgb(INDENTER)]])
+    field = colormaps[name](np.linspace(0.0, 1.0, 256 - len(fixed)))[:, :3]
+    table = New.new("P", (1, 1))
+    table.putpalette(np.rint(255.0 * np.vstack([field, fixed])).astype(np.uint8).ravel().tolist())
+    return table

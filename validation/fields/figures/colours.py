@@ -1,0 +1,99 @@
+"""Colours of a field: which map, over which range, and what the colour bar says.
+
+Signed fields get a diverging map with its neutral colour at zero, the others one that rises in lightness
+throughout. Both are read alike with any kind of colour vision. Stresses are singular at a sharp contact edge,
+so a range covers all but the outermost hundredth of the area in view (thousandth, where it spans decades),
+and the bar shows by an arrow that it goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.colors import Normalize
+
+Array = NDArray[np.float64]
+
+DECADES = 4.0  # shown of what spans many
+
+
+class Kind(Enum):
+    """What the values of a field are like, and the colour map that goes with it."""
+
+    SIGNED = "RdBu_r"
+    POSITIVE = "viridis"
+    DECADES = "cividis"
+
+
+# Part of the area in view that lies within the range.
+COVERED = {Kind.SIGNED: 0.99, Kind.POSITIVE: 0.99, Kind.DECADES: 0.999}
+
+
+@dataclass(frozen=True)
+class Colours:
+    """Range of a field and its map; ``above``, ``below``: whether values in view leave the range there."""
+
+    kind: Kind
+    low: float
+    high: float
+    above: bool
+    below: bool
+
+    @property
+    def map(self) -> str:
+        """Name of the colour map."""
+        return self.kind.value
+
+    @property
+    def extend(self) -> str:
+        """Arrows of the colour bar."""
+        return {(0, 0): "neither", (0, 1): "max", (1, 0): "min", (1, 1): "both"}[self.below, self.above]
+
+    @property
+    def norm(self) -> Normalize:
+        """From values to the range of the map, zero to one, and beyond."""
+        from matplotlib.colors import LogNorm, Normalize
+
+        return (LogNorm if self.kind is Kind.DECADES else Normalize)(self.low, self.high)
+
+    def shade(self, values: ArrayLike) -> Array:
+        """Place of values on the map, within zero and one; the same shape."""
+        given = np.asarray(values, float)
+        if self.kind is Kind.DECADES:
+            given = np.maximum(given, self.low)
+        return np.clip(np.ma.getdata(self.norm(given)), 0.0, 1.0)
+
+
+def colours(kind: Kind, values: Sequence[Array], weights: Sequence[Array]) -> Colours:
+    """Colours that serve several views of a field alike.
+
+    Parameters
+    ----------
+    kind : Kind
+    values, weights : sequence of (n,) arrays
+        Values in each view, and the area each stands for.
+    """
+    shown = np.concatenate([np.asarray(v, float) for v in values])
+    area = np.concatenate([np.asarray(w, float) for w in weights])
+    if shown.size == 0 or not np.isfinite(shown).all():
+        raise ValueError("a field to be drawn needs finite values in view")
+    high = covered(np.abs(shown) if kind is Kind.SIGNED else shown, area, COVERED[kind])
+    if high <= 0.0:  # nothing there, or nothing beyond the covered part
+        high = float(np.abs(shown).max()) or 1.0
+    low = {Kind.SIGNED: -high, Kind.POSITIVE: 0.0, Kind.DECADES: high * 10.0**-DECADES}[kind]
+    return Colours(kind, low, high, bool(shown.max() > high), bool(shown.min() < low))
+
+
+def covered(values: Array, weights: Array, share: float) -> float:
+    """The value that ``share`` of the weight does not exceed."""
+    order = np.argsort(values)
+    total = np.cumsum(weights[order])
+    row = int(np.searchsorted(total, share * total[-1]))
+    return float(values[order[min(row, values.size - 1)]])

@@ -1,0 +1,151 @@
+"""What a section shows and where: the body mirrored about the axis, deformed, with indenter and contact edge.
+
+Axes of a section: x across with the axis of symmetry at 0, y upwards with the undeformed surface at 0, in the
+length of the scene. Displacements are magnified by a stated scale; the indenter is magnified alike in height,
+so that it touches where the surface does. Numbers only; nothing is drawn here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scene import Scene
+
+if TYPE_CHECKING:
+    from fem_solver.fields import FieldState
+
+Array = NDArray[np.float64]
+
+REACH = 2.0  # half the width of a view, over the largest contact radius
+SWING = 0.2  # largest displacement shown, over half the width of the view
+
+
+@dataclass(frozen=True)
+class View:
+    """The part of a section that is shown: ``left <= x <= right``, ``bottom <= y <= top``."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """As matplotlib wants it."""
+        return self.left, self.right, self.bottom, self.top
+
+    @property
+    def aspect(self) -> float:
+        """Width over height."""
+        return (self.right - self.left) / (self.top - self.bottom)
+
+
+def whole(contact_radius: float) -> View:
+    """The view that holds a contact of this radius and what is under it."""
+    half = REACH * contact_radius
+    return View(-half, half, -0.8 * half, 0.4 * half)
+
+
+def near_edge(section: Section, zone: float) -> View:
+    """The view of the right-hand edge, a few process zones wide."""
+    x, y = section.edge
+    half = 4.0 * zone
+    return View(x - half, x + half, y - 1.2 * half, y + 0.8 * half)
+
+
+def magnification(largest: float, contact_radius: float) -> float:
+    """The largest of 1, 2, 5, 10, ... (or 1/2, 1/5, ...) that keeps a displacement within the swing."""
+    if largest <= 0.0:
+        return 1.0
+    room = SWING * REACH * contact_radius / largest * (1.0 + 1e-9)
+    power = 10.0 ** math.floor(math.log10(room))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= room)
+
+
+@dataclass(frozen=True)
+class Section:
+    """One state, ready to be drawn.
+
+    Parameters
+    ----------
+    state : FieldState
+    scale : float
+        Magnification of displacements.
+    moved : (n, 2) array
+        Nodes of the right-hand half (x >= 0) after deformation.
+    surface : (k, 2) array
+        Deformed surface from the axis outwards.
+    indenter : (j, 2) array
+        Its outline from the axis outwards.
+    edge : (2,) array
+        Contact edge on the deformed surface.
+    zone : (i, 2) array
+        The deformed surface from the edge to the end of the process zone; empty without adhesion.
+    """
+
+    state: FieldState
+    scale: float
+    moved: Array
+    surface: Array
+    indenter: Array
+    edge: Array
+    zone: Array
+
+    @cached_property
+    def top(self) -> NDArray[np.int64]:
+        """Nodes of ``surface``, shape (k,)."""
+        return surface_nodes(self.state)
+
+    @cached_property
+    def areas(self) -> Array:
+        """Undeformed area of the section that each node stands for, shape (n,)."""
+        corners = self.state.points[self.state.triangles]
+        one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        area = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+        return np.bincount(self.state.triangles.ravel(), np.repeat(area / 3.0, 3), len(self.moved)).astype(
+            float
+        )
+
+    def within(self, view: View) -> NDArray[np.bool_]:
+        """Which nodes, or their mirror images, lie in a view."""
+        x, y = self.moved.T
+        across = ((x >= view.left) & (x <= view.right)) | ((-x >= view.left) & (-x <= view.right))
+        return across & (y >= view.bottom) & (y <= view.top)
+
+
+def section(state: FieldState, scene: Scene, scale: float = 1.0) -> Section:
+    """Take from a state of the body what a figure needs; displacements magnified by ``scale``."""
+    moved = state.points + scale * state.displacement
+    top = surface_nodes(state)
+    surface, radii, a = moved[top], state.points[top, 0], state.contact_radius
+
+    def on_surface(r: Array) -> Array:
+        return np.column_stack([np.interp(r, radii, surface[:, k]) for k in (0, 1)])
+
+    zone = np.empty((0, 2))
+    if scene.adhesion is not None and scene.is_adhesive and a > 0.0:
+        end = a + scene.adhesion.zone
+        zone = on_surface(np.concatenate(([a], radii[(radii > a) & (radii < end)], [end])))
+    body = outline(scene, state.penetration, scale, float(radii[-1]))
+    return Section(state, scale, moved, surface, body, on_surface(np.array([a]))[0], zone)
+
+
+def surface_nodes(state: FieldState) -> NDArray[np.int64]:
+    """Nodes of the surface from the axis outwards."""
+    found = np.flatnonzero(state.points[:, 1] == 0.0)
+    return found[np.argsort(state.points[found, 0])]
+
+
+def outline(scene: Scene, penetration: float, scale: float, reach: float) -> Array:
+    """The indenter from the axis outwards, shape (j, 2); a flat punch has an upright side."""
+    edge = scene.indenter.edge
+    r = np.concatenate(([0.0], np.geomspace(1e-4 * reach, min(reach, edge), 400)))
+    y = scale * (scene.indenter.height(r) - penetration)
+    line = np.column_stack([r, y])
+    return np.vstack([line, [edge, reach]]) if math.isfinite(edge) else line

@@ -1,0 +1,84 @@
+"""The fields that can be drawn: what each is called, in which unit, and how it is read from a state.
+
+Units are the scene's. Components are cylindrical and positive in tension, also left of the axis.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.fields.figures.colours import Kind
+
+if TYPE_CHECKING:
+    from fem_solver.fields import FieldState
+
+Array = NDArray[np.float64]
+
+STRESS, DENSITY, RATE, LENGTH = "force/length²", "energy/length³", "energy/(length³ time)", "length"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A field: ``name`` for commands and files, ``label`` for colour bars, ``values(state)`` at the nodes."""
+
+    name: str
+    label: str
+    kind: Kind
+    values: Callable[[FieldState], Array]
+
+    @property
+    def plain(self) -> str:
+        """The label without mathematical type, for windows that have none."""
+        return re.sub(r"[$_{}]", "", self.label).replace("\\", "")
+
+
+def _component(name: str, symbol: str, unit: str, row: int) -> Quantity:
+    file, part = (("rr", "rr"), ("zz", "zz"), ("tt", r"\theta\theta"), ("rz", "rz"))[row]
+
+    def values(state: FieldState) -> Array:
+        return np.asarray(getattr(state, name))[row]
+
+    return Quantity(f"{name}-{file}", rf"{name} ${symbol}_{{{part}}}$ ({unit})", Kind.SIGNED, values)
+
+
+QUANTITIES = {
+    one.name: one
+    for one in (
+        Quantity("von-mises", f"von Mises stress ({STRESS})", Kind.POSITIVE, lambda s: s.von_mises),
+        Quantity("max-shear", f"largest shear stress ({STRESS})", Kind.POSITIVE, lambda s: s.max_shear),
+        Quantity("hydrostatic", f"mean stress ({STRESS})", Kind.SIGNED, lambda s: s.hydrostatic),
+        *(
+            Quantity(
+                f"principal-{k + 1}",
+                f"principal stress {k + 1} ({STRESS})",
+                Kind.SIGNED,
+                lambda s, k=k: s.principal[k],  # type: ignore[misc]
+            )
+            for k in range(3)
+        ),
+        *(_component("stress", r"\sigma", STRESS, row) for row in range(4)),
+        *(_component("strain", r"\varepsilon", "length/length", row) for row in range(4)),
+        Quantity(
+            "displacement-r", f"displacement $u_r$ ({LENGTH})", Kind.SIGNED, lambda s: s.displacement[:, 0]
+        ),
+        Quantity(
+            "displacement-z", f"displacement $u_z$ ({LENGTH})", Kind.SIGNED, lambda s: s.displacement[:, 1]
+        ),
+        Quantity("stored", f"stored energy ({DENSITY})", Kind.DECADES, lambda s: s.stored_energy_density),
+        Quantity(
+            "dissipation-rate",
+            f"dissipation rate ({RATE})",
+            Kind.DECADES,
+            lambda s: s.dissipation_rate.sum(axis=0),
+        ),
+        Quantity(
+            "dissipated", f"energy dissipated ({DENSITY})", Kind.DECADES, lambda s: s.dissipated.sum(axis=0)
+        ),
+    )
+}

@@ -1,0 +1,174 @@
+"""A field on a section through the axis: drawn by PyVista, framed and labelled by matplotlib.
+
+Field, indenter, contact edge and process zone are those of :mod:`geometry`; the colours of a picture and of
+its colour bar come from one table.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.fields.figures import window
+from validation.fields.figures.colours import Colours, Kind, colours
+from validation.fields.figures.geometry import Section, View, near_edge, whole
+from validation.fields.figures.quantities import Quantity
+
+if TYPE_CHECKING:
+    import pyvista
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+PIXELS = 900  # across a picture
+INDENTER, MARK, ZONE = "#c9ccd1", "#000000", "#e6007e"
+LENGTH_UNIT = "(scene units of length)"
+SMALL = 8.0  # points, the smallest text
+
+
+def shared_colours(quantity: Quantity, sections: list[Section], views: list[View]) -> Colours:
+    """Colours that serve all sections alike, from what is in view."""
+    values, weights = [], []
+    for section, view in zip(sections, views, strict=True):
+        shown = section.within(view)
+        values.append(quantity.values(section.state)[shown])
+        weights.append(section.areas[shown])
+    return colours(quantity.kind, values, weights)
+
+
+def figure(section: Section, quantity: Quantity, zone: float, title: str) -> Figure:
+    """The contact as a whole, and beside it its right-hand edge with colours of its own.
+
+    Parameters
+    ----------
+    section : Section
+    quantity : Quantity
+    zone : float
+        Process-zone length, or the length that takes its place; the width of the second view follows it.
+    title : str
+
+    Raises
+    ------
+    NoRendering
+        If VTK cannot draw here.
+    """
+    from matplotlib.figure import Figure as New
+
+    views = [whole(section.state.contact_radius), near_edge(section, zone)]
+    made = New(figsize=(10.6, 3.9), layout="compressed")
+    panels = made.subplots(1, 2, width_ratios=(views[0].aspect, views[1].aspect))
+    for axes, view in zip(panels, views, strict=True):
+        shown = shared_colours(quantity, [section], [view])
+        draw(axes, section, view, quantity, shown)
+        axes.set_xlabel(f"x {LENGTH_UNIT}", fontsize=SMALL + 1)
+        bar(made, [axes], quantity, shown, label=axes is panels[1])
+    panels[0].set_ylabel(f"y {LENGTH_UNIT}", fontsize=SMALL + 1)
+    panels[0].set_title(f"{title}\ndisplacements {times(section.scale)}", fontsize=SMALL + 1)
+    panels[1].set_title("at the contact edge", fontsize=SMALL + 1)
+    panels[0].add_patch(_frame(views[1]))
+    key(panels[0], section)
+    return made
+
+
+def draw(axes: Axes, section: Section, view: View, quantity: Quantity, shown: Colours) -> None:
+    """Field, indenter, surface and marks of one view."""
+    size = (PIXELS, max(2, round(PIXELS / view.aspect)))
+    image = window.picture(lambda plotter: add_field(plotter, section, view, quantity, shown), size)
+    axes.imshow(image, extent=view.extent, aspect="equal", interpolation="lanczos", zorder=0)
+    body, surface = both_sides(section.indenter), both_sides(section.surface)
+    ceiling = max(view.top, float(body[:, 1].max()))
+    axes.fill_between(body[:, 0], body[:, 1], ceiling, color=INDENTER, linewidth=0.0, zorder=2)
+    axes.plot(*body.T, color=MARK, linewidth=0.8, zorder=3, gid="indenter")
+    axes.plot(*surface.T, color=MARK, linewidth=0.8, zorder=3, gid="surface")
+    for mirror in np.array([[1.0, 1.0], [-1.0, 1.0]]):
+        if section.zone.size:
+            line = section.zone * mirror
+            axes.plot(*line.T, color=ZONE, linewidth=2.5, zorder=4, solid_capstyle="butt", gid="zone")
+        edge = section.edge * mirror
+        axes.plot(*edge, "v", color=MARK, markersize=5, zorder=5, gid="edge")
+    axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
+    axes.tick_params(labelsize=SMALL)
+    axes.ticklabel_format(style="sci", scilimits=(-3, 4), useOffset=False)
+
+
+def key(axes: Axes, section: Section) -> None:
+    """What the marks mean, in a corner of the body."""
+    axes.plot([], [], "v", color=MARK, markersize=5, label="contact edge")
+    if section.zone.size:
+        axes.plot([], [], color=ZONE, linewidth=2.5, label="process zone")
+    legend = axes.legend(loc="lower left", fontsize=SMALL, framealpha=0.85, edgecolor="none", ncols=2)
+    legend.set_zorder(6)
+
+
+def times(scale: float) -> str:
+    """How a magnification is stated."""
+    return "true to scale" if scale == 1.0 else f"drawn {scale:g} times as large"
+
+
+def bar(
+    figure: Figure, panels: list[Axes], quantity: Quantity, shown: Colours, label: bool = True, **options: Any
+) -> None:
+    """A colour bar beside the panels, with name and unit."""
+    from matplotlib.cm import ScalarMappable
+
+    table = ScalarMappable(shown.norm, shown.map)
+    made: Any = figure.colorbar(table, ax=panels, extend=shown.extend, **({"pad": 0.02} | options))
+    if label:
+        made.set_label(quantity.label, fontsize=SMALL + 1)
+    made.ax.tick_params(labelsize=SMALL)
+    if quantity.kind is not Kind.DECADES:
+        made.formatter.set_powerlimits((-2, 3))
+        made.ax.yaxis.get_offset_text().set_fontsize(SMALL)
+
+
+def add_field(plotter: Any, section: Section, view: View, quantity: Quantity, shown: Colours) -> None:
+    """Put the coloured body into a window, the camera on the view."""
+    plotter.add_mesh(
+        mirrored(section, quantity, shown),
+        scalars="shade",
+        cmap=shown.map,
+        clim=(0.0, 1.0),
+        lighting=False,
+        show_scalar_bar=False,
+        name="body",
+    )
+    middle = np.array([0.5 * (view.left + view.right), 0.5 * (view.bottom + view.top)])
+    height = view.top - view.bottom
+    camera = plotter.camera
+    camera.parallel_projection = True
+    camera.focal_point = (*middle, 0.0)
+    camera.position = (*middle, 10.0 * height)
+    camera.up = (0.0, 1.0, 0.0)
+    camera.parallel_scale = 0.5 * height
+    plotter.reset_camera_clipping_range()
+
+
+def mirrored(section: Section, quantity: Quantity, shown: Colours) -> pyvista.PolyData:
+    """The deformed body on both sides of the axis, with the field (``quantity.name``) and its ``shade``."""
+    import pyvista
+
+    count = len(section.moved)
+    points = np.zeros((2 * count, 3))
+    points[:count, :2] = section.moved
+    points[count:, :2] = section.moved * (-1.0, 1.0)
+    faces = np.vstack([section.state.triangles, section.state.triangles[:, ::-1] + count])
+    mesh = pyvista.PolyData.from_regular_faces(points, faces)
+    values = np.tile(quantity.values(section.state), 2)
+    mesh.point_data[quantity.name] = values
+    mesh.point_data["shade"] = shown.shade(values)
+    return mesh
+
+
+def both_sides(line: Array) -> Array:
+    """A line from the axis outwards, with its mirror image before it; shape (2 k - 1, 2)."""
+    return np.vstack([line[:0:-1] * (-1.0, 1.0), line])
+
+
+def _frame(view: View) -> Any:
+    from matplotlib.patches import Rectangle
+
+    size = view.right - view.left, view.top - view.bottom
+    return Rectangle((view.left, view.bottom), *size, fill=False, edgecolor=MARK, linewidth=0.7, zorder=6)
