@@ -106,6 +106,20 @@ def parser() -> argparse.ArgumentParser:
         "--resolution", type=_resolution, metavar="N", help="divisions per process zone, as for solve"
     )
     fields.add_argument("--out", metavar="DIR", help="default: out/fields/SCENE")
+    drawn = fields.add_argument_group("figures", "sections are drawn at all moments; where asked for, also")
+    drawn.add_argument("--strip", action="store_true", help="the key moments of the run side by side")
+    drawn.add_argument("--animate", action="store_true", help="the whole run as an animated GIF")
+    drawn.add_argument("--revolve", action="store_true", help="the body in three dimensions")
+    drawn.add_argument(
+        "--show", action="store_true", help="the last moment in a window, where there is a screen"
+    )
+    drawn.add_argument(
+        "--quantity",
+        nargs="+",
+        metavar="Q",
+        help="what to draw; default: von-mises stress-zz dissipation-rate",
+    )
+    drawn.add_argument("--no-figures", action="store_true", help="files for ParaView only")
 
     report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
     report.add_argument("--suite", choices=SUITE_NAMES, default="quick")
@@ -163,9 +177,16 @@ def _run(options: argparse.Namespace) -> int:
         return commands.study(options.scenes, options.out, options.jobs)
     if options.command == "fields":
         from validation.fields import command
+        from validation.fields.figures.album import wanted
 
         return command.run(
-            options.scene, options.at, options.pull_off, options.every, options.resolution, options.out
+            options.scene,
+            options.at,
+            options.pull_off,
+            options.every,
+            options.resolution,
+            options.out,
+            wanted(options),
         )
     return commands.report(options.suite, options.out, options.jobs, options.estimates, options.baseline)
 

@@ -16,25 +16,44 @@ from validation.files import output_folder
 from validation.progress import Progress
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from fem_solver import FieldState
     from scene import Counters
+    from validation.fields.figures.album import Album
 
 
 def run(
-    name: str, times: list[float], pull_off: bool, every: int, resolution: int | None, out: str | None
+    name: str,
+    times: list[float],
+    pull_off: bool,
+    every: int,
+    resolution: int | None,
+    out: str | None,
+    album: Album | None = None,
 ) -> int:
-    """Exit code 0, 1 if the run did not finish, 2 if a time lies outside the run."""
+    """Exit code 0; 1 if the run did not finish or a figure asked for cannot be drawn; 2 for times outside it.
+
+    With an ``album`` its figures are drawn too, of the moments it needs beside those asked for.
+    """
     from scene import SceneError
 
     case = cases.load(name)
-    if not (times or pull_off or every):
-        raise SceneError("fields", "no moment asked for", "--at T [T ...], --pull-off, --every N, or several")
-    request = Request(tuple(times), pull_off, every)
+    if not (times or pull_off or every or (album is not None and album.moments)):
+        allowed = "--at T [T ...], --pull-off, --every N, --strip, --animate, or several"
+        raise SceneError("fields", "no moment asked for", allowed)
+    request = Request(tuple(times), pull_off, every, None if album is None else album.rows)
     folder = output_folder(out if out is not None else f"out/fields/{case.name}")
     progress = Progress(f"{case.name} fields")
+    part = 0.5 if album is None else 0.25  # of the time, roughly
+    kept: list[FieldState] = []
     try:
-        found = answer(case.scene, request, resolution, lambda done: progress(0.5 * done))
-        written = write(found, folder, case.scene, lambda done: progress(0.5 + 0.5 * done))
+        found = answer(case.scene, request, resolution, lambda done: progress(part * done))
+        keep = kept.append if album is not None else None
+        written = write(found, folder, case.scene, lambda done: progress(part * (1.0 + done)), keep)
+        if album is not None:
+            trace = found.recording.trace
+            written += album.lines(folder, kept, trace, case.scene, lambda done: progress(0.5 + 0.5 * done))
     finally:
         progress.close()
     for line in written:
@@ -42,8 +61,14 @@ def run(
     return _verdict(found)
 
 
-def write(found: Answer, folder: Path, scene: Any, progress: Any) -> list[str]:
-    """Compute and write all states; returns lines for a reader."""
+def write(
+    found: Answer,
+    folder: Path,
+    scene: Any,
+    progress: Any,
+    keep: Callable[[FieldState], None] | None = None,
+) -> list[str]:
+    """Compute and write all states, and give each to ``keep``; returns lines for a reader."""
     trace = found.recording.trace
     before, begin = asdict(trace.counters), time.process_time()
     series = Series(folder, scene)
@@ -52,6 +77,8 @@ def write(found: Answer, folder: Path, scene: Any, progress: Any) -> list[str]:
         sums = balance(state, trace)
         series.add(state, sums)
         lines.append(_line(state, sums))
+        if keep is not None:
+            keep(state)
         progress(index / len(found.moments))
     cost = _difference(trace.counters, before)
     files = series.close(

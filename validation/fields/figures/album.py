@@ -6,15 +6,20 @@ whole run, ``revolution_QUANTITY_NNNN.png`` the body in three dimensions.
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scene import Scene, Trace
+import numpy as np
+
+from scene import Scene, SceneError, Trace
 from validation.fields.figures import animation, moments, revolution, sections, strip
 from validation.fields.figures.geometry import magnification, section
 from validation.fields.figures.quantities import QUANTITIES, Quantity
+from validation.fields.figures.window import NoRendering
 from validation.files import write_whole
 from validation.report.figures import png
 
@@ -25,7 +30,7 @@ if TYPE_CHECKING:
 
 USUAL = ("von-mises", "stress-zz", "dissipation-rate")
 FRAMES = 60
-Progress = Callable[[float, str], None]
+Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -35,13 +40,15 @@ class Album:
     Parameters
     ----------
     quantities : tuple of str
-        Names in ``QUANTITIES``.
+        Names in ``QUANTITIES``; animation, body of revolution and window show the first.
     strip : bool
         The key moments side by side.
     animate : bool
-        An animation of the whole run, of the first quantity.
+        An animation of the whole run.
     revolve : bool
-        The body in three dimensions at each state drawn, of the first quantity.
+        The body in three dimensions, of every state that gets a section.
+    show : bool
+        The last state in a window, where there is a screen.
     frames : int
         Of the animation.
     """
@@ -50,61 +57,118 @@ class Album:
     strip: bool = False
     animate: bool = False
     revolve: bool = False
+    show: bool = False
     frames: int = FRAMES
+
+    def __post_init__(self) -> None:
+        for name in self.quantities:
+            if name not in QUANTITIES:
+                raise SceneError("--quantity", f"got {name!r:.40}", ", ".join(QUANTITIES))
+
+    @property
+    def moments(self) -> bool:
+        """Whether the figures ask for moments of their own."""
+        return self.strip or self.animate
 
     def rows(self, trace: Trace, scene: Scene) -> dict[int, str]:
         """Rows of a trace whose fields the figures need, and their labels."""
         found = dict.fromkeys(moments.in_contact(trace, self.frames), "") if self.animate else {}
         return dict(sorted((found | (moments.key_moments(trace, scene) if self.strip else {})).items()))
 
+    def lines(
+        self, folder: Path, states: Sequence[FieldState], trace: Trace, scene: Scene, progress: Progress
+    ) -> list[str]:
+        """Draw, and say what was drawn, or why not.
+
+        Raises
+        ------
+        NoRendering
+            If VTK cannot draw here, and more was asked for than the sections that come by themselves.
+        """
+        try:
+            written = self.write(folder, states, trace, scene, progress)
+            lines = [f"drawn: {path}" for path in written]
+            if (
+                self.show
+                and states
+                and not revolution.interactive(_touching(states)[-1], scene, self._chosen[0])
+            ):
+                lines.append("no window: there is no screen")
+        except NoRendering as error:
+            if self.moments or self.revolve or self.show:
+                raise
+            return [f"no figures: {error}"]
+        return lines
+
     def write(
         self, folder: Path, states: Sequence[FieldState], trace: Trace, scene: Scene, progress: Progress
     ) -> list[Path]:
-        """Draw; states in contact only, in the order of time.
+        """Draw everything but the window; states in contact only, in the order of time.
 
         Raises
         ------
         NoRendering
             If VTK cannot draw here.
         """
-        touching = [state for state in states if state.contact_radius > 0.0]
-        key = moments.key_moments(trace, scene)
-        chosen = [QUANTITIES[name] for name in self.quantities]
+        touching, key, first = _touching(states), moments.key_moments(trace, scene), self._chosen[0]
         moving = set(moments.in_contact(trace, self.frames)) if self.animate else set()
-        single = [state for state in touching if state.row in key or state.row not in moving]
-        written: list[Path] = []
-
-        def keep(name: str, drawn: Figure) -> None:
+        single = [state for state in touching if state.label or state.row not in moving]
+        drawings: list[tuple[str, Callable[[], Figure]]] = []
+        for state in single:
+            for one in self._chosen:
+                name = f"sections/{one.name}_{state.row:06d}.png"
+                drawings.append((name, partial(one_section, state, scene, one)))
+            if self.revolve:
+                name = f"revolution/{first.name}_{state.row:06d}.png"
+                drawings.append((name, partial(revolution.figure, state, scene, first)))
+        named = [state for state in touching if state.row in key] if self.strip else []
+        if named:
+            drawings += [
+                (f"strip_{one.name}.png", partial(strip.figure, named, scene, one)) for one in self._chosen
+            ]
+        written = []
+        frames = [state for state in touching if state.row in moving]
+        todo = len(drawings) + len(frames)
+        for count, (name, draw) in enumerate(drawings, 1):
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(path, png(drawn))
+            write_whole(path, png(draw()))
             written.append(path)
-
-        todo = len(single) * len(chosen)
-        for count, state in enumerate(single):
-            for number, quantity in enumerate(chosen):
-                progress((count * len(chosen) + number) / todo, f"{quantity.name}, time {state.time:.6g}")
-                keep(f"sections/{quantity.name}_{state.row:06d}.png", one_section(state, scene, quantity))
-            if self.revolve:
-                drawn = revolution.figure(state, scene, chosen[0])
-                keep(f"revolution/{chosen[0].name}_{state.row:06d}.png", drawn)
-        if self.strip:
-            named = [state for state in touching if state.row in key]
-            for quantity in chosen:
-                keep(f"strip_{quantity.name}.png", strip.figure(named, scene, quantity))
-        if self.animate:
-            frames = [state for state in touching if state.row in moving]
-            path = folder / f"cycle_{chosen[0].name}.gif"
-            animation.write(path, frames, trace, scene, chosen[0], lambda done: progress(done, "animation"))
+            progress(count / todo)
+        if frames:
+            path = folder / f"cycle_{first.name}.gif"
+            begun = len(drawings) / todo
+            animation.write(path, frames, trace, scene, first, lambda d: progress(begun + (1.0 - begun) * d))
             written.append(path)
-        progress(1.0, "figures drawn")
         return written
+
+    @property
+    def _chosen(self) -> list[Quantity]:
+        return [QUANTITIES[name] for name in self.quantities]
+
+
+def wanted(options: argparse.Namespace) -> Album | None:
+    """What the command line asks for; ``None`` for no figures.
+
+    Raises
+    ------
+    SceneError
+        If a quantity has no such name, or figures are both asked for and not.
+    """
+    asked = {name: getattr(options, name) for name in ("strip", "animate", "revolve", "show")}
+    if options.no_figures:
+        if options.quantity or any(asked.values()):
+            raise SceneError("--no-figures", "figures are asked for beside it", "one or the other")
+        return None
+    return Album(tuple(dict.fromkeys(options.quantity or USUAL)), **asked)
+
+
+def _touching(states: Sequence[FieldState]) -> list[FieldState]:
+    return [state for state in states if state.contact_radius > 0.0]
 
 
 def one_section(state: FieldState, scene: Scene, quantity: Quantity) -> Figure:
     """The section of one state, with caption and a magnification of its own."""
-    import numpy as np
-
     scale = magnification(float(np.abs(state.displacement).max()), state.contact_radius)
     length = moments.zone(scene, state.contact_radius)
     return sections.figure(section(state, scene, scale), quantity, length, strip.caption(state))

@@ -42,6 +42,8 @@ def key_moments(trace: Trace, scene: Scene) -> dict[int, str]:
 def in_contact(trace: Trace, count: int) -> list[int]:
     """Rows spread evenly in time over the part of a run in contact, first and last included."""
     touching = np.flatnonzero(trace.contact_radius > 0.0)
+    if touching.size == 0:
+        return []
     first, last = trace.time[touching[0]], trace.time[touching[-1]]
     wanted = np.linspace(first, last, count)
     nearest = np.abs(trace.time[touching][:, None] - wanted).argmin(axis=0)
