@@ -10,11 +10,11 @@ from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
 from bem_solver.start import contact_scale, elastic_twin, empty_front, equilibrium
 from bem_solver.trial import Problem
-from scene import Force, Hold, Ramp, Scene
+from scene import Force, Hold, Oscillate, Ramp, Scene, Sweep
 
 FEWEST, MOST = 16, 4000
 _COARSE = 24
-_LAYER_MOST = 480  # annuli a boundary layer may ask for
+_LAYER_MOST = 45  # times the divisions: annuli a boundary layer may ask for
 _LAYER_MATTERS = (
     0.01  # change of the closure, relative to the work of adhesion, below which a layer is left out
 )
@@ -26,11 +26,14 @@ def annuli_needed(divisions: int, share: float) -> int:
     return min(max(int(np.ceil(divisions * 0.5 * np.pi / np.arccos(1.0 - share))), FEWEST), MOST)
 
 
-def annuli_for_layer(radius: float, layer: float) -> int:
-    """Number of annuli whose outermost is an eighteenth of a boundary layer of this thickness (0: none)."""
+def annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
+    """Number of annuli whose outermost is ``3.4/divisions**2`` of a boundary layer so thick (0: none).
+
+    It grows with the resolution, as the annuli in the zone do, so that a finer run is finer here too.
+    """
     if layer <= 0.0 or radius <= 0.0:
         return FEWEST
-    return min(int(np.ceil(1.5 * np.pi * np.sqrt(radius / layer))), _LAYER_MOST)
+    return min(int(np.ceil(0.6 * divisions * np.sqrt(radius / layer))), _LAYER_MOST * divisions)
 
 
 def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> float:
@@ -38,8 +41,8 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> fl
 
     Advancing at speed v, the stress of branch k relaxes over ``v tau_k``, which changes the closure by the
     order of ``(E_k/E0) v tau_k/da``. On a ramp the speed is that of a contact that follows the profile,
-    ``rate/(2 df/dr)``; while the load rests it falls through every value, down to where the layer hardly
-    matters.
+    ``rate/(2 df/dr)``; while the load rests, or turns round in an oscillation that leaves it time to relax,
+    it falls through every value, down to where the layer hardly matters.
     """
     if zone == 0.0 or not len(chain):
         return 0.0
@@ -52,6 +55,10 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> fl
             penetration = step.to
         elif isinstance(step, (Hold, Force)):
             rest = max(rest, step.duration)
+        elif isinstance(step, Oscillate):
+            rest = max(rest, np.pi / step.angular_frequency)  # from one turn to the next
+        elif isinstance(step, Sweep):
+            rest = max(rest, np.sqrt(np.pi / step.chirp))  # to the first turn
     strength = chain.stress_scale**2 / chain.relaxation / chain.relaxed
     layers = slowest / (2.0 * slope) * chain.relaxation if slope > 0.0 else np.full(len(chain), np.inf)
     layers = np.where(rest > chain.relaxation, np.minimum(layers, _RESTING * zone / strength), layers)

@@ -86,9 +86,10 @@ def _solve_graded(
     share = min(zone / largest, 1.0) if zone > 0.0 and largest > 0.0 else 0.01
     counters = Counters(factorisations=1)
     layer = thinnest_layer(scene, chain, largest, zone)
-    count = max(annuli_needed(options.divisions, share), annuli_for_layer(largest, layer))
+    divisions = options.divisions
+    count = max(annuli_needed(divisions, share), annuli_for_layer(divisions, largest, layer))
     annuli = Annuli(count)
-    rule = ClosureRule.resolving(max(options.divisions, int(count * np.arccos(1.0 - share) * 2.0 / np.pi)))
+    rule = ClosureRule.resolving(max(divisions, int(count * np.arccos(1.0 - share) * 2.0 / np.pi)))
     problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     recorder = Recorder(chain, work)
     scale = max(largest, contact_scale(scene, scene.loading.penetration))
