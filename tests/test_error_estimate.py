@@ -51,12 +51,24 @@ def test_a_scalar_is_no_better_than_its_curves():
     assert found["force"] > 1e-3
 
 
-def test_the_largest_tension_is_uncertain_by_half_a_row():
+def test_the_largest_tension_is_uncertain_by_half_a_row_and_its_place_by_a_row():
     found = estimates(spring(1.0, rows=41), spring(1.0, rows=41))
     away = 0.5 * 0.08 / 40
     assert found["pull_off_force"] == pytest.approx(away / 0.01)
-    assert found["pull_off_penetration"] == pytest.approx(away / 0.03)
+    assert found["pull_off_penetration"] == pytest.approx(2.0 * away / 0.03)
     assert found["approach_force"] == 0.0
+
+
+def test_a_difference_is_as_uncertain_as_both_its_terms():
+    fine, coarse = spring(1.0), spring(1.0)
+    losses = {"branch_dissipation": 3.0, "dissipated_energy": 2.0, "zone_excess": 1.0}
+    moved = {"branch_dissipation": 3.1, "dissipated_energy": 2.1, "zone_excess": 1.0}
+    found = from_two_runs(fine, coarse, losses, moved)
+    assert found["branch_dissipation"] == pytest.approx(SAFETY * 0.1 / 3.0)
+    assert found["dissipated_energy"] == pytest.approx(SAFETY * 0.1 / 2.0 / 3.0)
+    assert found["zone_excess"] == pytest.approx(
+        3.0 * found["branch_dissipation"] + 2.0 * found["dissipated_energy"]
+    )
 
 
 def test_own_estimates_serve_for_what_they_do_not_name():

@@ -55,6 +55,20 @@ def test_the_solver_s_own_event_locates_the_detachment():
     assert (seen.detachment_radius, seen.detachment_force) == (0.125, -0.5)
 
 
+def test_a_contact_shorter_than_its_zone_has_left_the_model():
+    events = (Event("pull-off", 3.5, -2.5, -0.25, 0.05),)
+    for told in ((), events):
+        run = trace(
+            [0, 1, 2, 3], [1, 0, -1, -2], [1, -3, -2, -1], [1.0, 0.5, 0.25, 0.1], [0, 1, 2, 3],
+            OutcomeKind.DETACHED, told,
+        )  # fmt: skip
+        seen = observe(run, zone=0.25)
+        assert (seen.detachment_time, seen.detachment_penetration, seen.detachment_radius) == (2, -1, 0.25)
+        assert seen.dissipated_energy == 2
+        assert observe(run, zone=2.0).dissipated_energy == 3  # nothing is longer: the last row in contact
+    assert observe(run, zone=0.04).detachment_penetration == -2.5
+
+
 def test_nothing_applies():
     seen = observe(trace([0, 1], [0, 1], [0, 1]))
     assert seen.pull_off_force is seen.pull_off_penetration is seen.detachment_time is None

@@ -13,8 +13,9 @@ estimates of whole cycles fell short of the true error (by up to 1.7 times in th
 branches dissipate has p = 1 too, because it squares the stress in the layer at a sharp edge.
 
 The difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its
-run. The largest tension is a row of the trace: it and its place are also uncertain by half the way to the
-neighbouring rows.
+run. The excess at the edge is a difference, uncertain by what its two terms are. The largest tension is a row
+of the trace: it is also uncertain by half the way to the neighbouring rows, its place by the whole way, since
+it lies anywhere between them.
 """
 
 from __future__ import annotations
@@ -95,6 +96,11 @@ def from_two_runs(fine: Trace, coarse: Trace, measured: Measures, coarsely: Meas
         order = 1 if name in FIRST_ORDER else usual
         own = _extrapolated(abs(other - value) / relative_to, order) if relative_to > 0.0 else 0.0
         errors[name] = max(own, floor)
+    terms = ("branch_dissipation", "dissipated_energy")
+    if "zone_excess" in errors and all(name in errors for name in terms):
+        sizes = [scale(name, measured[name] or 0.0, fine) for name in (*terms, "zone_excess")]
+        both = sum(errors[name] * size for name, size in zip(terms, sizes, strict=False))
+        errors["zone_excess"] = max(errors["zone_excess"], both / sizes[-1] if sizes[-1] > 0.0 else 0.0)
     return _with_sampling(errors, fine)
 
 
@@ -122,5 +128,5 @@ def _with_sampling(errors: dict[str, float], trace: Trace) -> dict[str, float]:
         relative_to = scale(f"pull_off_{name}", float(column[row]), trace)
         if f"pull_off_{name}" in errors and near and relative_to > 0.0:
             away = max(abs(float(column[i] - column[row])) for i in near)
-            errors[f"pull_off_{name}"] += 0.5 * away / relative_to
+            errors[f"pull_off_{name}"] += (0.5 if name == "force" else 1.0) * away / relative_to
     return errors

@@ -37,12 +37,13 @@ class Observables:
     pull_off_time, pull_off_penetration, pull_off_radius : float or None
         There; on a plateau of the force (force control) its last row.
     detachment_time, detachment_penetration, detachment_radius, detachment_force : float or None
-        Last state in contact of a run that lost contact.
+        Last state in contact of a run that lost contact; where the contact shrinks below the process zone,
+        the last state longer than it. What is shorter lies outside the model, and a solver may stop there.
     loop_energy : float or None
         ``integral F dD`` over the run.
     dissipated_energy : float or None
-        The solver's own loss at the end of the run, or where contact is lost: what the snap to the free
-        surface sets free then is no viscous loss.
+        The solver's own loss at the end of the run, or at detachment: what the snap to the free surface sets
+        free then is no viscous loss.
     final_time, final_penetration, final_force, final_radius : float or None
         Last row.
     """
@@ -73,15 +74,15 @@ class Observables:
         return asdict(self)
 
 
-def observe(trace: Trace) -> Observables:
-    """All observables of a run; of a run without a row, none."""
+def observe(trace: Trace, zone: float = 0.0) -> Observables:
+    """All observables of a run with the given process zone; of a run without a row, none."""
     if len(trace) == 0:
         return Observables()
     values: dict[str, float] = {
         "start_force": trace.force[0],
         "start_radius": trace.contact_radius[0],
         "loop_energy": loop_energy(trace),
-        "dissipated_energy": trace.dissipated_energy[_last_in_contact(trace)],
+        "dissipated_energy": trace.dissipated_energy[_last_in_contact(trace, zone)],
         "final_time": trace.time[-1],
         "final_penetration": trace.penetration[-1],
         "final_force": trace.force[-1],
@@ -92,7 +93,7 @@ def observe(trace: Trace) -> Observables:
     if pulling is not None:
         at = _row(trace, pulling, "pull_off")
         values |= at | {"pull_off_force": -at["pull_off_force"]}
-    values |= _detachment(trace)
+    values |= _detachment(trace, zone)
     return Observables(**{name: float(value) for name, value in values.items()})
 
 
@@ -112,10 +113,10 @@ def largest_tension(trace: Trace) -> int | None:
     return int(np.flatnonzero(tension >= tension.max() - slack)[-1])
 
 
-def at_last_contact(trace: Trace, column: str) -> float | None:
-    """A column at the last row in contact; ``None`` if the run has no such column or no row."""
+def at_last_contact(trace: Trace, column: str, zone: float = 0.0) -> float | None:
+    """A column at the row of detachment, or the last; ``None`` if the run has no such column or no row."""
     values = trace.columns().get(column)
-    return None if values is None or len(trace) == 0 else float(values[_last_in_contact(trace)])
+    return None if values is None or len(trace) == 0 else float(values[_last_in_contact(trace, zone)])
 
 
 def loop_energy(trace: Trace) -> float:
@@ -139,25 +140,31 @@ def _row(trace: Trace, index: int, name: str) -> dict[str, float]:
     }
 
 
-def _detachment(trace: Trace) -> dict[str, float]:
+def _detachment(trace: Trace, zone: float) -> dict[str, float]:
     """The solver's own "pull-off" event where it gives one, else the last row still in contact."""
     if trace.outcome.kind is not OutcomeKind.DETACHED:
         return {}
     for event in reversed(trace.events):
-        if event.kind == "pull-off":
+        if event.kind == "pull-off" and event.contact_radius >= zone:
             return {
                 "detachment_time": event.time,
                 "detachment_penetration": event.penetration,
                 "detachment_radius": event.contact_radius,
                 "detachment_force": event.force,
             }
-    return _row(trace, _last_in_contact(trace), "detachment") | {"detachment_time": trace.outcome.time}
+    last = _last_in_contact(trace, zone)
+    if np.any(trace.contact_radius[last + 1 :] > 0.0):  # it went on below the zone
+        return _row(trace, last, "detachment")
+    return _row(trace, last, "detachment") | {"detachment_time": trace.outcome.time}
 
 
-def _last_in_contact(trace: Trace) -> int:
-    touching = np.flatnonzero(trace.contact_radius > 0.0)
-    if trace.outcome.kind is OutcomeKind.DETACHED and touching.size:
-        return int(touching[-1])
+def _last_in_contact(trace: Trace, zone: float) -> int:
+    """Of a run that lost contact the last row in contact and no shorter than the zone, else the last row."""
+    radius = trace.contact_radius
+    if trace.outcome.kind is OutcomeKind.DETACHED:
+        for touching in (np.flatnonzero((radius > 0.0) & (radius >= zone)), np.flatnonzero(radius > 0.0)):
+            if touching.size:
+                return int(touching[-1])
     return len(trace) - 1
 
 

@@ -143,9 +143,10 @@ def _errors(
 
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
     """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
-    found: dict[str, float | None] = dict(observe(trace).as_dict())
+    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
+    found: dict[str, float | None] = dict(observe(trace, zone).as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
-    branches, loss = at_last_contact(trace, "branch_dissipation"), found["dissipated_energy"]
+    branches, loss = at_last_contact(trace, "branch_dissipation", zone), found["dissipated_energy"]
     found["branch_dissipation"] = branches
     found["zone_excess"] = branches - loss if branches is not None and loss is not None else None
     found["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
