@@ -6,7 +6,7 @@ import sys
 import time
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from validation import cases
 from validation.fields.balance import Balance, balance
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from fem_solver import FieldState
-    from scene import Counters
+    from scene import Counters, Scene
     from validation.fields.figures.album import Album
 
 
@@ -64,11 +64,11 @@ def run(
 def write(
     found: Answer,
     folder: Path,
-    scene: Any,
-    progress: Any,
+    scene: Scene,
+    progress: Callable[[float], None],
     keep: Callable[[FieldState], None] | None = None,
 ) -> list[str]:
-    """Compute and write all states, and give each to ``keep``; returns lines for a reader."""
+    """Compute and write all states, and give those of moments to ``keep``; returns lines for a reader."""
     trace = found.recording.trace
     before, begin = asdict(trace.counters), time.process_time()
     series = Series(folder, scene)
@@ -77,7 +77,7 @@ def write(
         sums = balance(state, trace)
         series.add(state, sums)
         lines.append(_line(state, sums))
-        if keep is not None:
+        if keep is not None and state.row not in found.sampled:  # every n-th are too many to draw
             keep(state)
         progress(index / len(found.moments))
     cost = _difference(trace.counters, before)
@@ -126,7 +126,7 @@ def _verdict(found: Answer) -> int:
             file=sys.stderr,
         )
         return 2
-    if not found.moments:
+    if found.never_pulls:
         print("crosscontact: error: --pull-off: the run never pulls", file=sys.stderr)
         return 2
     return 0

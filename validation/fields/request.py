@@ -46,11 +46,17 @@ class Request:
 
 @dataclass(frozen=True)
 class Answer:
-    """A run and the rows asked for; ``missing`` are times it did not reach."""
+    """A run and the rows asked for.
+
+    ``missing`` are times it did not reach, ``sampled`` rows that count only as every n-th; ``never_pulls``
+    tells that a pull-off was asked for and there is none.
+    """
 
     recording: Recording
     moments: dict[int, str]
     missing: tuple[float, ...] = ()
+    sampled: frozenset[int] = frozenset()
+    never_pulls: bool = False
 
     def states(self) -> Iterator[FieldState]:
         """The fields, computed one after the other in the order of time."""
@@ -94,14 +100,14 @@ def _found(recording: Recording, request: Request, picked: dict[int, str]) -> An
     for time in request.times:
         if time in recording.rows:
             moments.setdefault(recording.rows[time], "")
-    if request.every:
-        for row in range(0, len(trace), request.every):
-            moments.setdefault(row, "")
     pull = pull_off(recording) if request.pull_off else None
     if pull is not None:
         moments[pull] = moments.get(pull) or PULL_OFF
+    rows = range(0, len(trace), request.every) if request.every else range(0)
+    sampled = frozenset(rows) - set(moments)
     missing = tuple(time for time in request.times if time not in recording.rows)
-    return Answer(recording, dict(sorted(moments.items())), missing)
+    moments = dict(sorted((moments | dict.fromkeys(sampled, "")).items()))
+    return Answer(recording, moments, missing, sampled, request.pull_off and pull is None)
 
 
 def pull_off(recording: Recording) -> int | None:
