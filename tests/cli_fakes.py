@@ -36,7 +36,7 @@ rate = 0.01
 def fake(stiffness: float = 1.0, kind: OutcomeKind = OutcomeKind.DETACHED, poison: bool = False):
     """A solver factory, to be put into ``validation.solvers.SOLVERS``."""
 
-    def call(scene: Scene, resolution, tolerance, profile_times, progress) -> Trace:
+    def call(scene: Scene, resolution, tolerance, profile_times, progress, watch=None) -> Trace:
         time, depth = [0.0], [scene.loading.penetration]
         for step in scene.loading.steps:
             segment = step.segment(time[-1], depth[-1], 0.0)

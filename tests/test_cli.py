@@ -161,7 +161,9 @@ def test_what_does_not_apply_is_null(tmp_path, scene_file, fakes):
     assert summary["peak_cycle_loss"] is None
 
 
-@pytest.mark.parametrize("kind", [k for k in OutcomeKind if k not in ("completed", "detached")])
+@pytest.mark.parametrize(
+    "kind", [k for k in OutcomeKind if k not in ("completed", "detached", "interrupted")]
+)
 def test_unfinished_run_leaves_its_partial_trace(capsys, tmp_path, scene_file, fakes, kind):
     fakes(bem=fake(kind=kind))
     out = tmp_path / "out"

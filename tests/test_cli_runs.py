@@ -50,7 +50,7 @@ def test_interrupt(tmp_path, arguments, seconds):
     assert work.returncode in (130, -signal.SIGINT), (out, err)  # a shell shows both as 130
     assert err.splitlines()[-1] == "crosscontact: interrupted"
     assert "Traceback" not in err
-    assert not (tmp_path / "out" / "summary.json").exists()
+    assert not (tmp_path / "out" / "report.json").exists()
 
 
 @pytest.mark.slow

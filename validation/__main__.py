@@ -12,6 +12,8 @@ import os
 import sys
 from typing import NoReturn
 
+from validation.signals import interrupting
+
 # The dense systems here are small: more threads than one cost time, and results must not depend on them.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
@@ -77,16 +79,19 @@ def parser() -> argparse.ArgumentParser:
         "N >= 4; default: the solver's choice",
     )
     solve.add_argument("--out", metavar="DIR", help="write trace.csv, summary.json and scene.toml there")
+    _fresh(solve)
 
     compare = commands.add_parser("compare", help="run all solvers on scenes; exit 1 when out of tolerance")
     compare.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
     compare.add_argument("--out", metavar="DIR", help="write the report and every run there")
     compare.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    _fresh(compare)
 
     study = commands.add_parser("study", help="refinement ladders and error against run time, every solver")
     study.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
     study.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
     study.add_argument("--jobs", type=_jobs, metavar="N", help="processes for what is not timed")
+    _fresh(study)
 
     fields = commands.add_parser("fields", help="stresses, energies and losses in the body, for ParaView")
     fields.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
@@ -100,7 +105,11 @@ def parser() -> argparse.ArgumentParser:
     )
     fields.add_argument("--pull-off", action="store_true", help="the moment of largest tension")
     fields.add_argument(
-        "--every", type=_jobs, default=0, metavar="N", help="every N-th accepted step, the start included"
+        "--every",
+        type=_jobs,
+        default=0,
+        metavar="N",
+        help="every N-th accepted step, the start included; not drawn",
     )
     fields.add_argument(
         "--resolution", type=_resolution, metavar="N", help="divisions per process zone, as for solve"
@@ -136,16 +145,31 @@ def parser() -> argparse.ArgumentParser:
         metavar="OLD.json",
         help="an earlier report.json: list what moved, exit 1 when beyond tolerance",
     )
+    report.add_argument(
+        "--fields",
+        action="store_true",
+        help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
+    )
+    _fresh(report)
     return top
+
+
+def _fresh(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--fresh",
+        action="store_true",
+        help="start anew; otherwise what was stopped in the same --out goes on where it was",
+    )
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     options = parser().parse_args(arguments)
     try:
-        code = _run(options)
-        sys.stdout.flush()
-        return code
+        with interrupting():
+            code = _run(options)
+            sys.stdout.flush()
+            return code
     except KeyboardInterrupt:
         print("crosscontact: interrupted", file=sys.stderr)
         return 130
@@ -165,16 +189,26 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
+    """Run the command, alone in its folder."""
+    if getattr(options, "out", None) is None:
+        return _command(options)
+    from validation.lock import held
+
+    with held(options.out):
+        return _command(options)
+
+
+def _command(options: argparse.Namespace) -> int:
     from validation import commands
 
     if options.command == "scenes":
         return commands.scenes()
     if options.command == "solve":
-        return commands.solve(options.scene, options.solver, options.resolution, options.out)
+        return commands.solve(options.scene, options.solver, options.resolution, options.out, options.fresh)
     if options.command == "compare":
-        return commands.compare(options.scenes, options.out, options.jobs)
+        return commands.compare(options.scenes, options.out, options.jobs, options.fresh)
     if options.command == "study":
-        return commands.study(options.scenes, options.out, options.jobs)
+        return commands.study(options.scenes, options.out, options.jobs, options.fresh)
     if options.command == "fields":
         from validation.fields import command
         from validation.fields.figures.album import wanted
@@ -188,7 +222,9 @@ def _run(options: argparse.Namespace) -> int:
             options.out,
             wanted(options),
         )
-    return commands.report(options.suite, options.out, options.jobs, options.estimates, options.baseline)
+    return commands.report(
+        options.suite, options.out, options.jobs, options.estimates, options.baseline, options.fresh, options.fields
+    )
 
 
 if __name__ == "__main__":

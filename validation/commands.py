@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import tempfile
 from dataclasses import replace
@@ -14,6 +15,8 @@ from validation.progress import Progress
 
 if TYPE_CHECKING:
     from scene import Scene
+    from validation.report.build import Page
+    from validation.report.fields_section import FieldsSection
     from validation.runs import Run
 
 SHOWN = (
@@ -39,16 +42,23 @@ def scenes() -> int:
     return 0
 
 
-def solve(name: str, solver: str, resolution: int | None, out: str | None) -> int:
-    """Run one solver on one scene; exit code 2 if it refuses the scene, 1 if it does not finish."""
+def solve(name: str, solver: str, resolution: int | None, out: str | None, fresh: bool = False) -> int:
+    """Run one solver on one scene; exit code 2 if it refuses the scene, 1 if it does not finish.
+
+    With a folder to write to, a run that is stopped leaves what it has, and goes on when it is asked again.
+    """
     from validation.files import output_folder
+    from validation.resume import run_kept
     from validation.runs import run
 
     case = cases.load(name)
     folder = None if out is None else output_folder(out)
     progress = Progress(f"{case.name} {solver}")
     try:
-        result = run(case, solver, resolution, progress)
+        if folder is None:
+            result, keeper = run(case, solver, resolution, progress), None
+        else:
+            result, keeper = run_kept(case, solver, resolution, progress, folder, fresh)
     finally:
         progress.close()
     if result.refused:
@@ -57,6 +67,11 @@ def solve(name: str, solver: str, resolution: int | None, out: str | None) -> in
     if folder is not None:
         write_run(folder, case.scene, result)
     _print(result, folder)
+    if keeper is not None and keeper.stopped:
+        print(f"crosscontact: kept in {keeper.path}: the same command goes on from there", file=sys.stderr)
+        raise KeyboardInterrupt
+    if keeper is not None:
+        keeper.done()
     if not result.finished:
         print(f"crosscontact: not finished: {result.ending}", file=sys.stderr)
         return 1
@@ -66,19 +81,20 @@ def solve(name: str, solver: str, resolution: int | None, out: str | None) -> in
 def write_run(folder: Path, scene: Scene, result: Run) -> None:
     """``scene.toml``, ``trace.csv`` and, last, ``summary.json``: whoever finds it finds a whole set."""
     from scene import write_scene, write_trace
-    from validation.files import to_json, write_whole
+    from validation.files import move_whole, to_json, write_whole
     from validation.runs import summary
 
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "summary.json").unlink(missing_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".scene.") as made:
-        write_scene(scene, Path(made) / "scene.toml")  # with tables of its own, where it has any
-        for file in sorted(Path(made).iterdir()):
-            file.replace(folder / file.name)
-    if result.trace is not None:
-        write_trace(result.trace, folder / "trace.csv")
-    else:
-        (folder / "trace.csv").unlink(missing_ok=True)
+    for left in folder.glob(".run.*"):  # by a program that was killed
+        shutil.rmtree(left, ignore_errors=True)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".run.") as stage:
+        write_scene(scene, Path(stage) / "scene.toml")  # with tables of its own, where it has any
+        if result.trace is not None:
+            write_trace(result.trace, Path(stage) / "trace.csv")
+        else:
+            (folder / "trace.csv").unlink(missing_ok=True)
+        move_whole(Path(stage), folder)
     write_whole(folder / "summary.json", to_json(summary(result)))
 
 
@@ -94,36 +110,42 @@ def _print(result: Run, folder: Path | None) -> None:
         print(f"written to {folder}")
 
 
-def compare(given: list[str], out: str | None, jobs: int | None) -> int:
+def compare(given: list[str], out: str | None, jobs: int | None, fresh: bool = False) -> int:
     """All solvers on the given scenes, one table with error estimates; exit code 1 when they disagree."""
     from validation.files import output_folder
     from validation.report.build import build, write
     from validation.report.text import table
+    from validation.store import Store
 
     loaded = cases.load_all(given)
     folder = None if out is None else output_folder(out)
-    result = build("compare", loaded, _workers(jobs), Progress("compare"))
+    store = Store(folder, fresh)
+    result = build("compare", loaded, _workers(jobs), Progress("compare"), store=store)
     for page in result.pages:
         print(table(page))
     if folder is not None:
         write(result, folder)
+        store.clear()
         print(f"written to {folder / 'index.html'}")
     return _verdict(result.failures)
 
 
-def study(given: list[str], out: str | None, jobs: int | None) -> int:
+def study(given: list[str], out: str | None, jobs: int | None, fresh: bool = False) -> int:
     """Refinement ladders and error against run time; exit code 1 when a level gives no answer."""
     from validation.files import output_folder
     from validation.report.study_forms import lines, write
+    from validation.store import Store
     from validation.study import study as run_study
 
     loaded = cases.load_all(given)
     folder = None if out is None else output_folder(out)
-    result = run_study(loaded, _workers(jobs), Progress("study"))
+    store = Store(folder, fresh)
+    result = run_study(loaded, _workers(jobs), Progress("study"), store)
     for line in lines(result):
         print(line)
     if folder is not None:
         write(result, folder)
+        store.clear()
         print(f"written to {folder / 'index.html'}")
     for scene in result.scenes:
         for ladder, level in scene.failed:
@@ -132,20 +154,33 @@ def study(given: list[str], out: str | None, jobs: int | None) -> int:
     return 1 if any(scene.failed for scene in result.scenes) else 0
 
 
-def report(suite: str, out: str, jobs: int | None, estimate: bool = True, baseline: str | None = None) -> int:
+def report(
+    suite: str,
+    out: str,
+    jobs: int | None,
+    estimate: bool = True,
+    baseline: str | None = None,
+    fresh: bool = False,
+    fields: bool = False,
+) -> int:
     """Run a suite and write the report; exit code 1 when a check fails or a value left its baseline."""
     from validation import baseline as earlier
     from validation.files import output_folder
     from validation.report.build import build, write
     from validation.report.jsonreport import data
+    from validation.store import Store
 
     old = None if baseline is None else earlier.read(baseline)
     folder = output_folder(out)
     loaded = cases.load_all(cases.suite(suite))
-    result = build(suite, loaded, _workers(jobs), Progress("report"), estimate, claims=suite != "quick")
+    store, claims = Store(folder, fresh), suite != "quick"
+    result = build(suite, loaded, _workers(jobs), Progress("report"), estimate, claims, store)
+    if fields:
+        result = replace(result, fields=_fields(result.pages))
     if baseline is not None and old is not None:
         result = replace(result, baseline=earlier.compare(baseline, old, data(result), loaded))
     write(result, folder)
+    store.clear()
     print(f"{len(result.checks)} checks, {len(result.failures)} failed: {folder / 'index.html'}")
     code = _verdict(result.failures)
     if result.baseline is None:
@@ -157,6 +192,17 @@ def report(suite: str, out: str, jobs: int | None, estimate: bool = True, baseli
             file=sys.stderr,
         )
     return 1 if result.baseline.beyond else code
+
+
+def _fields(pages: list[Page]) -> FieldsSection:
+    """The report's section on fields, with progress."""
+    from validation.report.fields_section import compute
+
+    progress = Progress("fields")
+    try:
+        return compute(pages, progress)
+    finally:
+        progress.close()
 
 
 def _workers(jobs: int | None) -> int:

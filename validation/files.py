@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import json
 import math
 import os
@@ -13,8 +14,13 @@ from scene.errors import SceneError
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file beside its place and move it there in one step."""
+    """Write a file beside its place and move it there in one step.
+
+    What a killed program left of the same file goes; two at once on one file are kept apart by ``lock``.
+    """
     data = content.encode("utf-8") if isinstance(content, str) else content
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        left.unlink(missing_ok=True)
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         with partial.open("wb") as stream:
@@ -25,6 +31,14 @@ def write_whole(path: Path, content: str | bytes) -> None:
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
+
+
+def move_whole(stage: Path, folder: Path) -> None:
+    """Move all files of a folder to another one on the same disk, each in one step."""
+    for file in sorted(stage.iterdir()):
+        with file.open("rb") as stream:
+            os.fsync(stream.fileno())
+        file.replace(folder / file.name)
 
 
 def to_json(value: Any) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from scene import Scene, SceneError, Trace
+from scene import Scene, SceneError, Trace, Watch
 from validation import error_estimate, solvers
 from validation.cases import Case
 from validation.cycles import cycle_times
@@ -81,11 +81,12 @@ def run(
     resolution: int | None = None,
     progress: solvers.Progress | None = None,
     estimate: bool = False,
+    watch: Watch | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
     With ``estimate`` the run is judged by a coarser one (see ``error_estimate``), which takes half as long
-    again.
+    again. A ``watch`` may keep the run, stop it, and let it go on.
     """
     begin, spent = time.perf_counter(), time.process_time()
     try:
@@ -93,8 +94,9 @@ def run(
         if estimate:
             function = getattr(function, "estimating", function)
         begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
-        times = tuple(sorted({*cycle_times(case.scene.loading), *case.profile_times}))
-        trace = function(case.scene, resolution, None, times, progress)
+        times = output_times(case)
+        watched = () if watch is None else (watch,)
+        trace = function(case.scene, resolution, None, times, progress, *watched)
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
@@ -118,6 +120,11 @@ def run(
         errors = _errors(case, result, function, times, resolution)
         return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
     return result
+
+
+def output_times(case: Case) -> tuple[float, ...]:
+    """Times that a run steps onto."""
+    return tuple(sorted({*cycle_times(case.scene.loading), *case.profile_times}))
 
 
 def _errors(

@@ -1,7 +1,8 @@
 """The solvers by name, each behind the same call; a solver is imported when it is asked for.
 
 A solver is ``function(scene, resolution, tolerance, profile_times, progress) -> Trace``; ``None`` for
-resolution or tolerance leaves the choice to the solver.
+resolution or tolerance leaves the choice to the solver. A sixth argument, a ``scene.Watch``, is given where
+the run may be stopped and gone on with.
 """
 
 from __future__ import annotations
@@ -11,13 +12,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from scene import Scene, Trace
+    from scene import Scene, Trace, Watch
 
 Progress = Callable[[float], None]
-Solver = Callable[
-    ["Scene", "int | None", "float | None", "tuple[float, ...]", "Progress | None"],
-    "Trace",
-]
+Solver = Callable[..., "Trace"]
 REFERENCE = "reference"
 
 
@@ -31,8 +29,9 @@ def _bem() -> Solver:
         tolerance: float | None,
         profile_times: tuple[float, ...],
         progress: Progress | None,
+        watch: Watch | None = None,
     ) -> Trace:
-        return solve(scene, Options(resolution, tolerance, profile_times=profile_times), progress)
+        return solve(scene, Options(resolution, tolerance, profile_times=profile_times), progress, watch)
 
     return call
 
@@ -53,12 +52,13 @@ class FiniteElements:
         tolerance: float | None,
         profile_times: tuple[float, ...],
         progress: Progress | None,
+        watch: Watch | None = None,
     ) -> Trace:
         from fem_solver import Options, solve
         from validation.contact_range import mesh_for
 
         mesh = mesh_for(scene, resolution, self.grading)
-        return solve(scene, mesh, Options(resolution, tolerance, profile_times), progress)
+        return solve(scene, mesh, Options(resolution, tolerance, profile_times), progress, watch)
 
     @property
     def coarser(self) -> FiniteElements:
@@ -81,13 +81,14 @@ class FrontTracking:
         tolerance: float | None,
         profile_times: tuple[float, ...],
         progress: Progress | None,
+        watch: Watch | None = None,
     ) -> Trace:
         from validation.reference import Options, solve
 
         options = Options(
             resolution, tolerance, profile_times=profile_times, estimate_errors=self.estimate_errors
         )
-        return solve(scene, options, progress)
+        return solve(scene, options, progress, watch)
 
     @property
     def estimating(self) -> FrontTracking:

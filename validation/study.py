@@ -6,7 +6,6 @@ cores. Everything is measured against the finest front tracking.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from concurrent.futures import as_completed
 from dataclasses import dataclass
@@ -18,8 +17,10 @@ from validation.environment import stamp
 from validation.ladders import Ladder, Level, finest, ladders
 from validation.pool import processes
 from validation.progress import Progress
+from validation.resume import question
 from validation.schemes import Settings
 from validation.solvers import REFERENCE
+from validation.store import Store
 
 Key = tuple[int, int]  # ladder, level
 
@@ -62,17 +63,17 @@ class Study:
     wall_seconds: float
 
 
-def study(cases: list[Case], workers: int, progress: Progress) -> Study:
-    """Run all ladders of the given scenes."""
-    begin = time.perf_counter()
+def study(cases: list[Case], workers: int, progress: Progress, store: Store | None = None) -> Study:
+    """Run all ladders of the given scenes; levels that ``store`` holds are taken over, times included."""
+    store = store or Store()
     try:
-        found = [_scene(case, workers, progress) for case in cases]
+        found = [_scene(case, workers, progress, store) for case in cases]
     finally:
         progress.close()
-    return Study(found, stamp(), time.perf_counter() - begin)
+    return Study(found, stamp(), store.seconds)
 
 
-def _scene(case: Case, workers: int, progress: Progress) -> SceneStudy:
+def _scene(case: Case, workers: int, progress: Progress, store: Store) -> SceneStudy:
     tasks = ladders(case.scene)
     total, done = 1 + sum(len(ladder.levels) for ladder in tasks), 0
 
@@ -83,20 +84,36 @@ def _scene(case: Case, workers: int, progress: Progress) -> SceneStudy:
         level = f"{ladder.scheme} {ladder.kind} {run.level.label}"
         progress(done / total, f"{done}/{total} {case.name} {level}: {said}")
 
-    truth, resolution, reference = _truth(case)
+    asked = question("truth", case.scene)
+    kept = store.get(asked)
+    truth, resolution, reference = kept or _truth(case)
+    if kept is None:
+        store.put(asked, (truth, resolution, reference))
     done += 1
     progress(done / total, f"{done}/{total} {case.name} {reference}")
-    runs: dict[Key, LevelRun] = {}
+    keys = {(i, j): _question(case, ladder, j) for i, ladder in enumerate(tasks) for j in _levels(ladder)}
+    runs: dict[Key, LevelRun] = {at: run for at, key in keys.items() if (run := store.get(key)) is not None}
+    if runs:
+        done += len(runs)
+        progress(done / total, f"{done}/{total} {case.name}: {len(runs)} levels from an earlier attempt")
+
+    def keep(at: Key, run: LevelRun) -> None:
+        runs[at] = run
+        if not run.failed or run.outcome:  # a breakdown is tried again
+            store.put(keys[at], run)
+        tell(tasks[at[0]], run)
+
     rest: dict[Key, tuple[Ladder, Level]] = {}
     for i, ladder in enumerate(tasks):
+        missing = {(i, j): (ladder, ladder.levels[j]) for j in _levels(ladder) if (i, j) not in runs}
         if not ladder.timed:
-            rest |= {(i, j): (ladder, level) for j, level in enumerate(ladder.levels)}
-            continue
-        run_level(case, ladder.scheme, ladder.levels[0], None)  # warm-up: imports, caches, pages of memory
-        for j, level in enumerate(ladder.levels):
-            runs[i, j] = run_level(case, ladder.scheme, level, truth, REPEATS)
-            tell(ladder, runs[i, j])
-    runs |= _together(case, truth, rest, workers, tell)
+            rest |= missing
+        elif missing:
+            # warm-up: imports, caches, pages of memory
+            run_level(case, ladder.scheme, ladder.levels[0], None)
+            for at, (_, level) in missing.items():
+                keep(at, run_level(case, ladder.scheme, level, truth, REPEATS))
+    _together(case, truth, rest, workers, keep)
     size = {} if truth is None else scales(truth, case.scene)
     found = [
         read(ladder, tuple(runs[i, j] for j in range(len(ladder.levels))), size)
@@ -110,29 +127,34 @@ def _together(
     truth: Trace | None,
     todo: dict[Key, tuple[Ladder, Level]],
     workers: int,
-    tell: Callable[[Ladder, LevelRun], None],
-) -> dict[Key, LevelRun]:
+    keep: Callable[[Key, LevelRun], None],
+) -> None:
     """Levels that are not timed, through as many processes as there may be."""
-    runs: dict[Key, LevelRun] = {}
     with processes(min(workers, len(todo))) as executor:
         if executor is None:
             for key, (ladder, level) in todo.items():
-                runs[key] = run_level(case, ladder.scheme, level, _own(truth, level))
-                tell(ladder, runs[key])
-            return runs
+                keep(key, run_level(case, ladder.scheme, level, _own(truth, level)))
+            return
         futures = {
             executor.submit(run_level, case, ladder.scheme, level, _own(truth, level)): key
             for key, (ladder, level) in todo.items()
         }
         for future in as_completed(futures):
             key = futures[future]
-            ladder, level = todo[key]
             try:
-                runs[key] = future.result()
+                run = future.result()
             except Exception as error:  # a worker that died takes its level along, not the study
-                runs[key] = LevelRun(level, failure=f"{type(error).__name__}: {error}")
-            tell(ladder, runs[key])
-    return runs
+                run = LevelRun(todo[key][1], failure=f"{type(error).__name__}: {error}")
+            keep(key, run)
+
+
+def _levels(ladder: Ladder) -> range:
+    return range(len(ladder.levels))
+
+
+def _question(case: Case, ladder: Ladder, level: int) -> str:
+    """What makes two levels the same; one that is timed runs alone."""
+    return question("level", case.scene, ladder.scheme, ladder.kind, ladder.levels[level], ladder.timed)
 
 
 def _own(truth: Trace | None, level: Level) -> Trace | None:

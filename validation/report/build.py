@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,8 +16,10 @@ from validation.environment import stamp
 from validation.files import write_whole
 from validation.pool import processes
 from validation.report.claims_section import Claims, pictures
-from validation.runs import Run, run_all
+from validation.resume import question
+from validation.runs import Run, output_times, run_all
 from validation.solvers import SOLVERS
+from validation.store import Store
 
 if TYPE_CHECKING:
     from validation.progress import Progress
@@ -76,18 +77,26 @@ def build(
     progress: Progress,
     estimate: bool = True,
     claims: bool = False,
+    store: Store | None = None,
 ) -> Report:
     """Run every solver on every scene, in parallel processes if there is more than one worker.
 
     With ``estimate`` every run on these scenes is judged by a coarser one, and agreement by what they say of
     their errors. With ``claims`` the paper's statements are judged too, on these runs and those they need
-    beside them; a question that comes up in both is asked once.
+    beside them; a question that comes up in both is asked once. Runs that ``store`` holds are taken over.
     """
-    begin = time.perf_counter()
+    store = store or Store()
     tasks = [(case, solver) for case in loaded for solver in SOLVERS]
     if claims:
         tasks += evidence.outstanding(tasks)
+    estimated = {case.name for case in loaded} if estimate else set()
+    asked = {(c.name, solver): run_question(c, solver, c.name in estimated) for c, solver in tasks}
     finished = 0
+
+    def keep(result: Run) -> None:
+        if result.trace is not None or result.refused:  # a breakdown is tried again
+            store.put(asked[result.scene, result.solver], result)
+        tell(result)
 
     def tell(result: Run) -> None:
         nonlocal finished
@@ -99,8 +108,17 @@ def build(
         )
 
     try:
-        with processes(min(workers, len(tasks))) as executor:
-            results = run_all(tasks, executor, tell, {case.name for case in loaded} if estimate else ())
+        results: dict[tuple[str, str], Run] = {}
+        for (name, solver), key in asked.items():
+            kept = store.get(key)
+            if kept is not None:
+                results[name, solver] = replace(kept, scene=name)
+        if results:
+            finished = len(results)
+            progress(finished / len(tasks), f"{finished}/{len(tasks)} taken over from an earlier attempt")
+        missing = [(case, solver) for case, solver in tasks if (case.name, solver) not in results]
+        with processes(min(workers, len(missing))) as executor:
+            results |= run_all(missing, executor, keep, estimated)
     finally:
         progress.close()
     pages = []
@@ -111,7 +129,12 @@ def build(
     if claims:
         found = evidence.collect(tasks, results)
         judged = Claims(judge(found), found)
-    return Report(suite, pages, stamp(), time.perf_counter() - begin, claims=judged)
+    return Report(suite, pages, stamp(), store.seconds, claims=judged)
+
+
+def run_question(case: Case, solver: str, estimate: bool) -> str:
+    """What makes two runs of a report the same."""
+    return question("run", case.scene, solver, output_times(case), estimate)
 
 
 def write(report: Report, folder: Path) -> None:
@@ -122,6 +145,7 @@ def write(report: Report, folder: Path) -> None:
     from validation.commands import write_run
     from validation.report import html, jsonreport, junit, markdown
 
+    (folder / "index.html").unlink(missing_ok=True)  # whoever finds it finds a whole set
     for page in report.pages:
         for solver, result in page.runs.items():
             write_run(folder / "runs" / page.case.name / solver, page.case.scene, result)
