@@ -150,6 +150,11 @@ def parser() -> argparse.ArgumentParser:
         action="store_true",
         help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
     )
+    report.add_argument(
+        "--fields",
+        action="store_true",
+        help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
+    )
     _fresh(report)
     return top
 
@@ -223,7 +228,13 @@ def _command(options: argparse.Namespace) -> int:
             wanted(options),
         )
     return commands.report(
-        options.suite, options.out, options.jobs, options.estimates, options.baseline, options.fresh, options.fields
+        options.suite,
+        options.out,
+        options.jobs,
+        options.estimates,
+        options.baseline,
+        options.fresh,
+        options.fields,
     )
 
 

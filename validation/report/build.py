@@ -15,7 +15,9 @@ from validation.compare import check_case
 from validation.environment import stamp
 from validation.files import write_whole
 from validation.pool import processes
+from validation.report import fields_section
 from validation.report.claims_section import Claims, pictures
+from validation.report.fields_section import FieldsSection
 from validation.resume import question
 from validation.runs import Run, output_times, run_all
 from validation.solvers import SOLVERS
@@ -49,6 +51,7 @@ class Report:
     wall_seconds: float
     baseline: Comparison | None = None
     claims: Claims | None = None
+    fields: FieldsSection | None = None
 
     @property
     def checks(self) -> list[Check]:
@@ -149,10 +152,12 @@ def write(report: Report, folder: Path) -> None:
     for page in report.pages:
         for solver, result in page.runs.items():
             write_run(folder / "runs" / page.case.name / solver, page.case.scene, result)
-    if report.claims is not None:
+    drawn = {} if report.claims is None else pictures(report.claims)
+    drawn |= {} if report.fields is None else fields_section.files(report.fields)
+    if drawn:
         (folder / "figures").mkdir(exist_ok=True)
-        for name, picture in pictures(report.claims).items():
-            write_whole(folder / "figures" / name, picture)
+    for name, picture in drawn.items():
+        write_whole(folder / "figures" / name, picture)
     for name, form in (
         ("report.json", jsonreport.text),
         ("junit.xml", junit.text),

@@ -24,6 +24,8 @@ th { white-space: nowrap; }
 .figures { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); }
 figure { margin: 0; min-width: 0; }
 figure svg { display: block; width: 100%; height: auto; max-width: 34rem; color: var(--ink); }
+figure img { display: block; width: 100%; height: auto; max-width: 64rem; background: #fff; }
+.wide img { min-width: 42rem; }
 figure.whole { grid-column: 1 / -1; } figure.whole svg { max-width: 64rem; }
 figcaption { font-size: 0.85rem; }
 details { margin: 0.5rem 0; } summary { cursor: pointer; }

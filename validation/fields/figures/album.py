@@ -138,7 +138,8 @@ class Album:
         if frames:
             path = folder / f"cycle_{first.name}.gif"
             begun = len(drawings) / todo
-            animation.write(path, frames, trace, scene, first, lambda d: progress(begun + (1.0 - begun) * d))
+            tell = partial(_rest, progress, begun)
+            write_whole(path, animation.film(frames, trace, scene, first, tell))
             written.append(path)
         return written
 
@@ -161,6 +162,10 @@ def wanted(options: argparse.Namespace) -> Album | None:
             raise SceneError("--no-figures", "figures are asked for beside it", "one or the other")
         return None
     return Album(tuple(dict.fromkeys(options.quantity or USUAL)), **asked)
+
+
+def _rest(progress: Progress, begun: float, done: float) -> None:
+    progress(begun + (1.0 - begun) * done)
 
 
 def _touching(states: Sequence[FieldState]) -> list[FieldState]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +17,6 @@ from validation.fields.figures import sections
 from validation.fields.figures.quantities import Quantity
 from validation.fields.figures.sections import INDENTER, LENGTH_UNIT, MARK, SMALL, ZONE
 from validation.fields.figures.strip import alike, caption
-from validation.files import write_whole
 from validation.observables import end_of_approach
 
 if TYPE_CHECKING:
@@ -33,15 +31,14 @@ DOTS = 90  # per inch
 APPROACH, RETRACTION = "#0072b2", "#d55e00"
 
 
-def write(
-    path: Path,
+def film(
     states: Sequence[FieldState],
     trace: Trace,
     scene: Scene,
     quantity: Quantity,
     progress: Callable[[float], None] = lambda done: None,
-) -> None:
-    """Draw all states and write them as one GIF.
+) -> bytes:
+    """Draw all states; returns a GIF.
 
     Raises
     ------
@@ -61,7 +58,7 @@ def write(
     stream = io.BytesIO()
     durations = [FRAME] * (len(flat) - 1) + [LAST]
     flat[0].save(stream, format="GIF", save_all=True, append_images=flat[1:], duration=durations, loop=0)
-    write_whole(path, stream.getvalue())
+    return stream.getvalue()
 
 
 def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Quantity) -> Iterator[Figure]:

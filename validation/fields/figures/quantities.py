@@ -35,7 +35,10 @@ class Quantity:
     @property
     def plain(self) -> str:
         """The label without mathematical type, for windows that have none."""
-        return re.sub(r"[$_{}]", "", self.label).replace("\\", "")
+        text = self.label
+        for name, letter in (("sigma", "σ"), ("varepsilon", "ε"), ("theta", "θ")):
+            text = text.replace(f"\\{name}", letter)
+        return re.sub(r"[$_{}]", "", text)
 
 
 def _component(name: str, symbol: str, unit: str, row: int) -> Quantity:
