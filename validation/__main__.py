@@ -150,11 +150,6 @@ def parser() -> argparse.ArgumentParser:
         action="store_true",
         help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
     )
-    report.add_argument(
-        "--fields",
-        action="store_true",
-        help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
-    )
     _fresh(report)
     return top
 

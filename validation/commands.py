@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from scene import Scene
     from validation.report.build import Page
     from validation.report.fields_section import FieldsSection
-    from validation.report.build import Page
-    from validation.report.fields_section import FieldsSection
     from validation.runs import Run
 
 SHOWN = (
@@ -179,8 +177,6 @@ def report(
     result = build(suite, loaded, _workers(jobs), Progress("report"), estimate, claims, store)
     if fields:
         result = replace(result, fields=_fields(result.pages))
-    if fields:
-        result = replace(result, fields=_fields(result.pages))
     if baseline is not None and old is not None:
         result = replace(result, baseline=earlier.compare(baseline, old, data(result), loaded))
     write(result, folder)
@@ -196,17 +192,6 @@ def report(
             file=sys.stderr,
         )
     return 1 if result.baseline.beyond else code
-
-
-def _fields(pages: list[Page]) -> FieldsSection:
-    """The report's section on fields, with progress."""
-    from validation.report.fields_section import compute
-
-    progress = Progress("fields")
-    try:
-        return compute(pages, progress)
-    finally:
-        progress.close()
 
 
 def _fields(pages: list[Page]) -> FieldsSection:
