@@ -87,7 +87,9 @@ def _new_history(
     if len(front.history.outer.radius) == 0:  # first contact: nothing beyond it yet
         wanted = np.concatenate((wanted, [0.0], (edge + length) * np.geomspace(1.0, 1e6, 240)))
     kinks, direction, turning = lingered(front.history, motion.edge, edge, 8.0 * smallest)
-    fixed = (edge, *kinks) if turning is None or abs(turning - edge) < smallest else (edge, turning, *kinks)
+    fixed = (edge, *kinks) if turning is None or turning == edge else (edge, turning, *kinks)
+    if turning is not None and turning < edge:
+        kinks = tuple(sorted((*kinks, turning)))
     radius = distinct(np.concatenate((front.history.radius, wanted)), fixed, smallest)
     allowed = spacing(radius, edge, length, divisions)
     halves = gaps_to_halve(radius, 0.5 * (allowed[1:] + allowed[:-1]))

@@ -6,12 +6,13 @@ what one solve on the unit annuli gives. Signs: see ``kernel``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.annuli import Annuli, even_cubic
+from bem_solver.kinks import Kinks
 
 Array = NDArray[np.float64]
 
@@ -23,13 +24,17 @@ class Surface:
     Attributes
     ----------
     scaled : ndarray (M,)
-        Pressure times ``edge`` on each annulus.
+        Pressure times ``edge`` on each annulus, all of it.
+    kinks : Kinks or None
+        Punches taken out before the rest was given to the annuli.
+    strengths : ndarray (k,)
+        Their displacements.
     density : ndarray (M,)
-        Scaled pressure times ``sqrt(1 - (r/a)^2)``, smooth up to the edge.
+        Scaled pressure of the rest times ``sqrt(1 - (r/a)^2)``, smooth up to the edge.
     kappa : float
         ``pi`` times the density at the edge; ``K_I = -kappa/sqrt(pi a)`` (tension opens).
     field : ndarray
-        Outer displacement without its punch part (``Annuli.outside_field``).
+        Outer displacement of the rest without its punch part (``Annuli.outside_field``).
     force : float
         Compressive force.
     """
@@ -41,16 +46,36 @@ class Surface:
     kappa: float
     field: Array
     force: float
+    kinks: Kinks | None = None
+    strengths: Array | None = None
 
     @classmethod
-    def under(cls, annuli: Annuli, edge: float, scaled: Array) -> Surface:
-        """From scaled pressures."""
-        density = annuli.density(scaled)
+    def under(cls, annuli: Annuli, edge: float, load: Array, kinks: Kinks | None = None) -> Surface:
+        """From ``v`` (M,) at the collocation radii, followed by ``v`` (3 k,) at the readings of the kinks."""
+        if kinks is None:
+            scaled = rest = annuli.solve(load)
+            strengths = None
+        else:
+            load, read = np.split(load, [annuli.count])
+            strengths = kinks.strengths(read)
+            punches = kinks.displacement(edge * annuli.radii) @ strengths
+            scaled, rest = annuli.solve(np.stack((load, load - punches), axis=1)).T
+        density = annuli.density(rest)
         kappa = annuli.edge_strength(density)
-        field = annuli.outside_field(scaled, kappa)
+        field = annuli.outside_field(rest, kappa)
         # the punch part of the force, 2 kappa, is exact
-        force = edge * (2.0 * kappa + annuli.areas @ (scaled - kappa * annuli.punch))
-        return cls(annuli, edge, scaled, density, kappa, field, float(force))
+        force = edge * (2.0 * kappa + annuli.areas @ (rest - kappa * annuli.punch))
+        if kinks is not None:
+            force += 2.0 * float(kinks.radius @ strengths)
+        return cls(annuli, edge, scaled, density, kappa, field, float(force), kinks, strengths)
+
+    def towards(self, other: Surface, share: float) -> Surface:
+        """The surface a share of the way to another with the same edge and kinks; all is linear in ``v``."""
+        names = ("scaled", "density", "kappa", "field", "force")
+        mixed = {n: getattr(self, n) + share * (getattr(other, n) - getattr(self, n)) for n in names}
+        if self.strengths is not None and other.strengths is not None:
+            mixed["strengths"] = self.strengths + share * (other.strengths - self.strengths)
+        return replace(self, **mixed)
 
     @classmethod
     def free(cls, annuli: Annuli) -> Surface:
@@ -59,24 +84,31 @@ class Surface:
         return cls(annuli, 0.0, zero, zero, 0.0, np.zeros(annuli.count + 3), 0.0)
 
     def tension(self, distance: Array) -> Array:
-        """Normal stress (tension positive) at ``distance`` inside the edge, singular at zero."""
+        """Normal stress (tension positive) at ``distance`` inside the edge, singular there; without kinks."""
+        return self._tension(self.density, distance)
+
+    def _tension(self, density: Array, distance: Array) -> Array:
         cosine = np.sqrt(distance * (2.0 * self.edge - distance)) / self.edge
         position = self.annuli.count * (1.0 - 2.0 / np.pi * np.arcsin(np.minimum(cosine, 1.0)))
-        return -even_cubic(self.density, position) / (cosine * self.edge)
+        return -even_cubic(density, position) / (cosine * self.edge)
 
     def pressure(self, radius: Array) -> Array:
-        """Pressure at radii < edge; zero outside."""
+        """Pressure at radii < edge, kinks as the annuli see them; zero outside."""
         inside = radius < self.edge
         value = np.zeros(len(radius))
         if inside.any():
-            value[inside] = -self.tension(self.edge - radius[inside])
+            density = self.density if self.kinks is None else self.annuli.density(self.scaled)
+            value[inside] = -self._tension(density, self.edge - radius[inside])
         return value
 
     def outside(self, radius: Array) -> Array:
         """Displacement ``v`` at unit plane modulus, radii >= edge."""
         if self.edge == 0.0:
             return np.zeros(len(radius))
-        return self.annuli.outside(self.field, self.kappa, radius / self.edge)
+        value = self.annuli.outside(self.field, self.kappa, radius / self.edge)
+        if self.kinks is not None and self.strengths is not None:
+            value = value + self.kinks.displacement(radius) @ self.strengths
+        return value
 
     def root_strength(self, reach: float) -> float:
         """B in ``v = v(a) - B sqrt(x) - C x`` at distance x outside the edge.

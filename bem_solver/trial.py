@@ -14,6 +14,7 @@ from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.history import History
+from bem_solver.kinks import Kinks
 from bem_solver.points import Motion, Points, advanced, displacement_outside, load_inside
 from bem_solver.surface import Surface
 from scene import Counters, Scene
@@ -113,34 +114,62 @@ def evaluate(
         Which of the two has ``value`` at the end of the step.
     """
     annuli, counters = problem.annuli, problem.counters
-    points = points_at(problem, front, edge * annuli.radii)
+    kinks = _kinks_inside(problem, front, edge)
+    radii = edge * annuli.radii
+    points = points_at(problem, front, radii if kinks is None else np.append(radii, kinks.readings))
     singular = front.surface.root_strength(abs(edge - front.edge)) if problem.remembers else 0.0
+
+    def under(motion: Motion) -> Surface:
+        return Surface.under(annuli, edge, _required_load(problem, points, motion), kinks)
+
     if control == "penetration":
         motion = Motion(duration, front.edge, edge, front.penetration, value, singular)
-        scaled = annuli.solve(_required_load(problem, points, motion))
-        surface = Surface.under(annuli, edge, scaled)
+        surface = under(motion)
     else:
         # everything is affine in the new penetration
         step = max(abs(front.penetration), 1e-3 * edge)
         first = Motion(duration, front.edge, edge, front.penetration, front.penetration, singular)
-        second = replace(first, new_penetration=front.penetration + step)
-        loads = [_required_load(problem, points, m) for m in (first, second)]
-        both = annuli.solve(np.stack(loads, axis=1))
-        one, two = (Surface.under(annuli, edge, both[:, i]).force for i in (0, 1))
-        share = (value - one) / (two - one)
+        one, two = under(first), under(replace(first, new_penetration=front.penetration + step))
+        share = (value - one.force) / (two.force - one.force)
         motion = replace(first, new_penetration=front.penetration + share * step)
-        surface = Surface.under(annuli, edge, both[:, 0] + share * (both[:, 1] - both[:, 0]))
+        surface = one.towards(two, share)
     counters.linear_solves += 1
     if problem.work == 0.0:
         return Trial(motion, surface, -surface.kappa, 0.0)
     counters.closure_evaluations += 1
-    inner = problem.rule.inside(problem.zone, edge)
-    tension = surface.tension(inner)
-    gap = gap_outside(problem, front, motion, surface, edge + problem.zone - inner)
-    value_of = problem.rule.integral(tension, gap, problem.zone, edge)
+    value_of = _closure(problem, front, motion, surface)
     if surface.kappa > 0.0:
         value_of = -abs(value_of)
     return Trial(motion, surface, value_of - problem.work, value_of)
+
+
+def _kinks_inside(problem: Problem, front: Front, edge: float) -> Kinks | None:
+    """Where an edge has lingered, or turns in this step, inside the new edge."""
+    history = front.history
+    if not problem.remembers or edge <= 0.0:
+        return None
+    marks = history.kinks if history.turning is None else (*history.kinks, history.turning)
+    turns = history.direction <= 0 < front.edge < edge
+    return Kinks.within((*marks, front.edge) if turns else marks, edge, 0.25 * problem.length_at(edge))
+
+
+def _closure(problem: Problem, front: Front, motion: Motion, surface: Surface) -> float:
+    """``I``, the punches at kinks integrated from their own edges on."""
+    rule, zone, edge, kinks = problem.rule, problem.zone, surface.edge, surface.kinks
+    inner = rule.inside(zone, edge)
+    if kinks is None or surface.strengths is None:
+        gap = gap_outside(problem, front, motion, surface, edge + zone - inner)
+        return rule.integral(surface.tension(inner), gap, zone, edge)
+    depth = edge - kinks.radius
+    near = np.flatnonzero(depth < min(zone, edge))
+    own = (min(zone, edge) - depth[near, None]) * rule.distance  # distances inside each kink
+    offsets = np.concatenate((inner, (depth[near, None] + own).ravel()))
+    gap, *gaps = np.split(gap_outside(problem, front, motion, surface, edge + zone - offsets), 1 + len(near))
+    value = rule.integral(surface.tension(inner), gap, zone, edge)
+    for index, distance, facing in zip(near, own, gaps, strict=True):
+        tension = surface.strengths[index] * kinks.tension(index, distance)
+        value += (min(zone, edge) - depth[index]) * (rule.weight @ (tension * facing)) / (2.0 * zone)
+    return float(value)
 
 
 def gap_outside(problem: Problem, front: Front, motion: Motion, surface: Surface, radius: Array) -> Array:

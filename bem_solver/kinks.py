@@ -1,0 +1,58 @@
+"""Square roots inside the contact, where an edge has lingered before it advanced.
+
+Beyond an edge at rest the surface opens as the root of the distance, relaxed. When the contact spreads over
+it, the required ``v`` keeps that root inside the contact, driven by the glassy modulus, and the pressure an
+inverse root inside the *old* edge. No annuli resolve the band between the two edges when it is narrow; but a
+flat punch with the old edge has just this pressure, ``1/(pi sqrt(b^2 - r^2))`` within its radius b, under the
+displacement 1 within and ``(2/pi) arcsin(b/r)`` beyond, at unit plane modulus. Taken out with the right
+strength it leaves to the annuli what is smooth across b. Any strength is an exact superposition: a poor one
+only leaves them more to do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Kinks:
+    """Punches with edges at ``radius`` (k,), their roots read up to ``reach`` (k,) beyond."""
+
+    radius: Array
+    reach: Array
+
+    @classmethod
+    def within(cls, radii: tuple[float, ...], edge: float, reach: float) -> Kinks | None:
+        """Those of ``radii`` inside the contact, each read up to the next or ``reach``; ``None`` without."""
+        inside = np.array(sorted({r for r in radii if 0.0 < r < edge}))
+        if len(inside) == 0:
+            return None
+        return cls(inside, np.minimum(np.diff(np.append(inside, edge)), reach))
+
+    @property
+    def readings(self) -> Array:
+        """Radii (3 k,) at which the required ``v`` is wanted: at each, a quarter reach and one beyond."""
+        return (self.radius + np.array([0.0, 0.25, 1.0])[:, None] * self.reach).ravel()
+
+    def strengths(self, load: Array) -> Array:
+        """Displacement of each punch (k, ...) from ``v`` (3 k, ...) at the readings.
+
+        ``v = v(b) - B sqrt(x) - C x`` beyond each, and ``B = (2/pi) sqrt(2/b)`` for a punch of unit
+        displacement.
+        """
+        at, quarter, full = load.reshape(3, len(self.radius), *load.shape[1:])
+        fall = (4.0 * (at - quarter) - (at - full)).T / np.sqrt(self.reach)
+        return (0.5 * np.pi * np.sqrt(0.5 * self.radius) * fall).T
+
+    def displacement(self, radius: Array) -> Array:
+        """``v`` of unit punches (k,) at radii (m,), shape (m, k)."""
+        return (2.0 / np.pi) * np.arcsin(self.radius / np.maximum(radius[:, None], self.radius))
+
+    def tension(self, index: int, inside: Array) -> Array:
+        """Normal stress (tension positive) of the unit punch ``index`` at distances inside its own edge."""
+        return -1.0 / (np.pi * np.sqrt(inside * (2.0 * self.radius[index] - inside)))
