@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from validation.cases import Case, Expected
+from validation.observables import ROUND_OFF
 from validation.runs import Run
 from validation.scales import units
 
@@ -52,6 +53,19 @@ class Check:
     note: str = ""
     estimate: float | None = None
     base_estimate: float | None = None
+
+    @property
+    def limit(self) -> float | None:
+        """Largest magnitude of ``difference`` that passes."""
+        return None if self.tolerance is None else limit(self.tolerance, self.estimate, self.base_estimate)
+
+
+def limit(tolerance: float, mine: float | None, theirs: float | None) -> float:
+    """Largest difference that counts as agreement: both estimates together, capped by the tolerance.
+
+    The tolerance alone where one side has no estimate.
+    """
+    return tolerance if mine is None or theirs is None else min(tolerance, mine + theirs + ROUND_OFF)
 
 
 def check_run(case: Case, result: Run) -> list[Check]:

@@ -6,11 +6,10 @@ import math
 
 from scene import Trace
 from validation.cases import Case
-from validation.checks import Check, check_run
+from validation.checks import Check, check_run, limit
 from validation.cycles import cycle_times
 from validation.error_estimate import column_of, scale
 from validation.norms import distance, parting_time
-from validation.observables import ROUND_OFF
 from validation.runs import Run
 from validation.scales import units
 from validation.solvers import REFERENCE
@@ -73,11 +72,11 @@ def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
             continue  # of many crests of one height, which row comes first depends on the rows
         size = known.get(unit, 1.0)
         difference = None if found is None else _ratio(found - wanted, scale(name, wanted, trace))
-        limit, estimates = _limit(result, base, name, tolerance)
-        passed = difference is not None and abs(difference) <= limit
+        most, estimates = _limit(result, base, name, tolerance)
+        passed = difference is not None and abs(difference) <= most
         note = "" if found is not None else "the run does not give it"
         if found is not None and not passed:
-            note = _parting(result, trace, column_of(name) or "external_work", limit)
+            note = _parting(result, trace, column_of(name) or "external_work", most)
         checks.append(
             Check(
                 case.name,
@@ -105,11 +104,11 @@ def _curves(case: Case, result: Run, trace: Trace, base: Run, base_trace: Trace)
     checks = []
     for column, name in CURVES.items():
         apart = distance(trace, base_trace, column)
-        limit, estimates = _limit(result, base, column, tolerance)
-        passed = apart is not None and apart.rms <= limit
+        most, estimates = _limit(result, base, column, tolerance)
+        passed = apart is not None and apart.rms <= most
         note = "" if apart is None else f"largest {apart.largest:.2g} at t = {apart.at:.4g}"
         if apart is not None and not passed:
-            note = ", ".join(filter(None, (note, _parting(result, base_trace, column, limit))))
+            note = ", ".join(filter(None, (note, _parting(result, base_trace, column, most))))
         checks.append(
             Check(
                 case.name,
@@ -135,9 +134,7 @@ def _limit(
 ) -> tuple[float, tuple[float | None, float | None]]:
     """Largest difference that counts as agreement, and the two estimates it comes from."""
     mine, theirs = result.errors.get(name), base.errors.get(name)
-    if mine is None or theirs is None:
-        return tolerance, (mine, theirs)
-    return min(tolerance, mine + theirs + ROUND_OFF), (mine, theirs)
+    return limit(tolerance, mine, theirs), (mine, theirs)
 
 
 def _parting(result: Run, base: Trace, column: str, limit: float) -> str:

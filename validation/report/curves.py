@@ -16,7 +16,7 @@ from validation.scales import units
 Labels = Mapping[str, str]
 Array = NDArray[np.float64]
 
-DIFFERENCE = {"shared_time": "time t (scene units)", "difference": "(F − F_reference)/max |F_reference|"}
+DIFFERENCE = {"shared_time": "time t (scene units)", "difference": "(F − F_ref)/max |F_ref|"}
 DIMENSIONLESS: Labels = {
     "time": "time t (scene units)",
     "penetration": "penetration Δ/R",

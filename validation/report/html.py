@@ -94,11 +94,11 @@ def _flag(word: str) -> str:
 
 
 def _closest(page: Page) -> str:
-    """The check that uses most of its tolerance."""
+    """The check that uses most of what it is allowed."""
     used = [
-        (abs(check.difference) / check.tolerance, check)
+        (abs(check.difference) / check.limit, check)
         for check in page.checks
-        if check.difference is not None and check.tolerance
+        if check.difference is not None and check.limit
     ]
     if not used:
         return "–"
@@ -185,7 +185,11 @@ def environment(stamp: Mapping[str, object], wall_seconds: float) -> str:
 
 
 def _check_row(cells: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(_verdict(c) if h == "verdict" else escape(c) for h, c in zip(HEAD, cells, strict=True))
+    shown = []
+    for head, cell in zip(HEAD, cells, strict=True):
+        whole = f'<span class="whole">{escape(cell)}</span>'  # not broken at its signs
+        shown.append({"verdict": _verdict(cell), "estimates": whole}.get(head, escape(cell)))
+    return tuple(shown)
 
 
 def _verdict(word: str) -> str:

@@ -15,7 +15,7 @@ h3 { font-size: 1rem; margin-bottom: 0.3rem; }
 a { color: var(--link); }
 p { max-width: 46rem; }
 .pass { color: var(--good); font-weight: 600; } .fail { color: var(--bad); font-weight: 700; }
-.wide { overflow-x: auto; }
+.wide { overflow-x: auto; } span.whole { white-space: nowrap; }
 table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: 0.2rem 0.7rem 0.2rem 0;
   border-bottom: 1px solid var(--line); }
@@ -32,5 +32,6 @@ details { margin: 0.5rem 0; } summary { cursor: pointer; }
 @media print { :root { --ink: #000; --paper: #fff; --line: #999; --reference: #999999; --bem: #0072b2;
     --fem: #d55e00; --closed: #009e73; --grid: #d9d9d9; --good: #00694a; --bad: #b3261e; }
   body { max-width: none; font-size: 10pt; } figure, tr { break-inside: avoid; }
+  section[id^="scene-"] { break-before: page; }
   .wide { overflow: visible; } .figures { grid-template-columns: 1fr 1fr; } }
 """
