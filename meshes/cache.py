@@ -27,7 +27,7 @@ from meshes.mesh import BOUNDARIES, HalfSpaceMesh
 from meshes.parameters import MeshParameters
 
 #: Raised whenever the same parameters lead to another mesh or the file layout changes.
-VERSION = 1
+VERSION = 2
 KEPT_IN_MEMORY = 16
 
 _memory: OrderedDict[tuple[Path, MeshParameters], HalfSpaceMesh] = OrderedDict()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from itertools import pairwise
 from types import ModuleType
 
@@ -32,12 +33,15 @@ def half_space(parameters: MeshParameters) -> HalfSpaceMesh:
 
 def _triangulate(gmsh: ModuleType, parameters: MeshParameters) -> tuple[Array, Indices]:
     radii = surface_radii(parameters)
+    shape = _unit_free(parameters)
+    if surface_radii(shape).size != radii.size:  # a strip that ends within round-off of another interval
+        shape = parameters
     # gmsh has absolute tolerances that spoil meshes of tiny size: so lengths in units of the strip
     unit = parameters.fine_to
     with session(gmsh):
-        _geometry(gmsh, radii / unit)
+        _geometry(gmsh, surface_radii(shape) / shape.fine_to)
         field = gmsh.model.mesh.field.add("MathEval")
-        gmsh.model.mesh.field.setString(field, "F", _size_field(parameters, unit))
+        gmsh.model.mesh.field.setString(field, "F", _size_field(shape, shape.fine_to))
         gmsh.model.mesh.field.setAsBackgroundMesh(field)
         gmsh.model.mesh.generate(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
@@ -51,6 +55,20 @@ def _triangulate(gmsh: ModuleType, parameters: MeshParameters) -> tuple[Array, I
         raise RuntimeError(f"gmsh put {surface.size} vertices on the surface instead of {radii.size}")
     points[0, surface[np.argsort(points[0, surface])]] = radii  # undo the rounding of the change of unit
     return points, triangles
+
+
+def _unit_free(parameters: MeshParameters) -> MeshParameters:
+    """The same shape in units of the fine size, without the last digits.
+
+    What gmsh makes of a point depends on them, and a mesh in millimetres should be that in metres.
+    """
+    size = parameters.fine_size
+    lengths = {
+        name: float(f"{value / size:.8e}")
+        for name, value in asdict(parameters).items()
+        if name not in ("family", "grading") and value is not None
+    }
+    return MeshParameters(**lengths, grading=parameters.grading, family=parameters.family)
 
 
 def _geometry(gmsh: ModuleType, radii: Array) -> None:

@@ -72,7 +72,9 @@ def test_same_scene_in_other_units():
         loading=Loading("relaxed", 0.0, (Ramp(0.03 * unit, unit),)),
         adhesion=Adhesion(5e-4 * unit, 0.013 * unit),
     )
-    assert largest_contact_radius(second) == pytest.approx(unit * largest_contact_radius(first), rel=1e-10)
+    assert largest_contact_radius(second) == pytest.approx(
+        unit * largest_contact_radius(first), rel=1e-12, abs=0.0
+    )
 
 
 def test_no_contact_is_said():

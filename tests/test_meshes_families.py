@@ -171,3 +171,11 @@ def test_structured_mesh_is_sound_for_any_parameters(size, start, length, ratio,
     check_geometry(mesh, least_angle=8.0)
     radii = mesh.points[0, mesh.surface_nodes]
     assert radius is None or np.abs(radii - radius).min() < 1e-9 * radius
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e-3, 1e3, 1e9])
+def test_the_mesh_is_the_same_in_other_units(unit):
+    plain = meshes.half_space(meshes.fit(0.0, 0.2, 0.013, 4))
+    other = meshes.half_space(meshes.fit(0.0, 0.2 * unit, 0.013 * unit, 4))
+    assert np.array_equal(other.triangles, plain.triangles)
+    assert np.abs(other.points / unit - plain.points).max() < 1e-12 * plain.points.max()

@@ -74,7 +74,7 @@ def largest_contact_radius(scene: Scene) -> float:
     if held.size == 0 or held[-1] + 1 == DECADES.size:
         raise SceneError("loading", "never brings a contact about", "a penetration or force that touches")
     last = held[-1]
-    return SPARE * float(brentq(spare_load, DECADES[last], DECADES[last + 1], rtol=1e-13))
+    return SPARE * float(brentq(spare_load, DECADES[last], DECADES[last + 1], xtol=1e-300, rtol=1e-13))
 
 
 def _largest_load(scene: Scene) -> tuple[float, float]:
