@@ -1,0 +1,50 @@
+"""The scene that every axis varies: the paper's sphere, pressed in a little and pulled off.
+
+In units of ``R``, ``E0*`` and the relaxation time; ``gamma~ = dg/(pi E0* R) = 1.6e-4``, ``da = 0.013 R``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from scene import Adhesion, Branch, Indenter, Loading, Material, Ramp, Scene, Sphere, Step
+
+POISSON = 0.5
+MODULUS = 1.0 - POISSON**2  # E0* = 1
+CONTRAST = 10.0
+WORK = 5.026548e-4
+ZONE = 0.013
+RADIUS = 1.0
+TOP = 0.01  # largest penetration
+AWAY = -0.2  # beyond every detachment but those of very stiff contrasts, which never come here
+
+SPHERE = Sphere(RADIUS)
+ADHESION = Adhesion(WORK, ZONE)
+
+
+def material(
+    contrast: float = CONTRAST, time: float = 1.0, poisson: float = POISSON, branches: int = 1
+) -> Material:
+    """``E0* = 1``; equal branches at ``time``; elastic for a contrast of one."""
+    modulus = 1.0 - poisson**2
+    if contrast == 1.0:
+        return Material(modulus, poisson)
+    share = modulus * (contrast - 1.0) / branches
+    return Material(modulus, poisson, tuple(Branch(share, time) for _ in range(branches)))
+
+
+def to_and_fro(speed: float, top: float = TOP, away: float = AWAY) -> tuple[Step, ...]:
+    """Press to ``top`` and pull to ``away``."""
+    return (Ramp(top, speed), Ramp(away, speed))
+
+
+def scene(
+    of: Material,
+    steps: Sequence[Step],
+    start: str = "jump-in",
+    penetration: float = 0.0,
+    adhesion: Adhesion | None = ADHESION,
+    indenter: Indenter = SPHERE,
+) -> Scene:
+    """A scene of the matrix."""
+    return Scene(of, indenter, Loading(start, penetration, tuple(steps)), adhesion)

@@ -1,0 +1,27 @@
+"""All axes by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from validation.stability import loadings, materials, rates, surfaces, units
+from validation.stability.probe import Probe
+
+AXES: dict[str, Callable[[], list[Probe]]] = {
+    "contrast": materials.contrast,
+    "relaxation-time": materials.times,
+    "spectrum": materials.spectra,
+    "poisson": materials.poisson,
+    "speed": rates.speeds,
+    "step": rates.steps,
+    "adhesion": surfaces.adhesion,
+    "indenter": surfaces.indenters,
+    "loading": loadings.loading,
+    "dead-load": loadings.pull_off,
+    "scale": units.scales,
+}
+
+
+def probes(only: str | None = None) -> list[Probe]:
+    """Every probe of the matrix, or of one axis."""
+    return [probe for name, build in AXES.items() if only in (None, name) for probe in build()]

@@ -1,0 +1,102 @@
+"""Errors of a run against each kind of truth, and what its energies leave unexplained."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from scene import COLUMNS, Material, Trace
+from validation.error_estimate import column_of, scale
+from validation.norms import distance
+from validation.observables import observe
+from validation.stability.probe import Equivalent, Value
+
+CURVE = "force, RMS"
+RICHARDSON = 1.0 / 3.0  # of the difference of two runs of second order, one with twice the step
+MISSING = math.inf  # the error of an observable that a run should show and does not
+
+
+def against_values(trace: Trace, values: tuple[Value, ...]) -> dict[str, float]:
+    """Relative error of every value."""
+    found = observe(trace).as_dict()
+    return {value.name: _relative(found[value.name], value.value, value.unit) for value in values}
+
+
+def against_trace(trace: Trace, truth: Trace, names: tuple[str, ...]) -> dict[str, float]:
+    """Relative difference of every observable of two runs; ``CURVE`` is the whole curve ``F(t)``."""
+    found, wanted = observe(trace).as_dict(), observe(truth).as_dict()
+    errors = {}
+    for name in names:
+        if name == CURVE:
+            apart = distance(trace, truth)
+            errors[name] = MISSING if apart is None else apart.rms
+            continue
+        value = wanted[name]
+        if value is None:
+            errors[name] = 0.0 if found[name] is None else MISSING
+        else:
+            errors[name] = _relative(found[name], value, _unit(name, value, truth))
+    return errors
+
+
+def against_equivalent(trace: Trace, base: Trace, truth: Equivalent) -> dict[str, float]:
+    """Largest difference of any row, relative to the column's largest magnitude.
+
+    Runs that have not the same number of rows are compared as curves instead.
+    """
+    force, energy = truth.stress * truth.length**2, truth.stress * truth.length**3
+    factors = (truth.time, truth.length, force, truth.length, energy, energy, energy)
+    if len(trace) != len(base):
+        apart = None
+        if truth.length == truth.stress == truth.time == 1.0:
+            apart = distance(trace, base)
+        return {CURVE: MISSING if apart is None else apart.rms}
+    largest_energy = energy * float(max(np.abs(base.stored_energy).max(), np.abs(base.external_work).max()))
+    errors = {}
+    for name, factor in zip(COLUMNS, factors, strict=True):
+        wanted = factor * getattr(base, name)
+        unit = float(np.abs(wanted).max())
+        if name == "dissipated_energy":  # what a balance leaves is as exact as its largest term
+            unit = max(unit, largest_energy)
+        errors[name] = float(np.abs(getattr(trace, name) - wanted).max()) / (unit or 1.0)
+    return errors
+
+
+def energy_residual(trace: Trace, material: Material) -> float | None:
+    """What the energies of a run leave unexplained while in contact, relative to the largest of them.
+
+    At a sharp edge ``W = dU + P_b - int K^2/(2 Einf*) dA``, with the stored energy ``U`` and the branch
+    dissipation ``P_b`` from integrals of their own; the work of adhesion does not enter. A solver that knows
+    no stress intensity factor keeps such a residual itself (``balance_residual``).
+    """
+    touching = np.flatnonzero(trace.contact_radius > 0.0)
+    if touching.size < 2:
+        return None
+    rows = slice(0, int(touching[-1]) + 1)
+    work, stored = trace.external_work[rows], trace.stored_energy[rows]
+    unit = max(float(np.abs(work).max()), float(stored.max())) or 1.0
+    if "balance_residual" in trace.extra:
+        return float(np.abs(trace.extra["balance_residual"][rows]).max()) / unit
+    if not {"branch_dissipation", "stress_intensity_factor"} <= trace.extra.keys():
+        return None
+    release = trace.extra["stress_intensity_factor"][rows] ** 2 / (2.0 * material.glassy_plane_modulus)
+    opened = -np.diff(np.pi * trace.contact_radius[rows] ** 2)
+    released = np.concatenate(([0.0], np.cumsum(0.5 * (release[1:] + release[:-1]) * opened)))
+    left = work - work[0] - (stored - stored[0]) - trace.extra["branch_dissipation"][rows] - released
+    return float(np.abs(left).max()) / unit
+
+
+def _unit(name: str, value: float, truth: Trace) -> float:
+    """What a difference is relative to: a force or a radius at some instant, which may pass through zero, to
+    the largest of the run; anything else as everywhere.
+    """
+    if name.startswith(("start_", "approach_", "final_")) and column_of(name) in ("force", "contact_radius"):
+        return float(np.abs(truth.columns()[column_of(name)]).max())
+    return scale(name, value, truth)
+
+
+def _relative(found: float | None, value: float, unit: float) -> float:
+    if found is None:
+        return MISSING
+    return abs(found - value) / (unit or 1.0)

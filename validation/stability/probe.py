@@ -1,0 +1,139 @@
+"""One place in the matrix: a scene, what the right answer is, and how close an answer has to come.
+
+Four kinds of truth: numbers of a closed form (:class:`Known`), the front tracking at two resolutions
+(:class:`Computed`), the same solver on an equivalent scene (:class:`Equivalent`), and that there is no
+answer, which a solver has to say (:class:`Nothing`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from scene import OutcomeKind, Scene, SceneError
+
+SOLVERS = ("bem", "fem", "reference")
+
+
+@dataclass(frozen=True)
+class Value:
+    """A number of a closed form: an observable's name, its value, what differences are relative to."""
+
+    name: str
+    value: float
+    scale: float | None = None
+
+    @property
+    def unit(self) -> float:
+        """The scale, by default the value's own magnitude."""
+        return abs(self.value) if self.scale is None else self.scale
+
+
+@dataclass(frozen=True)
+class Known:
+    """Values of a closed form, where they come from, and how the run must end."""
+
+    values: tuple[Value, ...]
+    source: str
+    ending: OutcomeKind = OutcomeKind.COMPLETED
+
+
+@dataclass(frozen=True)
+class Computed:
+    """Observables taken from the front tracking; a third of its own step halving is its error estimate.
+
+    ``force, RMS`` among the names is the curve ``F(t)``, RMS over maximum.
+    """
+
+    names: tuple[str, ...]
+    fine: int = 20
+    coarse: int = 10
+
+
+@dataclass(frozen=True)
+class Equivalent:
+    """The same solver on a scene that differs in units, or in something without any effect.
+
+    Factors turn the columns of ``scene`` into those of the probe: penetration and radius by ``length``,
+    time by ``time``, force by ``stress * length**2``, energies by ``stress * length**3``.
+    """
+
+    scene: Scene
+    length: float = 1.0
+    stress: float = 1.0
+    time: float = 1.0
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """There is no answer; ``why`` in words. A solver must refuse, or end with ``no equilibrium``."""
+
+    why: str
+
+
+Truth = Known | Computed | Equivalent | Nothing
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Largest relative error of each solver, and the reason for these numbers."""
+
+    limits: Mapping[str, float]
+    why: str
+
+
+USUAL = Tolerance(
+    {"bem": 1e-2, "fem": 2e-2, "reference": 2e-3},
+    "coarse runs (6, 4 and 8 divisions a zone): about three times their error in the studies of cycles",
+)
+RESOLUTIONS: Mapping[str, int] = {"bem": 6, "fem": 4, "reference": 8}
+ADHESIONLESS: Mapping[str, int] = {"bem": 6, "fem": 1, "reference": 4}
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A scene on an axis of the matrix.
+
+    Parameters
+    ----------
+    axis, label : str
+        Which axis, where on it.
+    scene : Scene or SceneError
+        The question; or the refusal, where it cannot even be put.
+    truth : Known, Computed, Equivalent or Nothing
+    tolerance : Tolerance
+    series : str
+        Probes of one series differ in stiffness alone; their work is fitted against it. Empty: no series.
+    stiffness : float
+        Ratio of the longest to the shortest time, or of the moduli, that makes this probe hard.
+    resolutions : mapping
+        Divisions per process zone by solver.
+    max_steps : int
+        Step budget.
+    seconds : float
+        Wall time after which a run counts as hung and is killed.
+    """
+
+    axis: str
+    label: str
+    scene: Scene | SceneError
+    truth: Truth
+    tolerance: Tolerance = USUAL
+    series: str = ""
+    stiffness: float = 1.0
+    resolutions: Mapping[str, int] = field(default_factory=lambda: RESOLUTIONS)
+    max_steps: int = 20_000
+    seconds: float = 180.0
+
+    @property
+    def name(self) -> str:
+        """Unique within the matrix."""
+        return f"{self.axis}: {self.label}"
+
+
+def asked(build: Callable[[], Scene]) -> Scene | SceneError:
+    """The scene, or the error with which it is refused before any solver sees it."""
+    try:
+        return build()
+    except SceneError as error:
+        return error

@@ -1,0 +1,70 @@
+"""Axes of time: speeds, and steps forced far below and above every relaxation time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scene import Hold, Table
+from validation.stability import base, closed
+from validation.stability.materials import CYCLE
+from validation.stability.probe import Probe, Truth
+
+SPEEDS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)
+SLOW, FAST = 1e-8, 1e4  # elastic to a thousandth beyond these
+ROWS = 21
+
+
+def speeds() -> list[Probe]:
+    """``V tau/R``, approach and retraction."""
+    made = base.material()
+    probes = []
+    for speed in SPEEDS:
+        cycle = base.scene(made, base.to_and_fro(speed))
+        truth: Truth
+        if speed <= SLOW:
+            truth = closed.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
+        elif speed >= FAST:
+            truth = closed.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
+        else:
+            truth = CYCLE
+        series = "slow cycle" if speed < 1e-5 else "fast cycle" if speed >= 1.0 else ""
+        probes.append(
+            Probe(
+                "speed",
+                f"V tau/R = {speed:g}",
+                cycle,
+                truth,
+                series=series,
+                stiffness=max(speed, 1.0 / speed),
+            )
+        )
+    return probes
+
+
+def steps() -> list[Probe]:
+    """Tables whose rows force the step: rows of ``1e-9`` and ``1e9`` relaxation times, also
+    tiny ones after long ones."""
+    made = base.material()
+    soft, hard = made.relaxed_plane_modulus, made.glassy_plane_modulus
+    up = np.linspace(0.0, base.TOP, ROWS)
+    down = np.linspace(base.TOP, -0.05, 2 * ROWS)
+    there = np.concatenate((up, down[1:]))
+
+    def table(step: float, values: np.ndarray) -> Table:
+        return Table(tuple(step * np.arange(values.size)), tuple(values))
+
+    small = base.scene(made, (table(1e-9, there),))
+    large = base.scene(made, (table(1e9, there),))
+    settled = base.scene(made, (table(1e-9, up), Hold(1e4)))
+    stairs = np.repeat(up, 2)[1:]
+    pace = np.tile((1e-9, 1e4), stairs.size)[: stairs.size]
+    pace[0] = 0.0
+    climb = base.scene(made, (Table(tuple(np.cumsum(pace)), tuple(stairs)), Hold(1e4)))
+    return [
+        Probe("step", "dt/tau = 1e-9", small, closed.elastic_cycle(small, hard, "Einf")),
+        Probe("step", "dt/tau = 1e9", large, closed.elastic_cycle(large, soft, "E0", at_once=False)),
+        Probe(
+            "step", "dt/tau = 1e-9, then a hold of 1e4", settled, closed.rest(settled, base.TOP, soft, "E0")
+        ),
+        Probe("step", "dt/tau = 1e-9 and 1e4 by turns", climb, closed.rest(climb, base.TOP, soft, "E0")),
+    ]

@@ -1,0 +1,165 @@
+"""Axes of the surface: work of adhesion, process zone, shape of the indenter."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from scene import (
+    Adhesion,
+    Cone,
+    FlatPunch,
+    Hold,
+    Indenter,
+    OutcomeKind,
+    PowerLaw,
+    Ramp,
+    Scene,
+    TabulatedProfile,
+)
+from validation.reference import sneddon
+from validation.stability import base, closed
+from validation.stability.materials import PULLED
+from validation.stability.measure import CURVE
+from validation.stability.probe import (
+    ADHESIONLESS,
+    RESOLUTIONS,
+    Computed,
+    Known,
+    Nothing,
+    Probe,
+    Value,
+    asked,
+)
+
+PULL = Computed(("start_force", "pull_off_force", "loop_energy", CURVE))
+PEELED = Computed(("start_force", "pull_off_force", "loop_energy", CURVE), fine=8, coarse=4)
+SHARES = (1e-3, 1e-2, 0.1, 1.0 / 3.0, 0.5)
+ANGLES = (89.9, 85.0, 45.0, 10.0)
+REACH = 0.1  # contact radius of adhesionless indenters at the top
+SEED = 7
+THIN = {"bem": 4, "fem": 2, "reference": 8}  # the surface compliance of the elements is dense
+
+
+def adhesion() -> list[Probe]:
+    """``gamma~`` from none to strong; zones from a thousandth of the contact radius to beyond it."""
+    made = base.material()
+    none = base.scene(made, base.to_and_fro(0.01), adhesion=Adhesion(0.0, base.ZONE))
+    probes = [
+        Probe(
+            "adhesion",
+            "gamma~ = 0",
+            none,
+            closed.adhesionless_cycle(made, base.SPHERE, 0.01, base.TOP),
+            resolutions=ADHESIONLESS,
+        )
+    ]
+    faint = base.scene(
+        base.material(1.0), (Ramp(base.AWAY, 1.0),), "relaxed", base.TOP, Adhesion(math.pi * 1e-12, 2e-3)
+    )
+    probes.append(Probe("adhesion", "gamma~ = 1e-12, elastic", faint, _faint(faint)))
+    for gamma, zone in ((1e-12, 2e-3), (1.6e-4, 0.013), (1e-2, 0.02)):
+        stuck = base.scene(
+            made, (Hold(1.0), Ramp(-2.0, 0.02)), "relaxed", base.TOP, Adhesion(math.pi * gamma, zone)
+        )
+        probes.append(Probe("adhesion", f"gamma~ = {gamma:g}", stuck, PULL, PULLED))
+    strong = base.scene(made, base.to_and_fro(1e6), adhesion=Adhesion(math.pi * 1e-2, 0.02))
+    probes.append(
+        Probe(
+            "adhesion",
+            "gamma~ = 1e-2, fast",
+            strong,
+            closed.elastic_cycle(strong, made.glassy_plane_modulus, "Einf"),
+        )
+    )
+    return probes + _zones()
+
+
+def _faint(scene: Scene) -> Known:
+    """Nearly Hertz: lost where the penetration is back at zero."""
+    state = closed.zone_law(scene, scene.material.relaxed_plane_modulus).at_penetration(base.TOP)
+    values = (
+        Value("start_force", state.force),
+        Value("start_radius", state.contact_radius),
+        Value("detachment_penetration", 0.0, base.TOP),
+    )
+    return Known(values, "elastic closure of finite zone, nearly Hertz", OutcomeKind.DETACHED)
+
+
+def _zones() -> list[Probe]:
+    soft, made = base.material(1.0), base.material()
+    radius = closed.zone_law(base.scene(soft, ()), 1.0).at_penetration(base.TOP).contact_radius
+    probes = []
+    for share in SHARES:
+        law = Adhesion(base.WORK, share * radius)
+        divisions = THIN if share < 5e-3 else RESOLUTIONS
+        elastic = base.scene(soft, (Ramp(base.AWAY, 1.0),), "relaxed", base.TOP, law)
+        truth = closed.elastic_cycle(elastic, 1.0, "E0")
+        wanted = Known(
+            tuple(v for v in truth.values if not v.name.startswith("approach")), truth.source, truth.ending
+        )
+        probes.append(
+            Probe("process zone", f"da/a = {share:.3g}, elastic", elastic, wanted, resolutions=divisions)
+        )
+        peeled = base.scene(made, (Ramp(base.AWAY, 0.02),), "relaxed", base.TOP, law)
+        probes.append(
+            Probe(
+                "process zone",
+                f"da/a = {share:.3g}, V tau/R = 0.02",
+                peeled,
+                PEELED,
+                PULLED,
+                resolutions=divisions,
+            )
+        )
+    for share in (1.5, 100.0):
+        law = Adhesion(base.WORK, share * radius)
+        longer = base.scene(made, (Ramp(base.AWAY, 0.02),), "relaxed", base.TOP, law)
+        why = "a process zone longer than the contact"
+        probes.append(Probe("process zone", f"da/a = {share:.3g}", longer, Nothing(why)))
+    return probes
+
+
+def indenters() -> list[Probe]:
+    """Punch, cones, a steep power law, tables with noise; without and with adhesion."""
+    made = base.material()
+    punch = base.scene(made, (Ramp(base.TOP, 0.01),), adhesion=None, indenter=FlatPunch(0.2))
+    probes = [
+        Probe(
+            "indenter",
+            "flat punch, adhesionless",
+            punch,
+            closed.punch_ramp(made, 0.2, 0.01, base.TOP),
+            resolutions=ADHESIONLESS,
+        )
+    ]
+    shapes: list[tuple[str, Indenter]] = [(f"cone {angle:g}°", Cone(angle)) for angle in ANGLES]
+    shapes += [("power law 8", PowerLaw(8.0, 1.0)), ("table, noise 0.1 %", _table(1e-3))]
+    for label, shape in shapes:
+        top = float(sneddon.depth(shape, REACH))
+        bare = base.scene(made, base.to_and_fro(top, top, -10.0 * top), adhesion=None, indenter=shape)
+        truth = closed.adhesionless_cycle(made, shape, top, top)
+        probes.append(Probe("indenter", f"{label}, adhesionless", bare, truth, resolutions=ADHESIONLESS))
+    held: list[tuple[str, Indenter, float]] = [
+        ("flat punch", FlatPunch(0.2), 0.0),
+        ("cone 85°", Cone(85.0), 0.01),
+        ("cone 45°", Cone(45.0), 0.001),
+        ("power law 8", PowerLaw(8.0, 1.0), 0.0),
+        ("table, noise 0.1 %", _table(1e-3), base.TOP),
+    ]
+    for label, shape, top in held:
+        law = Adhesion(base.WORK, 1e-4) if label == "cone 45°" else base.ADHESION  # contact is lost at 3e-4
+        pulled = base.scene(made, (Ramp(top - 1.0, 0.02),), "relaxed", top, law, shape)
+        probes.append(Probe("indenter", label, pulled, PULL, PULLED))
+    falling = asked(lambda: base.scene(made, base.to_and_fro(0.02), indenter=_table(0.3)))
+    probes.append(Probe("indenter", "table that falls, noise 30 %", falling, Nothing("a profile that falls")))
+    return probes
+
+
+def _table(noise: float) -> TabulatedProfile:
+    """The sphere at 41 radii, relative noise of this size on every height."""
+    radii = np.linspace(0.0, 0.6, 41)
+    scatter = 1.0 + noise * np.random.default_rng(SEED).standard_normal(radii.size)
+    heights = 0.5 * radii**2 / base.RADIUS * scatter
+    return TabulatedProfile(tuple(radii.tolist()), tuple(heights.tolist()))

@@ -1,0 +1,200 @@
+"""One cell of the matrix: a solver's answer to a probe, judged.
+
+An answer is right within its tolerance, or it says that it is none: a refusal, or an outcome other than
+``completed`` and ``detached``. Anything else is a fault, and the worst is an answer that looks like one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from scene import Scene, SceneError, Trace
+from validation.stability import measure
+from validation.stability.probe import Computed, Equivalent, Known, Nothing, Probe, Truth
+from validation.stability.work import Answer
+from validation.stability.workers import Fate, Reply
+
+
+class Verdict(StrEnum):
+    """What a cell shows."""
+
+    MEETS = "within tolerance"
+    SAYS = "says that it has no answer"
+    WRONG = "SILENTLY WRONG"
+    CRASH = "CRASHED"
+    NOT_FINITE = "NOT FINITE"
+    HANG = "HUNG"
+    UNKNOWN = "not judged: no truth"
+
+
+FAULTS = (Verdict.WRONG, Verdict.CRASH, Verdict.NOT_FINITE, Verdict.HANG)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Everything that is told about one run.
+
+    ``errors`` are relative, by observable; ``truth_error`` is what the truth says of itself; ``seconds`` is
+    processor time; ``residual`` as in :func:`measure.energy_residual`.
+    """
+
+    axis: str
+    label: str
+    solver: str
+    verdict: Verdict
+    outcome: str
+    reason: str
+    source: str = ""
+    errors: dict[str, float] = field(default_factory=dict)
+    tolerance: float = 0.0
+    why: str = ""
+    truth_error: float = 0.0
+    steps: int = 0
+    rejected_steps: int = 0
+    residual: float | None = None
+    seconds: float = 0.0
+    series: str = ""
+    stiffness: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """Unique within the matrix."""
+        return f"{self.axis}: {self.label}: {self.solver}"
+
+    @property
+    def error(self) -> float | None:
+        """The largest error; ``None`` without any."""
+        return max(self.errors.values(), default=None)
+
+    @property
+    def worst(self) -> str:
+        """The observable that has it."""
+        return max(self.errors, key=lambda name: self.errors[name], default="")
+
+    @property
+    def fault(self) -> bool:
+        """Whether this must not happen."""
+        return self.verdict in FAULTS
+
+
+def judge(probe: Probe, solver: str, reply: Reply | None, truths: tuple[Reply | None, ...]) -> Cell:
+    """The cell of one solver.
+
+    Parameters
+    ----------
+    reply : Reply or None
+        With an ``Answer``; ``None`` if the scene itself was refused.
+    truths : tuple of Reply or None
+        Runs the truth rests on: for ``Computed`` fine and coarse, for ``Equivalent`` the other scene's.
+    """
+    if reply is None:
+        assert isinstance(probe.scene, SceneError)
+        return _declared(probe, solver, "refused", str(probe.scene))
+    if reply.fate is Fate.HUNG:
+        return _cell(probe, solver, Verdict.HANG, "hung", reply.said)
+    if reply.fate is not Fate.ANSWERED:
+        return _cell(probe, solver, Verdict.CRASH, str(reply.fate), reply.said)
+    answer: Answer = reply.value
+    if answer.trace is None:
+        return _declared(probe, solver, "refused", answer.refusal, seconds=answer.seconds)
+    trace, outcome = answer.trace, answer.trace.outcome
+    facts: dict[str, Any] = {
+        "steps": trace.counters.steps,
+        "rejected_steps": trace.counters.rejected_steps,
+        "seconds": answer.seconds,
+    }
+    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
+    if broken or not np.isfinite(outcome.time):
+        said = f"not finite: {', '.join(broken or ['time of the outcome'])}"
+        return _cell(probe, solver, Verdict.NOT_FINITE, str(outcome.kind), said, **facts)
+    if not outcome.finished:
+        return _declared(probe, solver, str(outcome.kind), outcome.reason, **facts)
+    facts["residual"] = measure.energy_residual(trace, _scene(probe).material)
+    return _judged(probe, solver, trace, truths, facts)
+
+
+def _judged(
+    probe: Probe, solver: str, trace: Trace, truths: tuple[Reply | None, ...], facts: dict[str, Any]
+) -> Cell:
+    """A run that claims to have an answer."""
+    truth, outcome = probe.truth, trace.outcome
+    said = (str(outcome.kind), outcome.reason)
+    if isinstance(truth, Nothing):
+        return _cell(probe, solver, Verdict.WRONG, *said, source=truth.why, **facts)
+    if isinstance(truth, Known):
+        errors, own, ending = measure.against_values(trace, truth.values), 0.0, truth.ending
+        source = truth.source
+    else:
+        runs = [_trace(reply) for reply in truths]
+        first = runs[0]
+        if any(run is None or not run.outcome.finished for run in runs) or first is None:
+            source = "the run it is measured against has no answer"
+            return _cell(probe, solver, Verdict.UNKNOWN, *said, source=source, **facts)
+        ending = first.outcome.kind
+        if isinstance(truth, Equivalent):
+            errors, own = measure.against_equivalent(trace, first, truth), 0.0
+            source = "the same solver on the equivalent scene"
+        else:
+            errors = measure.against_trace(trace, first, truth.names)
+            own = _own_error(runs, truth)
+            source = f"front tracking, {truth.fine} steps a zone"
+    wrong = max(errors.values()) > probe.tolerance.limits[solver] + own or outcome.kind is not ending
+    if outcome.kind is not ending:
+        errors = errors | {f"ending ({ending})": measure.MISSING}
+    verdict = Verdict.WRONG if wrong else Verdict.MEETS
+    return _cell(probe, solver, verdict, *said, source=source, errors=errors, truth_error=own, **facts)
+
+
+def _own_error(runs: list[Trace | None], truth: Computed) -> float:
+    fine, coarse = runs
+    if fine is None or coarse is None:
+        return measure.MISSING
+    return measure.RICHARDSON * max(measure.against_trace(coarse, fine, truth.names).values())
+
+
+def _declared(probe: Probe, solver: str, outcome: str, reason: str, **facts) -> Cell:
+    """A run that says it has no answer; which is right where there is none."""
+    right = isinstance(probe.truth, Nothing)
+    source = source_of(probe.truth)
+    verdict = Verdict.MEETS if right else Verdict.SAYS
+    return _cell(probe, solver, verdict, outcome, reason, source=source, **facts)
+
+
+def source_of(truth: Truth) -> str:
+    """Where a truth comes from, in words."""
+    if isinstance(truth, Known):
+        return truth.source
+    if isinstance(truth, Computed):
+        return f"front tracking, {truth.fine} steps a zone"
+    return truth.why if isinstance(truth, Nothing) else "the same solver on the equivalent scene"
+
+
+def _cell(probe: Probe, solver: str, verdict: Verdict, outcome: str, reason: str, **facts) -> Cell:
+    return Cell(
+        axis=probe.axis,
+        label=probe.label,
+        solver=solver,
+        verdict=verdict,
+        outcome=outcome,
+        reason=" ".join(reason.split()),
+        tolerance=probe.tolerance.limits[solver],
+        why=probe.tolerance.why,
+        series=probe.series,
+        stiffness=probe.stiffness,
+        **facts,
+    )
+
+
+def _trace(reply: Reply | None) -> Trace | None:
+    if reply is None or reply.fate is not Fate.ANSWERED:
+        return None
+    return reply.value.trace
+
+
+def _scene(probe: Probe) -> Scene:
+    assert isinstance(probe.scene, Scene)
+    return probe.scene
