@@ -31,6 +31,7 @@ PLACE = "Sec. III, Fig. 2"
     HOLDS,
 )
 def jump_in_is_glassy(found: Evidence) -> list[Part]:
+    """Radius of the first row at every speed, against JKR with and without the finite process zone."""
     starts = [found.trace(cycle(speed)) for speed in CYCLE_SPEEDS]
     radii = np.array([trace.contact_radius[0] for trace in starts])
     exact = elastic.vanishing(glassy=True).at_penetration(0.0).contact_radius
@@ -52,6 +53,7 @@ def jump_in_is_glassy(found: Evidence) -> list[Part]:
     IN_PART,
 )
 def slow_cycle_is_soft(found: Evidence) -> list[Part]:
+    """Force, radius and pull-off against the relaxed elastic contact, hysteresis against its largest."""
     trace, soft = found.trace(cycle(QUOTED_SLOW)), elastic.finite(glassy=False)
     row, known = end_of_approach(trace), soft.at_penetration(DEPTH)
     force, radius = trace.force[row] / known.force, trace.contact_radius[row] / known.contact_radius
@@ -74,6 +76,7 @@ def slow_cycle_is_soft(found: Evidence) -> list[Part]:
     PLACE, "At V >> 1 the glassy elastic JKR response is recovered, with vanishing hysteresis.", HOLDS
 )  # fmt: skip
 def fast_cycle_is_glassy(found: Evidence) -> list[Part]:
+    """Force, pull-off and hysteresis against the glassy elastic contact with the same process zone."""
     parts = []
     stiff = elastic.finite(glassy=True)
     for speed in (10.0, FASTEST):
@@ -95,6 +98,7 @@ def fast_cycle_is_glassy(found: Evidence) -> list[Part]:
 
 @claim(PLACE, "In both elastic limits the pull-off force is the same, independent of the modulus.", HOLDS)
 def limits_share_the_pull_off_force(found: Evidence) -> list[Part]:
+    """The slowest cycle against the fastest; the finite process zone alone sets them 3 % apart."""
     slow, fast = found.pull_off(cycle(SLOWEST)), found.pull_off(cycle(FASTEST))
     zone = [elastic.pull_off(glassy) for glassy in (False, True)]
     return [
@@ -115,6 +119,7 @@ def limits_share_the_pull_off_force(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def intermediate_cycles_lose_and_hold(found: Evidence) -> list[Part]:
+    """Where over the speeds hysteresis and largest tension peak, and how far they fall to both ends."""
     losses = [hysteresis(found.trace(cycle(speed))) for speed in CYCLE_SPEEDS]
     pulls = [found.pull_off(cycle(speed)) for speed in CYCLE_SPEEDS]
     loud, strong = int(np.argmax(losses)), int(np.argmax(pulls))
@@ -141,6 +146,7 @@ def intermediate_cycles_lose_and_hold(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def where_pull_off_occurs(found: Evidence) -> list[Part]:
+    """Penetration at the largest tension, against JKR's under force control."""
     soft = elastic.vanishing(glassy=False).pull_off_force_control().penetration
     at = {v: found.measure(cycle(v), "pull_off_penetration") for v in CYCLE_SPEEDS}
     farther = [v for v, depth in at.items() if depth < LARGER * soft]
@@ -163,6 +169,7 @@ def where_pull_off_occurs(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def reversal_triggers_glass(found: Evidence) -> list[Part]:
+    """Force and tangent about the reversal; 2 a E* is the tangent of a still edge."""
     parts = []
     soft, stiff = (elastic.finite(glassy).at_penetration(DEPTH).force for glassy in (False, True))
     soft_slope = elastic.modulus(glassy=False) / elastic.modulus(glassy=True)
@@ -189,6 +196,7 @@ def reversal_triggers_glass(found: Evidence) -> list[Part]:
     IN_PART,
 )
 def pull_off_inside_is_large(found: Evidence) -> list[Part]:
+    """Area and tension against JKR's pull-off at every speed that pulls off at positive penetration."""
     exact = elastic.vanishing(glassy=False).pull_off_force_control()
     parts = []
     for speed in CYCLE_SPEEDS:

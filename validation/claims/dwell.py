@@ -20,6 +20,7 @@ SAME = 5e-4
 
 @claim(PLACE, "The approach is not affected by the rest that follows.", HOLDS)
 def approach_does_not_know(found: Evidence) -> list[Part]:
+    """Force at the end of the approach, rest by rest."""
     traces = [found.trace(cycle(SPEED, dwell=dwell)) for dwell in DWELLS]
     force = np.array([trace.force[end_of_approach(trace)] for trace in traces])
     spread = float(np.ptp(force) / force.mean())
@@ -28,6 +29,7 @@ def approach_does_not_know(found: Evidence) -> list[Part]:
 
 @claim(PLACE, "At V = 0.1 a rest longer than τ raises the pull-off force, the more the longer.", HOLDS)
 def longer_rest_holds_more(found: Evidence) -> list[Part]:
+    """Pull-off over the rest at one speed."""
     values = dict(zip(DWELLS, (found.pull_off(cycle(SPEED, dwell=d)) for d in DWELLS), strict=True))
     beyond = [value for dwell, value in values.items() if dwell >= 1.0]
     shown = ", ".join(f"{value:.3f} at {dwell:g}" for dwell, value in values.items())
@@ -48,6 +50,7 @@ def longer_rest_holds_more(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def long_rest_is_relaxed(found: Evidence) -> list[Part]:
+    """Pull-off after the longest rest against that from the relaxed contact."""
     last, limit = found.pull_off(cycle(SPEED, dwell=DWELLS[-1])), found.pull_off(retraction(SPEED))
     none = found.pull_off(cycle(SPEED))
     return [
@@ -65,6 +68,7 @@ def long_rest_is_relaxed(found: Evidence) -> list[Part]:
     IN_PART,
 )
 def faster_needs_longer_rest(found: Evidence) -> list[Part]:
+    """Rest after which pull-off reaches nine tenths of the relaxed contact's, speed by speed."""
     needed = {speed: _rest_needed(found, speed) for speed in DWELL_SPEEDS}
     parts = []
     for slow, fast in pairwise(DWELL_SPEEDS):

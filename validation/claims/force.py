@@ -21,6 +21,7 @@ PLACE = "Sec. III, Fig. 5"
     IN_PART,
 )
 def jump_is_a_flat_punch(found: Evidence) -> list[Part]:
+    """Change of penetration across the jump over that of a frozen edge, and the radius after it."""
     scene = load("force-2").scene
     assert scene.adhesion is not None
     frozen = FrozenRetraction(scene.material, scene.indenter, scene.adhesion.work, DEPTH)
@@ -60,6 +61,7 @@ def jump_is_a_flat_punch(found: Evidence) -> list[Part]:
     IN_PART,
 )
 def everything_falls_until_detachment(found: Evidence) -> list[Part]:
+    """Monotony of area, penetration and speed from the jump to the detachment."""
     parts = []
     for force in FORCES:
         trace = found.trace(f"force-{force}")
@@ -93,6 +95,7 @@ def everything_falls_until_detachment(found: Evidence) -> list[Part]:
     IN_PART,
 )
 def farther_than_at_constant_speed(found: Evidence) -> list[Part]:
+    """Withdrawal under constant force against the retraction matched to its pull-off force."""
     parts = []
     for force, speed in MATCHED.items():
         same = retraction(speed)

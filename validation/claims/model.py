@@ -21,6 +21,7 @@ SCENE = "cycle-v0.02"
     HOLDS,
 )
 def closure_is_griffith(found: Evidence) -> list[Part]:
+    """Pull-off of the elastic contact under the closure as its zone shrinks, against JKR's."""
     finite = elastic.finite(glassy=False)
     size = units(load(SCENE).scene)["jkr-force"]
     parts = []
@@ -43,6 +44,7 @@ def closure_is_griffith(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def creep_belongs_to_relaxation(found: Evidence) -> list[Part]:
+    """Retardation time by its root, and the complex modulus times the stated compliance."""
     material = load(SCENE).scene.material
     ratio = material.glassy_modulus / material.modulus
     time = float(material.creep.times[0]) / float(material.spectrum[1][0])
@@ -63,6 +65,7 @@ def creep_belongs_to_relaxation(found: Evidence) -> list[Part]:
     FAILS,
 )
 def appendix_uses_the_same_time(found: Evidence) -> list[Part]:
+    """Complex compliance of the equation with either time, against that of the material."""
     material = load(SCENE).scene.material
     stiff, soft = material.glassy_modulus, material.modulus
     w = np.geomspace(1e-2, 1e2, 25)
@@ -109,6 +112,7 @@ def plane_modulus_is_multiplied(found: Evidence) -> list[Part]:
     IN_PART,
 )
 def process_zone_only_shifts(found: Evidence) -> list[Part]:
+    """Pull-off with half the zone, against the whole zone at twice the speed."""
     half = [found.pull_off(cycle(v, zone=0.0065)) for v in HALF_ZONE_SPEEDS]
     whole = np.log([found.pull_off(cycle(v)) for v in CYCLE_SPEEDS])
     shifted = [float(np.exp(np.interp(np.log(2 * v), np.log(CYCLE_SPEEDS), whole))) for v in HALF_ZONE_SPEEDS]

@@ -18,6 +18,7 @@ PLACE = "Sec. III, Fig. 6"
 
 @claim(PLACE, "The initial penetration 5.7e-5 is that of the relaxed JKR contact without load.", HOLDS)
 def starts_without_load(found: Evidence) -> list[Part]:
+    """Force of the first row, and the penetration at which JKR carries none."""
     trace, size = found.trace("sweep"), units(load("sweep").scene)["jkr-force"]
     free = elastic.vanishing(False, "sweep").at_force(0.0).penetration
     force = float(trace.force[0] / size)
@@ -50,6 +51,7 @@ def stiffness(found: Evidence) -> list[float]:
     PLACE, "As the frequency rises the slope of force over penetration rises: the material stiffens.", HOLDS
 )
 def stiffens_with_frequency(found: Evidence) -> list[Part]:
+    """Regression slopes of force over penetration, averaged over six stretches of the sweep."""
     slopes = stiffness(found)
     smooth = [float(np.mean(group)) for group in np.array_split(slopes, 6)]
     shown = ", ".join(f"{s / smooth[0]:.2f}" for s in smooth)
@@ -66,6 +68,7 @@ def stiffens_with_frequency(found: Evidence) -> list[Part]:
 
 @claim(PLACE, "Energy lost per cycle is roughly the area of the loop.", HOLDS)
 def loss_is_the_loop(found: Evidence) -> list[Part]:
+    """Loop integral and loss from the balance, cycle by cycle."""
     cycles = losses(found)[1:]  # the first one starts from rest
     top = max(one.loop for one in cycles)
     apart = max(abs(one.dissipated - one.loop) for one in cycles) / top
@@ -84,6 +87,7 @@ def loss_is_the_loop(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def loss_peaks_at_one(found: Evidence) -> list[Part]:
+    """Loop integral over the mean frequency of each cycle; beyond the sweep the loss modulus."""
     cycles = losses(found)[1:]
     loop = np.array([one.loop for one in cycles])
     size = units(load("sweep").scene)["energy"]
@@ -118,6 +122,7 @@ def loss_peaks_at_one(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def oscillation_holds_more(found: Evidence) -> list[Part]:
+    """Largest tension with the oscillation and without."""
     steady = found.pull_off("retraction-steady")
     parts = []
     for frequency in FREQUENCIES:

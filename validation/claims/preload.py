@@ -16,6 +16,7 @@ MOST = 10.0  # Einf/E0
     HOLDS,
 )
 def preload_plateau(found: Evidence) -> list[Part]:
+    """Pull-off over the initial penetration at the highest speed of the sweep."""
     speed = PRELOAD_SPEEDS[-1]
     values = [found.pull_off(retraction(speed, depth)) for depth in PRELOADS]
     shown = ", ".join(f"{v:.2f} at {d:g}" for d, v in zip(PRELOADS, values, strict=True))
@@ -35,6 +36,7 @@ def preload_plateau(found: Evidence) -> list[Part]:
 
 @claim("Sec. III, Fig. 4(c)", "At every preload a lower speed gives a lower pull-off force.", HOLDS)
 def preload_lower_speed_is_weaker(found: Evidence) -> list[Part]:
+    """Pull-off over the speed at every initial penetration."""
     parts = []
     for depth in PRELOADS:
         values = [found.pull_off(retraction(speed, depth)) for speed in PRELOAD_SPEEDS]
@@ -50,6 +52,7 @@ def preload_lower_speed_is_weaker(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def relaxing_first_holds_more(found: Evidence) -> list[Part]:
+    """Pull-off from the relaxed contact and of the cycle, speed by speed."""
     parts = []
     for speed in (2e-3, 6e-3, 2e-2, 0.1, 10.0):
         with_rest, without = found.pull_off(retraction(speed)), found.pull_off(cycle(speed))

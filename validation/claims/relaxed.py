@@ -31,6 +31,7 @@ PLACE = "Sec. III, Fig. 4"
 
 @claim(PLACE, "Point B, Δ = 0.032: soft elastic JKR gives a = 0.245 and F = 1.87e-3.", HOLDS)
 def point_b(found: Evidence) -> list[Part]:
+    """First row of a retraction from the relaxed contact, against the paper's digits."""
     row = found.trace(retraction(FAST))
     force = float(row.force[0] / np.pi)
     exact, finite = (law(False).at_penetration(DEPTH) for law in (elastic.vanishing, elastic.finite))
@@ -57,6 +58,7 @@ def point_b(found: Evidence) -> list[Part]:
     IN_PART,
 )
 def flat_punch_line_at_any_speed(found: Evidence) -> list[Part]:
+    """First slope over that of the glassy punch, and how far towards pull-off the line is kept."""
     parts = []
     for speed in RETRACTION_SPEEDS:
         trace = found.trace(retraction(speed))
@@ -77,6 +79,7 @@ def flat_punch_line_at_any_speed(found: Evidence) -> list[Part]:
 
 @claim(PLACE, "At high speed the pull-off force is much larger than the JKR value.", HOLDS)
 def fast_pull_off_is_large(found: Evidence) -> list[Part]:
+    """Pull-off force of one fast retraction."""
     value = found.pull_off(retraction(FAST))
     return [Part(f"{value:.3f} F_JKR at V = {FAST:g}", value > 2.0, {"pull_off": value})]
 
@@ -87,6 +90,7 @@ def fast_pull_off_is_large(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def fast_edge_is_griffith(found: Evidence) -> list[Part]:
+    """At the largest tension: stress intensity, and slope of the loss over the area, both solvers."""
     parts = []
     for solver in ("bem", REFERENCE):
         trace = found.trace(retraction(FAST), solver)
@@ -111,6 +115,7 @@ def fast_edge_is_griffith(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def fast_curves_are_not_jkr(found: Evidence) -> list[Part]:
+    """Largest distance of F(a) from JKR with either modulus, over the largest force."""
     trace = found.trace(retraction(FAST))
     rows = withdrawal(trace)
     a, force = trace.contact_radius[rows], trace.force[rows]
@@ -131,6 +136,7 @@ def fast_curves_are_not_jkr(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def pull_off_falls_with_speed(found: Evidence) -> list[Part]:
+    """Pull-off over all speeds of the sweep, and its lowest against the elastic value."""
     values = [found.pull_off(retraction(speed)) for speed in RETRACTION_SPEEDS]
     bottom = values[0] / elastic.pull_off(glassy=False)
     return [
@@ -151,6 +157,7 @@ def pull_off_falls_with_speed(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def elongation_is_largest_between(found: Evidence) -> list[Part]:
+    """Penetration where contact is lost, over all speeds, against the elastic one."""
     soft = elastic.finite(False).pull_off_penetration_control().penetration
     least = [found.measure(retraction(v), "detachment_penetration") for v in RETRACTION_SPEEDS]
     far = int(np.argmin(least))
@@ -216,6 +223,7 @@ def small_scale_is_effective_jkr(found: Evidence) -> list[Part]:
     IN_PART,
 )
 def detachment_at_constant_area(found: Evidence) -> list[Part]:
+    """Area left at the largest tension: frozen limit without a zone, then runs with the paper's."""
     scene = retraction(FAST).adhesion
     assert scene is not None
     frozen = FrozenRetraction(retraction(FAST).material, retraction(FAST).indenter, scene.work, DEPTH)

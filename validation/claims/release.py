@@ -44,6 +44,7 @@ def approaching(found: Evidence, speed: float, depth: float) -> float:
     IN_PART,
 )
 def release_rate_lies_on_the_right_side(found: Evidence) -> list[Part]:
+    """G at pull-off over all retractions, and at three depths over all approaches."""
     pulled = [at_pull_off(found, v) for v in RETRACTION_SPEEDS]
     pushed = [approaching(found, v, d) for v in CYCLE_SPEEDS for d in DEPTHS]
     least, most = min(pulled), max(pushed)
@@ -67,6 +68,7 @@ def release_rate_lies_on_the_right_side(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def release_rate_at_the_ends(found: Evidence) -> list[Part]:
+    """G at the slowest and the fastest speed of both sweeps."""
     parts = []
     for speed in (RETRACTION_SPEEDS[0], RETRACTION_SPEEDS[-1]):
         value = at_pull_off(found, speed)
@@ -85,6 +87,7 @@ def release_rate_at_the_ends(found: Evidence) -> list[Part]:
 
 @claim(PLACE, "Between, G at pull-off rises to a maximum and falls again: bell-shaped over speed.", HOLDS)
 def release_rate_is_a_bell(found: Evidence) -> list[Part]:
+    """G at pull-off over the speed."""
     values = [at_pull_off(found, v) for v in RETRACTION_SPEEDS]
     top = int(np.argmax(values))
     return [
@@ -102,6 +105,7 @@ def release_rate_is_a_bell(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def release_rate_can_be_negative(found: Evidence) -> list[Part]:
+    """Least G over the speed at three depths of the approach."""
     parts = []
     for depth in DEPTHS:
         values = [approaching(found, v, depth) for v in CYCLE_SPEEDS]
@@ -120,6 +124,7 @@ def release_rate_can_be_negative(found: Evidence) -> list[Part]:
     PLACE, "Opening a semi-infinite crack, the loss rises monotonically with speed to a plateau.", HOLDS
 )  # fmt: skip
 def infinite_crack_has_a_plateau(found: Evidence) -> list[Part]:
+    """Exact steady crack under the same closure, over ten decades of speed."""
     scene = load("cycle-v0.02").scene
     assert scene.adhesion is not None
     values = opening(scene.material, scene.adhesion.zone, np.geomspace(1e-6, 1e4, 101))
@@ -136,6 +141,7 @@ def infinite_crack_has_a_plateau(found: Evidence) -> list[Part]:
     PLACE, "Though G is bell-shaped, the pull-off force rises with speed throughout, to about E∞/E₀.", HOLDS
 )  # fmt: skip
 def pull_off_rises_to_its_limit(found: Evidence) -> list[Part]:
+    """Pull-off over the speed, and its end against E∞/E₀."""
     values = [found.pull_off(retraction(v)) for v in RETRACTION_SPEEDS]
     return [
         Part("never falls with rising speed", rising(values)),
@@ -155,6 +161,7 @@ def pull_off_rises_to_its_limit(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def jkr_gives_the_release_rate_only_when_slow(found: Evidence) -> list[Part]:
+    """Pull-off force over G, both over their elastic values, speed by speed."""
     ratio = {v: found.pull_off(retraction(v)) / at_pull_off(found, v) for v in RETRACTION_SPEEDS}
     slow = {v: r for v, r in ratio.items() if v <= QUOTED}
     beyond = {v: r for v, r in ratio.items() if v >= 10 * QUOTED}
@@ -174,6 +181,7 @@ def jkr_gives_the_release_rate_only_when_slow(found: Evidence) -> list[Part]:
     HOLDS,
 )
 def jkr_overestimates_when_fast(found: Evidence) -> list[Part]:
+    """Pull-off force and G of one fast retraction, both solvers."""
     parts = []
     for solver in ("bem", REFERENCE):
         force, rate = found.pull_off(retraction(10.0), solver), at_pull_off(found, 10.0, solver)
@@ -195,6 +203,7 @@ def jkr_overestimates_when_fast(found: Evidence) -> list[Part]:
     IN_PART,
 )
 def cycles_gain_by_release_rate(found: Evidence) -> list[Part]:
+    """G at the largest tension of cycles beside their pull-off force."""
     work = elastic.vanishing(False).work
     parts = []
     for speed in (5e-4, 2e-3, 6e-3, 2e-2):

@@ -50,6 +50,7 @@ def square_root_at_the_edge(found: Evidence) -> list[Part]:
 
 @claim(PLACE, "While approaching, the pressure has a positive annular peak near the advancing edge.", HOLDS)
 def approach_has_an_annular_peak(found: Evidence) -> list[Part]:
+    """Largest pressure inside the edge in all surfaces kept before the reversal, both solvers."""
     return [
         _peak(profile, solver, wanted=True)
         for solver in ("bem", REFERENCE)
@@ -60,6 +61,7 @@ def approach_has_an_annular_peak(found: Evidence) -> list[Part]:
 
 @claim(PLACE, "While withdrawing, the annular peak is gone.", HOLDS)
 def withdrawal_has_none(found: Evidence) -> list[Part]:
+    """The same in all surfaces kept after the reversal."""
     return [
         _peak(profile, solver, wanted=False)
         for solver in ("bem", REFERENCE)
@@ -83,6 +85,7 @@ def _peak(profile: Profile, solver: str, wanted: bool) -> Part:
     IN_PART,
 )
 def area_waits_for_the_largest_tension(found: Evidence) -> list[Part]:
+    """Share of the area lost until the force is zero, and until it is the largest tension."""
     parts = []
     for solver in ("bem", REFERENCE):
         trace = found.trace(SCENE, solver)
@@ -108,6 +111,7 @@ def area_waits_for_the_largest_tension(found: Evidence) -> list[Part]:
 
 @claim(PLACE, "While withdrawing, the opening crack has the trumpet shape of de Gennes.", HOLDS)
 def crack_is_a_trumpet(found: Evidence) -> list[Part]:
+    """Local exponents of the gap over the distance from the edge, beside those of an elastic edge."""
     parts, sphere = [], elastic.vanishing(glassy=False)
     for profile in profiles(found, REFERENCE):
         if profile.time <= REVERSAL:
