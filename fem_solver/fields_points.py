@@ -48,6 +48,13 @@ class PointFields:
     dissipated: Array
 
 
+def with_volume(strain: Array, dilatation: Array | float) -> Array:
+    """The strain with another volume strain: in the mixed form that of the pressure is the better one."""
+    result = forms.deviator(strain)
+    result[:3] += dilatation / 3.0
+    return result
+
+
 class CondensedFields:
     """Fields by back-substitution from the surface history; rows in rising order."""
 
@@ -67,7 +74,9 @@ class CondensedFields:
         self._replay(row)
         shear, image, branches = self._shear, self._image, self._branches
         unknowns = self._setup.body(image)
-        strain, unit = self._strains(unknowns), self._stress(unknowns)
+        unit, strain = self._stress(unknowns), self._strains(unknowns)
+        if self._setup.space.mixed:
+            strain = with_volume(strain, -self._setup.factor.ratio * self._pressure(unknowns))
         stress, stored = shear.relaxed * unit, 0.5 * shear.relaxed * self._twice_energy(unit)
         rates = np.zeros_like(self._lost)
         for k, (modulus, time) in enumerate(zip(shear.moduli, shear.times, strict=True)):
@@ -97,13 +106,17 @@ class CondensedFields:
 
     def _stress(self, unknowns: Array) -> Array:
         """Stress in a solid of unit shear modulus."""
-        space, strain = self._setup.space, self._strains(unknowns)
+        strain = self._strains(unknowns)
         stress = 2.0 * forms.deviator(strain)
-        if space.mixed:
-            stress[:3] -= at_points(space, unknowns[space.basis.N :])
+        if self._setup.space.mixed:
+            stress[:3] -= self._pressure(unknowns)
         else:
             stress[:3] += strain[:3].sum(axis=0) / self._setup.factor.ratio
         return stress
+
+    def _pressure(self, unknowns: Array) -> Array:
+        space = self._setup.space
+        return at_points(space, unknowns[space.basis.N :])
 
     def _twice_energy(self, stress: Array) -> Array:
         pressure, shear = stress[:3].mean(axis=0), forms.deviator(stress)
@@ -132,6 +145,9 @@ class VolumeFields:
         pressure = at_points(space, total[1][:-2])
         stress[:3] += -pressure if space.mixed else pressure
         strain = (self._strain @ state.unknowns[: space.basis.N]).reshape(4, -1)
+        if space.mixed:
+            closer = 0.0 if self._log.incompressible else -at_points(space, state.volume.x[:-2])
+            strain = with_volume(strain, closer)
         stored, rates = np.zeros(stress.shape[1]), []
         parts: list[tuple[Relaxing, Form]] = [(state.shear, shear_form)]
         if not self._log.incompressible:

@@ -1,9 +1,9 @@
 """How far the finite elements' fields can be trusted: ``python -m validation.fields.accuracy``.
 
 Static contacts are compared with closed forms at all nodes within ``REACH`` contact radii of the centre, but
-those nearer than ``EDGE`` contact radii to the edge (the stress is infinite there, or its slope is); errors are
-relative to the largest stress component among these nodes. Closed forms belong to the radius and penetration
-the finite elements found, so that what is measured is the field.
+those nearer than ``EDGE`` contact radii to the edge (the stress is infinite there, or its slope is); errors
+are relative to the largest stress component among these nodes. Closed forms belong to the radius and the
+penetration the finite elements found, so that what is measured is the field.
 """
 
 from __future__ import annotations
