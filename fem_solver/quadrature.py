@@ -132,6 +132,11 @@ class QuadratureHistory:
         """Factorisations so far."""
         return len(self._operators)
 
+    @property
+    def instantaneous(self) -> SurfaceOperator:
+        """Surface of the glassy solid."""
+        return self._operator(self._ratio(0.0))[1]
+
     def respond(self, dt: float) -> Response:
         """Response to forces at the end of a step; changes nothing."""
         pending = self._prepare(dt)

@@ -40,9 +40,17 @@ class Moduli:
         return 0.0 if self.bulk is None else self.shear.relaxed / self.bulk.relaxed
 
     @property
+    def instantaneous_ratio(self) -> float:
+        """Glassy ``G/K``."""
+        if self.alike or self.bulk is None:
+            return self.ratio
+        return self.shear.glassy / self.bulk.glassy
+
+    @property
     def unit_plane_modulus(self) -> float:
-        """``E*`` of the relaxed solid at unit shear modulus, ``2/(1 - nu)``."""
-        poisson = (3.0 - 2.0 * self.ratio) / (2.0 * (3.0 + self.ratio))
+        """``E*`` of the glassy solid at unit shear modulus, ``2/(1 - nu)``."""
+        ratio = self.instantaneous_ratio
+        poisson = (3.0 - 2.0 * ratio) / (2.0 * (3.0 + ratio))
         return 2.0 / (1.0 - poisson)
 
 
@@ -119,13 +127,16 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         factor = space.factorise(material.ratio)
         compliance, weights = factor.compliance(count)
         history = CondensedHistory(SurfaceOperator(compliance), material.shear)
+        at_once = history.operator
     else:
         history = QuadratureHistory(space, material.shear, material.bulk, count)
         factor, weights = history.factor, history.weights
+        at_once = history.instantaneous
     operator = history.operator
     radii = space.radii[:count]
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
-    effective = operator.effective_radii(material.unit_plane_modulus)
+    # the edge moves against the solid as it responds at once
+    effective = at_once.effective_radii(material.unit_plane_modulus)
     geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge)
     law: EdgeLaw
     if scene.adhesion is not None and zone is not None:
