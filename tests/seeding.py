@@ -90,15 +90,15 @@ def seeded(fault: Fault) -> Iterator[Calls]:
 
 @contextmanager
 def time_limit(seconds: float) -> Iterator[None]:
-    """Interrupt what takes longer by a :class:`TimeoutError`: a wrong function may make a search endless."""
+    """Interrupt what takes more processor time by a :class:`TimeoutError`: a wrong search may be endless."""
 
     def stop(*_: object) -> None:
-        raise TimeoutError(f"no end within {seconds:g} s")
+        raise TimeoutError(f"no end within {seconds:g} processor seconds")
 
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
