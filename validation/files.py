@@ -19,8 +19,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
     What a killed program left of the same file goes; two at once on one file are kept apart by ``lock``.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
-    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
-        left.unlink(missing_ok=True)
+    remove_left(path)
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         with partial.open("wb") as stream:
@@ -31,6 +30,12 @@ def write_whole(path: Path, content: str | bytes) -> None:
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
+
+
+def remove_left(path: Path) -> None:
+    """Remove what a program that was killed while it wrote this file has left beside it."""
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        left.unlink(missing_ok=True)
 
 
 def move_whole(stage: Path, folder: Path) -> None:

@@ -20,6 +20,7 @@ from typing import Any
 
 from validation import sealed, solvers
 from validation.cases import Case
+from validation.files import remove_left
 from validation.runs import Run, output_times, run
 from validation.signals import Patience
 
@@ -137,6 +138,7 @@ class Keeper:
     def done(self) -> None:
         """The run is over, its results are written: nothing is left to go on with."""
         self.path.unlink(missing_ok=True)
+        remove_left(self.path)
 
 
 def run_kept(
