@@ -25,7 +25,7 @@ def processes(workers: int) -> Iterator[Executor | None]:
         yield None
         return
     pool = ProcessPoolExecutor(
-        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_end_with_parent
+        workers, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent
     )
     with _interrupts_held_back():  # inherited by what is started here, for good
         for _ in range(workers):
@@ -40,7 +40,7 @@ def processes(workers: int) -> Iterator[Executor | None]:
     pool.shutdown()
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
     """Leave at once when the parent is gone: nobody waits for an answer."""
     parent = multiprocessing.parent_process()
     if parent is not None:
