@@ -129,10 +129,11 @@ class AdhesionlessEdge:
         m = int(s)
         while m < highest and self._presses(problem, m + 1):
             m += 1
+        capped = self.geometry.capped and m == self.geometry.last
+        if m == highest and not capped and self._presses(problem, m + 1):
+            return EdgeSearch(Fate.ADVANCING, float(m))
         if m > s:
-            capped = self.geometry.capped and m == self.geometry.last
-            ran = m == highest and not capped and self._presses(problem, m + 1)
-            return EdgeSearch(Fate.ADVANCING if ran else Fate.SETTLED, float(m))
+            return EdgeSearch(Fate.SETTLED, float(m))
         while m > lowest and not self._presses(problem, m):
             m -= 1
         untouched = m == NO_CONTACT and s == NO_CONTACT and not self._pulls(problem)

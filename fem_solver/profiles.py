@@ -45,5 +45,5 @@ def profile(state: SurfaceState, radii: Array, height: Array) -> Profile:
         radii[keep],
         pressure[keep],
         state.displacement[keep],
-        np.maximum(gap, 0.0)[keep],
+        gap[keep],
     )

@@ -17,12 +17,15 @@ from fem_solver.record import Recorder, SurfaceState
 from fem_solver.release import ContactProblem, EdgeGeometry
 from fem_solver.stepcontrol import Clock, Judge
 from scene import Counters, OutcomeKind, Segment
+from scene.loading import Control
 
 Array = NDArray[np.float64]
 
 _REJECT = 2.0  # errors over what is allowed at which a step is taken back
 _SHORTEST = 1e-6  # of the shortest relaxation time or of the interval: below that, an instability
 _FIRST = 1.0 / 64.0  # of the interval, and twice that of the shortest relaxation time: the first step
+_SHORTEST_PART = 2.0**-10  # of a jump of the load, where the answer is curved
+_LAST_PART = 2.0**-24  # of a jump of the load, before contact is lost
 _NOTABLE = 4.0  # jumps of the edge that count as an event, in travels allowed per step
 _BEND_SHARE = 10.0  # departure of the prescribed value from a straight line, allowed per tolerance
 _SAMPLES = (0.273, 0.618, 1.0)  # uneven, so that no oscillation hides between them
@@ -114,8 +117,7 @@ class Run:
         clock.limit(first, max(_SHORTEST * scale, 8.0 * np.spacing(abs(clock.end)), length * 2.0**-40))
 
     def _step(self, segment: Segment, clock: Clock) -> None:
-        if self.counters.steps >= self.max_steps:
-            raise Ended(OutcomeKind.STEP_BUDGET, f"{self.max_steps} steps did not suffice")
+        self._spend()
         while True:
             bend = self._bend(segment, clock)
             if bend > _REJECT and not clock.shortest:
@@ -147,6 +149,11 @@ class Run:
             clock.halve()
         elif error < 0.25 and moved < 0.4 * self.judge.travel:
             clock.double()
+
+    def _spend(self) -> None:
+        """A step may be taken."""
+        if self.counters.steps >= self.max_steps:
+            raise Ended(OutcomeKind.STEP_BUDGET, f"{self.max_steps} steps did not suffice")
 
     def _bend(self, segment: Segment, clock: Clock) -> float:
         """How far the prescribed value departs from a straight line over a step, over what is allowed."""
@@ -182,14 +189,44 @@ class Run:
         depths = [row[1] for row in self.recorder.rows[:: max(1, len(self.recorder.rows) // 64)]]
         return max(max(depths) - min(depths), 1e-2 * max(abs(d) for d in depths))
 
-    def _jump(self, control: str, target: float) -> None:
-        """A load that changes at once: glassy, as far as it takes the edge."""
-        problem, response = self._problem(0.0, control, target)
-        found = self.law.seek(problem, self.state.s, self.law.lowest, math.inf)
-        self._count(problem)
-        if found.fate is not Fate.SETTLED:
-            self._lost(found)
-        self._commit(0.0, problem, response, found.s)
+    def _jump(self, control: Control, target: float) -> None:
+        """A load that changes at once: glassy, as far as it takes the edge.
+
+        Taken in parts over which the answer is nearly straight: the work is that of an edge that moves with
+        the load, and contact is lost where it cannot follow, not where the jump began.
+        """
+        first = self.state.penetration if control == "penetration" else self.state.force
+        done, part, scale = 0.0, 1.0, 0.0
+
+        def at_once(share: float) -> tuple[ContactProblem, Response, EdgeSearch]:
+            value = target if share == 1.0 else first + share * (target - first)
+            problem, response = self._problem(0.0, control, value)
+            found = self.law.seek(problem, self.state.s, self.law.lowest, math.inf)
+            self._count(problem)
+            return problem, response, found
+
+        while done < 1.0:
+            self._spend()
+            part = min(part, 1.0 - done)
+            problem, response, found = at_once(done + part)
+            if found.fate is Fate.SETTLED:
+                middle, _, halfway = at_once(done + 0.5 * part)
+                ends = (_answer(self.state, control), _conjugate(problem, found.s))
+                scale = max(scale, *(abs(end) for end in ends))
+                bulge = abs(_conjugate(middle, halfway.s) - 0.5 * (ends[0] + ends[1]))
+                curved = halfway.fate is not Fate.SETTLED or bulge > self.judge.tolerance * scale
+                too_long = curved and part > _SHORTEST_PART
+            else:
+                too_long = part > _LAST_PART
+            if too_long:
+                self.counters.rejected_steps += 1
+                part *= 0.5
+                continue
+            if found.fate is not Fate.SETTLED:
+                self._lost(found)
+            self._commit(0.0, problem, response, found.s)
+            done += part
+            part *= 2.0
 
     def _jump_edge(self, problem: ContactProblem, ran: EdgeSearch) -> EdgeSearch:
         """The edge outruns the shortest step: follow it to where it is stable again."""
@@ -253,6 +290,16 @@ class Run:
         )
         self.recorder.add(state)
         self.counters.steps += len(self.recorder.rows) > 1
+
+
+def _answer(state: SurfaceState, control: Control) -> float:
+    """The quantity that is not prescribed."""
+    return state.force if control == "penetration" else state.penetration
+
+
+def _conjugate(problem: ContactProblem, s: float) -> float:
+    """The same, of a trial."""
+    return problem.force(s) if problem.control == "penetration" else problem.penetration(s)
 
 
 def _range(segment: Segment) -> float:

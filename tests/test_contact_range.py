@@ -13,6 +13,7 @@ from scene import (
     Cone,
     FlatPunch,
     Force,
+    ForceRamp,
     Hold,
     Loading,
     Material,
@@ -51,6 +52,16 @@ def test_jkr_under_penetration_and_under_force():
     )
     pressed = scene(Force(0.05, 1.0), depth=0.001, adhesion=sticky)
     assert largest_contact_radius(pressed) == pytest.approx(SPARE * law.at_force(0.05).contact_radius)
+
+
+def test_force_ramp_begins_with_the_force_it_finds():
+    """Relaxed at a relaxed start, which is the contact of that depth; else at most the glassy one."""
+    still = scene(depth=0.03)
+    assert largest_contact_radius(scene(ForceRamp(0.0, 1.0), depth=0.03)) == pytest.approx(
+        largest_contact_radius(still)
+    )
+    glassy = dataclasses.replace(still, loading=Loading("jump-in", 0.03, (ForceRamp(0.0, 1.0),)))
+    assert largest_contact_radius(glassy) == pytest.approx(10.0 ** (1 / 3) * largest_contact_radius(still))
 
 
 def test_amplitude_counts_whatever_its_sign():

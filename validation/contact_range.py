@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from scene import Scene, SceneError
+from scene import ForceRamp, Scene, SceneError
 from validation.reference import sneddon
 
 if TYPE_CHECKING:
@@ -78,13 +78,21 @@ def largest_contact_radius(scene: Scene) -> float:
 
 
 def _largest_load(scene: Scene) -> tuple[float, float]:
-    """Largest penetration and largest force that the loading prescribes."""
+    """Largest penetration and largest force of the loading.
+
+    A force ramp takes over the force it finds: at most the glassy one at the penetration reached, the relaxed
+    one at a relaxed start.
+    """
     time, depth, force = 0.0, scene.loading.penetration, 0.0
     deepest, strongest = depth, -math.inf
-    for step in scene.loading.steps:
+    before = "penetration"
+    for index, step in enumerate(scene.loading.steps):
+        if isinstance(step, ForceRamp) and before == "penetration":
+            relaxed = index == 0 and scene.loading.start == "relaxed"
+            force = _pressing(scene, depth, relaxed)
         segment = step.segment(time, depth, force)
         values = [segment.value(at) for at in (segment.start, *segment.kinks, segment.end)]
-        time = segment.end
+        time, before = segment.end, segment.control
         if segment.control == "penetration":
             depth = values[-1]
             deepest = max(deepest, *values, values[0] + abs(getattr(step, "amplitude", 0.0)))
@@ -92,3 +100,12 @@ def _largest_load(scene: Scene) -> tuple[float, float]:
             force = values[-1]
             strongest = max(strongest, *values)
     return deepest, strongest
+
+
+def _pressing(scene: Scene, depth: float, relaxed: bool) -> float:
+    """Adhesionless force at a penetration."""
+    if depth <= 0.0:
+        return 0.0
+    material = scene.material
+    modulus = material.relaxed_plane_modulus if relaxed else material.glassy_plane_modulus
+    return float(sneddon.force(scene.indenter, sneddon.contact_radius(scene.indenter, depth), modulus))
