@@ -1,4 +1,4 @@
-"""The command line: ``crosscontact scenes | solve | compare | study | fields | report``.
+"""The command line: ``crosscontact scenes | solve | compare | study | fields | stability | report``.
 
 Exit codes: 0 all well; 1 a check failed or a run did not finish; 2 bad input, said in one line;
 130 interrupted. Nothing heavy is imported until a command needs it.
@@ -20,6 +20,19 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 SOLVER_NAMES = ("bem", "fem", "reference")
 SUITE_NAMES = ("quick", "paper", "full")
+AXIS_NAMES = (
+    "contrast",
+    "relaxation-time",
+    "spectrum",
+    "poisson",
+    "speed",
+    "step",
+    "adhesion",
+    "indenter",
+    "loading",
+    "dead-load",
+    "scale",
+)
 SMALLEST_RESOLUTION = 4
 
 
@@ -130,6 +143,15 @@ def parser() -> argparse.ArgumentParser:
     )
     drawn.add_argument("--no-figures", action="store_true", help="files for ParaView only")
 
+    stability = commands.add_parser("stability", help="stiff and extreme cases: where each solver holds")
+    stability.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and heat maps there")
+    stability.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    stability.add_argument("--solver", choices=SOLVER_NAMES, help="this one only; default: all")
+    stability.add_argument(
+        "--only", choices=AXIS_NAMES, metavar="AXIS", help=f"one of {', '.join(AXIS_NAMES)}"
+    )
+    _fresh(stability)
+
     report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
     report.add_argument("--suite", choices=SUITE_NAMES, default="quick")
     report.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
@@ -209,6 +231,11 @@ def _command(options: argparse.Namespace) -> int:
         return commands.compare(options.scenes, options.out, options.jobs, options.fresh)
     if options.command == "study":
         return commands.study(options.scenes, options.out, options.jobs, options.fresh)
+    if options.command == "stability":
+        from validation.stability.command import stability
+
+        jobs = commands.workers(options.jobs)
+        return stability(options.out, jobs, options.solver, options.only, options.fresh)
     if options.command == "fields":
         from validation.fields import command
         from validation.fields.figures.album import wanted

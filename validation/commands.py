@@ -70,7 +70,7 @@ def solve(name: str, solver: str, resolution: int | None, out: str | None, fresh
     if keeper is not None and keeper.stopped:
         print(f"crosscontact: kept in {keeper.path}: the same command goes on from there", file=sys.stderr)
         raise KeyboardInterrupt
-    if keeper is not None:
+    if keeper is not None and result.trace is not None:  # a breakdown may come of the machine: go on later
         keeper.done()
     if not result.finished:
         print(f"crosscontact: not finished: {result.ending}", file=sys.stderr)
@@ -120,7 +120,7 @@ def compare(given: list[str], out: str | None, jobs: int | None, fresh: bool = F
     loaded = cases.load_all(given)
     folder = None if out is None else output_folder(out)
     store = Store(folder, fresh)
-    result = build("compare", loaded, _workers(jobs), Progress("compare"), store=store)
+    result = build("compare", loaded, workers(jobs), Progress("compare"), store=store)
     for page in result.pages:
         print(table(page))
     if folder is not None:
@@ -140,7 +140,7 @@ def study(given: list[str], out: str | None, jobs: int | None, fresh: bool = Fal
     loaded = cases.load_all(given)
     folder = None if out is None else output_folder(out)
     store = Store(folder, fresh)
-    result = run_study(loaded, _workers(jobs), Progress("study"), store)
+    result = run_study(loaded, workers(jobs), Progress("study"), store)
     for line in lines(result):
         print(line)
     if folder is not None:
@@ -174,7 +174,11 @@ def report(
     folder = output_folder(out)
     loaded = cases.load_all(cases.suite(suite))
     store, claims = Store(folder, fresh), suite != "quick"
-    result = build(suite, loaded, _workers(jobs), Progress("report"), estimate, claims, store)
+    result = build(suite, loaded, workers(jobs), Progress("report"), estimate, claims, store)
+    if suite == "full":
+        from validation.stability.command import compute
+
+        result = replace(result, stability=compute(workers(jobs), store))
     if fields:
         result = replace(result, fields=_fields(result.pages))
     if baseline is not None and old is not None:
@@ -205,7 +209,8 @@ def _fields(pages: list[Page]) -> FieldsSection:
         progress.close()
 
 
-def _workers(jobs: int | None) -> int:
+def workers(jobs: int | None) -> int:
+    """Processes asked for, or as many as there are cores."""
     if jobs is not None:
         return jobs
     if hasattr(os, "sched_getaffinity"):  # the cores this process may use, not those of the machine

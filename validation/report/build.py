@@ -15,12 +15,13 @@ from validation.compare import check_case
 from validation.environment import stamp
 from validation.files import write_whole
 from validation.pool import processes
-from validation.report import fields_section
+from validation.report import fields_section, stability_section
 from validation.report.claims_section import Claims, pictures
 from validation.report.fields_section import FieldsSection
 from validation.resume import question
 from validation.runs import Run, output_times, run_all
 from validation.solvers import SOLVERS
+from validation.stability.drive import Matrix
 from validation.store import Store
 
 if TYPE_CHECKING:
@@ -52,12 +53,14 @@ class Report:
     baseline: Comparison | None = None
     claims: Claims | None = None
     fields: FieldsSection | None = None
+    stability: Matrix | None = None
 
     @property
     def checks(self) -> list[Check]:
         """All verdicts."""
         found = [check for page in self.pages for check in page.checks]
-        return found if self.claims is None else found + self.claims.checks
+        found += [] if self.claims is None else self.claims.checks
+        return found if self.stability is None else found + stability_section.checks(self.stability)
 
     @property
     def runs(self) -> list[Run]:
@@ -154,6 +157,7 @@ def write(report: Report, folder: Path) -> None:
             write_run(folder / "runs" / page.case.name / solver, page.case.scene, result)
     drawn = {} if report.claims is None else pictures(report.claims)
     drawn |= {} if report.fields is None else fields_section.files(report.fields)
+    drawn |= {} if report.stability is None else stability_section.pictures(report.stability)
     if drawn:
         (folder / "figures").mkdir(exist_ok=True)
     for name, picture in drawn.items():

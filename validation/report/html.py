@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from validation.report import claims_section, costs, fields_section, figures
+from validation.report import claims_section, costs, fields_section, figures, stability_section
 from validation.report.curves import elastic_limits, labels, of_trace, with_differences
 from validation.report.style import STYLE
 from validation.report.text import HEAD, MOVE_HEAD, move_row, number, parameters, row, spared_by
@@ -31,6 +31,7 @@ def text(report: Report) -> str:
         _overview(report),
         _baseline(report),
         "" if report.claims is None else claims_section.html(report.claims),
+        "" if report.stability is None else stability_section.html(report.stability),
         "" if report.fields is None else fields_section.html(report.fields),
         *(_section(page) for page in report.pages),
         "<section><h2>Where the time went</h2>" + table(costs.HEAD, _escaped(costs.rows(report.runs))),

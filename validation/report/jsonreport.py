@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from validation.files import to_json
-from validation.report import claims_section
+from validation.report import claims_section, stability_section
 from validation.report.costs import spent
 from validation.report.text import spared_by
 from validation.runs import summary
@@ -37,6 +37,8 @@ def data(report: Report) -> dict[str, Any]:
     }
     if report.claims is not None:
         whole["claims"] = claims_section.data(report.claims)
+    if report.stability is not None:
+        whole["stability"] = stability_section.data(report.stability)
     if report.baseline is not None:
         moves = [asdict(move) for move in report.baseline.moves]
         whole["baseline"] = {"path": report.baseline.path, "moves": moves}

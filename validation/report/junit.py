@@ -6,7 +6,7 @@ import re
 import xml.etree.ElementTree as tree
 from typing import TYPE_CHECKING
 
-from validation.report import claims_section
+from validation.report import claims_section, stability_section
 from validation.report.text import HEAD, row
 
 if TYPE_CHECKING:
@@ -37,6 +37,8 @@ def text(report: Report) -> str:
                 tree.SubElement(case, "failure", message=_clean(message)).text = _clean(check.note or message)
     if report.claims is not None:
         root.append(claims_section.junit(report.claims))
+    if report.stability is not None:
+        root.append(stability_section.junit(report.stability))
     tree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + tree.tostring(root, encoding="unicode") + "\n"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from validation.report import claims_section
+from validation.report import claims_section, stability_section
 from validation.report.text import HEAD, MOVE_HEAD, move_row, number, row, spared_by
 
 if TYPE_CHECKING:
@@ -36,6 +36,8 @@ def text(report: Report) -> str:
         lines += [f"| {_cell(c.scene)} | " + " | ".join(map(_cell, row(c))) + " |" for c in failed]
     if report.claims is not None:
         lines += claims_section.markdown(report.claims)
+    if report.stability is not None:
+        lines += stability_section.markdown(report.stability)
     if report.baseline is not None:
         lines += _baseline(report.baseline)
     return "\n".join(lines) + "\n"

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 from scene import Scene
+from validation.resume import question
 from validation.stability.probe import SOLVERS, Computed, Equivalent, Probe
-from validation.stability.verdict import Cell, judge
+from validation.stability.verdict import Cell, Verdict, judge
 from validation.stability.work import Job, Perform, perform
 from validation.stability.workers import Reply, Worker
+from validation.store import Store
 
 Tell = Callable[[Cell, list[Cell]], None]
 TRUTH = "reference"
@@ -38,29 +39,49 @@ def run(
     solvers: Sequence[str] = SOLVERS,
     tell: Tell = lambda cell, cells: None,
     work: Perform = perform,
+    store: Store | None = None,
 ) -> Matrix:
     """Run every probe with every solver.
 
     ``tell`` is given each cell and all cells so far, one call at a time. An interrupt kills the workers.
+    Cells that ``store`` holds are taken over, except for runs that crashed or hung.
     """
-    began = time.perf_counter()
+    store = store or Store()
     found: dict[str, list[Cell]] = {}
     telling = threading.Lock()
     with _workers(jobs) as workers:
         idle = list(workers)
 
         def carry_out(probe: Probe) -> None:
+            with telling:
+                known = {solver: store.get(_question(probe, solver)) for solver in solvers}
+            for cell in filter(None, known.values()):
+                add(probe, cell)
+            missing = [solver for solver, cell in known.items() if cell is None]
+            if not missing:
+                return
             worker = idle.pop()
             try:
-                for cell in _cells(probe, solvers, worker, work):
-                    with telling:
-                        found.setdefault(probe.name, []).append(cell)
-                        tell(cell, in_order())
+                for cell in _cells(probe, missing, worker, work):
+                    add(probe, cell)
+                    if cell.verdict not in (Verdict.CRASH, Verdict.HANG):
+                        with telling:
+                            store.put(_question(probe, cell.solver), cell)
             finally:
                 idle.append(worker)
 
+        def add(probe: Probe, cell: Cell) -> None:
+            with telling:
+                found.setdefault(probe.name, []).append(cell)
+                tell(cell, in_order())
+
         def in_order() -> list[Cell]:
-            return [cell for probe in probes for cell in found.get(probe.name, [])]
+            order = list(solvers)
+            return [
+                cell
+                for probe in probes
+                for cell in sorted(found.get(probe.name, []), key=lambda cell: order.index(cell.solver))
+            ]
 
         threads = ThreadPoolExecutor(jobs)
         try:
@@ -68,7 +89,12 @@ def run(
                 done.result()
         finally:
             threads.shutdown(wait=False, cancel_futures=True)
-    return Matrix(tuple(in_order()), time.perf_counter() - began)
+    return Matrix(tuple(in_order()), store.seconds)
+
+
+def _question(probe: Probe, solver: str) -> str:
+    """The sources are part of a question, and the sources are what makes a probe of this name."""
+    return question("stability", probe.name, solver)
 
 
 @contextmanager

@@ -37,7 +37,7 @@ class Reply:
 
 
 class Retired(RuntimeError):
-    """Asked after :meth:`Worker.retire`."""
+    """Asked after, or stopped by, :meth:`Worker.retire`."""
 
 
 class Worker:
@@ -61,10 +61,12 @@ class Worker:
         except (EOFError, OSError):
             code = self._exit_code()
             self.close()
+            if self._retired:
+                raise Retired from None
             return Reply(Fate.DIED, said=f"the process ended with code {code}")
 
     def retire(self) -> None:
-        """End the process for good, whatever it is doing; who waits for its answer learns that it died."""
+        """End the process for good, whatever it is doing; who waits for its answer gets :class:`Retired`."""
         with self._lock:
             self._retired = True
             if self._process is not None:
