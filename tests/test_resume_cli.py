@@ -150,6 +150,24 @@ def test_a_checkpoint_of_no_use_is_one_line(capsys, tmp_path, scene_file, uninte
     assert_same_results(tmp_path, uninterrupted("reference"))
 
 
+def test_a_breakdown_keeps_the_checkpoint(tmp_path, scene_file, monkeypatch):
+    def fall(*given):
+        assert given[-1].kept == "half-way"
+        raise MemoryError("no memory left")
+
+    monkeypatch.setitem(solvers.SOLVERS, "bem", lambda: fall)
+    kept = tmp_path / resume.CHECKPOINT
+    monkeypatch.setattr(resume, "question", lambda *parts: "q")
+    sealed.write(kept, "q", ("half-way", 1.0), 2.0)
+    assert main(arguments(scene_file, "bem", tmp_path)) == 1
+    assert kept.exists()
+
+
+def test_bad_input_leaves_no_folder(tmp_path):
+    assert main(["solve", "nowhere.toml", "--solver", "bem", "--out", str(tmp_path / "out")]) == 2
+    assert list(tmp_path.iterdir()) == []
+
+
 class Counting:
     """Stand-ins for the solvers that count their runs; the one named ``stops`` is interrupted, once."""
 
