@@ -3,10 +3,13 @@
 - ``together``: resolution in space and in time at once; these levels are also timed.
 - ``step``: the time step alone, on a fixed discretisation in space.
 - ``mesh``: the discretisation in space alone, at a fixed small step.
-- ``domain``: the radius of the finite-element domain alone.
-- ``zone``: the process zone of the model. Not a numerical parameter: the answer changes with it.
+- ``domain``: the radius of the finite-element domain alone. Boundary elements and front tracking know the
+  exact half-space: they have no domain to enlarge.
+- ``zone``: the process zone of the model. Not a numerical parameter: the answer changes with it, and every
+  solver has to say by how much.
 
-The front tracking has no mesh: its nodes are where the edge has been, so its step is all there is to refine.
+The front tracking has no mesh: its nodes are where the edge has been, so its step is all there is to refine,
+and ``together`` is its ladder of steps.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from validation.schemes import Settings
 # Front tracking, what errors are measured against: the first of these resolutions that reaches its end.
 FINEST = (80, 40)
 FINEST_ADHESIONLESS = (16, 8)
-VOLUME_LEVELS = 2  # of the finite elements with their history in the volume
+STEEPEST = 0.5  # grading a mesh can have
 
 
 @dataclass(frozen=True)
@@ -58,9 +61,9 @@ def finest(scene: Scene) -> tuple[int, ...]:
 def ladders(scene: Scene) -> list[Ladder]:
     """All ladders of a study of this scene."""
     found = [_bem(scene), _baseline(scene), _fem(scene), _fem_volume(scene), _reference(scene)]
-    found += [_bem_step(), _fem_step(), _bem_mesh(), _fem_domain(), _fem_held()]
+    found += [_bem_step(), _fem_step(), _bem_mesh(), _fem_mesh(scene), _fem_domain(), _fem_held()]
     if scene.is_adhesive:
-        found.append(_zone())
+        found += [_zone("bem", 6), _zone("fem", 4), _zone("reference", 5)]
     return found
 
 
@@ -77,21 +80,26 @@ def _baseline(scene: Scene) -> Ladder:
 
 
 def _fem(scene: Scene) -> Ladder:
-    """Grading with the element size: near and far are refined alike. The tolerance falls with the square."""
-    sizes = (4, 6, 8, 12) if scene.is_adhesive else (1, 2, 3, 4)
-    first = sizes[0]
-    levels = tuple(
-        _by_resolution(n, Settings(n, tolerance=5e-3 * (first / n) ** 2, grading=0.5 * first / n))
-        for n in sizes
-    )
+    levels = _fem_levels(scene, (4, 6, 8, 12) if scene.is_adhesive else (1, 2, 3, 4))
     return Ladder("fem", "together", "elements per zone, grading; step tolerance with their square", levels)
 
 
 def _fem_volume(scene: Scene) -> Ladder:
-    """The same answer as the condensed form, at another price: few levels tell it."""
-    condensed = _fem(scene)
+    """The same answer as the condensed form, at another price: the levels stay coarse."""
+    levels = _fem_levels(scene, (3, 4, 5, 6) if scene.is_adhesive else (1, 2, 3, 4))
     refined = "as the condensed form, whose answer it repeats: only the price is of interest"
-    return replace(condensed, scheme="fem-volume", refined=refined, levels=condensed.levels[:VOLUME_LEVELS])
+    return Ladder("fem-volume", "together", refined, levels)
+
+
+def _fem_levels(scene: Scene, sizes: tuple[int, ...]) -> tuple[Level, ...]:
+    """Grading with the element size: near and far are refined alike. The tolerance falls with the square."""
+    first = 4 if scene.is_adhesive else 1
+    return tuple(
+        _by_resolution(
+            n, Settings(n, tolerance=5e-3 * (first / n) ** 2, grading=min(0.5 * first / n, STEEPEST))
+        )
+        for n in sizes
+    )
 
 
 def _reference(scene: Scene) -> Ladder:
@@ -124,6 +132,15 @@ def _bem_mesh() -> Ladder:
     return Ladder("bem", "mesh", "annuli per zone, at step tolerance 6e-4", levels)
 
 
+def _fem_mesh(scene: Scene) -> Ladder:
+    sizes = (3, 4, 6, 8) if scene.is_adhesive else (1, 2, 3, 4)
+    levels = tuple(
+        _by_resolution(n, Settings(n, step_resolution=12, tolerance=6e-4, grading=0.5 * sizes[0] / n))
+        for n in sizes
+    )
+    return Ladder("fem", "mesh", "elements per zone, grading, at 12 steps per zone", levels)
+
+
 def _fem_domain() -> Ladder:
     """The far boundary carries the displacement of the total force, so little is left to be seen."""
     levels = tuple(_domain(ratio, True) for ratio in (12.5, 25.0, 50.0, 100.0))
@@ -140,11 +157,11 @@ def _domain(ratio: float, far_field: bool) -> Level:
     return Level(1.0 / ratio, f"{ratio:g} a", Settings(4, domain_ratio=ratio, far_field=far_field))
 
 
-def _zone() -> Ladder:
+def _zone(scheme: str, divisions: int) -> Ladder:
     factors = (2.0, 1.0, 0.5, 0.25)
-    levels = tuple(Level(f, f"zone x {f:g}", Settings(5, zone_factor=f)) for f in factors)
-    refined = "process zone of the model (the answer changes), at 5 steps per zone"
-    return Ladder("reference", "zone", refined, levels, nominal=1.0)
+    levels = tuple(Level(f, f"zone x {f:g}", Settings(divisions, zone_factor=f)) for f in factors)
+    refined = f"process zone of the model (the answer changes), at {divisions} divisions of each"
+    return Ladder(scheme, "zone", refined, levels, nominal=1.0)
 
 
 def _by_resolution(n: int, settings: Settings) -> Level:

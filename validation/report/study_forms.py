@@ -12,7 +12,7 @@ from validation import work_precision
 from validation.files import to_json, write_whole
 from validation.report import figures, study_figures
 from validation.report.html import document, environment, table
-from validation.report.study_text import Section, ladder, overview, prices, threads
+from validation.report.study_text import Section, ladder, overview, prices, threads, zones
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -76,6 +76,8 @@ def html(study: Study, drawn: dict[str, Drawn]) -> str:
         found = drawn[scene.case.name]
         parts.append(_section(overview(scene), _pictures(scene, found, "order")))
         parts.append(_section(prices(scene, shown), _pictures(scene, found, "price")))
+        beside = zones(scene)
+        parts += [] if beside is None else [_section(beside, "")]
         parts += [_folded(ladder(entry)) for entry in scene.ladders]
     parts.append(environment(study.environment, study.wall_seconds))
     return document(TITLE, parts)
@@ -116,8 +118,9 @@ def markdown(study: Study) -> str:
     lines = [f"# {TITLE}", "", _verdict(study)]
     for scene in study.scenes:
         lines += ["", f"## {scene.case.scene.title or scene.case.name}"]
-        sections = [overview(scene), prices(scene, threads(study.environment)), *map(ladder, scene.ladders)]
-        for section in sections:
+        first = [overview(scene), prices(scene, threads(study.environment)), zones(scene)]
+        sections = [section for section in first if section is not None]
+        for section in (*sections, *map(ladder, scene.ladders)):
             lines += ["", f"### {section.title}", ""]
             lines += [line for text in section.paragraphs for line in (text, "")]
             for entry in section.tables:

@@ -32,7 +32,8 @@ ZONE_NOTE = (
 )
 DOMAIN_NOTE = (
     "On the far boundary the displacement of the total force is prescribed, so the error left by the domain "
-    "lies below that of the mesh and the steps; differences that go to and fro say that it has been reached."
+    "lies below that of the mesh and the steps; differences that go to and fro say that it has been reached. "
+    "Boundary elements and front tracking know the exact half-space and have no domain."
 )
 
 
@@ -82,6 +83,21 @@ def overview(scene: SceneStudy) -> Section:
     return Section(
         "Observed orders, everything refined together", [*said, NOTES, TRUTH_NOTE], [Table("", head, rows)]
     )
+
+
+def zones(scene: SceneStudy) -> Section | None:
+    """What every solver says of shorter and longer process zones, side by side; ``None`` without a zone."""
+    found = [study for study in scene.ladders if study.ladder.kind == "zone"]
+    if not found:
+        return None
+    labels = [run.level.label for run in found[0].runs]
+    rows = [
+        (_name(name), study.ladder.scheme, *(number(value, 6) for value in row.values),
+         number(row.alone.richardson if row.alone else None, 6))
+        for name in HEADLINE for study in found for row in study.rows if row.observable == name
+    ]  # fmt: skip
+    head = ("observable", "solver", *labels, "Richardson, no zone")
+    return Section("Shorter and longer process zones", [ZONE_NOTE], [Table("", head, rows)])
 
 
 def _headline(study: Convergence, row: Row) -> tuple[str, ...]:
