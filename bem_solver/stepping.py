@@ -31,6 +31,7 @@ from scene import Outcome, OutcomeKind, Watch
 _FINEST_TRAVEL = 1.0 / 64.0
 _LOAD_WEIGHT = 4.0  # the load follows the prescribed history closer than the edge its chord
 _WIDEST_TRAVEL = 4096.0
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 _ACCURACY = 4e-3  # of the edge, in step tolerances of the length it is resolved on
 _VANISHING = (
     2e-3  # contact radius, relative to its largest, below which an adhesionless contact is lifting off
@@ -79,7 +80,7 @@ class Stepper:
                 if outcome is not None:
                     return outcome
                 continue
-            step = self._next_step(piece.length - parameter)
+            step = self._next_step(piece, parameter)
             if parameter + step <= parameter:
                 return Outcome(OutcomeKind.STEP_UNDERFLOW, "the step fell below rounding", self.front.time)
             try:
@@ -101,7 +102,8 @@ class Stepper:
                 continue
             moved = abs(candidate.trial.motion.new_edge - self.front.edge)
             # a travel that no shorter step shortens is the edge snapping over an annulus: taken as it is
-            snapped = any(step < 0.5 * tried and moved > 0.7 * travelled for tried, travelled in rejected)
+            far = departure(moved, self.problem.length_at(self.front.edge)) > self.tolerance
+            snapped = far and any(step < 0.5 * tried and moved > 0.7 * gone for tried, gone in rejected)
             if candidate.error > 1.0 and not (snapped and candidate.error < math.inf):
                 counters.rejected_steps += 1
                 if candidate.error == math.inf and step <= 1e-12 * piece.length:
@@ -133,8 +135,8 @@ class Stepper:
             self.step = min(self.step, 0.05 * piece.length) if self.step > 0.0 else 0.01 * piece.length
         if piece.jump:
             self.step = 0.1
-        ends = [piece.prescribed(piece.length * share / 16.0) for share in range(17)]
-        self.span = max(ends) - min(ends)
+        ends = [piece.prescribed(piece.length * (k * _GOLDEN % 1.0)) for k in range(32)]
+        self.span = max(*ends, piece.prescribed(piece.length)) - min(*ends, piece.prescribed(piece.length))
         self.past.rows = (
             [(0.0, self.front.edge, self._load(piece, self.front))]
             if piece.fresh
@@ -142,15 +144,37 @@ class Stepper:
         )
         self.place.begun = True
 
-    def _next_step(self, left: float) -> float:
-        """The step to try: within the travel limit, and not leaving a sliver before the end."""
+    def _next_step(self, piece: Piece, parameter: float) -> float:
+        """The step to try.
+
+        Within the travel limit, over no more than a slight bend of the prescribed history, and not leaving a
+        sliver before the end.
+        """
         reach = 0.9 * self.travel * self.problem.length_at(self.front.edge) / self.divisions
         speed = abs(self.past.rates(self.step)[0])
         if speed * self.step > reach:
             self.step = reach / speed
+        left = piece.length - parameter
+        self.step = min(self.step, left)
+        while (bend := self._bend(piece, parameter, self.step)) > 1.0:
+            self.step = shrunk(self.step, bend)
         if self.step >= left * (1.0 - 1e-9):
             return left
         return min(self.step, 0.5 * left) if 2.0 * self.step > left else self.step
+
+    def _bend(self, piece: Piece, parameter: float, step: float) -> float:
+        """Largest departure of the prescribed quantity from its chord over a step, in tolerances.
+
+        Looked at where no oscillation has equal phases, so that whole periods are not stepped over.
+        """
+        if self.span == 0.0:
+            return 0.0
+        first, last = piece.prescribed(parameter), piece.prescribed(parameter + step)
+        off = max(
+            abs(piece.prescribed(parameter + share * step) - first - share * (last - first))
+            for share in (math.sqrt(2.0) - 1.0, _GOLDEN, math.e - 2.0)
+        )
+        return off / (self.span * self.tolerance)
 
     @staticmethod
     def _load(piece: Piece, front: Front) -> float:

@@ -166,7 +166,7 @@ def _closure(problem: Problem, front: Front, motion: Motion, surface: Surface) -
     offsets = np.concatenate((inner, (depth[near, None] + own).ravel()))
     gap, *gaps = np.split(gap_outside(problem, front, motion, surface, edge + zone - offsets), 1 + len(near))
     value = rule.integral(surface.tension(inner), gap, zone, edge)
-    for index, distance, facing in zip(near, own, gaps, strict=True):
+    for index, distance, facing in zip(near.tolist(), own, gaps, strict=True):
         tension = surface.strengths[index] * kinks.tension(index, distance)
         value += (min(zone, edge) - depth[index]) * (rule.weight @ (tension * facing)) / (2.0 * zone)
     return float(value)
