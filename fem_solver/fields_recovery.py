@@ -5,6 +5,10 @@ Strains of quadratic elements jump between elements and are best inside them. Th
 assembly, takes them to the nodes, the boundary's included; a continuous pressure is reproduced as it is. One
 factorisation serves all fields. The plane measure ``dr dz`` weighs the axis like any other place.
 
+Against closed forms the nodal errors are those of the values at the quadrature points (0.2 to 0.9 % of the
+largest stress on usual meshes); linear functions do as well at vertices but half as well between them, and
+averages of element means are off by 2 to 5 %.
+
 Where the exact field is singular, at the edge of the contact, the projection overshoots over about an
 element. Densities, which cannot be negative, are cut at zero there.
 """
