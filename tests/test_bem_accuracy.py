@@ -5,22 +5,9 @@ Values of the cycles: converged front tracking, written down; ``F~ = F/(pi E0* R
 
 import numpy as np
 import pytest
-from bem_runs import (
-    ELASTIC,
-    GLASSY,
-    ONE,
-    PULL,
-    SCALED,
-    SPHERE,
-    WORK,
-    ZONE,
-    bem,
-    cycle,
-    front,
-    observed_order,
-    scene,
-)
+from bem_runs import GLASSY, SCALED, bem, front, observed_order
 from numpy.testing import assert_allclose
+from paper_scenes import ELASTIC, ONE, PULL, SPHERE, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
 from scene import Adhesion, OutcomeKind, Ramp

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from paper_scenes import ONE as RUBBER
+from paper_scenes import PULL as JKR
+from paper_scenes import WORK as GAMMA
+from paper_scenes import cycle, scene
 
 import bem_solver
 from bem_solver import Options
@@ -17,38 +21,20 @@ from scene import (
     Force,
     ForceRamp,
     Hold,
-    Loading,
     Material,
     OutcomeKind,
     Ramp,
-    Scene,
     SceneError,
-    Sphere,
     Table,
     UnsupportedScene,
 )
 
-GAMMA = np.pi * 1.6e-4
-JKR = 1.5 * np.pi * GAMMA
-ADHESION = Adhesion(GAMMA, 0.013)
-RUBBER = Material(0.75, 0.5, (Branch(6.75, 1.0),))
 TWO_BRANCHES = Material(0.75, 0.5, (Branch(2.0, 0.1), Branch(4.75, 1.0)))
 
 
 def baseline(scene, resolution=12, scheme="backward-euler", progress=None, **more):
     options = Options(resolution=resolution, annuli="uniform", scheme=scheme, **more)
     return bem_solver.solve(scene, options, progress)
-
-
-def scene(*steps, start="jump-in", at=0.0, material=RUBBER, indenter=None, adhesion=ADHESION):
-    return Scene(material, indenter or Sphere(1.0), Loading(start, at, steps), adhesion)
-
-
-def cycle(speed):
-    return scene(Ramp(0.032, speed), Ramp(-0.5, speed))
-
-
-# --- limits
 
 
 def test_elastic_pull_off():

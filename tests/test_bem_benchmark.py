@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
-from bem_runs import cycle
+from paper_scenes import cycle
 
 from bem_solver import solve
 

@@ -7,8 +7,9 @@ Sphere of radius 1 on unit plane modulus with the edge at ``a``, penetration ``D
 
 import numpy as np
 import pytest
-from bem_runs import ELASTIC, GLASSY, SPHERE, STICKY, WORK, ZONE, observed_order, scene
+from bem_runs import GLASSY, observed_order
 from numpy.testing import assert_allclose
+from paper_scenes import ELASTIC, SPHERE, STICKY, WORK, ZONE, scene
 from scipy.integrate import quad
 
 from bem_solver.annuli import Annuli

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from bem_runs import ELASTIC, ONE, THREE, observed_order
+from bem_runs import observed_order
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from paper_scenes import ELASTIC, ONE, THREE
 from scipy.integrate import quad
 
 from bem_solver.creep import Chain, phi

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from bem_runs import ELASTIC, PULL, SPHERE, STIFFNESS, WORK, ZONE, bem, cycle, front, scene
+from bem_runs import STIFFNESS, bem, front
 from numpy.testing import assert_allclose
+from paper_scenes import ELASTIC, PULL, SPHERE, WORK, ZONE, cycle, scene
 from scipy.integrate import cumulative_trapezoid
 
 from scene import Adhesion, FlatPunch, Force, Hold, Oscillate, Ramp, Table

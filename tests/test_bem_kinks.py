@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from bem_runs import bem, front, scene
+from bem_runs import bem, front
 from numpy.testing import assert_allclose
+from paper_scenes import scene
 from scipy.integrate import quad
 
 from bem_solver.annuli import Annuli

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from bem_runs import ELASTIC, ONE, PULL, WORK, ZONE, bem, cycle, front, scene
+from bem_runs import bem, front
 from numpy.testing import assert_allclose
+from paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
 from scene import (

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from bem_runs import SPHERE, THREE
 from numpy.testing import assert_allclose
+from paper_scenes import SPHERE, THREE
 
 from bem_solver.creep import Chain
 from bem_solver.points import (

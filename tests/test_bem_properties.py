@@ -1,10 +1,11 @@
 """What must hold for any material, any speed and any unit; few examples of a coarse solver."""
 
 import numpy as np
-from bem_runs import ELASTIC, GLASSY, ONE, WORK, ZONE, cycle, scene
+from bem_runs import GLASSY
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
 from scene import Adhesion, Branch, Material, OutcomeKind, Ramp, Scene, Sphere, Table

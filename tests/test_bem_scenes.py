@@ -4,20 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bem_runs import (
-    ELASTIC,
-    ONE,
-    PULL,
-    SPHERE,
-    THREE,
-    WORK,
-    at_times,
-    bem,
-    cycle,
-    front,
-    scene,
-)
+from bem_runs import at_times, bem, front
 from numpy.testing import assert_allclose
+from paper_scenes import ELASTIC, ONE, PULL, SPHERE, THREE, WORK, cycle, scene
 
 from bem_solver import Options, solve
 from scene import (

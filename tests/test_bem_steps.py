@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from bem_runs import ELASTIC, ONE, PULL, cycle, scene
 from numpy.testing import assert_allclose
+from paper_scenes import ELASTIC, ONE, PULL, cycle, scene
 
 from bem_solver import Options, solve
 from scene import Force, Hold, Oscillate, Ramp, SceneError, Sweep, Table

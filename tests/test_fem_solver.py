@@ -4,6 +4,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+from paper_scenes import ELASTIC as SOFT
+from paper_scenes import ONE as RUBBER
+from paper_scenes import PULL as JKR
+from paper_scenes import STICKY as ADHESION
+from paper_scenes import WORK, ZONE
+from paper_scenes import cycle as cycle_scene
+from paper_scenes import scene as scene_of
 
 from fem_solver import Options, record, solve
 from meshes import fit, half_space, structured_half_space
@@ -30,12 +37,6 @@ from scene import (
     UnsupportedScene,
 )
 
-WORK, ZONE = 5.026548e-4, 0.013
-JKR = 1.5 * np.pi * WORK
-ADHESION = Adhesion(WORK, ZONE)
-SOFT = Material(0.75, 0.5)
-RUBBER = Material(0.75, 0.5, (Branch(6.75, 1.0),))
-
 
 @cache
 def mesh(divisions=2, family="structured", reach=0.26):
@@ -43,16 +44,13 @@ def mesh(divisions=2, family="structured", reach=0.26):
 
 
 def run(*steps, start="relaxed", penetration=0.02, material=RUBBER, indenter=None, **options):
-    loading = Loading(start, penetration, steps)
-    scene = Scene(material, indenter or Sphere(1.0), loading, ADHESION)
+    scene = scene_of(*steps, start=start, at=penetration, material=material, indenter=indenter or Sphere(1.0))
     return solve(scene, mesh(), Options(**options))
 
 
 @cache
 def cycle(speed, divisions=2, family="structured", **options):
-    loading = Loading("jump-in", 0.0, (Ramp(0.032, speed), Ramp(-0.5, speed)))
-    scene = Scene(RUBBER, Sphere(1.0), loading, ADHESION)
-    return solve(scene, mesh(divisions, family), Options(**options))
+    return solve(cycle_scene(speed), mesh(divisions, family), Options(**options))
 
 
 def is_finite(trace):
@@ -380,8 +378,7 @@ def test_options_are_checked():
 @pytest.mark.slow
 def test_separate_relaxation_runs_a_whole_cycle_on_any_domain():
     material = Material(0.91, 0.3, (Branch(8.19, 1.0),), bulk="elastic")
-    loading = Loading("jump-in", 0.0, (Ramp(0.032, 0.02), Ramp(-0.5, 0.02)))
-    scene = Scene(material, Sphere(1.0), loading, ADHESION)
+    scene = cycle_scene(0.02, material=material)
     traces = [
         solve(scene, structured_half_space(fit(0.0, 0.26, ZONE, 4, domain_ratio=ratio)))
         for ratio in (20.0, 400.0)
@@ -407,8 +404,7 @@ def test_time_and_memory_of_set_up_and_cycle(divisions, seconds):
     for _ in range(3):
         began = time.process_time()
         fresh = half_space(fit(0.0, 0.26, ZONE, divisions))
-        loading = Loading("jump-in", 0.0, (Ramp(0.032, 0.02), Ramp(-0.5, 0.02)))
-        solve(Scene(RUBBER, Sphere(1.0), loading, ADHESION), fresh)
+        solve(cycle_scene(0.02), fresh)
         best = min(best, time.process_time() - began)
     assert best < seconds
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1_500_000

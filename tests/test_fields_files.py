@@ -240,6 +240,7 @@ def test_what_cannot_be_is_said_in_one_line(scene_file, tmp_path, capsys, asked,
     lines = capsys.readouterr().err.splitlines()
     assert said in lines[-1]
     assert len([line for line in lines if "error" in line]) == 1
+    assert (tmp_path / "out/body.pvd").exists() == ("outside the run" in said)
 
 
 def test_a_run_that_never_pulls(tmp_path, capsys):

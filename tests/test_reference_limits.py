@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from paper_scenes import ELASTIC, ONE, PULL, THREE, WORK
 from scipy.optimize import brentq
 
 import bem_solver
 from scene import (
     Adhesion,
-    Branch,
     Cone,
     FlatPunch,
     Force,
@@ -31,11 +31,6 @@ from validation.reference.frozen import FrozenRetraction
 from validation.reference.maugis_dugdale import MaugisDugdale
 from validation.reference.ting import Ting
 
-WORK = 1.6e-4 * np.pi
-PULL = 1.5 * np.pi * WORK
-ELASTIC = Material(0.75, 0.5)
-ONE = Material(0.75, 0.5, (Branch(6.75, 1.0),))
-THREE = Material(0.75, 0.5, (Branch(3.0, 0.1), Branch(2.75, 1.0), Branch(1.0, 8.0)))
 GRID = np.linspace(0.0, 1.0, 21)
 TABLE = TabulatedProfile(tuple(GRID), tuple(0.5 * GRID**2 + GRID**4))
 PUNCH = FlatPunch(0.2)
