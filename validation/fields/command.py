@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from validation import cases
 from validation.fields.balance import Balance, balance
 from validation.fields.files import Series
-from validation.fields.request import Answer, Request, answer
+from validation.fields.request import Answer, Request, answer, check_times
 from validation.files import output_folder
 from validation.progress import Progress
 
@@ -42,6 +42,7 @@ def run(
     if not (times or pull_off or every or (album is not None and album.moments)):
         allowed = "--at T [T ...], --pull-off, --every N, --strip, --animate, or several"
         raise SceneError("fields", "no moment asked for", allowed)
+    check_times(times, case.scene.loading)  # before anything is made
     request = Request(tuple(times), pull_off, every, None if album is None else album.rows)
     folder = output_folder(out if out is not None else f"out/fields/{case.name}")
     progress = Progress(f"{case.name} fields")
