@@ -92,6 +92,8 @@ def draw(axes: Axes, section: Section, view: View, quantity: Quantity, shown: Co
     axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
     axes.tick_params(labelsize=SMALL)
     axes.ticklabel_format(style="sci", scilimits=(-3, 4), useOffset=False)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.get_offset_text().set_fontsize(SMALL)
 
 
 def key(axes: Axes, section: Section) -> None:
