@@ -199,7 +199,7 @@ def test_a_coarser_reference_serves_where_the_finest_fails(scene_file, fakes):
     fakes(reference=breaking)
     found, data = studied(scene_file)
     said = data["scenes"][0]["reference"]
-    assert said.startswith("front tracking at resolution 40; 80 failed: FloatingPointError")
+    assert said.startswith("front tracking at resolution 60; 80 failed: FloatingPointError")
     assert said in study_forms.markdown(found)
 
 

@@ -20,7 +20,7 @@ from scene import Scene
 from validation.schemes import Settings
 
 # Front tracking, what errors are measured against: the first of these resolutions that reaches its end.
-FINEST = (80, 40)
+FINEST = (80, 60, 40)
 FINEST_ADHESIONLESS = (16, 8)
 STEEPEST = 0.5  # grading a mesh can have
 
