@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 from fem_solver.release import ContactProblem, EdgeGeometry
 
 _NODE_TOLERANCE = 1e-10
+_STRIDE, _NARROW = 0.25, 2.0**-12  # elements
 NO_CONTACT = -1.0
 
 
@@ -84,13 +85,22 @@ class AdhesiveEdge:
         return EdgeSearch(Fate.RECEDING, self.lowest)
 
     def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
-        """Expand a bracket from ``s`` in the direction the closure asks for."""
+        """Expand a bracket from ``s`` in the direction the closure asks for.
+
+        Next to the last root the range that holds the edge is narrower than the usual stride, so that an edge
+        is not said to run away before a search with a far shorter one.
+        """
+        found = self._expand(problem, s, low, high, _STRIDE)
+        return found if found.fate is not Fate.RECEDING else self._expand(problem, s, low, high, _NARROW)
+
+    def _expand(
+        self, problem: ContactProblem, s: float, low: float, high: float, stride: float
+    ) -> EdgeSearch:
         low, high = max(low, self.lowest), min(high, float(self.geometry.last))
         here = min(max(s, low), high)
         excess = self._excess(problem, here)
         way = -1.0 if excess > 0.0 else 1.0
         limit = low if way < 0.0 else high
-        stride = 0.25
         while here != limit:
             ahead = here + way * stride
             if (limit - ahead) * way <= 0.0:

@@ -24,6 +24,7 @@ from scene import (
     Sphere,
 )
 from validation.contact_range import SPARE, largest_contact_radius, mesh_for
+from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 
 MATERIAL = Material(0.75, 0.5, (Branch(6.75, 1.0),))
@@ -100,3 +101,13 @@ def test_mesh_resolves_the_zone_and_refuses_the_absurd():
     assert mesh.parameters.fine_to > largest_contact_radius(sticky)
     with pytest.raises(SceneError, match="coarser"):
         mesh_for(scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 1e-9)), None)
+
+
+def test_a_process_zone_holds_on_where_a_sharp_edge_has_let_go():
+    law = FiniteZone(1.0, 1.0, 5.026548e-4, 0.013)
+    limit = law.pull_off_penetration_control().penetration
+    assert limit < JKR(Sphere(1.0), 1.0, 5.026548e-4).pull_off_penetration_control().penetration
+    beyond = dataclasses.replace(
+        scene(adhesion=Adhesion(5.026548e-4, 0.013), depth=0.995 * limit), material=Material(1.0, 0.0)
+    )
+    assert largest_contact_radius(beyond) > law.at_penetration(0.995 * limit).contact_radius

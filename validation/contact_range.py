@@ -61,20 +61,22 @@ def largest_contact_radius(scene: Scene) -> float:
     stiffness = scene.material.relaxed_plane_modulus
     work = scene.adhesion.work if scene.adhesion is not None else 0.0
 
-    def spare_load(radius: ArrayLike) -> NDArray[np.float64]:
-        """Positive where the load would hold a larger contact."""
+    def spare_load(radius: ArrayLike, reach: float = 0.0) -> NDArray[np.float64]:
+        """Positive where the load would hold a larger contact, of a sharp edge or one with a longer reach."""
         a = np.asarray(radius, float)
-        pull = np.sqrt(2.0 * np.pi * a * work / stiffness)
+        pull = np.sqrt(2.0 * np.pi * (a + reach) * work / stiffness)
         by_depth = depth - (sneddon.depth(scene.indenter, a) - pull)
         resisting = sneddon.force(scene.indenter, a, stiffness) - 2.0 * stiffness * a * pull
         return np.maximum(by_depth, (force - resisting) / (2.0 * stiffness * a))
 
-    with np.errstate(over="ignore"):
-        held = np.flatnonzero(spare_load(DECADES) > 0.0)
-    if held.size == 0 or held[-1] + 1 == DECADES.size:
-        raise SceneError("loading", "never brings a contact about", "a penetration or force that touches")
-    last = held[-1]
-    return SPARE * float(brentq(spare_load, DECADES[last], DECADES[last + 1], xtol=1e-300, rtol=1e-13))
+    zone = scene.adhesion.zone if scene.adhesion is not None else 0.0
+    for reach in (0.0, zone):  # where a sharp edge has let go, one with a process zone may hold on a little
+        with np.errstate(over="ignore"):
+            held = np.flatnonzero(spare_load(DECADES, reach) > 0.0)
+        if held.size and held[-1] + 1 < DECADES.size:
+            ends = DECADES[held[-1]], DECADES[held[-1] + 1]
+            return SPARE * float(brentq(spare_load, *ends, (reach,), xtol=1e-300, rtol=1e-13))
+    raise SceneError("loading", "never brings a contact about", "a penetration or force that touches")
 
 
 def _largest_load(scene: Scene) -> tuple[float, float]:
