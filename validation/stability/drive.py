@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from scene import Scene
 from validation.resume import question
 from validation.stability.probe import SOLVERS, Computed, Equivalent, Probe
-from validation.stability.verdict import Cell, Verdict, judge
+from validation.stability.verdict import Cell, Verdict, judge, not_run
 from validation.stability.work import Job, Perform, perform
 from validation.stability.workers import Reply, Worker
 from validation.store import Store
@@ -117,6 +117,9 @@ def _cells(probe: Probe, solvers: Sequence[str], worker: Worker, work: Perform) 
         levels = (probe.truth.fine, probe.truth.coarse)
         common = tuple(_ask(probe, TRUTH, probe.scene, worker, work, level) for level in levels)
     for solver in solvers:
+        if solver in probe.too_dear:
+            yield not_run(probe, solver)
+            continue
         reply, truths = _ask(probe, solver, probe.scene, worker, work), common
         if isinstance(probe.truth, Equivalent):
             truths = (_ask(probe, solver, probe.truth.scene, worker, work),)

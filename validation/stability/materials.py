@@ -46,16 +46,33 @@ def contrast() -> list[Probe]:
                 bare,
                 truth,
                 resolutions=ADHESIONLESS,
-                series="adhesionless cycle",
+                series="adhesionless cycle" if ratio > 1.0 else "",
                 stiffness=ratio,
             )
         )
         slow = base.scene(made, base.to_and_fro(1e-7 / creep), start="relaxed")
         quiet = closed.elastic_cycle(slow, made.relaxed_plane_modulus, "E0", at_once=ratio == 1.0)
-        probes.append(Probe("contrast", f"{label}, slow", slow, quiet, series="slow cycle", stiffness=ratio))
+        probes.append(
+            Probe(
+                "contrast",
+                f"{label}, slow",
+                slow,
+                quiet,
+                series="slow cycle" if ratio > 1.0 else "",
+                stiffness=ratio,
+            )
+        )
         pull = base.scene(made, base.to_and_fro(base.ZONE / creep, away=-20.0)[1:], "relaxed", base.TOP)
         probes.append(
-            Probe("contrast", f"{label}, V tau_c = da", pull, _pull(), PULLED, series="pull", stiffness=ratio)
+            Probe(
+                "contrast",
+                f"{label}, V tau_c = da",
+                pull,
+                _pull(),
+                PULLED,
+                series="pull" if ratio > 1.0 else "",
+                stiffness=ratio,
+            )
         )
     return probes
 
@@ -73,6 +90,7 @@ def times() -> list[Probe]:
         label = f"tau/T = {ratio:g}"
         stiffness = max(ratio, 1.0 / ratio)
         side = "slow response" if ratio > 1.0 else "fast response"
+        timed = stiffness > 1.0  # neither slow nor fast at one
         cycle = base.scene(made, base.to_and_fro(speed))
         truth: Truth
         if ratio <= 1e-6:
@@ -87,7 +105,7 @@ def times() -> list[Probe]:
                 f"{label}, glassy start",
                 cycle,
                 truth,
-                series=f"cycle, {side}",
+                series=f"cycle, {side}" if timed else "",
                 stiffness=stiffness,
             )
         )
@@ -99,7 +117,7 @@ def times() -> list[Probe]:
                 pull,
                 _pull(),
                 PULLED,
-                series=f"pull, {side}",
+                series=f"pull, {side}" if timed else "",
                 stiffness=stiffness,
             )
         )

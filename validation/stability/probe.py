@@ -108,6 +108,8 @@ class Probe:
         Ratio of the longest to the shortest time, or of the moduli, that makes this probe hard.
     resolutions : mapping
         Divisions per process zone by solver.
+    too_dear : mapping
+        Solvers that are not asked, and why: the run would take minutes.
     max_steps : int
         Step budget.
     seconds : float
@@ -122,6 +124,7 @@ class Probe:
     series: str = ""
     stiffness: float = 1.0
     resolutions: Mapping[str, int] = field(default_factory=lambda: RESOLUTIONS)
+    too_dear: Mapping[str, str] = field(default_factory=dict)
     max_steps: int = 20_000
     seconds: float = 180.0
 

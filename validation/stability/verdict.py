@@ -164,6 +164,12 @@ def _declared(probe: Probe, solver: str, outcome: str, reason: str, **facts) -> 
     return _cell(probe, solver, verdict, outcome, reason, source=source, **facts)
 
 
+def not_run(probe: Probe, solver: str) -> Cell:
+    """A run that takes too long to be part of the matrix: a limit, told as one."""
+    why = probe.too_dear[solver]
+    return _cell(probe, solver, Verdict.SAYS, "not run", why, source=source_of(probe.truth))
+
+
 def source_of(truth: Truth) -> str:
     """Where a truth comes from, in words."""
     if isinstance(truth, Known):
