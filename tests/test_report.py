@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import xml.etree.ElementTree as tree
+from concurrent.futures import Executor, Future
 from html.parser import HTMLParser
 
 import pytest
@@ -16,6 +17,7 @@ from validation.__main__ import SOLVER_NAMES, main
 from validation.cases import load
 from validation.progress import Progress
 from validation.report.build import build, write
+from validation.runs import Run, run_all
 
 
 def refuse(*arguments):
@@ -192,6 +194,22 @@ def test_estimates_stand_beside_differences_unless_left_out(tmp_path, monkeypatc
                               and c.source == "front tracking"]  # fmt: skip
     assert (found[True].passed, found[True].estimate, found[True].base_estimate) == (False, 0.0, 0.0)
     assert (found[False].passed, found[False].estimate) == (True, None)
+
+
+def test_what_takes_longest_is_begun_first():
+    begun = []
+
+    class Pool(Executor):
+        def submit(self, function, case, solver, **options):
+            begun.append((case.name, solver, options["estimate"]))
+            future = Future()
+            future.set_result(Run(case.name, solver))
+            return future
+
+    asked = [(load(name), "bem") for name in ("cycle-v0.1", "sweep", "oscillation-w1.4")]
+    found = run_all(asked, Pool(), estimated={"sweep"})
+    assert begun == [("oscillation-w1.4", "bem", False), ("sweep", "bem", True), ("cycle-v0.1", "bem", False)]
+    assert [name for name, _ in found] == ["cycle-v0.1", "sweep", "oscillation-w1.4"]
 
 
 def test_report_command(tmp_path, monkeypatch, capsys):
