@@ -61,6 +61,16 @@ def _jobs(text: str) -> int:
     return int(text)
 
 
+def _bulk(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 2.0 / 3.0 < value < 1e6:
+        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: a number above 2/3, below 1e6")
+    return value
+
+
 def _time(text: str) -> float:
     try:
         value = float(text)
@@ -104,6 +114,14 @@ def parser() -> argparse.ArgumentParser:
     study.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
     study.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
     study.add_argument("--jobs", type=_jobs, metavar="N", help="processes for what is not timed")
+    study.add_argument(
+        "--poisson",
+        type=_bulk,
+        nargs="*",
+        metavar="K/G",
+        help="instead: elastic bulk of these ratios to the relaxed shear modulus (10 to 1000), against a "
+        "constant Poisson's ratio",
+    )
     _fresh(study)
 
     fields = commands.add_parser("fields", help="stresses, energies and losses in the body, for ParaView")
@@ -229,6 +247,11 @@ def _command(options: argparse.Namespace) -> int:
         return commands.solve(options.scene, options.solver, options.resolution, options.out, options.fresh)
     if options.command == "compare":
         return commands.compare(options.scenes, options.out, options.jobs, options.fresh)
+    if options.command == "study" and options.poisson is not None:
+        from validation import poisson_report
+
+        jobs = commands.workers(options.jobs)
+        return poisson_report.command(options.scenes, options.poisson, options.out, jobs)
     if options.command == "study":
         return commands.study(options.scenes, options.out, options.jobs, options.fresh)
     if options.command == "stability":
