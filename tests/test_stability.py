@@ -56,9 +56,10 @@ def test_every_ending_has_its_verdict_and_the_next_run_is_unharmed():
     assert {cell.label for cell in matrix.faults} == faults
 
 
-def test_a_run_that_hangs_is_killed():
+@pytest.mark.parametrize("title", ["hangs", "waits"])
+def test_a_run_that_hangs_is_killed(title):
     begin = time.monotonic()
-    matrix = run([fakes.probe("hangs", seconds=0.5)], solvers=("bem",), work=fakes.act)
+    matrix = run([fakes.probe(title, seconds=0.4)], solvers=("bem",), work=fakes.act)
     assert [cell.verdict for cell in matrix.cells] == [Verdict.HANG]
     assert time.monotonic() - begin < 60.0
 

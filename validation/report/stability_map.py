@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LEAST, MOST = -12.0, 0.0  # log10 of the errors that are told apart
+LEAST, MOST = -8.0, 0.0  # log10 of the errors that are told apart
 BLANK = "#c9c9c9"  # a field without an error: an answer that there is none
 FAULT = "#d55e00"
 LETTERS = {
@@ -67,7 +67,7 @@ def draw(cells: Sequence[Cell], numbers: dict[tuple[str, str], int]) -> Figure:
         spine.set_visible(False)
     bar = figure.colorbar(colours, ax=axes, shrink=0.8, pad=0.01, extend="both")
     bar.set_label("relative error", color=INK)
-    bar.set_ticks([-12, -9, -6, -3, 0], labels=["1e-12", "1e-9", "1e-6", "1e-3", "1"], color=INK)
+    bar.set_ticks([-8, -6, -4, -2, 0], labels=["1e-8", "1e-6", "1e-4", "1e-2", "1"], color=INK)
     return figure
 
 
@@ -95,7 +95,7 @@ def _field(axes: Axes, across: int, down: int, cell: Cell, number: int, colours)
     light = value is None or value > 0.55 * LEAST + 0.45 * MOST
     ink = "#000000" if light else "#ffffff"
     axes.text(across + 0.5, down + 0.45, letter(cell), ha="center", va="center", fontsize=9, color=ink)
-    axes.text(across + 0.9, down + 0.86, str(number), ha="right", va="center", fontsize=4.5, color=ink)
+    axes.text(across + 0.9, down + 0.86, str(number), ha="right", va="center", fontsize=5.5, color=ink)
     if cell.verdict is Verdict.SAYS:
         axes.plot([across + 0.25, across + 0.75], [down + 0.7, down + 0.7], color=ink, linewidth=1.2)
     if cell.fault:

@@ -113,7 +113,7 @@ class Probe:
     max_steps : int
         Step budget.
     seconds : float
-        Wall time after which a run counts as hung and is killed.
+        Processor time after which a run counts as hung and is killed.
     """
 
     axis: str

@@ -7,14 +7,20 @@ from one that works; hence one pipe to one process, started anew after it died o
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import threading
+import time
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
+
+PATIENCE = 10.0  # clock over processor time, at most
+LOOK = 0.5  # seconds between two looks at what a process has spent
 
 
 class Fate(StrEnum):
@@ -50,11 +56,15 @@ class Worker:
         self._pipe: Connection | None = None
 
     def ask(self, function: Callable[[Any], Any], argument: Any, seconds: float) -> Reply:
-        """``function(argument)`` in the process; both must be picklable. Never waits beyond ``seconds``."""
+        """``function(argument)`` in the process; both must be picklable.
+
+        Given up after ``seconds`` of processor time, which a busy machine does not change, and in any case
+        after ``PATIENCE`` times as long by the clock: what sleeps or waits uses none.
+        """
         pipe = self._pipe or self._start()
         try:
             pipe.send((function, argument))
-            if not pipe.poll(seconds):
+            if not self._answers(pipe, seconds):
                 self.close()
                 return Reply(Fate.HUNG, said=f"no answer within {seconds:g} s; killed")
             return pipe.recv()
@@ -64,6 +74,23 @@ class Worker:
             if self._retired:
                 raise Retired from None
             return Reply(Fate.DIED, said=f"the process ended with code {code}")
+
+    def _answers(self, pipe: Connection, seconds: float) -> bool:
+        began, before = time.monotonic(), self._spent()
+        while not pipe.poll(min(seconds, LOOK)):
+            clock = time.monotonic() - began
+            if clock >= PATIENCE * seconds or self._spent() - before >= seconds:
+                return False
+        return True
+
+    def _spent(self) -> float:
+        """Processor time of the process; what the clock says where the system does not tell."""
+        pid = None if self._process is None else self._process.pid
+        try:
+            fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+            return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        except (OSError, ValueError, IndexError, AttributeError):
+            return time.monotonic()
 
     def retire(self) -> None:
         """End the process for good, whatever it is doing; who waits for its answer gets :class:`Retired`."""
