@@ -160,9 +160,10 @@ def test_album_writes_what_it_says(tmp_path, monkeypatch):
     assert list(album.rows(trace(), SCENE)) == [0, 3, 7, 8, 9]
     done: list[float] = []
     some = states({0: "", 8: "pull-off", 9: ""})
-    said = album.lines(tmp_path, some, trace(), SCENE, done.append)
+    said = album.lines(tmp_path, some, trace(), SCENE, done.append, {0})
     files = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
-    single = {f"{kind}/von-mises_000008.png" for kind in ("sections", "revolution")}
+    kinds = "sections", "revolution"
+    single = {f"{kind}/von-mises_{row:06d}.png" for kind in kinds for row in (0, 8)}  # 9: a frame only
     assert files == single | {"strip_von-mises.png", "cycle_von-mises.gif"}
     assert len(said) == len(files)
     assert done == sorted(done)

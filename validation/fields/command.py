@@ -53,8 +53,8 @@ def run(
         keep = kept.append if album is not None else None
         written = write(found, folder, case.scene, lambda done: progress(part * (1.0 + done)), keep)
         if album is not None:
-            trace = found.recording.trace
-            written += album.lines(folder, kept, trace, case.scene, lambda done: progress(0.5 + 0.5 * done))
+            trace, asked = found.recording.trace, found.recording.rows.values()
+            written += album.lines(folder, kept, trace, case.scene, lambda d: progress(0.5 + 0.5 * d), asked)
     finally:
         progress.close()
     for line in written:

@@ -7,7 +7,7 @@ whole run, ``revolution_QUANTITY_NNNN.png`` the body in three dimensions.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -76,7 +76,13 @@ class Album:
         return dict(sorted((found | (moments.key_moments(trace, scene) if self.strip else {})).items()))
 
     def lines(
-        self, folder: Path, states: Sequence[FieldState], trace: Trace, scene: Scene, progress: Progress
+        self,
+        folder: Path,
+        states: Sequence[FieldState],
+        trace: Trace,
+        scene: Scene,
+        progress: Progress,
+        asked: Collection[int] = (),
     ) -> list[str]:
         """Draw, and say what was drawn, or why not.
 
@@ -86,7 +92,7 @@ class Album:
             If VTK cannot draw here, and more was asked for than the sections that come by themselves.
         """
         try:
-            written = self.write(folder, states, trace, scene, progress)
+            written = self.write(folder, states, trace, scene, progress, asked)
             lines = [f"drawn: {path}" for path in written]
             if (
                 self.show
@@ -101,9 +107,17 @@ class Album:
         return lines
 
     def write(
-        self, folder: Path, states: Sequence[FieldState], trace: Trace, scene: Scene, progress: Progress
+        self,
+        folder: Path,
+        states: Sequence[FieldState],
+        trace: Trace,
+        scene: Scene,
+        progress: Progress,
+        asked: Collection[int] = (),
     ) -> list[Path]:
         """Draw everything but the window; states in contact only, in the order of time.
+
+        Frames of the animation get a section only if they have a label or their row is in ``asked``.
 
         Raises
         ------
@@ -112,7 +126,7 @@ class Album:
         """
         touching, key, first = _touching(states), moments.key_moments(trace, scene), self._chosen[0]
         moving = set(moments.in_contact(trace, self.frames)) if self.animate else set()
-        single = [state for state in touching if state.label or state.row not in moving]
+        single = [state for state in touching if state.label or state.row in asked or state.row not in moving]
         drawings: list[tuple[str, Callable[[], Figure]]] = []
         for state in single:
             for one in self._chosen:
