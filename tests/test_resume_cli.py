@@ -16,7 +16,7 @@ from cli_fakes import SCENE, fake, named
 from slowly import VERSION
 
 from scene import read_columns
-from validation import lock, resume, sealed, solvers
+from validation import commands, lock, resume, sealed, solvers
 from validation.__main__ import main
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.getcwd(), "OMP_NUM_THREADS": "1"}
@@ -63,8 +63,8 @@ def begin(*given: str, rest: float = 0.03) -> subprocess.Popen[str]:
     )
 
 
-def wait_for(true, what: str) -> None:
-    end = time.monotonic() + PATIENCE
+def wait_for(true, what: str, patience: float = PATIENCE) -> None:
+    end = time.monotonic() + patience
     while not true():
         assert time.monotonic() < end, f"waited in vain for {what}"
         time.sleep(0.02)
@@ -237,7 +237,8 @@ def test_run_times_of_a_report_are_those_of_the_runs(tmp_path, scene_file, monke
 
 
 @pytest.mark.parametrize("command", ["report", "compare", "solve", "study"])
-def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, command):
+def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, monkeypatch, command):
+    monkeypatch.setattr(commands, command, lambda *given: pytest.fail("it ran"))
     given = {"report": [], "solve": [scene_file, "--solver", "bem"]}.get(command, [scene_file])
     with lock.held(tmp_path):
         assert main([command, *given, "--out", str(tmp_path)]) == 2
@@ -253,17 +254,18 @@ def test_workers_end_with_their_parent():
         "if __name__ == '__main__':\n"
         "    with processes(2) as pool:\n"
         "        print(*{f.result() for f in [pool.submit(os.getpid) for _ in range(20)]}, flush=True)\n"
-        "        pool.submit(time.sleep, 600).result()\n"
+        "        pool.submit(time.sleep, 60).result()\n"
     )
     work = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT
     )
     assert work.stdout is not None
-    workers = [int(number) for number in work.stdout.readline().split()]
+    with work.stdout as told:
+        workers = [int(number) for number in told.readline().split()]
     work.kill()
-    work.communicate()
+    work.wait()
     assert workers
-    wait_for(lambda: not any(map(alive, workers)), "the workers to end")
+    wait_for(lambda: not any(map(alive, workers)), "the workers to end", 30.0)
 
 
 def alive(process: int) -> bool:
