@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, stepped, surface_work
+from bem_solver.energy import Energies, change, stepped
 from bem_solver.history import History, Track, distinct, gaps_to_halve, graded_nodes, lingered
 from bem_solver.points import Motion, advanced, load_inside
 from bem_solver.surface import Surface
@@ -57,17 +57,16 @@ def committed(
 ) -> tuple[Front, Energies]:
     """The state after an accepted trial."""
     motion, surface = trial.motion, trial.surface
+    points = points_at(problem, front, motion.new_edge * problem.annuli.radii)
     if not problem.remembers:
-        variables = np.empty((problem.annuli.count, 0))
-        history = front.history
+        variables, history = points.variables, front.history
     else:
         problem.counters.history_updates += 1
         length = problem.length_at(motion.new_edge)
         history = _new_history(problem, front, motion, surface, length, divisions, tolerance)
-        points = points_at(problem, front, motion.new_edge * problem.annuli.radii)
         variables = advanced(problem.chain, points, motion, None)
-    work, branches = surface_work(problem.annuli, problem.chain, surface.edge, surface.scaled, variables)
-    after = stepped(problem.chain, energies, work, branches, motion.duration)
+    now = change(problem.chain, front.surface, surface, variables, points.load, points.variables)
+    after = stepped(problem.chain, energies, now, motion.duration)
     return Front(time, motion.new_penetration, surface, history), after
 
 

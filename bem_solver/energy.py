@@ -2,21 +2,29 @@
 
 With ``Y = int p v``, ``X_k = int p e_k`` and ``W_k = int s_k e_k`` over the surface (``e_k = G s_k`` the
 displacement of Voigt branch k, ``s_k`` its apparent stress), Eq. U is ``U = Y/(2 Einf*) + sum_k W_k/(2
-J_k)``. Because G is symmetric, ``dW_k/dt = 2 (J_k X_k - W_k)/theta_k``: one number per branch, by the same
-exact recursion as the branch itself. The branch power (Eq. dissipated energy) is ``P_k = (J_k Y -
-X_k)/theta_k - dU_k/dt``. With a sharp edge that integral exceeds the loss of the energy balance by what the
-tip releases in excess of the glassy ``K^2/(2 Einf*)``; both are reported.
+J_k)``, and because G is symmetric ``dW_k/dt = 2 (J_k X_k - W_k)/theta_k``: one number per branch.
+
+The branch power (Eq. dissipated energy) is ``sum_k Q_k/(J_k theta_k)``, with ``Q_k`` the same quadratic form
+of the lag ``l_k = J_k v - e_k``. Over steps shorter than ``theta_k`` the power is what the branch receives,
+``(J_k Y - X_k)/theta_k``, less what it stores: forms of the states alone, whose errors do not add up. Over
+longer ones that is the difference of large numbers. With v linear in such a step ``l_k`` is the lag before,
+decayed, and a multiple of the change of v; ``Q_k`` and its integral are then exact for any length, and never
+negative. What changes at the moving tip does so at once wherever the tip is, evenly over the step: of the
+form of the change of v that is ``K^2 |dA|`` at most, with K at unit modulus.
+
+With a sharp edge the branch integral exceeds the loss of the energy balance by what the tip releases in
+excess of the glassy ``K^2/(2 Einf*)``; both are reported.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bem_solver.annuli import Annuli
-from bem_solver.creep import Chain
+from bem_solver.creep import Chain, phi
+from bem_solver.surface import Surface
 
 Array = NDArray[np.float64]
 
@@ -36,20 +44,59 @@ class Energies:
         branches = float(np.sum(self.branch_energy / chain.compliances))
         return 0.5 * (self.load_work / chain.glassy + branches)
 
+    def lag_energy(self, chain: Chain) -> Array:
+        """``Q`` (K,), the form of the lag: ``W + J^2 Y - 2 J X``."""
+        return (
+            self.branch_energy
+            + chain.compliances**2 * self.load_work
+            - 2.0 * chain.compliances * self.branch_work
+        )
+
     def unloaded(self) -> Energies:
         """Without load, nothing else changed."""
-        return Energies(0.0, 0.0 * self.branch_work, self.branch_energy, self.dissipated)
+        return replace(self, load_work=0.0, branch_work=0.0 * self.branch_work)
 
 
-def surface_work(
-    annuli: Annuli, chain: Chain, edge: float, scaled: Array, variables: Array
-) -> tuple[float, Array]:
-    """``Y`` and ``X_k`` of a contact with scaled pressures (M,) and variables (M, K) at the annuli."""
-    forces = edge * annuli.areas * scaled
-    load = annuli.matrix @ scaled
-    work = float(forces @ load)
-    lags = (variables @ chain.rotation.T) * chain.lag_scale
-    return work, chain.compliances * work - forces @ lags
+@dataclass(frozen=True)
+class Change:
+    """What a step does to the forms: Y and X after it, and what it adds to them.
+
+    ``across`` is ``int p v`` and ``lag_across`` (K,) ``int p l_k`` with p after the step and v, ``l_k``
+    before it; ``tip`` the part of ``int dp dv`` that belongs to the moving tip.
+    """
+
+    load_work: float
+    branch_work: Array
+    across: float
+    lag_across: Array
+    tip: float
+
+
+def change(
+    chain: Chain,
+    before: Surface,
+    after: Surface,
+    variables: Array,
+    load_before: Array,
+    variables_before: Array,
+) -> Change:
+    """From the surfaces around a step and the state at the annuli of the later one, ``v`` (M,) before it and
+    variables (M, K) before and after."""
+    annuli = after.annuli
+    forces = after.edge * annuli.areas * after.scaled
+    work = float(forces @ (annuli.matrix @ after.scaled))
+
+    def lag_work(at: Array) -> Array:
+        return forces @ ((at @ chain.rotation.T) * chain.lag_scale)
+
+    intensity = 0.5 * (before.stress_intensity**2 + after.stress_intensity**2)
+    return Change(
+        work,
+        chain.compliances * work - lag_work(variables),
+        float(forces @ load_before),
+        lag_work(variables_before),
+        intensity * np.pi * abs(after.edge**2 - before.edge**2),
+    )
 
 
 def at_start(chain: Chain, load_work: float, relaxed: bool) -> Energies:
@@ -58,17 +105,45 @@ def at_start(chain: Chain, load_work: float, relaxed: bool) -> Energies:
     return Energies(load_work, share * load_work, share * chain.compliances * load_work, 0.0)
 
 
-def stepped(
-    chain: Chain, before: Energies, load_work: float, branch_work: Array, duration: float
-) -> Energies:
-    """Energies after a step over which X varies linearly."""
-    y = 2.0 * duration / chain.retardation
-    decay, spread = chain.decay(y), chain.spread(y)
+def stepped(chain: Chain, before: Energies, now: Change, duration: float) -> Energies:
+    """Energies after a step, short or long as each branch sees it."""
+    y = duration / chain.retardation
+    short, long = _short(chain, before, now, y), _long(chain, before, now, y)
+    energy, lost = (np.where(y < 1.0, one, other) for one, other in zip(short, long, strict=True))
+    return Energies(now.load_work, now.branch_work, energy, before.dissipated + float(np.sum(lost)))
+
+
+def _short(chain: Chain, before: Energies, now: Change, y: Array) -> tuple[Array, Array]:
+    """W after a step shorter than the branch's time, X linear, and what it turned into heat."""
+    decay, spread = np.exp(-2.0 * y), phi(2.0 * y)
     energy = decay * before.branch_energy + chain.compliances * (
-        branch_work * (1.0 - spread) + before.branch_work * (spread - decay)
+        now.branch_work * (1.0 - spread) + before.branch_work * (spread - decay)
     )
-    # work done on branch k: int (J_k Y - X_k)/theta_k dt, by the trapezoid
-    lag = chain.compliances * (load_work + before.load_work) - (branch_work + before.branch_work)
-    received = 0.5 * duration * lag / chain.retardation
-    gained = 0.5 * (energy - before.branch_energy) / chain.compliances
-    return Energies(load_work, branch_work, energy, before.dissipated + float(np.sum(received - gained)))
+    # work done on the branch, int (J Y - X)/theta dt, by the trapezoid
+    lag = chain.compliances * (now.load_work + before.load_work) - (now.branch_work + before.branch_work)
+    return energy, 0.5 * y * lag - 0.5 * (energy - before.branch_energy) / chain.compliances
+
+
+def _long(chain: Chain, before: Energies, now: Change, y: Array) -> tuple[Array, Array]:
+    """The same for a longer step, v linear but for the tip."""
+    compliances = chain.compliances
+    decay, spread, twice = np.exp(-y), phi(y), phi(2.0 * y)
+    whole = max(now.load_work + before.load_work - 2.0 * now.across, 0.0)  # int dp dv
+    tip = min(now.tip, whole)
+    lag = np.maximum(before.lag_energy(chain), 0.0)
+    mixed = compliances * (now.lag_across - compliances * before.load_work + before.branch_work)
+    most = compliances * np.sqrt(lag * whole)
+    mixed = np.minimum(np.maximum(mixed, -most), most)
+    driven = compliances**2 * (whole - tip)
+    after = decay**2 * lag + 2.0 * mixed * decay * spread + driven * spread**2 + compliances**2 * tip * twice
+    lost = 0.5 * (1.0 - decay**2) * lag + mixed * y * spread**2 + driven * _risen(y)
+    lost = lost / compliances + 0.5 * compliances * tip * (1.0 - twice)
+    return np.maximum(after, 0.0) - compliances**2 * now.load_work + 2.0 * compliances * now.branch_work, lost
+
+
+def _risen(y: Array) -> Array:
+    """``(1/y^2) int_0^y (1 - exp(-x))^2 dx``."""
+    small = y / 3.0 - y**2 / 4.0 + 7.0 * y**3 / 60.0 - y**4 / 24.0
+    safe = np.maximum(y, 0.01)
+    arrived = -np.expm1(-safe)
+    return np.where(y < 0.02, small, (safe - arrived - 0.5 * arrived**2) / safe**2)

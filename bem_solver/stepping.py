@@ -127,6 +127,8 @@ class Stepper:
                 return Outcome(OutcomeKind.DETACHED, reason, self.front.time)
             if self.problem.work == 0.0 and self.front.edge < _VANISHING * self.largest_edge:
                 return self._lift_off(piece)
+        if piece.jump:
+            self.step = 0.0  # a share of the jump, no time
         return None
 
     def _begin(self, piece: Piece) -> None:

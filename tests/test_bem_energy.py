@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from paper_scenes import ELASTIC, PULL, SPHERE, WORK, ZONE, cycle, scene
 from scipy.integrate import cumulative_trapezoid
 
-from scene import Adhesion, FlatPunch, Force, Hold, Oscillate, Ramp, Table
+from scene import Adhesion, Branch, FlatPunch, Force, Hold, Material, Oscillate, Ramp, Table
 from validation.reference import hertz
 from validation.reference.finite_zone import FiniteZone
 
@@ -150,3 +150,16 @@ def test_work_of_a_dead_load_is_force_times_path():
     path = trace.penetration[-1] - trace.penetration[jump]
     assert_allclose(trace.external_work[-1] - trace.external_work[jump], 2.0 * PULL * path, rtol=1e-9)
     assert SPHERE.radius == 1.0
+
+
+@pytest.mark.parametrize("time", [1e-2, 1e-4])
+@pytest.mark.parametrize("resolution", [4, 12])
+def test_branches_faster_than_the_steps(time, resolution):
+    """Without adhesion the branch integral is the loss, also where steps are many times the branch's time."""
+    rubber = Material(0.75, 0.5, (Branch(6.75, time),))
+    question = scene(Hold(1.0), Ramp(0.02, 0.01), at=0.01, adhesion=None, material=rubber)
+    trace = bem(question, resolution=resolution)
+    branch, lost = trace.extra["branch_dissipation"], trace.dissipated_energy[-1]
+    assert np.diff(trace.time).max() > 3.0 * time
+    assert_allclose(branch[-1], lost, rtol=0.08 if resolution == 4 else 0.01)
+    assert np.all(np.diff(branch) >= -2e-3 * lost)
