@@ -71,6 +71,12 @@ def test_amplitude_counts_whatever_its_sign():
         assert largest_contact_radius(asked) == pytest.approx(SPARE * 0.2)
 
 
+def test_drift_counts_where_it_presses():
+    sinking, rising = (scene(Oscillate(0.01, 3.0, 100.0, drift), depth=0.03) for drift in (-1e-4, 1e-4))
+    assert largest_contact_radius(sinking) == pytest.approx(SPARE * np.sqrt(0.05))
+    assert largest_contact_radius(rising) == pytest.approx(SPARE * 0.2)
+
+
 def test_flat_punch_ends_at_its_edge():
     assert largest_contact_radius(scene(indenter=FlatPunch(0.7), depth=0.1)) == 0.7
 

@@ -97,7 +97,8 @@ def _largest_load(scene: Scene) -> tuple[float, float]:
         time, before = segment.end, segment.control
         if segment.control == "penetration":
             depth = values[-1]
-            deepest = max(deepest, *values, values[0] + abs(getattr(step, "amplitude", 0.0)))
+            sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
+            deepest = max(deepest, *values, values[0] + abs(getattr(step, "amplitude", 0.0)) + sinking)
         else:
             force = values[-1]
             strongest = max(strongest, *values)
