@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -69,6 +69,8 @@ def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Q
     turn = end_of_approach(trace)
     for one in cut:
         made = New(figsize=(9.6, 3.7), layout="constrained")
+        engine: Any = made.get_layout_engine()
+        engine.set(w_pad=0.1)  # inches, between the colour bar and the curve
         left, right = made.subplots(1, 2, width_ratios=(2.3, 1.0))
         sections.draw(left, one, view, quantity, shown)
         left.set_title(f"{caption(one.state)}\ndisplacements {sections.times(one.scale)}", fontsize=SMALL + 1)
