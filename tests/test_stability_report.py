@@ -110,3 +110,20 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
     with pytest.raises(SystemExit) as bad:
         main(["stability", "--only", "nothing"])
     assert bad.value.code == 2
+
+
+def test_the_full_report_has_the_matrix_and_fails_with_it(tmp_path, monkeypatch, capsys):
+    import validation.report.build as build
+
+    empty = build.Report("full", [], {"processor": "made up"}, 1.0)
+    asked = []
+    monkeypatch.setattr(build, "build", lambda *given: empty)
+    monkeypatch.setattr(command, "compute", lambda jobs, store: asked.append(jobs) or MATRIX)
+    assert main(["report", "--suite", "full", "--jobs", "2", "--out", str(tmp_path / "full")]) == 1
+    assert asked == [2]
+    assert "failed: stability: bem: faults: contrast: found 1" in capsys.readouterr().err
+    for name in ("index.html", "summary.md", "report.json", "junit.xml"):
+        assert "SILENTLY WRONG" in (tmp_path / "full" / name).read_text("utf-8")
+    assert (tmp_path / "full" / "figures" / "stability-fem.png").exists()
+    assert main(["report", "--suite", "quick", "--out", str(tmp_path / "quick")]) == 0
+    assert asked == [2]
