@@ -201,3 +201,21 @@ def test_where_the_load_jumps_a_time_means_the_state_before():
     assert before.penetration == pytest.approx(0.01)
     assert after.force == pytest.approx(0.01)
     assert np.array_equal(before.element_dissipated, after.element_dissipated)  # a jump loses nothing
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", accuracy.CONTACTS)
+@pytest.mark.parametrize("poisson", accuracy.RATIOS)
+def test_usual_meshes_keep_within_a_hundredth_of_the_closed_forms(name, poisson):
+    _, found = accuracy.static(name, poisson)
+    assert found.worst < 1e-2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", accuracy.CYCLES)
+def test_losses_of_whole_cycles_add_up(name):
+    moments = accuracy.losses(name)
+    assert [state.label for state, _ in moments] == ["end of approach", "pull-off"]
+    for _, sums in moments:
+        assert sums.dissipated == pytest.approx(sums.branch_dissipation, rel=5e-3)
+        assert sums.dissipated == pytest.approx(sums.work_less_stored, rel=5e-3)

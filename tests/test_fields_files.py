@@ -32,6 +32,7 @@ from validation.fields import files, request
 from validation.fields.balance import balance
 from validation.fields.grid import cell_data, grid, indenter, point_data, surface, triangle_volumes
 from validation.fields.request import Request, answer, check_times, ending
+from validation.lock import held
 
 ADHESION = Adhesion(5.026548e-4, 0.013)
 MATERIAL = Material(0.75, 0.4, (Branch(2.0, 0.3),))
@@ -241,6 +242,25 @@ def test_what_cannot_be_is_said_in_one_line(scene_file, tmp_path, capsys, asked,
     assert said in lines[-1]
     assert len([line for line in lines if "error" in line]) == 1
     assert (tmp_path / "out/body.pvd").exists() == ("outside the run" in said)
+
+
+def test_a_run_that_never_touches(tmp_path, capsys):
+    path = tmp_path / "far.toml"
+    kept = TEXT.split("[[loading.steps]]")[0].replace("0.012", "-0.05")
+    path.write_text(kept + '[[loading.steps]]\nkind = "ramp"\nto = 0.01\nrate = 0.1\n', encoding="utf-8")
+    asked = ["--at", "0", "--pull-off", "--strip", "--resolution", "4", "--out", str(tmp_path / "out")]
+    assert main(["fields", str(path), *asked]) == 1
+    assert "not finished: no equilibrium at the start" in capsys.readouterr().err
+
+
+def test_a_default_folder_is_held(scene_file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    asked = ["fields", scene_file, "--at", "0", "--resolution", "4", "--no-figures"]
+    with held("out/fields/down-and-up"):
+        assert main(asked) == 2
+        assert not (tmp_path / "out/fields/down-and-up/body.pvd").exists()
+    assert main(asked) == 0
+    assert (tmp_path / "out/fields/down-and-up/body.pvd").exists()
 
 
 def test_a_run_that_never_pulls(tmp_path, capsys):

@@ -13,6 +13,7 @@ from validation.fields.balance import Balance, balance
 from validation.fields.files import Series
 from validation.fields.request import Answer, Request, answer, check_times
 from validation.files import output_folder
+from validation.lock import held
 from validation.progress import Progress
 
 if TYPE_CHECKING:
@@ -44,7 +45,15 @@ def run(
         raise SceneError("fields", "no moment asked for", allowed)
     check_times(times, case.scene.loading)  # before anything is made
     request = Request(tuple(times), pull_off, every, None if album is None else album.rows)
-    folder = output_folder(out if out is not None else f"out/fields/{case.name}")
+    if out is not None:
+        return _into(output_folder(out), case, request, resolution, album)
+    with held(f"out/fields/{case.name}") as folder:
+        return _into(folder, case, request, resolution, album)
+
+
+def _into(
+    folder: Path, case: cases.Case, request: Request, resolution: int | None, album: Album | None
+) -> int:
     progress = Progress(f"{case.name} fields")
     part = 0.5 if album is None else 0.25  # of the time, roughly
     kept: list[FieldState] = []
@@ -52,7 +61,7 @@ def run(
         found = answer(case.scene, request, resolution, lambda done: progress(part * done))
         keep = kept.append if album is not None else None
         written = write(found, folder, case.scene, lambda done: progress(part * (1.0 + done)), keep)
-        if album is not None:
+        if album is not None and kept:
             trace, asked = found.recording.trace, found.recording.rows.values()
             written += album.lines(folder, kept, trace, case.scene, lambda d: progress(0.5 + 0.5 * d), asked)
     finally:

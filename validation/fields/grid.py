@@ -81,7 +81,11 @@ def triangle_volumes(state: FieldState) -> Array:
 
 
 def surface(state: FieldState) -> pyvista.PolyData:
-    """The deformed surface from the axis outwards, with pressure and gap."""
+    """The deformed surface from the axis outwards, with pressure and gap.
+
+    The linear theory lets it meet the indenter at undeformed radii; moved sideways as well, which a
+    compressible body does, it leaves the indenter by the product of slope and displacement.
+    """
     found = state.surface
     on_top = np.flatnonzero(state.points[:, 1] == 0.0)
     on_top = on_top[np.argsort(state.points[on_top, 0])]

@@ -89,7 +89,9 @@ def answer(
         record_pull_off=True,
     )
     recording = record(scene, mesh, options, progress)
-    picked = request.picked(recording.trace, scene) if request.picked is not None else {}
+    picked = {}
+    if request.picked is not None and len(recording.trace):
+        picked = request.picked(recording.trace, scene)
     if picked and isinstance(recording.log, VolumeLog):
         recording = record(scene, mesh, replace(options, record_rows=tuple(picked)), progress)
     return _found(recording, request, picked)
@@ -114,6 +116,8 @@ def pull_off(recording: Recording) -> int | None:
     """Row of the largest tension; ``None`` if the run never pulls."""
     from fem_solver.fields_history import VolumeLog
 
+    if len(recording.trace) == 0:
+        return None
     row, log = largest_tension(recording.trace), recording.log
     if row is not None and isinstance(log, VolumeLog) and log.best is not None:
         return log.best[0]  # on a plateau of the force a neighbour of the row, equal to round-off
