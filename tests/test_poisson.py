@@ -146,7 +146,7 @@ def test_finite_elements_with_elastic_bulk_meet_the_modulus_of_the_surface():
         # a constant ratio takes the fast response too stiff, far beyond any error
         cost = {name: one.difference(name, "pull_off_force").value for name in poisson.ASSUMPTIONS}
         assert 0.0 < cost["tension"] < cost["shear"] < cost["incompressible"]
-        assert cost["tension"] > 100.0 * one.difference(poisson.FULL, "pull_off_force").estimate
+        assert cost["tension"] > 20.0 * one.difference(poisson.FULL, "pull_off_force").estimate
         assert 0.5 < cost["shear"] / (GLASSY / one.ratio) < 1.1
 
 
