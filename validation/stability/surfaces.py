@@ -39,7 +39,9 @@ SHARES = (1e-3, 1e-2, 0.1, 1.0 / 3.0, 0.5)
 ANGLES = (89.9, 85.0, 45.0, 10.0)
 REACH = 0.1  # contact radius of adhesionless indenters at the top
 SEED = 7
-THIN_TO = 0.008  # the edge recedes by some twenty of the shortest zones
+THIN_BELOW, WIDE_BEYOND = 5e-3, 0.3  # da/a
+LOST = ("approach_force", "approach_radius", "detachment_penetration", "dissipated_energy")
+WIDE = Computed(("start_force", "pull_off_force"), fine=40, coarse=20)
 BRIEF = Computed(("start_force", "final_force", "final_radius", CURVE))
 THIN = {"bem": 4, "fem": 4, "reference": 8}
 DEAR = {"fem": "thousands of elements in the path of the edge, each with a column of the dense compliance"}
@@ -96,25 +98,41 @@ def _zones() -> list[Probe]:
     probes = []
     for share in SHARES:
         law = Adhesion(base.WORK, share * radius)
-        thin = share < 5e-3
-        elastic = base.scene(soft, (Ramp(THIN_TO if thin else base.AWAY, 1.0),), "relaxed", base.TOP, law)
-        truth = closed.rest(elastic, THIN_TO, 1.0, "E0")
-        if not thin:
-            cycle = closed.elastic_cycle(elastic, 1.0, "E0")
-            kept = tuple(v for v in cycle.values if not v.name.startswith("approach"))
-            truth = Known(kept, cycle.source, cycle.ending)
-        more: dict[str, Any] = {"resolutions": THIN, "too_dear": DEAR} if thin else {}
+        away, seen, more = _way_of(share)
+        elastic = base.scene(soft, (Ramp(away, 1.0),), "relaxed", base.TOP, law)
+        truth = closed.elastic_cycle(elastic, 1.0, "E0")
+        if share < THIN_BELOW:
+            truth = closed.rest(elastic, away, 1.0, "E0")
+        else:
+            left_out = LOST if share > WIDE_BEYOND else ("approach_force", "approach_radius")
+            kept = tuple(value for value in truth.values if value.name not in left_out)
+            truth = Known(kept, truth.source, truth.ending)
+        peeled = base.scene(made, (Ramp(away, 0.02),), "relaxed", base.TOP, law)
         label = f"da/a = {share:.3g}"
-        probes.append(Probe("process zone", f"{label}, elastic", elastic, truth, PULLED, **more))
-        peeled = base.scene(made, (Ramp(THIN_TO if thin else base.AWAY, 0.02),), "relaxed", base.TOP, law)
-        seen = BRIEF if thin else PEELED
-        probes.append(Probe("process zone", f"{label}, V tau/R = 0.02", peeled, seen, PULLED, **more))
+        probes += [
+            Probe("process zone", f"{label}, elastic", elastic, truth, PULLED, **more),
+            Probe("process zone", f"{label}, V tau/R = 0.02", peeled, seen, PULLED, **more),
+        ]
     for share in (1.5, 100.0):
         law = Adhesion(base.WORK, share * radius)
         longer = base.scene(made, (Ramp(base.AWAY, 0.02),), "relaxed", base.TOP, law)
         why = "a process zone longer than the contact"
         probes.append(Probe("process zone", f"da/a = {share:.3g}", longer, Nothing(why)))
     return probes
+
+
+def _way_of(share: float) -> tuple[float, Computed, dict[str, Any]]:
+    """How far to pull, what to look at, and how finely.
+
+    Of the shortest zones the edge recedes by some twenty. The longest ones are a good part of the way: more
+    steps in each, and beyond the pull-off the contact shrinks to the zone, where the model ends and nothing
+    is right or wrong.
+    """
+    if share < THIN_BELOW:
+        return 0.008, BRIEF, {"resolutions": THIN, "too_dear": DEAR}
+    if share > WIDE_BEYOND:
+        return base.AWAY, WIDE, {"resolutions": {"bem": 18, "fem": 12, "reference": 24}}
+    return base.AWAY, PEELED, {}
 
 
 def indenters() -> list[Probe]:
