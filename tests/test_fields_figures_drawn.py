@@ -172,6 +172,7 @@ def test_album_writes_what_it_says(tmp_path, monkeypatch):
     assert all(width > 800 and height > 300 for width, height in sizes.values()), sizes
 
 
+@pytest.mark.slow
 def test_drawing_off_screen_is_silent():
     code = (
         "import pyvista\n"
