@@ -51,9 +51,9 @@ def bem(scene: Scene, watch: Watch | None = None, **options) -> Trace:
 
 
 def fem(scene: Scene, watch: Watch | None = None, **options) -> Trace:
-    return fem_solver.solve(
-        scene, mesh_for(scene, 4), fem_solver.Options(4, 5e-3, TIMES, **options), None, watch
-    )
+    fineness = 4 if scene.is_adhesive else 1
+    asked = fem_solver.Options(fineness, 5e-3, TIMES, **options)
+    return fem_solver.solve(scene, mesh_for(scene, fineness), asked, None, watch)
 
 
 def front(scene: Scene, watch: Watch | None = None) -> Trace:

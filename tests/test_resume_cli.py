@@ -247,23 +247,31 @@ def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, monkeypatch, c
         assert [file.name for file in tmp_path.iterdir()] == [lock.FILE]
 
 
-def test_workers_end_with_their_parent():
-    program = (
-        "import time, os\n"
-        "from validation.pool import processes\n"
-        "if __name__ == '__main__':\n"
-        "    with processes(2) as pool:\n"
-        "        print(*{f.result() for f in [pool.submit(os.getpid) for _ in range(20)]}, flush=True)\n"
-        "        pool.submit(time.sleep, 60).result()\n"
-    )
-    work = subprocess.Popen(
+POOL = """
+    with processes(2) as pool:
+        print(*{f.result() for f in [pool.submit(os.getpid) for _ in range(20)]}, flush=True)
+        pool.submit(time.sleep, 60).result()
+"""
+MATRIX = """
+    worker = Worker()
+    print(worker.ask(eval, "__import__('os').getpid()", 30.0).value, flush=True)
+    worker.ask(time.sleep, 60, 60.0)
+"""
+
+
+@pytest.mark.parametrize("work", [POOL, MATRIX], ids=["pool", "matrix"])
+def test_workers_end_with_their_parent(work):
+    imports = "import os, time\nfrom validation.pool import processes\n"
+    imports += "from validation.stability.workers import Worker\n"
+    program = f"{imports}if __name__ == '__main__':{work}"
+    parent = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT
     )
-    assert work.stdout is not None
-    with work.stdout as told:
+    assert parent.stdout is not None
+    with parent.stdout as told:
         workers = [int(number) for number in told.readline().split()]
-    work.kill()
-    work.wait()
+    parent.kill()
+    parent.wait()
     assert workers
     wait_for(lambda: not any(map(alive, workers)), "the workers to end", 30.0)
 

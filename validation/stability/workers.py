@@ -19,6 +19,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from validation.pool import end_with_parent
+
 PATIENCE = 10.0  # clock over processor time, at most
 LOOK = 0.5  # seconds between two looks at what a process has spent
 
@@ -129,6 +131,7 @@ class Worker:
 def _serve(pipe: Connection) -> None:
     """Answer until the other end is closed; interrupts are the parent's business."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()
     while True:
         try:
             function, argument = pipe.recv()
