@@ -85,7 +85,8 @@ def run(
 
         threads = ThreadPoolExecutor(jobs)
         try:
-            for done in as_completed([threads.submit(carry_out, probe) for probe in probes]):
+            longest_first = sorted(probes, key=lambda probe: -probe.seconds)
+            for done in as_completed([threads.submit(carry_out, probe) for probe in longest_first]):
                 done.result()
         finally:
             threads.shutdown(wait=False, cancel_futures=True)
