@@ -254,7 +254,8 @@ class Loading:
     Parameters
     ----------
     start : "jump-in" or "relaxed"
-        Glassy or fully relaxed equilibrium at ``penetration``.
+        Glassy or fully relaxed equilibrium at ``penetration``. Where a profile allows more than one, it is
+        the one with the outermost stable edge.
     penetration : float
         Penetration of the start state.
     steps : tuple of Step

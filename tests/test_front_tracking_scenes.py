@@ -54,6 +54,11 @@ def _at(trace: Trace, time: float) -> int:
     return row
 
 
+def _after_jump(trace: Trace) -> int:
+    """The last row at time zero."""
+    return int(np.searchsorted(trace.time, 0.0, side="right")) - 1
+
+
 def test_lee_radok_and_ting() -> None:
     """Adhesionless sphere, V = 0.05, reversal at t = 1 (closed forms)."""
     trace = solve(
@@ -92,7 +97,7 @@ def test_adhesionless_creep_under_constant_force() -> None:
         row = _at(trace, time)
         compliance = float(RUBBER.creep_compliance(time)) * 0.75
         assert trace.contact_radius[row] == pytest.approx((0.75 * force * compliance) ** (1 / 3), rel=2e-5)
-    assert np.ptp(trace.force[trace.contact_radius > 0.0]) < 1e-7 * force  # nodes are dropped
+    assert np.ptp(trace.force[trace.time > 0.0]) < 1e-7 * force  # nodes are dropped
 
 
 def test_adhesionless_force_back_to_zero() -> None:
@@ -124,8 +129,7 @@ def test_constant_tension_detaches_with_delay() -> None:
     trace = solve(_scene((Force(-3.0 * F_JKR, 1000.0),), 0.032, "relaxed"))
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert trace.time[-1] == pytest.approx(56.52, abs=0.01)
-    assert trace.force[1] == pytest.approx(-3.0 * F_JKR, rel=1e-9)
-    assert trace.time[1] == 0.0
+    assert trace.force[_after_jump(trace)] == pytest.approx(-3.0 * F_JKR, rel=1e-9)
     fine = solve(_scene((Force(-3.0 * F_JKR, 1000.0),), 0.032, "relaxed"), Options(resolution=32))
     assert trace.time[-1] == pytest.approx(fine.time[-1], rel=5e-5)
 
@@ -212,9 +216,9 @@ def test_tabulated_sphere_is_the_sphere() -> None:
 
 def test_load_jumps_are_glassy() -> None:
     trace = solve(_scene((Table((0.0, 1.0), (0.031, 0.031)),), 0.032, "relaxed"))
-    assert trace.time[1] == trace.time[0] == 0.0
-    a = trace.contact_radius[0]
-    assert 0.9 < (trace.force[0] - trace.force[1]) / (2.0 * a * 10.0 * 0.001) < 1.0
+    row, a = _after_jump(trace), trace.contact_radius[0]
+    assert row > 0
+    assert 0.9 < (trace.force[0] - trace.force[row]) / (2.0 * a * 10.0 * 0.001) < 1.0
     jumped = solve(_scene((Table((0.0, 1.0), (-0.2, -0.2)),), 0.032, "relaxed"))
     assert jumped.outcome.kind is OutcomeKind.DETACHED
     assert jumped.time[-1] == 0.0
@@ -255,7 +259,8 @@ def test_refusals() -> None:
 def test_step_budget_keeps_what_there_is() -> None:
     trace = solve(_scene((Ramp(0.032, 0.02),)), Options(max_steps=20))
     assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
-    assert 10 < len(trace) <= 21
+    assert trace.counters.steps + trace.counters.rejected_steps == 20
+    assert len(trace) > 10
     assert _finite(trace)
 
 

@@ -11,8 +11,9 @@ from validation.observables import cycle_losses, end_of_approach, observe
 
 
 def trace(time, penetration, force, radius=None, loss=None, kind=OutcomeKind.COMPLETED, events=()):
-    time = np.asarray(time, float)
+    time, depth, load = (np.asarray(column, float) for column in (time, penetration, force))
     zero = np.zeros_like(time)
+    work = np.concatenate((zero[:1], np.cumsum(0.5 * (load[1:] + load[:-1]) * np.diff(depth))))
     return Trace(
         solver="by hand",
         time=time,
@@ -20,7 +21,7 @@ def trace(time, penetration, force, radius=None, loss=None, kind=OutcomeKind.COM
         force=np.asarray(force, float),
         contact_radius=zero + 1.0 if radius is None else np.asarray(radius, float),
         stored_energy=zero,
-        external_work=zero,
+        external_work=work,
         dissipated_energy=zero if loss is None else np.asarray(loss, float),
         outcome=Outcome(kind, "by hand", float(time[-1]) if time.size else 0.0),
         counters=Counters(),

@@ -211,5 +211,5 @@ def test_oscillating_punch_is_one_linear_element():
     trace = reference.solve(scene)
     assert trace.outcome.kind is OutcomeKind.COMPLETED
     expected = 0.4 * 0.01 + punch_oscillation.force(THREE, 0.2, 2.0, 1e-3, trace.time)
-    assert_allclose(trace.force, expected, rtol=1e-6)
+    assert_allclose(trace.force, expected, rtol=2e-5)  # rows between steps are interpolated
     assert_allclose(trace.contact_radius, 0.2, rtol=1e-15)

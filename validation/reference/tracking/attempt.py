@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,22 +11,17 @@ from numpy.typing import NDArray
 from scene import Counters, Segment
 from validation.reference.tracking.control import balanced, prescribed
 from validation.reference.tracking.law import Law
+from validation.reference.tracking.marks import Marks
 from validation.reference.tracking.root import bracketed, rising_root
 from validation.reference.tracking.surface import Body, Path, Step, Surface, moved, step
+from validation.reference.tracking.trail import Course
 
 Array = NDArray[np.float64]
 
 MOST = 400  # nodes left by an edge that runs
 GROWTH = 1.1  # of the strides in which an edge on the run is looked for
+BENT = 0.99  # of the travel: short of turning round within the step
 NARROW = 1e-14  # relative: two radii or two times that are the same
-
-
-@dataclass(frozen=True)
-class Curvature:
-    """Second derivatives in time carried over from the steps before; zero after a kink."""
-
-    radius: float = 0.0
-    penetration: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -52,8 +46,9 @@ class Attempt:
     surface: Surface
     segment: Segment
     time: float
-    curvature: Curvature
-    marks: Callable[[float], Array]
+    radii: Course
+    depths: Course
+    marks: Marks
     counters: Counters
     cap: float
     spacing: float
@@ -63,17 +58,17 @@ class Attempt:
         """The surface when the edge has arrived at ``radius``; if not ``whole``, what the law looks at."""
         start = self.surface
         travel = radius - start.radius
-        limit = 0.5 * abs(travel)
-        bend = min(max(0.5 * self.curvature.radius * duration**2, -limit), limit)
+        limit = BENT * abs(travel)
+        bend = 0.5 * self.radii.curvature(duration, radius) * duration**2
+        bend = min(max(bend, -limit), limit)
         path = Path(start.radius, travel, bend)
         marks = self.marks(duration) if travel != 0.0 else np.empty(0)
         if abs(travel) > 2.0 * self.spacing:  # an edge that runs leaves nodes on its way, too
             count = min(int(abs(travel) / self.spacing), MOST)
             marks = np.union1d(marks, np.arange(1, count + 1) / (count + 1))
         if self.segment.control == "force":
-            sag = 0.5 * self.curvature.penetration
             target = self.segment.value(self.time + duration)
-            return balanced(start, self.body, target, duration, sag, path, marks)
+            return balanced(start, self.body, target, duration, self.depths, path, marks)
         by = self._steps.get(duration)
         if by is None:
             drive = prescribed(self.segment, self.time, duration, start)
@@ -167,12 +162,12 @@ class Attempt:
                 )
         return None
 
-    def run_to_rest(self, stride: float, outward: bool, limit: float) -> float | None:
-        """The next stable edge at fixed time for an edge on the run, up to ``limit``; ``None`` without one.
+    def run_to_rest(self, begin: float, stride: float, outward: bool, limit: float) -> float | None:
+        """The next stable edge at fixed time for one on the run from ``begin``, up to ``limit``, if any.
 
         Looked for in strides, outward in growing ones: there the residual ends up positive on any profile.
         """
-        radius = self.surface.radius
+        radius = begin
         value = -self.law.closed if outward else self.law.closed
         while radius != limit:
             before, at_before = radius, value

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     from validation.reference.tracking.stepping import Run
 
 # What follows from scene and options is made anew, and so is who listens.
-_MADE_ANEW = ("scene", "body", "law", "options", "fineness", "record", "on_profile", "progress", "goes_on")
+_MADE_ANEW = (
+    "scene", "body", "law", "options", "fineness", "record", "on_profile", "straight", "progress", "goes_on",
+)  # fmt: skip
 
 
 @dataclass
@@ -52,11 +54,12 @@ class Place:
 
 @dataclass(frozen=True)
 class State:
-    """All that changes in a run: by name, the rows and kinks of its record, and its profiles."""
+    """All that changes in a run: by name, what its record has gathered, and its profiles."""
 
     moving: dict[str, Any]
     rows: list[tuple[float, ...]]
     kinks: list[int]
+    inner: list[tuple[int, float, float | None]]
     profiles: list[Profile]
 
 
@@ -64,12 +67,12 @@ def taken(run: Run, profiles: list[Profile]) -> State:
     """The state of a run; it shares what will change."""
     names = [entry.name for entry in fields(run) if entry.name not in _MADE_ANEW]
     moving = {name: getattr(run, name) for name in names}
-    return State(moving, run.record.rows, run.record.kinks, profiles)
+    return State(moving, run.record.rows, run.record.kinks, run.record.inner, profiles)
 
 
 def put_back(state: State, run: Run, profiles: list[Profile]) -> None:
     """Make a fresh run stand where the kept one stood."""
     for name, value in state.moving.items():
         setattr(run, name, value)
-    run.record.rows, run.record.kinks = state.rows, state.kinks
+    run.record.rows, run.record.kinks, run.record.inner = state.rows, state.kinks, state.inner
     profiles[:] = state.profiles

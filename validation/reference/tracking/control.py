@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scene import Segment
 from validation.reference.tracking.drive import Drive, cubic, straight
 from validation.reference.tracking.surface import Body, Path, Surface, moved, step
+from validation.reference.tracking.trail import Course
 
 Array = NDArray[np.float64]
 
@@ -31,12 +32,12 @@ def prescribed(segment: Segment, time: float, duration: float, surface: Surface)
 
 
 def balanced(
-    surface: Surface, body: Body, target: float, duration: float, sag: float, path: Path, marks: Array
+    surface: Surface, body: Body, target: float, duration: float, depths: Course, path: Path, marks: Array
 ) -> Surface:
     """The moved surface that carries the force ``target``.
 
     For a given path every field is affine in the penetration at the end of the step, so that the surfaces for
-    two penetrations give the one that is sought. ``sag`` is half the second derivative of the penetration.
+    two penetrations give the one that is sought. ``depths`` is how the penetration has run so far.
     """
 
     def measure(state: Surface) -> float:
@@ -44,6 +45,7 @@ def balanced(
         return state.force(body) if state.radius > 0.0 else state.edge_stress(body)
 
     def attempt(end: float) -> Surface:
+        sag = 0.5 * depths.curvature(duration, end)
         drive = _parabola(duration, surface.penetration, end, sag)
         return moved(surface, body, step(surface, body, drive), path, marks)
 
@@ -54,7 +56,10 @@ def balanced(
         return one
     apart = math.copysign(max(abs(lacking), APART * abs(wanted)), lacking)
     two = attempt(surface.penetration + _first_guess(body, duration, path, apart))
-    share = lacking / (measure(two) - measure(one))
+    gained = measure(two) - measure(one)
+    if gained == 0.0:  # a force too small for its own round-off
+        return two
+    share = lacking / gained
     return Surface(
         one.penetration + share * (two.penetration - one.penetration),
         one.inside,

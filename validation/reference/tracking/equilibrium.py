@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Scene
+from scene import Scene, TabulatedProfile
 from scene.scene import zone_too_long
 from validation.reference.tracking.law import Griffith, Law
 from validation.reference.tracking.root import bracketed
@@ -16,6 +16,7 @@ from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
 
+MOST = 800  # radii at which an equilibrium is looked for
 NODES = 160  # of the start state, half of them within a fifth of the radius from the edge
 
 
@@ -46,7 +47,7 @@ def start_surface(scene: Scene, body: Body, law: Law) -> Surface | None:
 
     highest = edge
     if math.isinf(edge):
-        highest = max(2.0 * touching_radius(body, depth, edge), 4.0 * zone)
+        highest = max(2.0 * touching_radius(body, depth, edge), 4.0 * zone, _last_ledge(scene))
         while tip_residual(highest) <= 0.0 or residual(highest) <= 0.0:
             highest *= 2.0
     elif residual(edge) <= 0.0:
@@ -60,9 +61,15 @@ def start_surface(scene: Scene, body: Body, law: Law) -> Surface | None:
     return None
 
 
+def _last_ledge(scene: Scene) -> float:
+    """Radius beyond which a profile has no features."""
+    return scene.indenter.radii[-1] if isinstance(scene.indenter, TabulatedProfile) else 0.0
+
+
 def _outermost(residual: Callable[[float], float], lowest: float, highest: float) -> float | None:
     """Largest radius at which the residual falls through zero on the way inwards."""
-    radii = np.geomspace(highest, lowest, 200)
+    even = np.linspace(highest, lowest, min(int(highest / lowest) + 2, MOST))
+    radii = np.unique(np.concatenate((np.geomspace(highest, lowest, 200), even)))[::-1]
     above = radii[0]
     at_above = residual(above)
     for radius in radii[1:]:

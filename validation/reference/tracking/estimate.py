@@ -2,7 +2,8 @@
 
 A curve that falls through a limit point has an infinite slope there, and the difference of two such curves at
 equal times says nothing; radius and force are therefore compared by the distance of the curves in a plane
-where time and value both count relative to their ranges.
+where time and value both count relative to their ranges. The rows of the coarser run should lie so densely
+that the polygon through them adds nothing.
 """
 
 from __future__ import annotations
@@ -29,21 +30,13 @@ def estimated_errors(fine: Columns, coarse: Columns) -> dict[str, float]:
     tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
     if tension[0] > 0.0:
         errors["pull_off_force"] = RICHARDSON * abs(tension[0] - tension[1]) / tension[0]
-    loops = [_work(run) for run in (fine, coarse)]
-    turnover = float(np.abs(_parts(fine)).sum())
+    loops = [float(run["external_work"][-1]) for run in (fine, coarse)]
+    turnover = float(np.abs(np.diff(fine["external_work"])).sum())
     if turnover > 0.0:
         errors["loop_energy"] = RICHARDSON * abs(loops[0] - loops[1]) / max(abs(loops[0]), 1e-3 * turnover)
     for name in ("contact_radius", "force"):
         errors[name] = RICHARDSON * _curve_distance(fine, coarse, name)
     return errors
-
-
-def _parts(run: Columns) -> Array:
-    return 0.5 * (run["force"][1:] + run["force"][:-1]) * np.diff(run["penetration"])
-
-
-def _work(run: Columns) -> float:
-    return float(_parts(run).sum())
 
 
 def _curve_distance(fine: Columns, coarse: Columns, name: str) -> float:

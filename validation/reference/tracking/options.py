@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from scene.errors import SceneError, number
 
-RESOLUTION = {True: 20.0, False: 4.0}  # with and without adhesion
-TOLERANCE = 6e-6
+RESOLUTION = {True: 16.0, False: 4.0}  # with and without adhesion
+TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -18,11 +18,12 @@ class Options:
     ----------
     resolution : int, optional
         Steps, at least, in which the edge crosses one process zone (without adhesion: one hundredth of the
-        largest contact radius); 4 or more. Default 20 (without adhesion 4) at the default tolerance, and
+        largest contact radius); 4 or more. Default 16 (without adhesion 4) at the default tolerance, and
         otherwise falling with its root.
     tolerance : float, optional
-        Largest deviation of force and radius from a straight line within a step, relative to the largest
-        value so far. Default 6e-6 at the default resolution, and otherwise falling with its square.
+        How far the radius may be from where the rows before pointed, and about how far force and radius may
+        leave the straight line between rows, relative to the largest value so far. Default 1e-5 at the
+        default resolution, and otherwise falling with its square.
     profile_times : tuple of float
         Times at which surface profiles are returned; stepped onto exactly, ignored outside the run.
     max_steps : int

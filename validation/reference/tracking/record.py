@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from validation.reference.tracking import hermite
 from validation.reference.tracking.energy import stored_energy
+from validation.reference.tracking.inbetween import cubics
 from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(3)
 _GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
 HARDLY = 1e-6  # of the largest area: a change below it says nothing about the energy release rate
+APART = 1e-9  # of a step: rows in between that are nearer to another add nothing
+DEPTH = 1
 
 
 @dataclass
@@ -33,6 +36,7 @@ class Record:
     work: float
     rows: list[tuple[float, ...]] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
+    inner: list[tuple[int, float, float | None]] = field(default_factory=list)
 
     def add(self, time: float, surface: Surface, force: float) -> None:
         """One row for a surface in contact, or free where its radius is 0."""
@@ -41,20 +45,33 @@ class Record:
         energy = stored_energy(surface, self.body)
         self.rows.append((time, surface.penetration, force, radius, energy, stress))
 
+    def between(self, time: float, depth: float | None, back: int) -> None:
+        """A time that shall be a row, too, by interpolation, in the ``back``-th step from the last.
+
+        ``depth`` is the penetration there if it is prescribed.
+        """
+        self.inner.append((len(self.rows) - 1 - back, time, depth))
+
     def kink(self) -> None:
         """Rates jump at the last row."""
         self.kinks.append(len(self.rows) - 1)
 
-    def columns(self) -> dict[str, Array]:
+    def columns(self, whole: bool = True) -> dict[str, Array]:
         """All columns by name: the contract's seven, then ``stress_intensity_factor`` (``-q(a)/sqrt(pi a)``,
         0 without contact), ``energy_release_rate`` (between a row and the one before; repeated where the
-        area hardly moved) and ``branch_dissipation``."""
-        time, depth, force, radius, energy, stress = np.array(self.rows).reshape(-1, 6).T
+        area hardly moved) and ``branch_dissipation``. If not ``whole``, without the last two steps: what
+        lies between their rows depends on steps to come."""
+        rows, ends = self._dense()
+        if not whole:
+            last = float(self.rows[max(len(self.rows) - 3, 0)][0])
+            rows = rows[: int(np.searchsorted(rows[:, 0], last, side="right"))]
+            ends = [*(end for end in ends if end < len(rows) - 1), len(rows) - 1]
+        time, depth, force, radius, energy, stress = rows.T
         area = math.pi * radius**2
-        external = _accumulated(self._work(time, force, depth))
-        glassy = self.body.rheology.glassy
-        tip = _accumulated(0.5 * (stress[1:] ** 2 + stress[:-1] ** 2) * np.diff(radius)) / glassy
+        external = _accumulated(_work(time, force, depth, ends))[: len(time)]
         stored = energy - energy[:1]
+        tip = self._tip(stress, radius)
+        branch = np.where(np.diff(time) > 0.0, np.diff(external - stored) + tip, 0.0)  # dashpots take time
         intensity = np.where(
             radius > 0.0, -stress / np.sqrt(math.pi * np.where(radius > 0.0, radius, 1.0)), 0.0
         )
@@ -68,25 +85,38 @@ class Record:
             "dissipated_energy": external + self.work * (area - area[:1]) - stored,
             "stress_intensity_factor": intensity,
             "energy_release_rate": self._release_rate(area, stored - external),
-            "branch_dissipation": external - stored + tip,
+            "branch_dissipation": _accumulated(branch)[: len(time)],
         }
 
-    def _work(self, time: Array, force: Array, depth: Array) -> Array:
-        """``int F dD`` between rows, both of them cubics in time between kinks; exact across jumps."""
-        parts = 0.5 * (force[1:] + force[:-1]) * np.diff(depth)
-        jumps = np.flatnonzero(np.diff(time) <= 0.0)
-        ends = np.unique([0, *self.kinks, *jumps, *(jumps + 1), len(time) - 1])
-        for first, last in pairwise(ends.tolist()):
-            if last - first < 3 or time[first] == time[last]:
-                continue
-            rows = slice(first, last + 1)
-            t, f, d = time[rows], force[rows], depth[rows]
-            h = np.diff(t)
-            f_slope, d_slope = hermite.slopes(t, f), hermite.slopes(t, d)
-            at = t[:-1, None] + h[:, None] * _GAUSS
-            speed = hermite.rate(t, d, d_slope, at)
-            parts[first:last] = h * ((hermite.evaluate(t, f, f_slope, at) * speed) @ _WEIGHT)
-        return parts
+    def _dense(self) -> tuple[Array, list[int]]:
+        """All rows with those in between, and the rows at which smooth stretches end."""
+        rows = np.array(self.rows).reshape(-1, 6)
+        stands = np.diff(rows[:, 0]) <= 0.0
+        turns = np.flatnonzero(stands[1:] != stands[:-1]) + 1
+        given = np.array([0, *self.kinks, max(len(rows) - 1, 0)], dtype=int)
+        ends = np.unique(np.concatenate((given, turns)))
+        if not self.inner:
+            return rows, ends.tolist()
+        inner = sorted(self.inner, key=lambda entry: entry[:2])
+        index = np.array([entry[0] for entry in inner])
+        times = np.array([entry[1] for entry in inner])
+        apart = APART * (rows[index + 1, 0] - rows[index, 0])
+        before = np.maximum(rows[index, 0], np.concatenate(([-math.inf], times[:-1])))
+        distinct = (times - before > apart) & (rows[index + 1, 0] - times > apart)
+        inner = [entry for entry, is_one in zip(inner, distinct, strict=True) if is_one]
+        index, times = index[distinct], times[distinct]
+        extra = np.column_stack((times, cubics(rows[:, 0], rows[:, 1:], ends, index, times)))
+        known = np.array([entry[2] is not None for entry in inner])
+        extra[known, DEPTH] = [entry[2] for entry in inner if entry[2] is not None]
+        return np.insert(rows, index + 1, extra, axis=0), (ends + index.searchsorted(ends)).tolist()
+
+    def _tip(self, stress: Array, radius: Array) -> Array:
+        """``int q(a)^2/Einf* da`` between rows; where the edge sets out to advance, it is glassy at once."""
+        change = np.diff(radius)
+        advances = change > 0.0
+        sets_out = advances & ~np.concatenate(([False], advances[:-1]))[: len(advances)]
+        before = np.where(sets_out, stress[1:], stress[:-1])
+        return np.asarray(0.5 * (before**2 + stress[1:] ** 2) * change / self.body.rheology.glassy)
 
     def _release_rate(self, area: Array, potential: Array) -> Array:
         """``(dU - F dD)/dA``; the work of adhesion, its value in equilibrium, before anything has moved."""
@@ -99,6 +129,24 @@ class Record:
         each = np.divide(np.diff(potential), step, out=np.zeros_like(step), where=moves)
         rate[1:] = np.where(last >= 0, each[last], self.work)
         return rate
+
+
+def _work(time: Array, force: Array, depth: Array, ends: list[int]) -> Array:
+    """``int F dD`` between rows, both cubics between ``ends``: in time, across a jump in its parts."""
+    parts = 0.5 * (force[1:] + force[:-1]) * np.diff(depth)
+    for first, last in pairwise(ends):
+        if last - first < 3:
+            continue
+        rows = slice(first, last + 1)
+        t, f, d = time[rows], force[rows], depth[rows]
+        if t[0] == t[-1]:
+            t = np.arange(len(f), dtype=float)
+        h = np.diff(t)
+        f_slope, d_slope = hermite.slopes(t, f), hermite.slopes(t, d)
+        at = t[:-1, None] + h[:, None] * _GAUSS
+        speed = hermite.rate(t, d, d_slope, at)
+        parts[first:last] = h * ((hermite.evaluate(t, f, f_slope, at) * speed) @ _WEIGHT)
+    return parts
 
 
 def _accumulated(parts: Array) -> Array:

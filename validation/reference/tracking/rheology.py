@@ -77,7 +77,7 @@ def rheology(material: Material) -> Rheology:
     )
     moduli, times = kept.spectrum
     creep = kept.creep
-    shift = times[:, None] - creep.times[None, :]
+    shift = -creep.distances.T  # tau_k - theta_j, exact however close they are
     return Rheology(
         relaxed=kept.relaxed_plane_modulus,
         moduli=moduli / plane,

@@ -59,7 +59,8 @@ def rising_root(
         steepness = (two - one) / (second - first)
         if steepness <= 0.0:
             return None
-        if abs(one * two) <= small:
-            return second - two / steepness, steepness
-        first, one, offset = second, two, -two / steepness
+        last = second - two / steepness
+        if abs(one * two) <= small and abs(last - second) <= abs(offset) and limits[0] < last < limits[1]:
+            return last, steepness
+        first, one, offset = second, two, last - second
     return None

@@ -1,42 +1,46 @@
 """The loop: propose a step, judge it, commit it or cut it; instabilities located, kinks stepped onto.
 
-A step is judged by how far force and radius leave the straight line from the step before: the trace is read
-as straight between rows. An edge that would travel too far has its distance prescribed and its time
-sought, so that a limit point (loss of contact, snap) is approached in distance, where nothing is singular.
+An edge that would travel too far has its distance prescribed and its time sought, so that a limit point (loss
+of contact, snap) is approached in distance, where nothing is singular.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scene import Counters, Event, Outcome, OutcomeKind, Scene, Segment
-from validation.reference.tracking.attempt import Attempt, Curvature
+from validation.reference.tracking import leaps
+from validation.reference.tracking.attempt import Attempt
 from validation.reference.tracking.checkpoint import Place
+from validation.reference.tracking.judge import Judge, judged
 from validation.reference.tracking.law import Griffith, Law, NoTension
+from validation.reference.tracking.marks import Marks
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.record import Record
 from validation.reference.tracking.surface import Body, Surface
 from validation.reference.tracking.thinning import thinned
-from validation.reference.tracking.trail import RADIUS, TIME, Trail
+from validation.reference.tracking.trail import FORCE, PENETRATION, RADIUS, Trail
 
 Array = NDArray[np.float64]
 
 THIN_EVERY = 12
 THIN_SHARE = 0.1  # of the deviation allowed in a step: what dropping a node may cost
 FOLD = 1e-4  # of the largest travel: the limit point counts as reached when no longer step is stable
-SMOOTH = 24.0  # times the deviation is allowed where the load is curved: closed loops integrate well anyway
+FLAT = 0.2  # rise of the closure over a process zone, relative: below it a limit point may be near
 FIRST = 100.0  # times the deviation times the shortest time: the step after a kink, which nothing judges
-LAYER = 1e-6  # of the process zone: a boundary layer thinner than this does not matter
 
 
 @dataclass
 class Run:
-    """A run in progress; ``surface`` and ``record`` change only when a step is committed."""
+    """A run in progress; ``surface`` and ``record`` change only when a step is committed.
+
+    ``straight``: deviations by which rows may leave a straight line, under a linear and under a curved load.
+    """
 
     scene: Scene
     body: Body
@@ -50,6 +54,7 @@ class Run:
     depth_scale: float
     record: Record
     on_profile: Callable[[float, Surface, float], None]
+    straight: tuple[float, float]
     progress: Callable[[float], None] | None = None
     goes_on: Callable[[], bool] = lambda: True
     place: Place = field(default_factory=Place)
@@ -61,13 +66,15 @@ class Run:
     _trail: Trail = field(default_factory=Trail)
     _travel: float = 0.0
     _steepness: float = 0.0
+    _heading: float = 0.0  # where the edge has been going, but for noise
+    _seen_at: float = 0.0
 
     def go(self) -> Outcome:
         """Carry out all steps of the loading, from where the run stands in it."""
         place = self.place
         if place.fresh:
             self.force = self.surface.force(self.body)
-            self._travel = self.largest_travel
+            self._travel, self._seen_at = self.largest_travel, self.surface.radius
             self._row()
             if 0.0 in self.options.profile_times:
                 self.on_profile(0.0, self.surface, self.force)
@@ -83,8 +90,16 @@ class Run:
 
     def _segment(self, segment: Segment, share: Callable[[float], float]) -> None:
         place = self.place
+        if segment.control == "force" and self.surface.radius == 0.0:
+            hanging = leaps.hangs_free(self, segment)
+            if hanging is None:
+                self._end(OutcomeKind.DETACHED, "pulled without contact")
+                return
+            segment = hanging
         if not place.begun:
             self._set_out(segment)
+        if self.outcome is not None:
+            return
         kinks = {segment.end, *segment.kinks}
         stops = sorted(kinks | {t for t in self.options.profile_times if segment.start < t < segment.end})
         step = place.proposed
@@ -105,20 +120,18 @@ class Run:
             if stop in self.options.profile_times:
                 self.on_profile(self.time, self.surface, self.force)
             if stop in kinks:
-                self._kink()
+                self.kink()
             place.next_stop()
 
     def _set_out(self, segment: Segment) -> None:
         """The jump, if any, with which a loading step begins."""
-        self._kink()
-        if segment.control == "force" and self.surface.radius == 0.0:
-            self._lower_to_touch()
+        self.kink()
         present = self.surface.penetration if segment.control == "penetration" else self.force
         if segment.value(segment.start) != present:
-            self._jump(segment)
+            leaps.jump(self, segment)
         self.place.begun = True
 
-    def _kink(self) -> None:
+    def kink(self) -> None:
         """Rates jump at the present row."""
         self._trail.kink()
         self.record.kink()
@@ -143,62 +156,72 @@ class Run:
         h = left if proposed >= 0.999 * left else max(min(proposed, 0.5 * left), tick)
         if abs(slope) * h > 0.95 * self._travel:
             h = 0.9 * self._travel / abs(slope)
-        turn = self._trail.to_extremum()
-        if 0.1 * h < turn < h:  # a row at the extremum reads off the pull-off force
-            h = turn
-        guess = a0 + slope * h + 0.5 * self._trail.curvature().radius * h * h
+        h = self._trail.up_to_turn(h, self.fineness.deviation * self.radius_scale)
+        guess = self._trail.course(RADIUS).ahead(h)
         if isinstance(self.law, NoTension) and a0 > 0.0:
             if segment.control == "force" and segment.value(self.time + h) <= 0.0:
                 return self._let_go(segment, h)
             if segment.control == "penetration" and slope < 0.0 and a0 <= self.largest_travel:
-                attempt = self._attempt(segment, self._trail.curvature(), 0.0)
+                attempt = self.attempt(segment)
                 if attempt.residual(left, 0.0) > 0.0:
                     return self._by_distance(attempt, 0.0, left)
-        attempt = self._attempt(segment, self._trail.curvature(), abs(guess - a0))
+        attempt = self.attempt(segment, abs(guess - a0))
         low, high = max(a0 - self._travel, self.law.lowest), min(a0 + self._travel, self.scene.indenter.edge)
         found = attempt.edge(h, guess, low, high, self._steepness)
         if found.radius != a0 and slope == 0.0:
             departure = attempt.departure(h)
             if departure is not None and departure > tick:
-                self._commit(self.time + departure, attempt.surface_at(departure, a0))
-                self._kink()
+                self.commit(self.time + departure, attempt.surface_at(departure, a0))
+                leaps.lands_flat(self, segment)
+                self.kink()
                 return self._first_step(segment, stop - self.time)
         if not found.reached:
             return self._by_distance(attempt, found.radius, h)
         surface = attempt.surface_at(h, found.radius)
         force = surface.force(self.body)
-        deviation = self._deviation(self.time + h, surface, force, segment)
+        row, judge = (
+            (self.time + h, surface.radius, force, surface.penetration),
+            self._judge(segment, surface, force),
+        )
+        deviation, smooth = judge.in_time(row), True
+        near_limit = 0.0 < found.steepness * self.law.reach < FLAT
+        if deviation > 1.0 and near_limit and self._trail.heads_for(row, RADIUS):
+            along = judge.along_edge(row)
+            deviation, smooth = min(deviation, along), deviation <= along
         if deviation > 2.0:
             self.counters.rejected_steps += 1
-            if h <= tick:
-                self._end(OutcomeKind.STEP_UNDERFLOW, f"a step of {h:.3g} is still too long")
+            if h <= tick:  # a jump, as far as time can tell
+                self.commit(self.time + h, surface, force)
+                self.kink()
+                return self._first_step(segment, stop - self.time)
             return h * max(0.2, 0.9 / math.sqrt(deviation))
-        self._commit(self.time + h if h < left else stop, surface, force)
+        between = judge.parts(row, self.straight[0 if segment.linear else 1]) if smooth else 1
+        self.commit(self.time + h if h < left else stop, surface, force, segment, between)
         self._travel = min(self.largest_travel, 2.0 * self._travel)
         self._steepness = found.steepness
         if found.radius == 0.0 < a0:
-            self._lost()
-        return h * min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
+            self.lost()
+        return h * min(2.0, 0.95 / max(deviation, 1e-6) ** (1.0 / 3.0))
 
     def _let_go(self, segment: Segment, longest: float) -> float:
         """Without adhesion the contact shrinks to a point as the force goes to zero, within ``longest``."""
         ends = [segment.value(self.time), segment.value(self.time + longest)]
         h = longest * ends[0] / (ends[0] - ends[1])
-        attempt = self._attempt(segment, self._trail.curvature(), 0.0)
+        attempt = self.attempt(segment)
         a0 = self.surface.radius
         if a0 > self._travel:
             return self._by_distance(attempt, a0 - self._travel, h)
-        self._commit(self.time + h, attempt.surface_at(h, 0.0))
-        self._lost()
+        self.commit(self.time + h, attempt.surface_at(h, 0.0))
+        self.lost()
         return h
 
     def _by_distance(self, attempt: Attempt, radius: float, longest: float) -> float:
         """The edge wants to go beyond ``radius`` within ``longest``: find when it passes there."""
         a0 = self.surface.radius
         if radius == a0:
-            self._lost("the contact has shrunk to the length of the process zone")
+            self.lost("the contact has shrunk to the length of the process zone")
             return longest
-        turn = self._trail.to_extremum(RADIUS) / (radius - a0)
+        turn = self._trail.to_extremum(FORCE, RADIUS) / (radius - a0)
         if 0.1 < turn < 1.0 and radius > 0.0:
             radius = a0 + turn * (radius - a0)
         h = attempt.duration_to(radius, longest)
@@ -208,15 +231,16 @@ class Run:
             if onwards * (radius - a0) >= 0.0:
                 surface = attempt.surface_at(h, radius)
                 force = surface.force(self.body)
-                deviation = self._deviation(self.time + h, surface, force, attempt.segment, RADIUS)
+                row = (self.time + h, radius, force, surface.penetration)
+                deviation = self._judge(attempt.segment, surface, force).along_edge(row)
                 change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
                 self._travel = min(self.largest_travel, max(change, 0.2) * abs(radius - a0))
                 if deviation > 2.0 and radius > 0.0:
                     self.counters.rejected_steps += 1
                     return longest
-                self._commit(self.time + h, surface, force)
+                self.commit(self.time + h, surface, force)
                 if radius == 0.0:
-                    self._lost()
+                    self.lost()
                 return 1.5 * h
         self.counters.rejected_steps += 1
         if abs(radius - a0) > FOLD * self.largest_travel:
@@ -226,7 +250,8 @@ class Run:
         event = Event(
             "snap-in" if outward else "pull-off", self.time, self.surface.penetration, self.force, a0
         )
-        self._run_free(attempt, outward)
+        leaps.run_free(self, attempt, outward)
+        self._travel = self.largest_travel
         far = abs(self.surface.radius - a0) > self.largest_travel
         if far and isinstance(self.law, Griffith) and self.outcome is None:
             self.events.append(event)
@@ -235,43 +260,18 @@ class Run:
     def _direction(self, attempt: Attempt, radius: float) -> bool:
         """Whether an edge that cannot stay runs outward: towards ``radius``, or on as before.
 
-        The latter if both ways are open: it has overstepped a limit point by a hair.
+        The latter if both ways are open: it has overstepped a limit point by a hair, where a step back may
+        be noise.
         """
         a0 = self.surface.radius
         opposite = 2.0 * a0 - radius
-        if not self._trail.fresh and self.law.lowest < opposite < self.scene.indenter.edge:
+        if self._heading != 0.0 and self.law.lowest < opposite < self.scene.indenter.edge:
             pull = attempt.residual(0.0, opposite)
             if (pull < -self.law.closed) if opposite > a0 else (pull > self.law.closed):
-                return self._trail.rate_of_radius() > 0.0
+                return self._heading > 0.0
         return radius > a0
 
-    def _jump(self, segment: Segment) -> None:
-        """The load jumps: glassy answer at fixed time."""
-        attempt = self._attempt(segment, Curvature(), 0.0)
-        inward, outward = attempt.tendencies(0.0)
-        if max(inward, outward) > 0.0:
-            self._run_free(attempt, outward > inward)
-        else:
-            self._commit(self.time, attempt.surface_at(0.0, self.surface.radius))
-
-    def _run_free(self, attempt: Attempt, outward: bool) -> None:
-        """The edge runs at fixed time to the next stable place, or contact is lost."""
-        far = 1e3 * max(self.surface.radius, self.radius_scale)
-        limit = min(self.scene.indenter.edge, far) if outward else min(self.law.rest, self.surface.radius)
-        radius = attempt.run_to_rest(self.largest_travel, outward, limit)
-        if radius is None or radius == 0.0:
-            self._lost()
-            return
-        self._commit(self.time, attempt.surface_at(0.0, radius))
-        self._travel = self.largest_travel
-
-    def _lower_to_touch(self) -> None:
-        """Under force control an indenter that hangs free is lowered until it touches."""
-        touch = float(self.surface.units[0].sum())
-        if touch != self.surface.penetration:
-            self._commit(self.time, replace(self.surface, penetration=touch))
-
-    def _lost(self, reason: str = "no stable contact is left") -> None:
+    def lost(self, reason: str = "no stable contact is left") -> None:
         """Contact ends here; the last row is the free surface."""
         surface = self.surface
         self.events.append(Event("pull-off", self.time, surface.penetration, self.force, surface.radius))
@@ -283,56 +283,67 @@ class Run:
     def _end(self, kind: OutcomeKind, reason: str) -> None:
         self.outcome = Outcome(kind, reason, self.time)
 
-    def _attempt(self, segment: Segment, curvature: Curvature, travel: float) -> Attempt:
-        times = self.body.rheology.times
-        ratio = 1.0 - 3.0 / max(self.fineness.divisions, 5.0)
-
-        def marks(duration: float) -> Array:
-            """Moments crowded towards the end: every short time leaves a layer behind the edge."""
-            if not len(times) or duration <= 0.0 or travel == 0.0 or not isinstance(self.law, Griffith):
-                return np.empty(0)
-            smallest = max(0.15 * float(times[0]) / duration, LAYER * self.law.reach / travel, 1e-9)
-            count = int(math.log(min(smallest, 1.0)) / math.log(ratio))
-            return np.asarray(1.0 - ratio ** np.arange(1, count + 1), float)
-
+    def attempt(self, segment: Segment, travel: float = 0.0) -> Attempt:
+        """A step from the present state; ``travel`` is expected of its edge."""
+        shortest = float(self.body.rheology.times.min(initial=math.inf))
         return Attempt(
             self.body,
             self.law,
             self.surface,
             segment,
             self.time,
-            curvature,
-            marks,
+            self._trail.course(RADIUS),
+            self._trail.course(PENETRATION),
+            Marks(shortest, travel, self.law.reach, self.fineness.divisions),
             self.counters,
             self.scene.indenter.edge,
             self.largest_travel,
         )
 
-    def _deviation(
-        self, time: float, surface: Surface, force: float, segment: Segment, along: int = TIME
-    ) -> float:
-        """Departure from a straight line within the step, over what is allowed."""
-        depth = surface.penetration
-        scales = (self.radius_scale, max(self.force_scale, abs(force)), max(self.depth_scale, abs(depth)))
-        sags = self._trail.sag((time, surface.radius, force, depth), along)
-        judged = 3 if segment.control == "force" else 2
-        parts = [sag / scale for sag, scale in zip(sags[:judged], scales, strict=False) if scale > 0.0]
-        relative = max(parts, default=0.0)
-        return relative / (self.fineness.deviation * (1.0 if segment.linear else SMOOTH))
+    def _judge(self, segment: Segment, surface: Surface, force: float) -> Judge:
+        scales = {
+            RADIUS: self.radius_scale,
+            FORCE: max(self.force_scale, abs(force)),
+            PENETRATION: max(self.depth_scale, abs(surface.penetration)),
+        }
+        return Judge(self._trail, self.fineness.deviation, judged(segment.control), scales)
 
-    def _commit(self, time: float, surface: Surface, force: float | None = None) -> None:
+    def commit(
+        self,
+        time: float,
+        surface: Surface,
+        force: float | None = None,
+        segment: Segment | None = None,
+        parts: int = 1,
+    ) -> None:
+        """Make a state the present one; rows in ``parts - 1`` places on the way are left to the record."""
         force = surface.force(self.body) if force is None else force
         self.counters.steps += 1
         self.counters.history_updates += len(surface.inside) + len(surface.outside)
         if self.counters.steps % THIN_EVERY == 0:
             surface = thinned(surface, THIN_SHARE * self.fineness.deviation)
-        self.time, self.surface, self.force = time, surface, force
+        before = self.time
+        self.time, self.surface, self.force = float(time), surface, float(force)
         self._row()
+        if segment is not None:
+            self._between(segment, before, parts)
+
+    def _between(self, segment: Segment, before: float, parts: int) -> None:
+        """Rows that make the last step straight, and one where the force has turned."""
+        wanted = [(1, before + (self.time - before) * part / parts) for part in range(1, parts)]
+        turned = self._trail.turned(FORCE)
+        if turned is not None:
+            wanted.append((-turned[0], turned[1]))
+        prescribed = segment.control == "penetration"
+        for back, at in wanted:
+            self.record.between(at, segment.value(at) if prescribed else None, back)
 
     def _row(self) -> None:
         surface = self.surface
+        if abs(surface.radius - self._seen_at) > FOLD * self.largest_travel:
+            self._heading, self._seen_at = surface.radius - self._seen_at, surface.radius
         self.force_scale = max(self.force_scale, abs(self.force))
         self.radius_scale = max(self.radius_scale, surface.radius)
         self.depth_scale = max(self.depth_scale, abs(surface.penetration))
         self.record.add(self.time, surface, self.force)
-        self._trail.add((self.time, surface.radius, self.force, surface.penetration))
+        self._trail.add((float(self.time), surface.radius, float(self.force), float(surface.penetration)))

@@ -1,0 +1,144 @@
+"""Front tracking where something happens in no time: jumps of the load, first contact, loss of contact."""
+
+import math
+
+import numpy as np
+import pytest
+
+from scene import (
+    Adhesion,
+    Branch,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    OutcomeKind,
+    PowerLaw,
+    Ramp,
+    Scene,
+    Sphere,
+    Table,
+    TabulatedProfile,
+)
+from validation.reference import Options, solve
+from validation.reference.tracking.inbetween import cubics
+from validation.reference.tracking.root import rising_root
+
+WORK = math.pi * 1.6e-4
+ELASTIC = Material(0.75, 0.5)
+RUBBER = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+COARSE = Options(resolution=4)
+
+
+def _scene(steps, depth=0.0, start="jump-in", shape=None, material=ELASTIC, adhesion=None):  # type: ignore[no-untyped-def]
+    return Scene(material, shape or Sphere(1.0), Loading(start, depth, tuple(steps)), adhesion)
+
+
+@pytest.mark.parametrize(("shape", "before"), [(Sphere(1.0), 0.0), (PowerLaw(5.0, 62.5), -0.001)])
+def test_an_elastic_jump_does_the_stored_work(shape, before) -> None:  # type: ignore[no-untyped-def]
+    """Into contact from a distance, to another depth, and off."""
+    jumps = [Table((0.0, 1.0), (depth, depth)) for depth in (0.019, 0.012, -0.1)]
+    trace = solve(_scene(jumps, before, shape=shape), COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.outcome.time == 2.0
+    np.testing.assert_allclose(
+        trace.external_work, trace.stored_energy, atol=2e-6 * trace.stored_energy.max()
+    )
+    if isinstance(shape, Sphere):
+        assert trace.external_work.max() == pytest.approx(8.0 / 15.0 * 0.019**2.5, rel=2e-6)
+
+
+def test_dashpots_do_not_move_in_no_time() -> None:
+    trace = solve(
+        _scene((Hold(1.0), Force(-0.002, 0.1), Ramp(-0.1, 1.0)), 0.02, material=RUBBER,
+               adhesion=Adhesion(WORK, 0.013)), Options(resolution=8),
+    )  # fmt: skip
+    stands = np.diff(trace.time) == 0.0
+    assert np.count_nonzero(stands) > 10
+    assert not np.diff(trace.extra["branch_dissipation"])[stands].any()
+    loss = np.diff(trace.dissipated_energy)[stands][:-1]  # the last row is the snap to the free surface
+    assert np.abs(loss).max() < 1e-3 * trace.stored_energy.max()
+
+
+def test_force_jumps_from_nothing_and_back() -> None:
+    """Hertz at the glassy modulus at once; the loss of the branches is that of the balance."""
+    trace = solve(_scene((Force(0.01, 1.0), Force(0.005, 1.0), Force(-1.0, 1.0)), material=RUBBER), COARSE)
+    first = int(np.searchsorted(trace.time, 0.0, side="right")) - 1
+    assert trace.force[first] == pytest.approx(0.01, rel=1e-9)
+    assert trace.contact_radius[first] == pytest.approx((0.75 * 0.01 / 10.0) ** (1 / 3), rel=1e-6)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.outcome.time == pytest.approx(2.0)
+    assert trace.force.min() >= 0.0
+    lost = trace.dissipated_energy[-1]
+    assert trace.extra["branch_dissipation"][-1] == pytest.approx(lost, rel=1e-4)
+
+
+@pytest.mark.parametrize("depth", [-0.005, 0.0])
+@pytest.mark.parametrize("step", [Force(-0.002, 1.0), ForceRamp(-0.002, 0.01)])
+def test_pulling_at_nothing(depth: float, step) -> None:  # type: ignore[no-untyped-def]
+    trace = solve(_scene((step,), depth, material=RUBBER), COARSE)
+    assert (trace.outcome.kind, trace.outcome.reason) == (OutcomeKind.DETACHED, "pulled without contact")
+    assert not trace.force.any()
+
+
+@pytest.mark.parametrize("force", [0.0, 1e-80])
+def test_no_force_to_speak_of(force: float) -> None:
+    trace = solve(_scene((Force(force, 1.0),), -0.005, material=RUBBER), COARSE)
+    assert trace.outcome.finished
+    assert np.abs(trace.force).max() <= 1e-20
+    assert not trace.contact_radius.any()
+
+
+def test_a_punch_lands_and_lifts_off_with_all_of_its_face() -> None:
+    """On an oscillation; contact is lost where ``int E(t - s) D'(s) ds`` from the landing on vanishes."""
+    material = Material(0.75, 0.5, (Branch(3.0, 0.5), Branch(0.5, 5.0)))
+    steps = (Oscillate(0.00813, 11.89, 0.95, -0.003), Ramp(0.00776, 0.00865))
+    trace = solve(_scene(steps, -0.00228, "relaxed", FlatPunch(0.2), material), COARSE)
+    assert set(np.unique(trace.contact_radius[trace.time < 0.236])) == {0.0, 0.2}
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.outcome.time == pytest.approx(0.2364678471583686, abs=1e-7)  # by quadrature and brentq
+
+
+@pytest.mark.slow
+def test_a_steep_profile_lifts_off() -> None:
+    material = Material(1.0, 0.0, (Branch(1.0, 17.8), Branch(1.0, 5.65)))
+    trace = solve(_scene((Ramp(-9e-4, 1e-4),), 2e-4, "relaxed", PowerLaw(7.26, 2376.4), material), COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.penetration[-1] == pytest.approx(1.31574e-4, rel=1e-4)
+
+
+def test_the_outermost_of_several_equilibria_is_the_start() -> None:
+    """A dome and, a little higher, a terrace: the contact may end on either."""
+    radii = (0.0, 0.05, 0.1, 0.12, 0.14, 0.2, 0.26, 0.3, 0.6)
+    heights = (0.0, 0.0005, 0.002, 0.004, 0.0062, 0.0063, 0.0064, 0.02, 0.2)
+    shape, glue = TabulatedProfile(radii, heights), Adhesion(WORK / 16, 0.004)
+    inner = solve(_scene((), 0.0, "relaxed", shape, adhesion=glue))
+    outer = solve(_scene((), 0.001, "relaxed", shape, adhesion=glue))
+    assert inner.contact_radius[0] == pytest.approx(0.0972, abs=1e-3)
+    assert outer.contact_radius[0] == pytest.approx(0.2601, abs=1e-3)
+    # The inner one is stable there, too: an approach from below is still on it.
+    slowly = solve(_scene((Ramp(0.001, 1.0),), 0.0, "relaxed", shape, adhesion=glue))
+    assert slowly.contact_radius[-1] < 0.12
+    assert not slowly.events
+
+
+def test_a_root_is_never_extrapolated_out_of_its_limits() -> None:
+    """Close to a limit point the secant is flat and points far away."""
+
+    def flat(x: float) -> float:
+        return 1e-9 + 1e-8 * (x - 1.0)
+
+    assert rising_root(flat, 1.0, 1e-3, 0.0, (0.99, 1.01), 1e-8) is None
+
+
+def test_rows_in_between_are_cubics() -> None:
+    time = np.array([0.0, 0.3, 0.4, 1.0, 1.0, 1.5, 2.5])
+    values = np.column_stack((time**3 - time, np.where(np.arange(7) < 4, time**3, 5.0 - 2.0 * time)))
+    at = np.array([0.1, 0.35, 0.9, 1.2, 2.0])
+    got = cubics(time, values, np.array([0, 3, 4, 6]), np.array([0, 1, 2, 4, 5]), at)
+    np.testing.assert_allclose(got[:3, 0], at[:3] ** 3 - at[:3], atol=1e-14)
+    np.testing.assert_allclose(got[:3, 1], at[:3] ** 3, atol=1e-14)
+    np.testing.assert_allclose(got[3:, 1], 5.0 - 2.0 * at[3:], atol=1e-14)
