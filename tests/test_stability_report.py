@@ -47,7 +47,7 @@ def test_page_and_markdown_show_faults_refusals_and_limits():
     said = "\n".join(lines)
     assert "fem says that it has no answer: contrast, 1 (refused)" in said
     assert "contrast: 10: bem: final_force off by 0.5" in said
-    assert "miss the balance" in said
+    assert "1 of 3 cells its energy terms" in said
     assert "Not judged, the truth is missing: contrast: 100: bem" in said
 
 

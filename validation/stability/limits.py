@@ -48,8 +48,8 @@ def _of(solver: str, cells: Sequence[Cell]) -> list[str]:
     if loose:
         most = max(loose, key=lambda cell: cell.residual or 0.0)
         said.append(
-            f"{solver}: in {len(loose)} cells its energy terms, integrated on their own, miss the balance by "
-            f"more than {UNBALANCED:.0%} of the largest; most at {most.axis}, {most.label} "
+            f"{solver}: in {len(loose)} of {len(cells)} cells its energy terms, each integrated alone, miss "
+            f"the balance by more than {UNBALANCED:.0%} of the largest; most at {most.axis}, {most.label} "
             f"({most.residual:.0%})."
         )
     slow = max(cells, key=lambda cell: cell.seconds)
