@@ -51,12 +51,24 @@ def test_a_scalar_is_no_better_than_its_curves():
     assert found["force"] > 1e-3
 
 
-def test_the_largest_tension_is_uncertain_by_half_a_row_and_its_place_by_a_row():
+def test_the_largest_tension_is_uncertain_by_half_a_row_and_its_place_by_more():
     found = estimates(spring(1.0, rows=41), spring(1.0, rows=41))
     away = 0.5 * 0.08 / 40
     assert found["pull_off_force"] == pytest.approx(away / 0.01)
-    assert found["pull_off_penetration"] == pytest.approx(2.0 * away / 0.03)
+    assert found["pull_off_penetration"] == pytest.approx((2.0 + 1.0) * away / 0.03)  # a row, and half a row
     assert found["approach_force"] == 0.0
+
+
+def test_the_place_of_the_largest_tension_is_as_uncertain_as_the_way_its_error_reaches():
+    """Tension rises to 1 in ten steps and falls in five; known to 0.25 it may stand 2.5 steps before."""
+    t = np.arange(16.0)
+    force = -np.concatenate((0.1 * t[:11], 1.0 - 0.2 * t[1:6]))
+    run = dataclasses.replace(
+        spring(1.0, rows=16), time=t, force=force, penetration=-t, errors={"pull_off_force": 0.25 - 0.5 * 0.2}
+    )
+    found = from_own(run, {"pull_off_force": 1.0, "pull_off_time": 10.0})
+    assert found["pull_off_force"] == pytest.approx(0.25)
+    assert found["pull_off_time"] == pytest.approx(0.15 + (1.0 + 2.5) / 10.0)
 
 
 def test_a_difference_is_as_uncertain_as_both_its_terms():

@@ -14,8 +14,8 @@ branches dissipate has p = 1 too, because it squares the stress in the layer at 
 
 The difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its
 run. The excess at the edge is a difference, uncertain by what its two terms are. The largest tension is a row
-of the trace: it is also uncertain by half the way to the neighbouring rows, its place by the whole way, since
-it lies anywhere between them.
+of the trace: it is also uncertain by half the way to the neighbouring rows. Its place is uncertain by the
+whole way, since it lies anywhere between them, and by the way along which the tension falls by its own error.
 """
 
 from __future__ import annotations
@@ -25,13 +25,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from scene import Scene, Trace
+from scene.trace import Array
 from validation.norms import distance
 from validation.observables import largest_tension
 
 SAFETY = 3.0
 ORDER = {"bem": 1, "fem": 2}
-FIRST_ORDER = ("branch_dissipation", "zone_excess")
-ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *FIRST_ORDER)
+IN_LAYERS = ("branch_dissipation", "zone_excess")
+ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
 CURVES = ("force", "contact_radius")
 _COLUMNS = {"force": "force", "radius": "contact_radius", "penetration": "penetration", "time": "time"}
 Measures = Mapping[str, float | None]
@@ -50,7 +51,7 @@ def scale(name: str, value: float, trace: Trace) -> float:
     """
     if name == "penetration" or name.endswith("_penetration"):
         return float(np.abs(trace.penetration).max())
-    if name in ("dissipated_energy", *FIRST_ORDER):
+    if name in ("dissipated_energy", *IN_LAYERS):
         return max(abs(value), _turnover(trace))
     column = column_of(name)
     if not column:
@@ -93,7 +94,7 @@ def from_two_runs(fine: Trace, coarse: Trace, measured: Measures, coarsely: Meas
         if value is None or other is None or not (column_of(name) or name in ENERGIES):
             continue
         relative_to = scale(name, value, fine)
-        order = 1 if name in FIRST_ORDER else usual
+        order = 1 if name in IN_LAYERS else usual
         own = _extrapolated(abs(other - value) / relative_to, order) if relative_to > 0.0 else 0.0
         errors[name] = max(own, floor)
     terms = ("branch_dissipation", "dissipated_energy")
@@ -128,5 +129,26 @@ def _with_sampling(errors: dict[str, float], trace: Trace) -> dict[str, float]:
         relative_to = scale(f"pull_off_{name}", float(column[row]), trace)
         if f"pull_off_{name}" in errors and near and relative_to > 0.0:
             away = max(abs(float(column[i] - column[row])) for i in near)
-            errors[f"pull_off_{name}"] += (0.5 if name == "force" else 1.0) * away / relative_to
+            if name == "force":
+                away *= 0.5
+            else:
+                away += _reach(trace, column, row, errors.get("pull_off_force", 0.0))
+            errors[f"pull_off_{name}"] += away / relative_to
     return errors
+
+
+def _reach(trace: Trace, column: Array, row: int, error: float) -> float:
+    """How far a column goes from the largest tension to where tension is less by a relative error."""
+    least = (1.0 - error) * -trace.force[row]
+    farthest = 0.0
+    for way in (slice(row, None, -1), slice(row, None)):
+        tension, values = -trace.force[way], column[way]
+        below = np.flatnonzero(tension < least)
+        last = int(below[0]) if below.size else len(tension) - 1
+        if last == 0:
+            continue
+        drop = tension[last - 1] - tension[last]
+        share = min((tension[last - 1] - least) / drop, 1.0) if below.size and drop > 0.0 else 1.0
+        end = values[last - 1] + share * (values[last] - values[last - 1])
+        farthest = max(farthest, abs(float(end - column[row])))
+    return farthest
