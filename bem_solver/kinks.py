@@ -28,11 +28,15 @@ class Kinks:
 
     @classmethod
     def within(cls, radii: tuple[float, ...], edge: float, reach: float) -> Kinks | None:
-        """Those of ``radii`` inside the contact, each read up to the next or ``reach``; ``None`` without."""
+        """Those of ``radii`` below ``edge``, each read up to the next, ``edge`` or ``reach``."""
         inside = np.array(sorted({r for r in radii if 0.0 < r < edge}))
         if len(inside) == 0:
             return None
         return cls(inside, np.minimum(np.diff(np.append(inside, edge)), reach))
+
+    def and_at(self, radius: float, reach: float) -> Kinks:
+        """One more, beyond the others."""
+        return Kinks(np.append(self.radius, radius), np.append(self.reach, reach))
 
     @property
     def readings(self) -> Array:

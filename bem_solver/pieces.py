@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 from scene import Segment
+
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,29 @@ class Piece:
     def prescribed(self, parameter: float) -> float:
         """Penetration or force at a parameter."""
         return self.value(parameter if self.jump else self.time(parameter))
+
+    @property
+    def span(self) -> float:
+        """By how much the prescribed quantity varies over the piece."""
+        values = [self.prescribed(self.length * (k * _GOLDEN % 1.0)) for k in range(32)]
+        values.append(self.prescribed(self.length))
+        return max(values) - min(values)
+
+    def bend(self, parameter: float, step: float, span: float) -> float:
+        """Largest departure of the prescribed quantity from its chord over a step, in spans (0: none).
+
+        Looked at where no oscillation has equal phases, so that whole periods are not stepped over.
+        """
+        if span == 0.0:
+            return 0.0
+        first, last = self.prescribed(parameter), self.prescribed(parameter + step)
+        return (
+            max(
+                abs(self.prescribed(parameter + share * step) - first - share * (last - first))
+                for share in (math.sqrt(2.0) - 1.0, _GOLDEN, math.e - 2.0)
+            )
+            / span
+        )
 
 
 def pieces(segment: Segment, reached: float, stops: tuple[float, ...]) -> Iterator[Piece]:

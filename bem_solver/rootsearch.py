@@ -16,6 +16,7 @@ class HasResidual(Protocol):
 
 
 _MOST = 200
+_ROUNDING = 4e-16
 
 T = TypeVar("T", bound=HasResidual)
 
@@ -31,11 +32,18 @@ class Found(Generic[T]):
 
 
 def rising_root(
-    evaluate: Callable[[float], T], guess: float, slope: float, low: float, high: float, accuracy: float
+    evaluate: Callable[[float], T],
+    guess: float,
+    slope: float,
+    low: float,
+    high: float,
+    accuracy: float,
+    residual: float = math.inf,
 ) -> Found[T]:
     """Root of ``evaluate(x).residual`` in [low, high], where the residual rises through zero.
 
-    ``slope`` is an estimate of the derivative (<= 0: unknown). The result is accurate to ``accuracy`` in x.
+    ``slope`` is an estimate of the derivative (<= 0: unknown). The result is accurate to ``accuracy`` in x
+    and to ``residual`` in the residual, or to rounding.
     """
     negative: float | None = None  # largest x known with residual < 0
     positive: float | None = None  # smallest x known with residual > 0
@@ -53,11 +61,12 @@ def rising_root(
             if x <= low:
                 return Found("below", x, trial, slope)
             positive = x if positive is None else min(positive, x)
-        if r == 0.0 or (iteration > 0 and slope > 0.0 and abs(r) <= slope * accuracy):
+        if r == 0.0 or (iteration > 0 and slope > 0.0 and abs(r) <= min(slope * accuracy, residual)):
             return Found("here", x, trial, slope)
         left = low if negative is None else negative
         right = high if positive is None else positive
-        if right - left <= accuracy:
+        near = abs(r) <= residual or right - left <= _ROUNDING * abs(x)
+        if near and right - left <= accuracy:
             return Found("here", x, trial, slope)
         new = min(max(x - r / slope, left), right) if slope > 0.0 else (right if r < 0.0 else left)
         bracketed = negative is not None and positive is not None

@@ -31,11 +31,9 @@ from scene import Outcome, OutcomeKind, Watch
 _FINEST_TRAVEL = 1.0 / 64.0
 _LOAD_WEIGHT = 4.0  # the load follows the prescribed history closer than the edge its chord
 _WIDEST_TRAVEL = 4096.0
-_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 _ACCURACY = 4e-3  # of the edge, in step tolerances of the length it is resolved on
-_VANISHING = (
-    2e-3  # contact radius, relative to its largest, below which an adhesionless contact is lifting off
-)
+_RESIDUAL = 1e-2  # of the closure, in step tolerances of the work of adhesion
+_VANISHING = 2e-3  # contact radius, relative to its largest: an adhesionless contact is lifting off
 
 
 @dataclass
@@ -102,7 +100,7 @@ class Stepper:
                 continue
             moved = abs(candidate.trial.motion.new_edge - self.front.edge)
             # a travel that no shorter step shortens is the edge snapping over an annulus: taken as it is
-            far = departure(moved, self.problem.length_at(self.front.edge)) > self.tolerance
+            far = moved > 10.0 * _ACCURACY * self.tolerance * self.problem.length_at(self.front.edge)
             snapped = far and any(step < 0.5 * tried and moved > 0.7 * gone for tried, gone in rejected)
             if candidate.error > 1.0 and not (snapped and candidate.error < math.inf):
                 counters.rejected_steps += 1
@@ -137,8 +135,7 @@ class Stepper:
             self.step = min(self.step, 0.05 * piece.length) if self.step > 0.0 else 0.01 * piece.length
         if piece.jump:
             self.step = 0.1
-        ends = [piece.prescribed(piece.length * (k * _GOLDEN % 1.0)) for k in range(32)]
-        self.span = max(*ends, piece.prescribed(piece.length)) - min(*ends, piece.prescribed(piece.length))
+        self.span = piece.span
         self.past.rows = (
             [(0.0, self.front.edge, self._load(piece, self.front))]
             if piece.fresh
@@ -158,25 +155,11 @@ class Stepper:
             self.step = reach / speed
         left = piece.length - parameter
         self.step = min(self.step, left)
-        while (bend := self._bend(piece, parameter, self.step)) > 1.0:
+        while (bend := piece.bend(parameter, self.step, self.span) / self.tolerance) > 1.0:
             self.step = shrunk(self.step, bend)
         if self.step >= left * (1.0 - 1e-9):
             return left
         return min(self.step, 0.5 * left) if 2.0 * self.step > left else self.step
-
-    def _bend(self, piece: Piece, parameter: float, step: float) -> float:
-        """Largest departure of the prescribed quantity from its chord over a step, in tolerances.
-
-        Looked at where no oscillation has equal phases, so that whole periods are not stepped over.
-        """
-        if self.span == 0.0:
-            return 0.0
-        first, last = piece.prescribed(parameter), piece.prescribed(parameter + step)
-        off = max(
-            abs(piece.prescribed(parameter + share * step) - first - share * (last - first))
-            for share in (math.sqrt(2.0) - 1.0, _GOLDEN, math.e - 2.0)
-        )
-        return off / (self.span * self.tolerance)
 
     @staticmethod
     def _load(piece: Piece, front: Front) -> float:
@@ -206,6 +189,7 @@ class Stepper:
             low,
             high,
             _ACCURACY * self.tolerance * length,
+            _RESIDUAL * self.tolerance * self.problem.work or math.inf,
         )
         if found.where == "here" or (found.where == "above" and high == limit):
             return Candidate(end, found.trial, self._error(piece, found.trial, step, rates), found.slope)

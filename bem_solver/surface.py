@@ -54,19 +54,18 @@ class Surface:
         """From ``v`` (M,) at the collocation radii, followed by ``v`` (3 k,) at the readings of the kinks."""
         if kinks is None:
             scaled = rest = annuli.solve(load)
-            strengths = None
+            strengths, carried = None, 0.0
         else:
             load, read = np.split(load, [annuli.count])
             strengths = kinks.strengths(read)
             punches = kinks.displacement(edge * annuli.radii) @ strengths
             scaled, rest = annuli.solve(np.stack((load, load - punches), axis=1)).T
+            carried = 2.0 * float(kinks.radius @ strengths)
         density = annuli.density(rest)
         kappa = annuli.edge_strength(density)
         field = annuli.outside_field(rest, kappa)
         # the punch part of the force, 2 kappa, is exact
-        force = edge * (2.0 * kappa + annuli.areas @ (rest - kappa * annuli.punch))
-        if kinks is not None:
-            force += 2.0 * float(kinks.radius @ strengths)
+        force = edge * (2.0 * kappa + annuli.areas @ (rest - kappa * annuli.punch)) + carried
         return cls(annuli, edge, scaled, density, kappa, field, float(force), kinks, strengths)
 
     def towards(self, other: Surface, share: float) -> Surface:

@@ -114,7 +114,7 @@ def evaluate(
         Which of the two has ``value`` at the end of the step.
     """
     annuli, counters = problem.annuli, problem.counters
-    kinks = _kinks_inside(problem, front, edge)
+    kinks = _kinks_inside(problem, front, duration, edge)
     radii = edge * annuli.radii
     points = points_at(problem, front, radii if kinks is None else np.append(radii, kinks.readings))
     singular = front.surface.root_strength(abs(edge - front.edge)) if problem.remembers else 0.0
@@ -143,14 +143,24 @@ def evaluate(
     return Trial(motion, surface, value_of - problem.work, value_of)
 
 
-def _kinks_inside(problem: Problem, front: Front, edge: float) -> Kinks | None:
-    """Where an edge has lingered, or turns in this step, inside the new edge."""
+def _kinks_inside(problem: Problem, front: Front, duration: float, edge: float) -> Kinks | None:
+    """Where an edge has lingered, or turns in this step, inside the new edge.
+
+    Older ones are read where the history holds them. Beyond an edge that turns now, what is covered first has
+    relaxed for the whole step, as the root does; what is covered later has not, and is not looked at.
+    """
     history = front.history
     if not problem.remembers or edge <= 0.0:
         return None
+    longest = 0.25 * problem.length_at(edge)
     marks = history.kinks if history.turning is None else (*history.kinks, history.turning)
-    turns = history.direction <= 0 < front.edge < edge
-    return Kinks.within((*marks, front.edge) if turns else marks, edge, 0.25 * problem.length_at(edge))
+    kinks = Kinks.within(marks, min(edge, front.edge), longest)
+    if not history.direction <= 0 < front.edge < edge:
+        return kinks
+    still = 0.1 * float(problem.chain.relaxation[0])
+    reach = min(longest, (edge - front.edge) * still / (still + duration))
+    nothing = Kinks(np.empty(0), np.empty(0))
+    return (kinks or nothing).and_at(front.edge, reach)
 
 
 def _closure(problem: Problem, front: Front, motion: Motion, surface: Surface) -> float:

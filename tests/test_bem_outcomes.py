@@ -199,3 +199,35 @@ def test_never_anything_but_finite_numbers(question):
     assert np.all(np.diff(trace.time) >= 0.0)
     assert np.all(trace.contact_radius >= 0.0)
     assert trace.wall_seconds > 0.0
+
+
+@pytest.mark.parametrize("cycles", [10, 50])
+def test_whole_periods_are_not_stepped_over(cycles):
+    """The end of the step has the phase of its start: no trial would notice."""
+    question = scene(Oscillate(1e-3, 1.0, 2.0 * np.pi * cycles), start="relaxed")
+    trace = solve(question, Options(resolution=4))
+    assert_allclose(trace.penetration.max(), 1e-3, rtol=0.02)
+    assert_allclose(trace.external_work[-1] / cycles, 3.7e-6, rtol=0.1)
+
+
+def test_unit_of_time_is_free_after_a_jump_of_the_load():
+    def run(unit):
+        rubber = Material(1.0, 0.3, (Branch(1.0, unit),))
+        table = Table((0.0, 93.0 * unit), (0.012, -0.004))
+        return solve(
+            scene(table, start="relaxed", at=0.001, material=rubber, adhesion=Adhesion(4.8e-4, 0.02)),
+            Options(resolution=6),
+        )
+
+    one, other = run(1.0), run(2.0**-10)
+    assert_allclose(1024.0 * other.time, one.time, rtol=1e-9)
+    assert_allclose(other.force, one.force, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("contrast", [1e3, 1e6, 1e9])
+def test_pull_of_a_relaxed_contact_depends_on_the_contrast_only_through_time(contrast):
+    """At ``V tau_c = da`` the largest tension has a limit for a glass that is stiffer and stiffer."""
+    rubber = Material(0.75, 0.5, (Branch(0.75 * (contrast - 1.0), 1.0),))
+    question = scene(Ramp(-20.0, ZONE / contrast), start="relaxed", at=0.01, material=rubber)
+    trace = solve(question, Options(resolution=6))
+    assert_allclose(-trace.force.min(), 0.01013, rtol=5e-3)
