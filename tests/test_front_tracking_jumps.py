@@ -24,6 +24,7 @@ from scene import (
     TabulatedProfile,
 )
 from validation.reference import Options, solve
+from validation.reference.finite_zone import FiniteZone
 from validation.reference.tracking.inbetween import cubics
 from validation.reference.tracking.root import rising_root
 
@@ -142,3 +143,14 @@ def test_rows_in_between_are_cubics() -> None:
     np.testing.assert_allclose(got[:3, 0], at[:3] ** 3 - at[:3], atol=1e-14)
     np.testing.assert_allclose(got[:3, 1], at[:3] ** 3, atol=1e-14)
     np.testing.assert_allclose(got[3:, 1], 5.0 - 2.0 * at[3:], atol=1e-14)
+
+
+@pytest.mark.parametrize("contrast", [1e3, 1e6])
+def test_a_slow_approach_is_elastic_however_stiff_the_glass(contrast: float) -> None:
+    """The layer behind the edge, here 1e-10 of the process zone or less, still counts at such contrasts."""
+    material = Material(0.75, 0.5, (Branch(0.75 * (contrast - 1.0), 1.0),))
+    steps = (Ramp(0.01, 1e-7 / contrast),)
+    trace = solve(_scene(steps, 0.0, "relaxed", material=material, adhesion=Adhesion(WORK, 0.013)), COARSE)
+    exact = FiniteZone(1.0, 1.0, WORK, 0.013).at_penetration(0.01)
+    assert trace.contact_radius[-1] == pytest.approx(exact.contact_radius, rel=2e-5)
+    assert trace.force[-1] == pytest.approx(exact.force, rel=3e-4)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CROWD = 1.75  # over the divisions: how moments crowd towards the end of a step
-LAYER = 1e-6  # of the process zone: a boundary layer thinner than this does not matter
+LAYER = 1e-14  # of the process zone: thinner boundary layers do not matter at any ratio of moduli
+THINNEST = 1e-13  # of a step: nearer moments round onto its end
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,6 @@ class Marks:
         if math.isinf(self.shortest) or duration <= 0.0 or self.travel == 0.0 or self.reach == 0.0:
             return np.empty(0)
         ratio = 1.0 - CROWD / self.divisions
-        smallest = max(0.15 * self.shortest / duration, LAYER * self.reach / self.travel, 1e-9)
+        smallest = max(0.15 * self.shortest / duration, LAYER * self.reach / self.travel, THINNEST)
         count = int(math.log(min(smallest, 1.0)) / math.log(ratio))
         return np.asarray(1.0 - ratio ** np.arange(1, count + 1), float)

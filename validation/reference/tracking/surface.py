@@ -170,10 +170,12 @@ def _advanced(surface: Surface, body: Body, by: Step, path: Path, fractions: Arr
     x = np.array([radius])
     if len(fractions) or len(old):
         x = np.unique(np.concatenate((path(fractions), old, x)))
+        x = x[x > path.start]
     near, free = surface.outside[: beyond + 3], surface.units[: beyond + 3]
     units = hermite.evaluate(near, free, hermite.slopes(near, free), x)
-    if by.dwelt:  # the free side of the edge is covered now
-        x = np.concatenate(([surface.outside[0] + COINCIDENT * radius], x))
+    beside = path.start + min(COINCIDENT * radius, 0.5 * (float(x[0]) - path.start))
+    if by.dwelt and path.start < beside < x[0]:  # the free side of the edge is covered now
+        x = np.concatenate(([beside], x))
         units = np.concatenate((surface.units[:1], units))
     at = h * path.passing(x)
     covered = rheology.cover(
@@ -211,7 +213,7 @@ def _receded(surface: Surface, body: Body, by: Step, path: Path, fractions: Arra
     units = units * np.exp(-(h - at)[:, None] / rheology.retardation)
     outside = surface.units * by.recovery
     if by.dwelt:  # a step of the fields is left behind
-        x[-1] *= 1.0 - COINCIDENT
+        x[-1] -= min(COINCIDENT * x[-1], 0.5 * (x[-1] - x[-2]))
         rest = 0
     else:
         rest = 1
@@ -219,9 +221,17 @@ def _receded(surface: Surface, body: Body, by: Step, path: Path, fractions: Arra
         drive.end,
         np.concatenate((surface.inside[:kept], [radius])),
         np.concatenate((surface.branches[:kept] * by.decay + by.gain, branches[:1])),
-        np.concatenate((x, surface.outside[rest:])),
-        np.concatenate((units, outside[rest:])),
+        *_distinct(np.concatenate((x, surface.outside[rest:])), np.concatenate((units, outside[rest:]))),
     )
+
+
+def _distinct(x: Array, values: Array) -> tuple[Array, Array]:
+    """Nodes without those that round onto the one before."""
+    apart = x[1:] > x[:-1]
+    if apart.all():
+        return x, values
+    kept = np.concatenate(([True], apart))
+    return x[kept], values[kept]
 
 
 def _differ(surface: Surface, body: Body) -> bool:
