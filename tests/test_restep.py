@@ -27,7 +27,7 @@ def twice(monkeypatch):
     """Every step of every solver is preceded by a vain one; counts them."""
     vain = {"bem": 0, "fem": 0, "reference": 0}
     share = shares()
-    attempt, take, advance = Stepper._attempt, FemRun._step, FrontRun._attempt
+    attempt, take, advance = Stepper._attempt, FemRun._step, FrontRun.attempt
 
     def bem_attempt(self, piece, parameter, step):
         with suppress(Unresolvable, FloatingPointError):  # it may come to nothing
@@ -47,21 +47,21 @@ def twice(monkeypatch):
         vain["fem"] += 1
         take(self, segment, clock)
 
-    def front_attempt(self, segment, curvature, travel):
+    def front_attempt(self, segment, travel=0.0):
         left = segment.end - self.time
         duration = min(next(share) * 1e-2 * left, left)
-        trial = advance(self, segment, curvature, travel)
+        trial = advance(self, segment, travel)
         a0 = self.surface.radius
         if a0 > 0.0:
             found = trial.edge(duration, a0, max(0.9 * a0, self.law.lowest), 1.1 * a0)
             trial.surface_at(duration, found.radius)
         vain["reference"] += 1
-        return advance(self, segment, curvature, travel)
+        return advance(self, segment, travel)
 
     def put():
         monkeypatch.setattr(Stepper, "_attempt", bem_attempt)
         monkeypatch.setattr(FemRun, "_step", fem_step)
-        monkeypatch.setattr(FrontRun, "_attempt", front_attempt)
+        monkeypatch.setattr(FrontRun, "attempt", front_attempt)
         return vain
 
     return put
