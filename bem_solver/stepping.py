@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from scipy.optimize import brentq
 
@@ -342,7 +342,9 @@ class Stepper:
         end = min(now + ahead, piece.length)
         penetration = piece.prescribed(end) if piece.control == "penetration" else self.front.penetration
         free = Surface.free(self.problem.annuli)
-        self.front = Front(piece.time(end), penetration, free, History.blank(len(self.problem.chain)))
+        # the free surface keeps its dent
+        dent = replace(History.blank(len(self.problem.chain)), outer=self.front.history.outer)
+        self.front = Front(piece.time(end), penetration, free, dent)
         self.energies = self.energies.unloaded()
         self.recorder.event("pull-off", self.front)
         self.recorder.row(self.front, self.energies)
