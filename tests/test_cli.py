@@ -235,7 +235,7 @@ def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
         raise KeyboardInterrupt
 
     fakes(bem=lambda: interrupt)
-    assert code_of("solve", scene_file, "--solver", "bem") == 130
+    assert code_of("solve", scene_file, "--solver", "bem") == 1
     assert capsys.readouterr().err == "crosscontact: interrupted\n"
 
 

@@ -1,7 +1,7 @@
 """The command line: ``crosscontact scenes | solve | compare | study | fields | stability | report``.
 
-Exit codes: 0 all well; 1 a check failed or a run did not finish; 2 bad input, said in one line;
-130 interrupted. Nothing heavy is imported until a command needs it.
+Exit codes: 0 all well; 1 a check failed or a run did not finish, interrupted ones included; 2 bad input, said
+in one line. Nothing heavy is imported until a command needs it.
 """
 
 from __future__ import annotations
@@ -212,7 +212,7 @@ def main(arguments: list[str] | None = None) -> int:
             return code
     except KeyboardInterrupt:
         print("crosscontact: interrupted", file=sys.stderr)
-        return 130
+        return 1
     except BrokenPipeError:  # the reader of our output has gone, e.g. `| head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         return 0
