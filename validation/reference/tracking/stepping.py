@@ -206,7 +206,7 @@ class Run:
     def _let_go(self, segment: Segment, longest: float) -> float:
         """Without adhesion the contact shrinks to a point as the force goes to zero, within ``longest``."""
         ends = [segment.value(self.time), segment.value(self.time + longest)]
-        h = longest * ends[0] / (ends[0] - ends[1])
+        h = longest * ends[0] / (ends[0] - ends[1]) if ends[0] > max(ends[1], 0.0) else 0.0
         attempt = self.attempt(segment)
         a0 = self.surface.radius
         if a0 > self._travel:
