@@ -25,6 +25,7 @@ from scene import (
 )
 from validation.reference import Options, solve
 from validation.reference.finite_zone import FiniteZone
+from validation.reference.frozen import FrozenRetraction
 from validation.reference.tracking.inbetween import cubics
 from validation.reference.tracking.root import rising_root
 
@@ -154,3 +155,15 @@ def test_a_slow_approach_is_elastic_however_stiff_the_glass(contrast: float) -> 
     exact = FiniteZone(1.0, 1.0, WORK, 0.013).at_penetration(0.01)
     assert trace.contact_radius[-1] == pytest.approx(exact.contact_radius, rel=2e-5)
     assert trace.force[-1] == pytest.approx(exact.force, rel=3e-4)
+
+
+def test_fast_retraction_of_a_stiff_glass_tends_to_the_frozen_limit() -> None:
+    """The gap steps down where the edge has rested; its slopes are those of either side."""
+    material = Material(0.75, 0.5, (Branch(0.75e6, 1.0),))
+    exact = -FrozenRetraction(material, Sphere(1.0), WORK, 0.032).pull_off().force
+    lacks = []
+    for zone in (0.013, 0.0065):
+        scene = _scene((Ramp(-0.5, 1e3),), 0.032, "relaxed", material=material, adhesion=Adhesion(WORK, zone))
+        lacks.append(1.0 + solve(scene, Options(resolution=8)).force.min() / exact)
+    assert 0.06 < lacks[0] < 0.08
+    assert lacks[1] == pytest.approx(0.5 * lacks[0], rel=0.15)

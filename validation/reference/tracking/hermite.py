@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+STEP = 1e-7  # two intervals so unequal in width: the short one is a step
+
 Array = NDArray[np.float64]
 
 
@@ -29,6 +31,15 @@ def slopes(x: Array, y: Array) -> Array:
     bound = np.minimum(bound[:-1], bound[1:])
     middle = left + (right - left) * (h[:-1] / (h[:-1] + h[1:]))
     result[1:-1] = np.minimum(np.maximum(middle, -bound), bound)
+    steps = np.flatnonzero(
+        (x[2:] - x[1:-1] < STEP * (x[1:-1] - x[:-2])) | (x[1:-1] - x[:-2] < STEP * (x[2:] - x[1:-1]))
+    )
+    for j in steps + 1:  # beside a step of the data the slope is that of its own side
+        near, far = (j - 1, j - 2) if x[j + 1] - x[j] < x[j] - x[j - 1] else (j, j + 1)
+        value = secant[near]
+        if 0 <= far < len(h):
+            value = value + (secant[near] - secant[far]) * (h[near] / (h[near] + h[far]))
+        result[j] = np.minimum(np.maximum(value, -3.0 * np.abs(secant[near])), 3.0 * np.abs(secant[near]))
     for end, near, far in ((0, 0, 1), (-1, -1, -2)):
         value = secant[near] + (secant[near] - secant[far]) * h[near] / (h[near] + h[far])
         bound_end = 3.0 * np.abs(secant[near])

@@ -206,7 +206,7 @@ class Run:
     def _let_go(self, segment: Segment, longest: float) -> float:
         """Without adhesion the contact shrinks to a point as the force goes to zero, within ``longest``."""
         ends = [segment.value(self.time), segment.value(self.time + longest)]
-        h = longest * ends[0] / (ends[0] - ends[1]) if ends[0] > max(ends[1], 0.0) else 0.0
+        h = longest * ends[0] / (ends[0] - ends[1])
         attempt = self.attempt(segment)
         a0 = self.surface.radius
         if a0 > self._travel:
@@ -252,6 +252,11 @@ class Run:
         )
         leaps.run_free(self, attempt, outward)
         self._travel = self.largest_travel
+        if self.outcome is None and self.surface.radius == a0:  # it holds for now, though not for so long
+            tick = 4.0 * math.ulp(self.time)
+            if longest > tick:
+                return max(0.25 * longest, tick)
+            self.commit(self.time + longest, attempt.surface_at(longest, a0))
         far = abs(self.surface.radius - a0) > self.largest_travel
         if far and isinstance(self.law, Griffith) and self.outcome is None:
             self.events.append(event)
