@@ -34,7 +34,7 @@ def slopes(x: Array, y: Array) -> Array:
     steps = np.flatnonzero(
         (x[2:] - x[1:-1] < STEP * (x[1:-1] - x[:-2])) | (x[1:-1] - x[:-2] < STEP * (x[2:] - x[1:-1]))
     )
-    for j in steps + 1:  # beside a step of the data the slope is that of its own side
+    for j in (steps + 1).tolist():  # beside a step of the data the slope is that of its own side
         near, far = (j - 1, j - 2) if x[j + 1] - x[j] < x[j] - x[j - 1] else (j, j + 1)
         value = secant[near]
         if 0 <= far < len(h):

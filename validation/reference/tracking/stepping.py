@@ -32,6 +32,7 @@ THIN_EVERY = 12
 THIN_SHARE = 0.1  # of the deviation allowed in a step: what dropping a node may cost
 FOLD = 1e-4  # of the largest travel: the limit point counts as reached when no longer step is stable
 FLAT = 0.2  # rise of the closure over a process zone, relative: below it a limit point may be near
+IN_VAIN = 400  # steps rejected one after the other
 FIRST = 100.0  # times the deviation times the shortest time: the step after a kink, which nothing judges
 
 
@@ -68,6 +69,7 @@ class Run:
     _steepness: float = 0.0
     _heading: float = 0.0  # where the edge has been going, but for noise
     _seen_at: float = 0.0
+    _rejected: int = 0  # when the last step was committed
 
     def go(self) -> Outcome:
         """Carry out all steps of the loading, from where the run stands in it."""
@@ -150,6 +152,9 @@ class Run:
         """One step towards ``stop``; returns the next proposal."""
         if self.counters.steps + self.counters.rejected_steps >= self.options.max_steps:
             self._end(OutcomeKind.STEP_BUDGET, f"{self.options.max_steps} steps are used up")
+            return proposed
+        if self.counters.rejected_steps - self._rejected >= IN_VAIN:
+            self._end(OutcomeKind.STEP_UNDERFLOW, f"no step of {IN_VAIN} could be taken")
             return proposed
         a0, slope = self.surface.radius, self._trail.rate_of_radius()
         left, tick = stop - self.time, 4.0 * math.ulp(self.time)
@@ -324,6 +329,7 @@ class Run:
         """Make a state the present one; rows in ``parts - 1`` places on the way are left to the record."""
         force = surface.force(self.body) if force is None else force
         self.counters.steps += 1
+        self._rejected = self.counters.rejected_steps
         self.counters.history_updates += len(surface.inside) + len(surface.outside)
         if self.counters.steps % THIN_EVERY == 0:
             surface = thinned(surface, THIN_SHARE * self.fineness.deviation)
