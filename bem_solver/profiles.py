@@ -20,7 +20,8 @@ def surface_profile(problem: Problem, front: Front) -> Profile:
             ([0.0], inside, near[near < 2.0 * edge], edge * np.linspace(2.0, _REACH, 101))
         )
     else:
-        radius = problem.length * np.linspace(0.0, 100.0 * _REACH, 401)
+        # without any length to go by, the centre alone
+        radius = np.unique(problem.length * np.linspace(0.0, 100.0 * _REACH, 401))
     points = points_at(problem, front, radius)
     pressure = front.surface.pressure(radius)
     gap = points.height - front.penetration + points.displacement

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from paper_scenes import ELASTIC, ONE, SPHERE, cycle, scene
 
 from bem_solver import Options, solve
-from scene import Hold, Ramp
+from scene import Branch, Force, ForceRamp, Hold, Material, Ramp
 from validation import reference
 from validation.reference import hertz
 
@@ -131,3 +131,26 @@ def test_relaxed_surface_is_elastic_and_only_force_remembers():
     assert_allclose(profile.contact_radius, a, rtol=2e-3)
     assert_allclose(profile.force, hertz.force(a, 1.0, ONE.relaxed_plane_modulus), rtol=2e-3)
     assert front(scene(start="relaxed", at=0.03, adhesion=None)).force[0] > 0.0
+
+
+def test_never_touched_and_no_length_to_go_by():
+    question = scene(Ramp(-0.01, 0.1), start="relaxed", adhesion=None)
+    profile = solve(question, Options(resolution=4, profile_times=(0.0,))).profiles[0]
+    assert profile.radius.tolist() == profile.pressure.tolist() == profile.gap.tolist() == [0.0]
+
+
+def test_a_surface_let_go_keeps_its_dent():
+    """Profile at the moment an adhesionless contact is lost: nowhere inside the indenter."""
+    question = scene(
+        ForceRamp(0.0015, 0.096),
+        Force(-0.0024, 0.7),
+        start="relaxed",
+        at=-0.0017,
+        adhesion=None,
+        material=Material(0.75, 0.5, (Branch(0.75, 0.01),)),
+    )
+    lost = 0.0015 / 0.096
+    profile = solve(question, Options(resolution=6, profile_times=(lost,))).profiles[-1]
+    assert profile.contact_radius == 0.0
+    assert profile.gap.min() > -1e-3 * profile.penetration
+    assert_allclose(profile.displacement.max(), profile.penetration, rtol=1e-3)
