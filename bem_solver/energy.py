@@ -28,6 +28,8 @@ from bem_solver.surface import Surface
 
 Array = NDArray[np.float64]
 
+_MOSTLY = 0.5
+
 
 @dataclass(frozen=True)
 class Energies:
@@ -106,10 +108,15 @@ def at_start(chain: Chain, load_work: float, relaxed: bool) -> Energies:
 
 
 def stepped(chain: Chain, before: Energies, now: Change, duration: float) -> Energies:
-    """Energies after a step, short or long as each branch sees it."""
+    """Energies after a step, short or long as each branch sees it.
+
+    A step is short, too, if most of what changes in it changes at the tip: all of that is in the states.
+    """
     y = duration / chain.retardation
-    short, long = _short(chain, before, now, y), _long(chain, before, now, y)
-    energy, lost = (np.where(y < 1.0, one, other) for one, other in zip(short, long, strict=True))
+    whole = now.load_work + before.load_work - 2.0 * now.across
+    short = (y < 1.0) | (now.tip > _MOSTLY * whole)
+    ways = _short(chain, before, now, y), _long(chain, before, now, y)
+    energy, lost = (np.where(short, one, other) for one, other in zip(*ways, strict=True))
     return Energies(now.load_work, now.branch_work, energy, before.dissipated + float(np.sum(lost)))
 
 

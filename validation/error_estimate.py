@@ -138,9 +138,12 @@ def _with_sampling(errors: dict[str, float], trace: Trace) -> dict[str, float]:
 
 
 def _reach(trace: Trace, column: Array, row: int, error: float) -> float:
-    """How far a column goes from the largest tension to where tension is less by a relative error."""
+    """How far a column goes from the largest tension to where tension is less by a relative error.
+
+    Another peak that is hardly lower counts too: which of the two is larger is more than the run can tell.
+    """
     least = (1.0 - error) * -trace.force[row]
-    farthest = 0.0
+    farthest = float(np.abs(column[-trace.force >= least] - column[row]).max())
     for way in (slice(row, None, -1), slice(row, None)):
         tension, values = -trace.force[way], column[way]
         below = np.flatnonzero(tension < least)
