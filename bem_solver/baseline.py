@@ -182,6 +182,8 @@ class _Run:
 
     def _follow(self, piece: Piece, count: int, report: Callable[[], None]) -> Outcome | None:
         """Take the run through a piece in ``count`` equal steps; an outcome if it ends there."""
+        if self.place.taken == 0:
+            self.recorder.kink()
         for index in range(self.place.taken + 1, count + 1):
             self.place.taken = index - 1
             if not goes_on(self.watch, self.state):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from bem_solver.stepping import Stepper
 
 _MADE_ANEW = ("problem", "recorder", "progress", "watch")
-_RECORDED = ("rows", "events", "profiles")
+_RECORDED = ("rows", "kinks", "events", "profiles")
 
 
 @dataclass

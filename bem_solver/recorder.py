@@ -9,6 +9,7 @@ import numpy as np
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies
 from bem_solver.trial import Front
+from bem_solver.work import external_work
 from scene import Counters, Event, Outcome, OutcomeKind, Profile, Trace
 
 
@@ -21,6 +22,7 @@ class Recorder:
     rows: list[tuple[float, ...]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     profiles: list[Profile] = field(default_factory=list)
+    kinks: list[int] = field(default_factory=list)
 
     def row(self, front: Front, energies: Energies) -> None:
         """One accepted state."""
@@ -35,6 +37,10 @@ class Recorder:
                 front.surface.stress_intensity,
             )
         )
+
+    def kink(self) -> None:
+        """What follows does not go on smoothly from the last row."""
+        self.kinks.append(max(len(self.rows) - 1, 0))
 
     def event(self, kind: str, front: Front) -> None:
         """An instability at the committed state."""
@@ -58,8 +64,7 @@ class Recorder:
         time, penetration, force, radius, stored, branch, intensity = (
             np.array(column) for column in zip(*self.rows, strict=True)
         )
-        steps = 0.5 * (force[1:] + force[:-1]) * np.diff(penetration)
-        external = np.concatenate(([0.0], np.cumsum(steps)))
+        external = external_work(time, penetration, force, self.kinks)
         area = np.pi * radius**2
         dissipated = external + self.work * (area - area[0]) - (stored - stored[0])
         return Trace(

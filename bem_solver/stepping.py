@@ -132,6 +132,7 @@ class Stepper:
     def _begin(self, piece: Piece) -> None:
         """Set out on a piece."""
         if piece.fresh:
+            self.recorder.kink()
             self.step = min(self.step, 0.05 * piece.length) if self.step > 0.0 else 0.01 * piece.length
         if piece.jump:
             self.step = 0.1
@@ -270,6 +271,7 @@ class Stepper:
         """Forget the rates after a jump of the edge."""
         self.past.rows = [(parameter, self.front.edge, self._load(piece, self.front))]
         self.travel, self.step = 1.0, step
+        self.recorder.kink()
 
     def _touch(self, piece: Piece, parameter: float) -> tuple[float, Outcome | None]:
         """Without contact: wait for the load to turn positive, then make the first small contact."""
