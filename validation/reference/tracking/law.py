@@ -22,7 +22,7 @@ class Griffith:
     """``I(a)/dg - 1`` (paper, Eq. closure)."""
 
     adhesion: Adhesion
-    closed: ClassVar[float] = 1e-8  # residual at an accepted edge
+    closed: ClassVar[float] = 1e-10  # residual at an accepted edge
 
     @property
     def reach(self) -> float:
