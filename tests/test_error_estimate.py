@@ -161,6 +161,7 @@ def test_compare_prints_estimates_and_names_a_disagreement(capsys, tmp_path, mon
     assert "parts at t =" in line
 
 
+@pytest.mark.slow
 def test_real_solvers_estimate_what_they_miss():
     """Static states, against the reference: true differences lie within the estimates."""
     case = load("relaxed-equilibrium")

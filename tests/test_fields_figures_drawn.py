@@ -153,6 +153,7 @@ def test_body_of_revolution(cut, view, shown):
     assert "times as large" in drawn.axes[0].get_title()
 
 
+@pytest.mark.slow
 def test_album_writes_what_it_says(tmp_path, monkeypatch):
     blank = np.zeros((60, 100, 3), np.uint8)
     monkeypatch.setattr(window, "picture", lambda fill, size: blank)

@@ -125,6 +125,7 @@ def test_jkr_force_control() -> None:
     assert observe(trace).detachment_penetration > -0.006
 
 
+@pytest.mark.slow
 def test_constant_tension_detaches_with_delay() -> None:
     trace = solve(_scene((Force(-3.0 * F_JKR, 1000.0),), 0.032, "relaxed"))
     assert trace.outcome.kind is OutcomeKind.DETACHED
@@ -191,6 +192,7 @@ def test_flat_punch_without_adhesion() -> None:
     assert trace.counters.closure_evaluations < 20_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "shape",
     [Cone(80.0), PowerLaw(4.0, 1.0), TabulatedProfile((0.0, 0.1, 0.2, 0.6), (0.0, 0.004, 0.02, 0.19))],
@@ -322,6 +324,7 @@ def test_profile_of_jkr() -> None:
     assert profile.gap.min() >= 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [Sphere(1.0), Cone(80.0), PUNCH], ids=lambda s: s.shape)
 @pytest.mark.parametrize("time", [0.0, 0.8, 1.6, 1.9])
 def test_profiles_carry_the_force(shape, time: float) -> None:  # type: ignore[no-untyped-def]

@@ -62,6 +62,7 @@ def test_slow_approach_follows_the_closing_law():
     assert_allclose(release / formula / bias, 1.0, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_only_the_fixed_zone_law_fits_the_transition():
     """The comparison laws are off by several per cent somewhere between the ends (they may cross it)."""
     runs = [measured(reference, ONE, 2e-3, 0.25, 0.05, rate, 6) for rate in (1e-4, 1e-3)]

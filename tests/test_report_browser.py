@@ -86,6 +86,7 @@ def test_page_fits_and_shows_everything(page, tmp_path, width):
     assert seen["labels"] > 50
 
 
+@pytest.mark.slow
 def test_dark_page_has_light_ink(page, tmp_path):
     light = look(tmp_path, page, 800, "--blink-settings=preferredColorScheme=1")
     dark = look(tmp_path, page, 800, "--blink-settings=preferredColorScheme=0")

@@ -15,6 +15,7 @@ from validation.__main__ import main
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH")
 
 
+@pytest.mark.slow
 def test_page_fits_a_phone_and_shows_everything(tmp_path, monkeypatch):
     for name, order in ORDERS.items():
         made_up = dataclasses.replace(schemes.SCHEMES[name], load=converging(order))
