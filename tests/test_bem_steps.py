@@ -84,7 +84,7 @@ def test_kinks_of_a_table_are_stepped_onto():
     "question",
     [
         cycle(0.1, depth=0.01),
-        scene(Ramp(0.02, 0.1), Hold(1.0), Force(PULL, 1.0), Ramp(-0.5, 0.1)),
+        scene(Ramp(0.02, 0.1), Hold(0.1), Force(PULL, 0.1), Ramp(-0.5, 0.1)),
         scene(Ramp(0.01, 0.05), Ramp(-0.02, 0.05), adhesion=None),
     ],
     ids=["cycle", "four steps", "adhesionless"],
