@@ -313,9 +313,9 @@ class Stepper:
         # a residual of rounding size is no reason to stop
         stress = problem.work or 0.5 * self.largest_force / front.edge
         receding, nothing = self.receding, 1e-9 * stress
-        self.recorder.event("pull-off" if receding else "snap-in", front)
+        reach = problem.length_at(front.edge) / self.divisions
         # from beyond the stretch that was tried in vain: landing where it stood would be for ever
-        start = problem.length_at(front.edge) / self.divisions * _FINEST_TRAVEL
+        start = reach * _FINEST_TRAVEL
         edge = front.edge - start if receding else min(front.edge + start, limit)
         ratio = 1.0 / 1.02 if receding else 1.02
         while 1e-3 * self.scale < edge < 1e3 * self.scale and (receding or edge < limit):
@@ -329,9 +329,12 @@ class Stepper:
                 landed = rising_root(
                     trial, edge, 0.0, low, high, _ACCURACY * self.tolerance * problem.length_at(edge)
                 ).trial
+            if abs(landed.motion.new_edge - front.edge) > reach:  # less is no jump but a step
+                self.recorder.event("pull-off" if receding else "snap-in", front)
             self._commit(landed, front.time)
             self._restart(piece, parameter, 1e-3 * piece.length)
             return None
+        self.recorder.event("pull-off" if receding else "snap-in", front)
         if receding:
             reason = f"no stable contact at {piece.control} {piece.prescribed(parameter):.6g}"
             return Outcome(OutcomeKind.DETACHED, reason, front.time)
