@@ -33,6 +33,7 @@ _LOAD_WEIGHT = 4.0  # the load follows the prescribed history closer than the ed
 _WIDEST_TRAVEL = 4096.0
 _ACCURACY = 4e-3  # of the edge, in step tolerances of the length it is resolved on
 _RESIDUAL = 1e-2  # of the closure, in step tolerances of the work of adhesion
+_NOTHING = 1e-9  # of the largest force: steep profiles keep a radius to the last
 _VANISHING = 2e-3  # contact radius, relative to its largest: an adhesionless contact is lifting off
 
 
@@ -123,7 +124,10 @@ class Stepper:
                 self.recorder.event("pull-off", self.front)
                 reason = "the contact has become as short as the process zone"
                 return Outcome(OutcomeKind.DETACHED, reason, self.front.time)
-            if self.problem.work == 0.0 and self.front.edge < _VANISHING * self.largest_edge:
+            if self.problem.work == 0.0 and (
+                self.front.edge < _VANISHING * self.largest_edge
+                or abs(self.front.surface.force) < _NOTHING * self.largest_force
+            ):
                 return self._lift_off(piece)
         if piece.jump:
             self.step = 0.0  # a share of the jump, no time
