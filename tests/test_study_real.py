@@ -48,7 +48,9 @@ def test_the_front_tracking_is_of_second_order_or_better_by_its_values_alone(fou
     entry = next(e for e in found.ladders if e.ladder.scheme == "reference")
     rows = {row.observable: row for row in entry.rows}
     alone = rows["loop_energy"].alone
-    assert all(1.8 <= order <= 5.0 for order in alone.orders), alone
+    known = [order for order in alone.orders if order is not None]  # none where differences change their sign
+    assert known, alone
+    assert all(1.8 <= order <= 5.0 for order in known), alone
     assert rows["loop_energy"].fitted > 1.8
 
 
