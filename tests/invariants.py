@@ -34,6 +34,7 @@ from scene import (
 )
 
 ROUND_OFF = 1e-12
+ENERGIES = ("stored_energy", "external_work", "dissipated_energy")  # each the difference of the others
 CLEAR = (OutcomeKind.NO_EQUILIBRIUM, OutcomeKind.OUT_OF_RANGE)  # no full answer, and no failure either
 
 
@@ -198,11 +199,11 @@ def pays_for_a_closed_cycle(solver: Solver, scene: Scene) -> None:
 
 
 def does_not_mind_units(solver: Solver, scene: Scene, other: Scene, units: dict[str, float]) -> None:
-    """The same scene in other units: the same rows to 1e-9, with adhesion to 1e-6.
+    """The same scene in other units: the same rows to 1e-9, with adhesion to 1e-6; energies of the effort.
 
-    Next to the loss of contact rows lie where a root of the closure is found: its accuracy, divided by a
-    slope that vanishes there, is that of their time. Where rounding turned a decision of the step control,
-    so that there are other rows: the same end, as closely as a step is held to.
+    With adhesion rows lie where the step control puts them, by differences of the last rows that magnify
+    rounding; next to the loss of contact they lie where a root of a slope that vanishes is found. Where
+    rounding turned a decision, so that there are other rows: the same end, as closely as a step is held to.
     """
     trace, twin = answered(solver, scene), answered(solver, other)
     assert (trace is None) == (twin is None)
@@ -214,8 +215,9 @@ def does_not_mind_units(solver: Solver, scene: Scene, other: Scene, units: dict[
     rows, close = (slice(None), exactly) if same else (slice(-1, None), solver.declared(scene))
     for name, unit in units.items():
         column = trace.columns()[name]
+        scale = effort(scene, trace) if name in ENERGIES else np.abs(column).max(initial=0.0)
         apart = np.abs(twin.columns()[name][rows] / unit - column[rows]).max(initial=0.0)
-        assert apart <= close * np.abs(column).max(initial=0.0), name
+        assert apart <= close * scale, name
 
 
 def does_not_mind_a_rest(solver: Solver, scene: Scene, rest: float) -> None:

@@ -37,6 +37,7 @@ RAMPED = replace(PRESSED, loading=Loading("relaxed", 0.01, (Ramp(0.02, 0.05),)))
 BARE = replace(PRESSED, adhesion=None)
 AROUND = replace(PRESSED, loading=Loading("relaxed", 0.01, (Table((0.0, 1.0, 2.0), (0.01, 0.02, 0.01)),)))
 SHAKEN = replace(PRESSED, loading=Loading("relaxed", 0.01, (Oscillate(0.001, 6.0, 1.0),)))
+OTHER_UNITS = (2.0**-30, 2.0**20, 2.0**-10)  # of length, modulus and time
 HISTORIES = ((0.0, 1.0, 3.0), [0.01, 0.02, -0.01], [0.0, 0.02, 0.01], (0.5, -0.7))
 
 
@@ -108,7 +109,7 @@ def many(scene: Scene) -> bool:
 
 
 def small(scene: Scene) -> bool:
-    return scene.indenter.edge > 1e3 and scene.adhesion is not None and scene.adhesion.zone < 1e-3
+    return isinstance(scene.indenter, Sphere) and scene.indenter.radius < 1e-3
 
 
 BROKEN: dict[str, list[tuple[Spoil, tuple]]] = {
@@ -142,8 +143,10 @@ BROKEN: dict[str, list[tuple[Spoil, tuple]]] = {
         (changed("branch_dissipation", np.zeros_like), (AROUND,)),
     ],
     "units": [
-        (when(small, changed("force", lambda f: f * (1.0 + 1e-8))), (SHAKEN, 2.0**-30, 2.0**20, 2.0**-10)),
-        (when(small, changed("time", last_is(1.0))), (SHAKEN, 2.0**-30, 2.0**20, 2.0**-10)),
+        (when(small, changed("force", lambda f: f * (1.0 + 1e-8))), (BARE, *OTHER_UNITS)),
+        (when(small, changed("external_work", lambda w: w * (1.0 + 1e-8))), (BARE, *OTHER_UNITS)),
+        (when(small, changed("force", lambda f: f * (1.0 + 1e-5))), (SHAKEN, *OTHER_UNITS)),
+        (when(small, changed("time", last_is(1.0))), (SHAKEN, *OTHER_UNITS)),
     ],
     "rest": [
         (when(lambda s: isinstance(s.loading.steps[0], Hold), changed("force", louder)), (RAMPED, 3.0)),

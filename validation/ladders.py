@@ -86,7 +86,7 @@ def _fem(scene: Scene) -> Ladder:
 
 def _fem_volume(scene: Scene) -> Ladder:
     """The same answer as the condensed form, at another price: the levels stay coarse."""
-    levels = _fem_levels(scene, (3, 4, 5, 6) if scene.is_adhesive else (1, 2, 3))
+    levels = _fem_levels(scene, (3, 4, 5, 6) if scene.is_adhesive else (1, 2, 3, 4))
     refined = "as the condensed form, whose answer it repeats: only the price is of interest"
     return Ladder("fem-volume", "together", refined, levels)
 
