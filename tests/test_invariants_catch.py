@@ -143,9 +143,8 @@ BROKEN: dict[str, list[tuple[Spoil, tuple]]] = {
         (changed("branch_dissipation", np.zeros_like), (AROUND,)),
     ],
     "units": [
-        (when(small, changed("force", lambda f: f * (1.0 + 1e-8))), (BARE, *OTHER_UNITS)),
-        (when(small, changed("external_work", lambda w: w * (1.0 + 1e-8))), (BARE, *OTHER_UNITS)),
-        (when(small, changed("force", lambda f: f * (1.0 + 1e-5))), (SHAKEN, *OTHER_UNITS)),
+        (when(small, changed("force", lambda f: f * (1.0 + 1e-8))), (SHAKEN, *OTHER_UNITS)),
+        (when(small, changed("stored_energy", lambda u: u * (1.0 + 1e-8))), (SHAKEN, *OTHER_UNITS)),
         (when(small, changed("time", last_is(1.0))), (SHAKEN, *OTHER_UNITS)),
     ],
     "rest": [

@@ -22,6 +22,7 @@ from validation.reference.tracking.law import Griffith, Law, NoTension
 from validation.reference.tracking.marks import Marks
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.record import Record
+from validation.reference.tracking.rounding import few_digits
 from validation.reference.tracking.surface import Body, Surface
 from validation.reference.tracking.thinning import thinned
 from validation.reference.tracking.trail import FORCE, PENETRATION, RADIUS, Trail
@@ -162,6 +163,7 @@ class Run:
         if abs(slope) * h > 0.95 * self._travel:
             h = 0.9 * self._travel / abs(slope)
         h = self._trail.up_to_turn(h, self.fineness.deviation * self.radius_scale)
+        h = h if h == left else max(few_digits(h), tick)
         guess = self._trail.course(RADIUS).ahead(h)
         if isinstance(self.law, NoTension) and a0 > 0.0:
             if segment.control == "force" and segment.value(self.time + h) <= 0.0:
@@ -228,7 +230,7 @@ class Run:
             return longest
         turn = self._trail.to_extremum(FORCE, RADIUS) / (radius - a0)
         if 0.1 < turn < 1.0 and radius > 0.0:
-            radius = a0 + turn * (radius - a0)
+            radius = a0 + few_digits(turn) * (radius - a0)
         h = attempt.duration_to(radius, longest)
         if h is not None and h > 0.0:
             probe = radius + 1e-2 * (radius - a0)
@@ -239,7 +241,7 @@ class Run:
                 row = (self.time + h, radius, force, surface.penetration)
                 deviation = self._judge(attempt.segment, surface, force).along_edge(row)
                 change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
-                self._travel = min(self.largest_travel, max(change, 0.2) * abs(radius - a0))
+                self._travel = min(self.largest_travel, few_digits(max(change, 0.2) * abs(radius - a0)))
                 if deviation > 2.0 and radius > 0.0:
                     self.counters.rejected_steps += 1
                     return longest
