@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from scene import (
     Adhesion,
@@ -145,6 +147,35 @@ def test_rows_in_between_are_cubics() -> None:
     np.testing.assert_allclose(got[:3, 0], at[:3] ** 3 - at[:3], atol=1e-14)
     np.testing.assert_allclose(got[:3, 1], at[:3] ** 3, atol=1e-14)
     np.testing.assert_allclose(got[3:, 1], 5.0 - 2.0 * at[3:], atol=1e-14)
+
+
+@given(
+    st.lists(st.integers(-12, 0), min_size=5, max_size=5),
+    st.lists(st.floats(0.0, 1.0), min_size=6, max_size=6),
+)
+def test_rows_in_between_stay_with_their_neighbours(decades: list[int], heights: list[float]) -> None:
+    """However unevenly the rows are spaced."""
+    time = np.concatenate(([0.0], np.cumsum(10.0 ** np.array(decades))))
+    index = np.arange(5)
+    got = cubics(time, np.array(heights)[:, None], np.array([0, 5]), index, 0.5 * (time[1:] + time[:-1]))
+    assert got.min() >= -1.0
+    assert got.max() <= 2.0
+
+
+def test_a_force_that_rises_from_nothing_leaves_sane_rows() -> None:
+    """The contact begins as a point: its first rows crowd, and nothing is made up between them."""
+    branches = (
+        Branch(0.29244310901626885, 0.05861381645140288),
+        Branch(9.1, 1.62181009735893),
+        Branch(1.156222435739773, 0.0628058358813318),
+    )
+    steps = (ForceRamp(0.001008, 0.016146930909452486),)
+    shape = PowerLaw(1.28, 0.1569320331070751)
+    loading = Loading("jump-in", -0.0052, steps)
+    trace = solve(Scene(Material(0.91, 0.3, branches), shape, loading), Options(resolution=5))
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert trace.contact_radius.min() >= 0.0
+    assert trace.contact_radius.max() <= 1.001 * trace.contact_radius[-1]
 
 
 @pytest.mark.parametrize("contrast", [1e3, 1e6])

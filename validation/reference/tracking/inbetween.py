@@ -1,4 +1,8 @@
-"""Values between the rows of a run: the cubic through the four nearest rows of a smooth stretch."""
+"""Values between the rows of a run: the cubic through the four nearest rows of a smooth stretch.
+
+Rows that crowd beside a long step make a polynomial of their rounding errors. Where it departs from the
+straight line by more than the four rows differ, the straight line is taken.
+"""
 
 from __future__ import annotations
 
@@ -30,6 +34,11 @@ def cubics(time: Array, values: Array, ends: Indices, index: Indices, at: Array)
         if these.any():
             rows = start[these, None] + np.arange(degree + 1)
             result[these] = _newton(time[rows], values[rows], at[these])
+            span = np.ptp(values[rows], axis=1)
+            left = index[these]
+            share = (at[these] - time[left]) / (time[left + 1] - time[left])
+            chord = values[left] + share[:, None] * (values[left + 1] - values[left])
+            result[these] = np.where(np.abs(result[these] - chord) > span, chord, result[these])
     return result
 
 
