@@ -25,7 +25,7 @@ from scene import (
     Table,
     TabulatedProfile,
 )
-from validation.reference import Options, solve
+from validation.reference import Options, sneddon, solve
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
 from validation.reference.tracking.inbetween import cubics
@@ -176,6 +176,20 @@ def test_a_force_that_rises_from_nothing_leaves_sane_rows() -> None:
     assert trace.outcome.kind is OutcomeKind.COMPLETED
     assert trace.contact_radius.min() >= 0.0
     assert trace.contact_radius.max() <= 1.001 * trace.contact_radius[-1]
+    assert trace.counters.closure_evaluations < 1000  # a begin that is not resolved is haggled over for long
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.28, 2.0, 8.0])
+def test_a_contact_that_begins_as_a_point_soon_forgets_it(exponent: float) -> None:
+    """A contact that grows has the radius of an elastic one, whatever it has been through (Lee and Radok)."""
+    shape = PowerLaw(exponent, 1.0)
+    top = float(sneddon.depth(shape, 0.3))
+    trace = solve(_scene((Ramp(top, top),), shape=shape, material=RUBBER), COARSE)
+    for share in (1e-2, 0.1, 1.0):
+        row = int(np.argmin(np.abs(trace.penetration - share * top)))
+        exact = sneddon.contact_radius(shape, float(trace.penetration[row]))
+        assert trace.contact_radius[row] == pytest.approx(exact, rel=1e-5)
+    assert trace.counters.steps + trace.counters.rejected_steps < 600
 
 
 @pytest.mark.parametrize("contrast", [1e3, 1e6])

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 MOST = 400  # nodes left by an edge that runs
 GROWTH = 1.1  # of the strides in which an edge on the run is looked for
 BENT = 0.99  # of the travel: short of turning round within the step
+FIRST = np.arange(1, 16) / 16.0  # where a contact that begins has nodes
 NARROW = 1e-14  # relative: two radii or two times that are the same
 
 
@@ -63,6 +64,8 @@ class Attempt:
         bend = min(max(bend, -limit), limit)
         path = Path(start.radius, travel, bend)
         marks = self.marks(duration) if travel != 0.0 else np.empty(0)
+        if start.radius == 0.0 < travel:  # a contact is not left to its centre and its edge
+            marks = np.union1d(marks, FIRST)
         if abs(travel) > 2.0 * self.spacing:  # an edge that runs leaves nodes on its way, too
             count = min(int(abs(travel) / self.spacing), MOST)
             marks = np.union1d(marks, np.arange(1, count + 1) / (count + 1))

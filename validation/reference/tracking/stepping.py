@@ -173,7 +173,8 @@ class Run:
                 if attempt.residual(left, 0.0) > 0.0:
                     return self._by_distance(attempt, 0.0, left)
         attempt = self.attempt(segment, abs(guess - a0))
-        low, high = max(a0 - self._travel, self.law.lowest), min(a0 + self._travel, self.scene.indenter.edge)
+        reach = self._travel if a0 > 0.0 else self.radius_scale  # a contact that begins runs
+        low, high = max(a0 - self._travel, self.law.lowest), min(a0 + reach, self.scene.indenter.edge)
         found = attempt.edge(h, guess, low, high, self._steepness)
         if found.radius != a0 and slope == 0.0:
             departure = attempt.departure(h)
