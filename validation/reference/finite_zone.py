@@ -99,7 +99,7 @@ class FiniteZone:
             lambda a: self.state(a).penetration - penetration,
             low.contact_radius,
             high,
-            xtol=1e-15,
+            xtol=1e-300,
             rtol=1e-14,
         )
         return self.state(float(root))
@@ -121,5 +121,5 @@ class FiniteZone:
     def _least(self, curve: Callable[[float], float], near: State) -> State:
         low = max(0.25 * near.contact_radius, 1.001 * self.zone)
         bounds = (low, max(4.0 * near.contact_radius, 4.0 * low))
-        least = minimize_scalar(curve, bounds=bounds, method="bounded", options={"xatol": 1e-12})
+        least = minimize_scalar(curve, bounds=bounds, method="bounded", options={"xatol": 1e-12 * bounds[1]})
         return self.state(float(least.x))

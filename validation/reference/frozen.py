@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from scene import FlatPunch, Indenter, Material
+from scene import FlatPunch, Indenter, Material, TabulatedProfile
 from validation.reference import sneddon
 from validation.reference.jkr import JKR, NoEquilibrium, State
 
@@ -101,7 +101,8 @@ class FrozenRetraction:
             best = float(grid[k])
             if 0 < k < len(grid) - 1:
                 bracket = (grid[k - 1], grid[k + 1])
-                best = float(minimize_scalar(self.force, bounds=bracket, method="bounded").x)
+                near = {"method": "bounded", "options": {"xatol": 1e-9 * best}}
+                best = float(minimize_scalar(self.force, bounds=bracket, **near).x)
         return State(best, float(self.penetration(best)), float(self.force(best)))
 
     @property
@@ -110,7 +111,7 @@ class FrozenRetraction:
 
     def _outermost(self, law: JKR) -> float:
         """Largest root of ``D(a) = D_B`` for a tabulated profile, sought from outside inwards."""
-        high = 1.0
+        high = self.indenter.radii[-1] if isinstance(self.indenter, TabulatedProfile) else 1.0
         while law.penetration(high) < self.start:
             high *= 2.0
         grid = np.geomspace(1e-6 * high, high, 1001)
@@ -119,5 +120,5 @@ class FrozenRetraction:
             raise NoEquilibrium(f"no relaxed contact at penetration {self.start:g}")
         k = int(below[-1])
         return float(
-            brentq(lambda a: float(law.penetration(a)) - self.start, grid[k], grid[k + 1], xtol=1e-15)
+            brentq(lambda a: float(law.penetration(a)) - self.start, grid[k], grid[k + 1], xtol=1e-300)
         )

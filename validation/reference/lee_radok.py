@@ -119,6 +119,8 @@ def _radius_of_unit_force(indenter: Indenter, unit_force: Array) -> Array:
         high = 1.0
         while sneddon.force(indenter, high, 1.0) < target:
             high *= 2.0
-        return float(brentq(lambda a: float(sneddon.force(indenter, a, 1.0)) - target, 0.0, high, xtol=1e-15))
+        return float(
+            brentq(lambda a: float(sneddon.force(indenter, a, 1.0)) - target, 0.0, high, xtol=1e-300)
+        )
 
     return np.vectorize(invert, otypes=[float])(unit_force)

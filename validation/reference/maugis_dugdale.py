@@ -68,8 +68,9 @@ class MaugisDugdale:
     def pull_off_force(self) -> float:
         """Largest tension under force control, positive: between 1.5 and 2 ``pi dg R``."""
         # The least force lies at a' <= (3/2)^(1/3), its JKR place; for small lambda it is at a = 0.
+        widest = 1.5 * self.radius_unit
         least = minimize_scalar(
-            self.force, bounds=(0.0, 1.5 * self.radius_unit), method="bounded", options={"xatol": 1e-12}
+            self.force, bounds=(0.0, widest), method="bounded", options={"xatol": 1e-12 * widest}
         )
         return -min(float(least.fun), self.force(0.0))
 

@@ -81,7 +81,9 @@ def contact_radius(indenter: Indenter, penetration: float) -> float:
     high = 1.0
     while depth(indenter, high) < penetration:
         high *= 2.0
-    return float(brentq(lambda a: float(depth(indenter, a)) - penetration, 0.0, high, xtol=1e-15, rtol=1e-14))
+    return float(
+        brentq(lambda a: float(depth(indenter, a)) - penetration, 0.0, high, xtol=1e-300, rtol=1e-14)
+    )
 
 
 def unit_force(indenter: Indenter, contact_radius: ArrayLike, penetration: ArrayLike) -> Array:
