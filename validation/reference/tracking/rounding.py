@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 
-KEPT = 2.0**12
+KEPT = 2.0**16  # far above what rounding is magnified to, far below what a step does to the result
 
 
-def few_digits(length: float) -> float:
-    """``length`` rounded to twelve binary digits."""
-    mantissa, exponent = math.frexp(length)
-    return math.ldexp(round(KEPT * mantissa) / KEPT, exponent)
+def few_digits(length: float, unit: float = 1.0) -> float:
+    """``length`` rounded to sixteen binary digits, counted in a ``unit`` that the scene itself gives."""
+    mantissa, exponent = math.frexp(length / unit)
+    return math.ldexp(round(KEPT * mantissa) / KEPT, exponent) * unit

@@ -163,7 +163,8 @@ class Run:
         if abs(slope) * h > 0.95 * self._travel:
             h = 0.9 * self._travel / abs(slope)
         h = self._trail.up_to_turn(h, self.fineness.deviation * self.radius_scale)
-        h = h if h == left else max(few_digits(h), tick)
+        if tick < h < left:
+            h = max(few_digits(h, segment.end - segment.start), tick)
         guess = self._trail.course(RADIUS).ahead(h)
         if isinstance(self.law, NoTension) and a0 > 0.0:
             if segment.control == "force" and segment.value(self.time + h) <= 0.0:
@@ -242,7 +243,8 @@ class Run:
                 row = (self.time + h, radius, force, surface.penetration)
                 deviation = self._judge(attempt.segment, surface, force).along_edge(row)
                 change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
-                self._travel = min(self.largest_travel, few_digits(max(change, 0.2) * abs(radius - a0)))
+                travel = few_digits(max(change, 0.2) * abs(radius - a0), self.largest_travel)
+                self._travel = min(self.largest_travel, travel)
                 if deviation > 2.0 and radius > 0.0:
                     self.counters.rejected_steps += 1
                     return longest
