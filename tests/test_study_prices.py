@@ -15,6 +15,7 @@ from validation.work_precision import (
     growth,
     growth_in_words,
     in_words,
+    measures,
     left_out,
     price,
 )
@@ -74,7 +75,14 @@ def test_the_cheapest_scheme_is_named():
     assert len(said) == 4
     assert "At 1e-01 baseline is cheapest: at most 0.1 s" in said[0]
     assert "At 1e-04 bem is cheapest: 2.8 s (baseline does not reach it)" in said[3]
-    assert "no scheme reaches" in in_words(studies, "no such error")[0]
+    assert "no scheme reaches" in in_words([made_up("bem", [None], [1.0])])[0]
+
+
+def test_an_error_that_no_run_can_have_is_not_asked_for():
+    """No pull-off force without adhesion; but where all runs failed everything stays visible."""
+    assert measures([made_up("bem", [1e-1], [1.0])]) == [MEASURE]
+    assert in_words([made_up("bem", [1e-1], [1.0])], "pull_off_force") == ["there is none in this scene."]
+    assert len(measures([made_up("bem", [None], [1.0])])) == 6
 
 
 def test_exponents_of_cost():

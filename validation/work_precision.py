@@ -90,8 +90,16 @@ def growth(study: Convergence, work: str, measure: str = MEASURES[0]) -> Growth:
     return Growth(study.ladder.scheme, work, fitted_slope(fineness, spent), fitted_slope(inverse, spent))
 
 
+def measures(studies: list[Convergence]) -> list[str]:
+    """What errors are given in: without adhesion, for instance, there is no pull-off force to be wrong."""
+    known = {name for study in studies for run in study.runs for name in run.errors}
+    return [name for name in MEASURES if name in known or not known]
+
+
 def in_words(studies: list[Convergence], measure: str = MEASURES[0]) -> list[str]:
     """One sentence for each asked error."""
+    if measure not in measures(studies):
+        return ["there is none in this scene."]
     said = []
     for asked in ASKED:
         best, prices = cheapest(studies, measure, asked)

@@ -151,7 +151,7 @@ def _scene(scene: SceneStudy) -> dict[str, Any]:
     asked = [
         {"measure": measure, "asked": error, "cheapest": best.scheme if best else None}
         | {"seconds": {entry.scheme: entry.seconds for entry in found}}
-        for measure in work_precision.MEASURES
+        for measure in work_precision.measures(scene.timed)
         for error in work_precision.ASKED
         for best, found in [work_precision.cheapest(scene.timed, measure, error)]
     ]

@@ -211,7 +211,7 @@ def prices(scene: SceneStudy, threads: str) -> Section:
 def _price_table(studies: Sequence[Convergence]) -> Table:
     head = ("error in", "asked", *(study.ladder.scheme for study in studies), "cheapest")
     rows = []
-    for measure in work_precision.MEASURES:
+    for measure in work_precision.measures(list(studies)):
         for asked in work_precision.ASKED:
             best, found = work_precision.cheapest(list(studies), measure, asked)
             cells = [
