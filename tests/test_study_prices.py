@@ -15,8 +15,8 @@ from validation.work_precision import (
     growth,
     growth_in_words,
     in_words,
-    measures,
     left_out,
+    measures,
     price,
 )
 
