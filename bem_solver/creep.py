@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 def phi(y: Array) -> Array:
     """``(1 - exp(-y))/y``, the average of ``exp(-y x)`` over 0 <= x <= 1; phi(0) = 1."""
-    return np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
+    return np.divide(-np.expm1(-y), y, out=np.ones_like(y), where=y > 0.0)
 
 
 class Chain:

@@ -50,8 +50,8 @@ class Track:
         return origin
 
     @cached_property
-    def _pieces(self) -> tuple[Array, Array, Array, Array]:
-        """Per interval: coordinates of both ends, slopes there."""
+    def _pieces(self) -> tuple[Array, Array, bool, Array, Array]:
+        """Per interval: start, width, whether any has a root, width times the slopes at both ends."""
         n, branches = self.state.shape
         start, end = np.empty(n - 1), np.empty(n - 1)
         first, last = np.empty((n - 1, branches)), np.empty((n - 1, branches))
@@ -62,7 +62,9 @@ class Track:
             slope = _slopes(at, values)
             start[low:high], end[low:high] = at[:-1], at[1:]
             first[low:high], last[low:high] = slope[:-1], slope[1:]
-        return start, end, first, last
+        width = end - start
+        rooted = not np.isnan(self._origin).all()
+        return start, width, rooted, width[:, None] * first, width[:, None] * last
 
     def at(self, radius: Array) -> Array:
         """Variables (m, K) at any radii (m,), by cubics; constant beyond the ends."""
@@ -70,21 +72,19 @@ class Track:
             return np.zeros((len(radius), self.state.shape[1]))
         if len(self.radius) == 1:
             return np.repeat(self.state, len(radius), axis=0)
-        start, end, first, last = self._pieces
-        i = np.minimum(np.maximum(np.searchsorted(self.radius, radius) - 1, 0), len(self.radius) - 2)
-        base = self._origin[i]
-        x = np.where(np.isnan(base), radius, np.sqrt(np.maximum(radius - base, 0.0)))
-        x0 = start[i]
-        width = end[i] - x0
-        z = np.minimum(np.maximum((x - x0) / width, 0.0), 1.0)
-        up = z * z * (3.0 - 2.0 * z)
-        in_slope, out_slope = width * z * (1.0 - z) ** 2, width * z * z * (z - 1.0)
-        y0 = self.state[i]
+        start, width, rooted, first, last = self._pieces
+        i = self.radius[1:-1].searchsorted(radius)
+        x = radius
+        if rooted:
+            base = self._origin[i]
+            x = np.where(np.isnan(base), radius, np.sqrt(np.maximum(radius - base, 0.0)))
+        z = np.minimum(np.maximum((x - start[i]) / width[i], 0.0), 1.0)[:, None]
+        y0, rest = self.state[i], 1.0 - z
         return (
             y0
-            + up[:, None] * (self.state[i + 1] - y0)
-            + in_slope[:, None] * first[i]
-            + out_slope[:, None] * last[i]
+            + z * z * (3.0 - 2.0 * z) * (self.state[i + 1] - y0)
+            + z * rest * rest * first[i]
+            - z * z * rest * last[i]
         )
 
     def thinned(self, tolerance: float, spacing: Array, parity: int) -> Track:

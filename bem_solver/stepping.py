@@ -221,7 +221,7 @@ class Stepper:
         upper = lower = 1.0
         while lower > 1e-300 and (residual(lower) > 0.0) == sign:
             lower, upper = 1e-3 * lower, lower
-        return brentq(residual, lower, upper, xtol=1e-300, rtol=1e-9)
+        return brentq(residual, lower, upper, xtol=1e-300, rtol=1e-7)
 
     def _at_rest(
         self, piece: Piece, parameter: float, end: float, rates: tuple[float, float]
@@ -322,7 +322,8 @@ class Stepper:
         start = reach * _FINEST_TRAVEL
         edge = front.edge - start if receding else min(front.edge + start, limit)
         ratio = 1.0 / 1.02 if receding else 1.02
-        while 1e-3 * self.scale < edge < 1e3 * self.scale and (receding or edge < limit):
+        smallest = max(1e-3 * self.scale, problem.zone)  # as short as the process zone is no contact any more
+        while smallest < edge < 1e3 * self.scale and (receding or edge < limit):
             nearer, edge = edge, min(edge * ratio, limit)
             landed = trial(edge)
             stays = landed.residual < -nothing if receding else landed.residual > nothing

@@ -14,7 +14,7 @@ from bem_solver import solve
 CODE = """
 import resource, sys
 sys.path.insert(0, "tests")
-from bem_runs import cycle
+from paper_scenes import cycle
 from bem_solver import solve
 solve(cycle(0.02))
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
