@@ -21,7 +21,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import quad
-from scipy.optimize import brentq
 from scipy.special import hyp1f1
 
 from scene import FlatPunch, Indenter, Material, TabulatedProfile
@@ -116,11 +115,6 @@ def _radius_of_unit_force(indenter: Indenter, unit_force: Array) -> Array:
         return np.full_like(np.asarray(unit_force, float), indenter.radius)
 
     def invert(target: float) -> float:
-        high = 1.0
-        while sneddon.force(indenter, high, 1.0) < target:
-            high *= 2.0
-        return float(
-            brentq(lambda a: float(sneddon.force(indenter, a, 1.0)) - target, 0.0, high, xtol=1e-300)
-        )
+        return sneddon.radius_at(lambda a: float(sneddon.force(indenter, a, 1.0)), target)
 
     return np.vectorize(invert, otypes=[float])(unit_force)

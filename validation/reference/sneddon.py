@@ -13,6 +13,8 @@ sphere ``x^2/R``, cone ``(pi/2) x cot(alpha)``. Signs: ``D``, ``F``, pressure po
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
@@ -78,12 +80,15 @@ def contact_radius(indenter: Indenter, penetration: float) -> float:
         return float((penetration / (law[1] * shape_factor(law[0]))) ** (1.0 / law[0]))
     if isinstance(indenter, FlatPunch):
         return indenter.radius
+    return radius_at(lambda a: float(depth(indenter, a)), penetration)
+
+
+def radius_at(rising: Callable[[float], float], target: float) -> float:
+    """The radius at which a quantity that rises from 0 at the centre reaches ``target >= 0``."""
     high = 1.0
-    while depth(indenter, high) < penetration:
+    while rising(high) < target:
         high *= 2.0
-    return float(
-        brentq(lambda a: float(depth(indenter, a)) - penetration, 0.0, high, xtol=1e-300, rtol=1e-14)
-    )
+    return float(brentq(lambda a: rising(a) - target, 0.0, high, xtol=1e-300, rtol=1e-14))
 
 
 def unit_force(indenter: Indenter, contact_radius: ArrayLike, penetration: ArrayLike) -> Array:

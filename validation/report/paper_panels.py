@@ -83,18 +83,22 @@ def _jkr(axes: Axes, across: str, up: str) -> None:
 
 
 def cycles() -> Runs:
+    """Approach and retraction at the speeds of Fig. 2."""
     return [(rf"{SPEED} = {v:g}", cycle(v)) for v in SHOWN_CYCLES]
 
 
 def retractions() -> Runs:
+    """Retraction of a relaxed contact at the speeds of Fig. 4."""
     return [(rf"{SPEED} = {v:g}", retraction(v)) for v in SHOWN_RETRACTIONS]
 
 
 def dwells() -> Runs:
+    """Fast cycles with rests of several lengths at the deepest point."""
     return [(rf"$\tilde{{t}}_d$ = {t:g}", cycle(0.1, dwell=t)) for t in SHOWN_DWELLS]
 
 
 def pull_off_of_cycles(figure: Figure, found: Evidence) -> None:
+    """Largest tension of cycles against their speed, in units of ``F_JKR``."""
     axes = figure.subplots()
     axes.semilogx(
         CYCLE_SPEEDS, [found.pull_off(cycle(v)) for v in CYCLE_SPEEDS], "o-", color=COLOURS[0], markersize=4
@@ -103,6 +107,7 @@ def pull_off_of_cycles(figure: Figure, found: Evidence) -> None:
 
 
 def surfaces(figure: Figure, found: Evidence) -> None:
+    """Deformed surface at six moments of a cycle, the pressure inset."""
     figure.set_size_inches(9.0, 5.2)
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
     for axes, profile, letter in zip(panels.flat, surface.profiles(found), "abcdef", strict=False):
@@ -129,6 +134,7 @@ def surfaces(figure: Figure, found: Evidence) -> None:
 
 
 def preload(figure: Figure, found: Evidence) -> None:
+    """Largest tension against the penetration at which the retraction begins, at several speeds."""
     axes = figure.subplots()
     for speed, colour, dashes, marker in zip(PRELOAD_SPEEDS, COLOURS, DASHES, MARKERS, strict=False):
         values = [found.pull_off(retraction(speed, depth)) for depth in PRELOADS]
@@ -146,6 +152,7 @@ def preload(figure: Figure, found: Evidence) -> None:
 
 
 def forces(figure: Figure, found: Evidence) -> None:
+    """Withdrawal under constant tension beside the retraction of the same pull-off force."""
     axes = figure.subplots()
     for force, colour in zip(FORCES, COLOURS, strict=False):
         scene, same = load(f"force-{force}").scene, retraction(MATCHED[force])
@@ -166,6 +173,7 @@ def forces(figure: Figure, found: Evidence) -> None:
 
 
 def forces_over_time(figure: Figure, found: Evidence) -> None:
+    """Penetration over time under constant tension."""
     axes = figure.subplots()
     for force, colour, dashes in zip(FORCES, COLOURS, DASHES, strict=False):
         scene = load(f"force-{force}").scene
@@ -191,6 +199,7 @@ def sweep(first: float, last: float) -> Callable[[Figure, Evidence], None]:
 
 
 def cycle_losses(figure: Figure, found: Evidence) -> None:
+    """Energy lost in each cycle of the sweep against its frequency."""
     axes = figure.subplots()
     cycles = oscillations.losses(found)[1:]
     size = units(load("sweep").scene)["energy"]
@@ -200,6 +209,7 @@ def cycle_losses(figure: Figure, found: Evidence) -> None:
 
 
 def oscillation(figure: Figure, found: Evidence) -> None:
+    """Retraction with an oscillation: each cycle, the line through its lowest forces, and none."""
     axes = figure.subplots()
     for frequency, colour in zip(FREQUENCIES[::-1], ("#0072b2", "#e69f00"), strict=True):
         scene = load(f"oscillation-w{frequency}").scene
@@ -217,6 +227,7 @@ def oscillation(figure: Figure, found: Evidence) -> None:
 
 
 def release_rates(figure: Figure, found: Evidence) -> None:
+    """Energy release rate at pull-off and pull-off force against speed."""
     axes = figure.subplots()
     rates = [release.at_pull_off(found, v) for v in RETRACTION_SPEEDS]
     pulls = [found.pull_off(retraction(v)) for v in RETRACTION_SPEEDS]
@@ -226,6 +237,7 @@ def release_rates(figure: Figure, found: Evidence) -> None:
 
 
 def approaching(figure: Figure, found: Evidence) -> None:
+    """Energy release rate at given penetrations while approaching, against speed."""
     axes = figure.subplots()
     for depth, colour, dashes, marker in zip(release.DEPTHS, COLOURS, DASHES, MARKERS, strict=False):
         values = [release.approaching(found, v, depth) for v in CYCLE_SPEEDS]
@@ -244,6 +256,7 @@ def approaching(figure: Figure, found: Evidence) -> None:
 
 
 def rests(figure: Figure, found: Evidence) -> None:
+    """Largest tension against the length of the rest, at several speeds."""
     axes = figure.subplots()
     for speed, colour, dashes, marker in zip(DWELL_SPEEDS, COLOURS, DASHES, MARKERS, strict=False):
         values = [found.pull_off(cycle(speed, dwell=t)) for t in DWELLS[1:]]

@@ -33,12 +33,12 @@ def cubics(time: Array, values: Array, ends: Indices, index: Indices, at: Array)
         these = count == degree + 1 if degree < 3 else count > 3
         if these.any():
             rows = start[these, None] + np.arange(degree + 1)
-            result[these] = _newton(time[rows], values[rows], at[these])
-            span = np.ptp(values[rows], axis=1)
+            curve = _newton(time[rows], values[rows], at[these])
             left = index[these]
             share = (at[these] - time[left]) / (time[left + 1] - time[left])
             chord = values[left] + share[:, None] * (values[left + 1] - values[left])
-            result[these] = np.where(np.abs(result[these] - chord) > span, chord, result[these])
+            wild = np.abs(curve - chord) > np.ptp(values[rows], axis=1)
+            result[these] = np.where(wild, chord, curve)
     return result
 
 
