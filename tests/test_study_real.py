@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import pytest
 
@@ -48,12 +47,12 @@ def test_the_loop_integral_converges_as_promised(found, scheme):
 def test_the_front_tracking_is_of_second_order_or_better_by_its_values_alone(found):
     entry = next(e for e in found.ladders if e.ladder.scheme == "reference")
     rows = {row.observable: row for row in entry.rows}
-    values = rows["loop_energy"].values
-    moved = [abs(finer / value - 1.0) for value, finer in pairwise(values)]
-    # beyond the first levels the values go to and fro by less than anything they are used for
-    assert moved[0] > 2.0**1.8 * moved[1]
-    assert max(moved) < 1e-5
-    assert moved[-1] < 1e-6
+    alone = rows["loop_energy"].alone
+    known = [order for order in alone.orders if order is not None]  # none where differences change their sign
+    assert known, alone
+    assert min(known) >= 1.8, alone  # a single one is large where a difference happens to be small
+    assert 1.8 <= rows["loop_energy"].fitted <= 5.0
+    assert 1.8 <= rows["pull_off_force"].fitted <= 5.0
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ from validation.reference.tracking.abel import Transform
 Array = NDArray[np.float64]
 
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(2)
-_GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
+_GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT  # two points of equal weight
 _POWERS = np.vander(_GAUSS, increasing=True)
 # _REST[j, l]: integral from Gauss point j to the end of the panel of the l-th Lagrange polynomial
 _REST = ((1.0 - _GAUSS[:, None] ** np.arange(1, 3)) / np.arange(1, 3)) @ np.linalg.inv(_POWERS)
@@ -96,8 +96,8 @@ def closure_integral(edge: Zone, zone: float, relaxed: float, transform: Transfo
     )
     breaks.sort()
     width = breaks[1:] - breaks[:-1]
-    s = breaks[:-1, None] + width[:, None] * _GAUSS
-    weight = width[:, None] * _WEIGHT
+    s = breaks[:-1] + width * _GAUSS[:, None]  # (2, m): Gauss points, panels
+    weight = width * _WEIGHT[:, None]
     behind, ahead = start + s, radius + s
     q = hermite.evaluate(x, memory, hermite.slopes(x, memory), behind)
     q += relaxed * (edge.penetration - transform(behind))
@@ -106,12 +106,15 @@ def closure_integral(edge: Zone, zone: float, relaxed: float, transform: Transfo
 
     weighted = weight * d
     powers = np.empty((_DEGREE, *s.shape))
-    powers[0], powers[1:] = 1.0, s / zone
-    np.multiply.accumulate(powers, axis=0, out=powers)
-    moments = q * powers
-    panel = (weight * moments).sum(axis=2)
-    later = panel[:, ::-1].cumsum(axis=1)[:, ::-1] - panel
-    inner = later[:, :, None] + width[:, None] * (moments @ _REST.T)
+    powers[0], powers[1] = 1.0, s / zone
+    for degree in range(2, _DEGREE):
+        np.multiply(powers[degree - 1], powers[1], out=powers[degree])
+    moments = (q * weight) * powers
+    panel = moments[:, 0] + moments[:, 1]
+    later = panel.sum(axis=1)[:, None] - panel.cumsum(axis=1)
+    inner = np.empty_like(moments)
+    for point, (first, second) in enumerate(_REST / _WEIGHT):
+        inner[:, point] = later + first * moments[:, 0] + second * moments[:, 1]
     pairs = inner.reshape(_DEGREE, -1) @ (weighted * powers).reshape(_DEGREE, -1).T
     total = main + float((kernel_slope(start, zone) * pairs).sum())
 

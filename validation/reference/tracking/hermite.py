@@ -14,14 +14,15 @@ STEP = 1e-7  # two intervals so unequal in width: the short one is a step
 
 Array = NDArray[np.float64]
 
+_ENDS, _NEXT = np.array([0, -1]), np.array([1, -2])  # the outer nodes and intervals, and the ones behind
+
 
 def slopes(x: Array, y: Array) -> Array:
     """Limited slopes at the nodes ``x`` (m,), strictly rising; ``y`` has shape (m,) or (m, n)."""
     if len(x) == 1:
         return np.zeros_like(y)
-    h = x[1:] - x[:-1]
-    if y.ndim == 2:
-        h = h[:, None]
+    widths = x[1:] - x[:-1]
+    h = widths if y.ndim == 1 else widths[:, None]
     secant = (y[1:] - y[:-1]) / h
     if len(x) == 2:
         return np.concatenate((secant, secant))
@@ -31,20 +32,30 @@ def slopes(x: Array, y: Array) -> Array:
     bound = np.minimum(bound[:-1], bound[1:])
     middle = left + (right - left) * (h[:-1] / (h[:-1] + h[1:]))
     result[1:-1] = np.minimum(np.maximum(middle, -bound), bound)
-    steps = np.flatnonzero(
-        (x[2:] - x[1:-1] < STEP * (x[1:-1] - x[:-2])) | (x[1:-1] - x[:-2] < STEP * (x[2:] - x[1:-1]))
-    )
-    for j in (steps + 1).tolist():  # beside a step of the data the slope is that of its own side
-        near, far = (j - 1, j - 2) if x[j + 1] - x[j] < x[j] - x[j - 1] else (j, j + 1)
-        value = secant[near]
-        if 0 <= far < len(h):
-            value = value + (secant[near] - secant[far]) * (h[near] / (h[near] + h[far]))
-        result[j] = np.minimum(np.maximum(value, -3.0 * np.abs(secant[near])), 3.0 * np.abs(secant[near]))
-    for end, near, far in ((0, 0, 1), (-1, -1, -2)):
-        value = secant[near] + (secant[near] - secant[far]) * h[near] / (h[near] + h[far])
-        bound_end = 3.0 * np.abs(secant[near])
-        result[end] = np.minimum(np.maximum(value, -bound_end), bound_end)
+    # At the ends, and beside a step, the slope is that of the node's own side.
+    nodes, near, far = _ENDS, _ENDS, _NEXT
+    steps = beside_steps(widths)
+    if len(steps):
+        on_left = widths[steps] < widths[steps - 1]
+        nodes = np.concatenate((nodes, steps))
+        near = np.concatenate((near % len(h), np.where(on_left, steps - 1, steps)))
+        far = np.concatenate((far % len(h), np.where(on_left, steps - 2, steps + 1)))
+        far = np.where((far >= 0) & (far < len(h)), far, near)
+        far = np.where(widths[far] > STEP * widths[near], far, near)
+    own = secant[near]
+    one_sided = own + (own - secant[far]) * (h[near] / (h[near] + h[far]))
+    bound = 3.0 * np.abs(own)
+    result[nodes] = np.minimum(np.maximum(one_sided, -bound), bound)
     return result
+
+
+def beside_steps(widths: Array) -> NDArray[np.intp]:
+    """Inner nodes with another so close on one side that the data may step between them.
+
+    ``widths`` are those of the intervals between all nodes.
+    """
+    left, right = widths[:-1], widths[1:]
+    return ((right < STEP * left) | (left < STEP * right)).nonzero()[0] + 1
 
 
 def evaluate(x: Array, y: Array, slope: Array, at: Array) -> Array:

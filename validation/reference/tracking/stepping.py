@@ -30,7 +30,9 @@ from validation.reference.tracking.trail import FORCE, PENETRATION, RADIUS, Trai
 Array = NDArray[np.float64]
 
 THIN_EVERY = 12
-THIN_SHARE = 0.1  # of the deviation allowed in a step: what dropping a node may cost
+# What dropping a node may cost: times the square of the deviation allowed in a step, lest it fall more slowly
+# than the error of a step, which is of fourth order; at most a share of the deviation itself.
+THIN_SQUARED, THIN_SHARE = 100.0, 0.1
 FOLD = 1e-4  # of the largest travel: the limit point counts as reached when no longer step is stable
 FLAT = 0.2  # rise of the closure over a process zone, relative: below it a limit point may be near
 IN_VAIN = 400  # steps rejected one after the other
@@ -136,6 +138,7 @@ class Run:
 
     def kink(self) -> None:
         """Rates jump at the present row."""
+        self.surface = self.surface.creased()
         self._trail.kink()
         self.record.kink()
 
@@ -337,7 +340,8 @@ class Run:
         self._rejected = self.counters.rejected_steps
         self.counters.history_updates += len(surface.inside) + len(surface.outside)
         if self.counters.steps % THIN_EVERY == 0:
-            surface = thinned(surface, THIN_SHARE * self.fineness.deviation)
+            allowed = self.fineness.deviation
+            surface = thinned(surface, allowed * min(THIN_SQUARED * allowed, THIN_SHARE))
         before = self.time
         self.time, self.surface, self.force = float(time), surface, float(force)
         self._row()

@@ -21,7 +21,7 @@ from validation.reference.tracking.rheology import Rheology
 
 Array = NDArray[np.float64]
 
-COINCIDENT = 1e-11  # of the radius: nodes on the two sides of a step of the fields
+COINCIDENT = 1e-14  # of the radius: nodes on the two sides of a step or a crease of the fields
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class Surface:
         strain = self.penetration - body.transform(self.inside)
         units = body.rheology.release(self.branches, strain)
         inner = self.inside.copy()
-        inner[-1] *= 1.0 - COINCIDENT
+        _draw_in(inner)
         return Surface(
             self.penetration,
             np.zeros(1),
@@ -105,6 +105,22 @@ class Surface:
             np.concatenate((inner, self.outside)),
             np.concatenate((units, self.units)),
         )
+
+    def creased(self) -> Surface:
+        """The same with a second node beside the edge on either side, for an edge whose speed jumps now.
+
+        Slopes of the fields will differ across it; each side then takes them from its own nodes.
+        """
+        radius = self.radius
+        apart = COINCIDENT * radius
+        inside, branches, outside, units = self.inside, self.branches, self.outside, self.units
+        if apart > 0.0 and len(inside) > 1 and inside[-2] < radius - 2.0 * apart:
+            inside = np.concatenate((inside[:-1], [radius - apart, radius]))
+            branches = np.concatenate((branches, branches[-1:]))
+        if apart > 0.0 and len(outside) > 1 and outside[1] > radius + 2.0 * apart:
+            outside = np.concatenate(([radius, radius + apart], outside[1:]))
+            units = np.concatenate((units[:1], units))
+        return Surface(self.penetration, inside, branches, outside, units)
 
     def near(self, low: float, high: float) -> Surface:
         """The part between two radii, with a few nodes beyond on either side."""
@@ -213,7 +229,7 @@ def _receded(surface: Surface, body: Body, by: Step, path: Path, fractions: Arra
     units = units * np.exp(-(h - at)[:, None] / rheology.retardation)
     outside = surface.units * by.recovery
     if by.dwelt:  # a step of the fields is left behind
-        x[-1] -= min(COINCIDENT * x[-1], 0.5 * (x[-1] - x[-2]))
+        _draw_in(x)
         rest = 0
     else:
         rest = 1
@@ -223,6 +239,11 @@ def _receded(surface: Surface, body: Body, by: Step, path: Path, fractions: Arra
         np.concatenate((surface.branches[:kept] * by.decay + by.gain, branches[:1])),
         *_distinct(np.concatenate((x, surface.outside[rest:])), np.concatenate((units, outside[rest:]))),
     )
+
+
+def _draw_in(x: Array) -> None:
+    """Move the last of the nodes, at the edge, onto its inner side."""
+    x[-1] -= min(COINCIDENT * x[-1], 0.5 * (x[-1] - x[-2]))
 
 
 def _distinct(x: Array, values: Array) -> tuple[Array, Array]:

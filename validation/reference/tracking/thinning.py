@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from validation.reference.tracking import hermite
 from validation.reference.tracking.surface import Surface
 
+KEPT = 2  # nodes on either side of a step of the fields
 WIDEST = 0.03  # of the range of nodes: no wider interval is made, however smooth the fields are now
 
 Array = NDArray[np.float64]
@@ -36,6 +37,9 @@ def _needed(x: Array, y: Array, deviation: float) -> NDArray[np.intp]:
         return np.arange(count)
     candidate = np.zeros(count, bool)
     candidate[2:-2:2] = x[3:-1:2] - x[1:-3:2] < WIDEST * (x[-1] - x[0])
+    steps = hermite.beside_steps(np.diff(x))
+    for beside in range(-KEPT, KEPT + 1):  # neither what marks a step nor what gives the slopes next to it
+        candidate[np.clip(steps + beside, 0, count - 1)] = False
     kept = np.flatnonzero(~candidate)
     dropped = np.flatnonzero(candidate)
     guess = hermite.evaluate(x[kept], y[kept], hermite.slopes(x[kept], y[kept]), x[dropped])

@@ -1,0 +1,81 @@
+"""Creases of the fields, where the speed of the edge has jumped, and the nodes that keep them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scene import Adhesion, Branch, Material, Sphere
+from validation.reference.tracking import hermite
+from validation.reference.tracking.abel import transform
+from validation.reference.tracking.law import Griffith
+from validation.reference.tracking.rheology import rheology
+from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.thinning import thinned
+
+BODY = Body(rheology(Material(0.75, 0.5, (Branch(6.75, 1.0),))), transform(Sphere(1.0)))
+EDGE = 0.2
+
+
+def _bent(x: np.ndarray, at: float = EDGE) -> np.ndarray:
+    """A parabola on either side of ``at``, with a jump of the slope."""
+    return np.where(x < at, 1.0 + 0.5 * (x - at) - (x - at) ** 2, 1.0 - 7.0 * (x - at) + 3.0 * (x - at) ** 2)
+
+
+def _surface(inside: np.ndarray, outside: np.ndarray) -> Surface:
+    return Surface(0.03, inside, _bent(inside)[:, None], outside, -1e-3 * (1.0 + outside[:, None] ** 2))
+
+
+@pytest.mark.parametrize("apart", [2e-15, 1e-12])
+def test_either_side_of_a_crease_is_interpolated_by_itself(apart: float) -> None:
+    left, right = np.array([0.0, 0.1, 0.17, EDGE]), np.array([EDGE + apart, 0.20001, 0.27, 0.4])
+    at = np.linspace(0.0, 0.4, 200)
+    x = np.concatenate((left, right))
+    found = hermite.evaluate(x, _bent(x), hermite.slopes(x, _bent(x)), at)
+    np.testing.assert_allclose(found, _bent(at), atol=1e-6 if apart > 1e-13 else 1e-11)
+    single = np.concatenate((left, right[1:]))
+    found = hermite.evaluate(single, _bent(single), hermite.slopes(single, _bent(single)), at)
+    assert np.abs(found - _bent(at)).max() > 1e-3
+
+
+def test_between_two_creases_with_nothing_in_between_the_line_is_straight() -> None:
+    x = np.array([0.0, 0.1, 0.1 + 1e-14, 0.3, 0.3 + 1e-14, 0.4])
+    y = np.array([5.0, 1.0, 1.0, 2.0, 2.0, -3.0])
+    found = hermite.evaluate(x, y, hermite.slopes(x, y), np.array([0.15, 0.2, 0.25]))
+    np.testing.assert_allclose(found, [1.25, 1.5, 1.75], atol=1e-12)
+
+
+def test_a_crease_changes_nothing_but_the_slopes() -> None:
+    smooth = _surface(np.linspace(0.0, EDGE, 41), np.linspace(EDGE, 0.3, 31))
+    creased = smooth.creased()
+    assert len(creased.inside) == 42
+    assert len(creased.outside) == 32
+    assert creased.radius == smooth.radius
+    assert (np.diff(creased.inside) > 0.0).all()
+    assert (np.diff(creased.outside) > 0.0).all()
+    assert creased.force(BODY) == pytest.approx(smooth.force(BODY), rel=1e-6)
+    law = Griffith(Adhesion(5e-4, 0.013))
+    assert law.residual(creased, BODY) == pytest.approx(law.residual(smooth, BODY), rel=1e-6)
+    again = creased.creased()
+    np.testing.assert_array_equal(again.inside, creased.inside)
+    np.testing.assert_array_equal(again.outside, creased.outside)
+
+
+def test_without_contact_there_is_nothing_to_crease() -> None:
+    free = Surface(0.0, np.zeros(1), np.zeros((1, 1)), np.array([0.0, 0.1, 0.2]), np.zeros((3, 1)))
+    assert len(free.creased().inside) == 1
+    np.testing.assert_array_equal(free.creased().outside, free.outside)
+
+
+def test_thinning_leaves_a_crease_and_its_neighbours() -> None:
+    before = _surface(np.linspace(0.0, EDGE, 41), np.linspace(EDGE, 0.3, 31)).creased()
+    beyond = np.linspace(EDGE, 0.24, 60)[1:]
+    inside = np.concatenate((before.inside, beyond))
+    advanced = _surface(inside, np.linspace(0.24, 0.3, 31))
+    few = advanced
+    for _ in range(12):
+        few = thinned(few, 1e-2)
+    assert len(few.inside) < 0.8 * len(inside)
+    crease = int(np.flatnonzero(inside == EDGE)[0])
+    for j in range(crease - 3, crease + 3):
+        assert inside[j] in few.inside, j
