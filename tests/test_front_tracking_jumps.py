@@ -139,6 +139,19 @@ def test_a_root_is_never_extrapolated_out_of_its_limits() -> None:
     assert rising_root(flat, 1.0, 1e-3, 0.0, (0.99, 1.01), 1e-8) is None
 
 
+def test_rows_in_between_do_not_look_across_a_bend() -> None:
+    time = np.arange(10.0)
+
+    def bent(t: np.ndarray) -> np.ndarray:
+        return np.column_stack((t**2 + 5.0 * np.maximum(t - 4.4, 0.0), 3.0 - t**2 + np.maximum(3.7 - t, 0.0)))
+
+    index = np.array([1, 2, 3, 4, 5, 6])
+    at = time[index] + 0.5
+    off = np.abs(cubics(time, bent(time), np.array([0, 9]), index, at) - bent(at))
+    assert off[[0, 1, 2, 4, 5], 0].max() < 1e-12  # all but the interval with the bend in it
+    assert off[[0, 1, 3, 4, 5], 1].max() < 1e-12
+
+
 def test_rows_in_between_are_cubics() -> None:
     time = np.array([0.0, 0.3, 0.4, 1.0, 1.0, 1.5, 2.5])
     values = np.column_stack((time**3 - time, np.where(np.arange(7) < 4, time**3, 5.0 - 2.0 * time)))

@@ -1,4 +1,8 @@
-"""Values between the rows of a run: the cubic through the four nearest rows of a smooth stretch.
+"""Values between the rows of a run: a cubic through four rows nearby, of a smooth stretch.
+
+The four nearest rows, or those one further back or on, wherever the cubic is smoothest: when the edge comes
+within one process zone of where it once turned its speed bends, and a cubic should not go across (essentially
+non-oscillatory interpolation).
 
 Rows that crowd beside a long step make a polynomial of their rounding errors. Where it departs from the
 straight line by more than the four rows differ, the straight line is taken.
@@ -8,6 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+CLEARLY = 0.5  # smaller: what makes another cubic than that through the nearest rows the better one
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -26,24 +32,37 @@ def cubics(time: Array, values: Array, ends: Indices, index: Indices, at: Array)
     """
     stretch = ends.searchsorted(index, side="right")
     first, last = ends[stretch - 1], ends[stretch]
-    start = np.maximum(np.minimum(index - 1, last - 3), first)
     count = last - first + 1
-    result = np.empty((len(at), values.shape[1]))
+    share = (at - time[index]) / (time[index + 1] - time[index])
+    chord = values[index] + share[:, None] * (values[index + 1] - values[index])
+    result = chord.copy()
     for degree in (1, 2, 3):
         these = count == degree + 1 if degree < 3 else count > 3
         if these.any():
-            rows = start[these, None] + np.arange(degree + 1)
-            curve = _newton(time[rows], values[rows], at[these])
-            left = index[these]
-            share = (at[these] - time[left]) / (time[left + 1] - time[left])
-            chord = values[left] + share[:, None] * (values[left + 1] - values[left])
-            wild = np.abs(curve - chord) > np.ptp(values[rows], axis=1)
-            result[these] = np.where(wild, chord, curve)
+            low, high, middle = first[these], last[these] - degree, index[these] - 1
+            places = [np.maximum(np.minimum(middle + shift, high), low) for shift in (0, -1, 1)]
+            result[these] = _smoothest(time, values, places, degree, at[these], chord[these])
     return result
 
 
-def _newton(nodes: Array, values: Array, at: Array) -> Array:
-    """Polynomials through ``nodes`` (m, p) with ``values`` (m, p, n) at ``at`` (m,)."""
+def _smoothest(
+    time: Array, values: Array, places: list[Indices], degree: int, at: Array, chord: Array
+) -> Array:
+    """Of the polynomials that begin at ``places`` the one with the smallest leading term, by column."""
+    best = np.full_like(chord, np.inf)
+    result = chord.copy()
+    for place in places:
+        rows = place[:, None] + np.arange(degree + 1)
+        curve, leading = _newton(time[rows], values[rows], at)
+        better = np.abs(leading) < CLEARLY * best
+        wild = np.abs(curve - chord) > np.ptp(values[rows], axis=1)
+        result = np.where(better, np.where(wild, chord, curve), result)
+        best = np.where(better, np.abs(leading), best)
+    return result
+
+
+def _newton(nodes: Array, values: Array, at: Array) -> tuple[Array, Array]:
+    """Polynomials through ``nodes`` (m, p) with ``values`` (m, p, n) at ``at`` (m,); their leading terms."""
     table = values.copy()
     degree = nodes.shape[1] - 1
     for order in range(1, degree + 1):
@@ -52,4 +71,4 @@ def _newton(nodes: Array, values: Array, at: Array) -> Array:
     result = table[:, degree]
     for i in range(degree - 1, -1, -1):
         result = table[:, i] + (at - nodes[:, i])[:, None] * result
-    return np.asarray(result)
+    return result, table[:, degree]
