@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-CLEARLY = 0.5  # smaller: what makes another cubic than that through the nearest rows the better one
+CLEARLY = 0.03  # smaller, by which another cubic than that through the nearest rows is the better one: a bend
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
