@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scene import Adhesion, Branch, Loading, Material, Scene, Sphere, Table, TabulatedProfile
+from scene import Adhesion, Branch, Force, Loading, Material, Scene, Sphere, Table, TabulatedProfile
 from validation.reference import Options, solve
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import transform
@@ -108,3 +108,24 @@ def test_a_rough_profile_gives_back_no_more_than_it_got(shift: float) -> None:
     effort = np.abs(trace.external_work).max()
     assert trace.stored_energy[-1] < 0.02 * effort
     assert 0.35 * effort < trace.dissipated_energy[-1] < 0.37 * effort
+
+
+@pytest.mark.parametrize("resolution", [8, 32])
+def test_an_edge_almost_at_rest_stays_where_it_is(resolution: int) -> None:
+    """Its tiny steps leave nodes in a crowd; slopes of what lies beyond must not be taken from them."""
+    heights = (
+        0.0, 0.0035296, 0.0116992, 0.0268032, 0.0427296, 0.0669504, 0.1005664, 0.138048, 0.178752, 0.247296,
+        0.316608,
+    )  # fmt: skip
+    moduli = (0.0017619760464116293, 0.7961593504173188, 1.9319683170169242, 0.14125375446227545)
+    times = (133.6595516546442, 2.202926463053456, 0.2570395782768864, 0.010115794542598982)
+    branches = (*map(Branch, moduli, times), Branch(1.0092528860766845, 0.2529297996446145))
+    scene = Scene(
+        Material(1.0, 0.0, branches),
+        TabulatedProfile(tuple(0.08 * np.arange(11)), heights),
+        Loading("relaxed", 0.0069, (Force(0.000688, 0.38547835766577176),)),
+    )
+    trace = solve(scene, Options(resolution))
+    after = trace.contact_radius[trace.time > 0.0]
+    assert np.ptp(after) < 1e-6 * after[0]
+    assert trace.counters.steps < 60

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-STEP = 1e-7  # two intervals so unequal in width: the short one is a step
+STEP = 1e-4  # two intervals so unequal in width: the long one is interpolated as if the short one were a step
 
 Array = NDArray[np.float64]
 
