@@ -1,8 +1,4 @@
-"""The loop: propose a step, judge it, commit it or cut it; instabilities located, kinks stepped onto.
-
-An edge that would travel too far has its distance prescribed and its time sought, so that a limit point (loss
-of contact, snap) is approached in distance, where nothing is singular.
-"""
+"""The loop: propose a step, judge it, commit it or cut it; kinks of the loading stepped onto."""
 
 from __future__ import annotations
 
@@ -14,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scene import Counters, Event, Outcome, OutcomeKind, Scene, Segment
-from validation.reference.tracking import leaps
+from validation.reference.tracking import leaps, limits
 from validation.reference.tracking.attempt import Attempt
 from validation.reference.tracking.checkpoint import Place
 from validation.reference.tracking.judge import Judge, judged
-from validation.reference.tracking.law import Griffith, Law, NoTension
+from validation.reference.tracking.law import Law, NoTension
 from validation.reference.tracking.marks import Marks
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.record import Record
@@ -33,7 +29,6 @@ THIN_EVERY = 12
 # What dropping a node may cost: times the square of the deviation allowed in a step, lest it fall more slowly
 # than the error of a step, which is of fourth order; at most a share of the deviation itself.
 THIN_SQUARED, THIN_SHARE = 100.0, 0.1
-FOLD = 1e-4  # of the largest travel: the limit point counts as reached when no longer step is stable
 FLAT = 0.2  # rise of the closure over a process zone, relative: below it a limit point may be near
 IN_VAIN = 400  # steps rejected one after the other
 FIRST = 100.0  # times the deviation times the shortest time: the step after a kink, which nothing judges
@@ -44,6 +39,7 @@ class Run:
     """A run in progress; ``surface`` and ``record`` change only when a step is committed.
 
     ``straight``: deviations by which rows may leave a straight line, under a linear and under a curved load.
+    ``travel``: how far the edge may go in the next step. ``heading``: where it has been going, but for noise.
     """
 
     scene: Scene
@@ -67,10 +63,10 @@ class Run:
     counters: Counters = field(default_factory=Counters)
     events: list[Event] = field(default_factory=list)
     outcome: Outcome | None = None
-    _trail: Trail = field(default_factory=Trail)
-    _travel: float = 0.0
+    trail: Trail = field(default_factory=Trail)
+    travel: float = 0.0
+    heading: float = 0.0
     _steepness: float = 0.0
-    _heading: float = 0.0  # where the edge has been going, but for noise
     _seen_at: float = 0.0
     _rejected: int = 0  # when the last step was committed
 
@@ -79,7 +75,7 @@ class Run:
         place = self.place
         if place.fresh:
             self.force = self.surface.force(self.body)
-            self._travel, self._seen_at = self.largest_travel, self.surface.radius
+            self.travel, self._seen_at = self.largest_travel, self.surface.radius
             self._row()
             if 0.0 in self.options.profile_times:
                 self.on_profile(0.0, self.surface, self.force)
@@ -109,7 +105,7 @@ class Run:
         stops = sorted(kinks | {t for t in self.options.profile_times if segment.start < t < segment.end})
         step = place.proposed
         for stop in stops[place.stop :]:
-            if self._trail.fresh and not place.under_way:
+            if self.trail.fresh and not place.under_way:
                 step = self._first_step(segment, stop - self.time)
             place.under_way = True
             while self.time < stop and self.outcome is None:
@@ -139,7 +135,7 @@ class Run:
     def kink(self) -> None:
         """Rates jump at the present row."""
         self.surface = self.surface.creased()
-        self._trail.kink()
+        self.trail.kink()
         self.record.kink()
 
     def _first_step(self, segment: Segment, length: float) -> float:
@@ -160,25 +156,25 @@ class Run:
         if self.counters.rejected_steps - self._rejected >= IN_VAIN:
             self._end(OutcomeKind.STEP_UNDERFLOW, f"no step of {IN_VAIN} could be taken")
             return proposed
-        a0, slope = self.surface.radius, self._trail.rate_of_radius()
+        a0, slope = self.surface.radius, self.trail.rate_of_radius()
         left, tick = stop - self.time, 4.0 * math.ulp(self.time)
         h = left if proposed >= 0.999 * left else max(min(proposed, 0.5 * left), tick)
-        if abs(slope) * h > 0.95 * self._travel:
-            h = 0.9 * self._travel / abs(slope)
-        h = self._trail.up_to_turn(h, self.fineness.deviation * self.radius_scale)
+        if abs(slope) * h > 0.95 * self.travel:
+            h = 0.9 * self.travel / abs(slope)
+        h = self.trail.up_to_turn(h, self.fineness.deviation * self.radius_scale)
         if tick < h < left:
             h = max(few_digits(h, segment.end - segment.start), tick)
-        guess = self._trail.course(RADIUS).ahead(h)
+        guess = self.trail.course(RADIUS).ahead(h)
         if isinstance(self.law, NoTension) and a0 > 0.0:
             if segment.control == "force" and segment.value(self.time + h) <= 0.0:
-                return self._let_go(segment, h)
+                return limits.let_go(self, segment, h)
             if segment.control == "penetration" and slope < 0.0 and a0 <= self.largest_travel:
                 attempt = self.attempt(segment)
                 if attempt.residual(left, 0.0) > 0.0:
-                    return self._by_distance(attempt, 0.0, left)
+                    return limits.by_distance(self, attempt, 0.0, left)
         attempt = self.attempt(segment, abs(guess - a0))
-        reach = self._travel if a0 > 0.0 else self.radius_scale  # a contact that begins runs
-        low, high = max(a0 - self._travel, self.law.lowest), min(a0 + reach, self.scene.indenter.edge)
+        reach = self.travel if a0 > 0.0 else self.radius_scale  # a contact that begins runs
+        low, high = max(a0 - self.travel, self.law.lowest), min(a0 + reach, self.scene.indenter.edge)
         found = attempt.edge(h, guess, low, high, self._steepness)
         if found.radius != a0 and slope == 0.0:
             departure = attempt.departure(h)
@@ -188,16 +184,16 @@ class Run:
                 self.kink()
                 return self._first_step(segment, stop - self.time)
         if not found.reached:
-            return self._by_distance(attempt, found.radius, h)
+            return limits.by_distance(self, attempt, found.radius, h)
         surface = attempt.surface_at(h, found.radius)
         force = surface.force(self.body)
         row, judge = (
             (self.time + h, surface.radius, force, surface.penetration),
-            self._judge(segment, surface, force),
+            self.judge(segment, surface, force),
         )
         deviation, smooth = judge.in_time(row), True
         near_limit = 0.0 < found.steepness * self.law.reach < FLAT
-        if deviation > 1.0 and near_limit and self._trail.heads_for(row, RADIUS):
+        if deviation > 1.0 and near_limit and self.trail.heads_for(row, RADIUS):
             along = judge.along_edge(row)
             deviation, smooth = min(deviation, along), deviation <= along
         if deviation > 2.0:
@@ -209,85 +205,11 @@ class Run:
             return h * max(0.2, 0.9 / math.sqrt(deviation))
         between = judge.parts(row, self.straight[0 if segment.linear else 1]) if smooth else 1
         self.commit(self.time + h if h < left else stop, surface, force, segment, between)
-        self._travel = min(self.largest_travel, 2.0 * self._travel)
+        self.travel = min(self.largest_travel, 2.0 * self.travel)
         self._steepness = found.steepness
         if found.radius == 0.0 < a0:
             self.lost()
         return h * min(2.0, 0.95 / max(deviation, 1e-6) ** (1.0 / 3.0))
-
-    def _let_go(self, segment: Segment, longest: float) -> float:
-        """Without adhesion the contact shrinks to a point as the force goes to zero, within ``longest``."""
-        ends = [segment.value(self.time), segment.value(self.time + longest)]
-        h = longest * ends[0] / (ends[0] - ends[1])
-        attempt = self.attempt(segment)
-        a0 = self.surface.radius
-        if a0 > self._travel:
-            return self._by_distance(attempt, a0 - self._travel, h)
-        self.commit(self.time + h, attempt.surface_at(h, 0.0))
-        self.lost()
-        return h
-
-    def _by_distance(self, attempt: Attempt, radius: float, longest: float) -> float:
-        """The edge wants to go beyond ``radius`` within ``longest``: find when it passes there."""
-        a0 = self.surface.radius
-        if radius == a0:
-            self.lost("the contact has shrunk to the length of the process zone")
-            return longest
-        turn = self._trail.to_extremum(FORCE, RADIUS) / (radius - a0)
-        if 0.1 < turn < 1.0 and radius > 0.0:
-            radius = a0 + few_digits(turn) * (radius - a0)
-        h = attempt.duration_to(radius, longest)
-        if h is not None and h > 0.0:
-            probe = radius + 1e-2 * (radius - a0)
-            onwards = attempt.residual(h, probe) if probe > self.law.lowest else 0.0
-            if onwards * (radius - a0) >= 0.0:
-                surface = attempt.surface_at(h, radius)
-                force = surface.force(self.body)
-                row = (self.time + h, radius, force, surface.penetration)
-                deviation = self._judge(attempt.segment, surface, force).along_edge(row)
-                change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
-                travel = few_digits(max(change, 0.2) * abs(radius - a0), self.largest_travel)
-                self._travel = min(self.largest_travel, travel)
-                if deviation > 2.0 and radius > 0.0:
-                    self.counters.rejected_steps += 1
-                    return longest
-                self.commit(self.time + h, surface, force)
-                if radius == 0.0:
-                    self.lost()
-                return 1.5 * h
-        self.counters.rejected_steps += 1
-        if abs(radius - a0) > FOLD * self.largest_travel:
-            self._travel = 0.5 * abs(radius - a0)
-            return longest
-        outward = self._direction(attempt, radius)
-        event = Event(
-            "snap-in" if outward else "pull-off", self.time, self.surface.penetration, self.force, a0
-        )
-        leaps.run_free(self, attempt, outward)
-        self._travel = self.largest_travel
-        if self.outcome is None and self.surface.radius == a0:  # it holds for now, though not for so long
-            tick = 4.0 * math.ulp(self.time)
-            if longest > tick:
-                return max(0.25 * longest, tick)
-            self.commit(self.time + longest, attempt.surface_at(longest, a0))
-        far = abs(self.surface.radius - a0) > self.largest_travel
-        if far and isinstance(self.law, Griffith) and self.outcome is None:
-            self.events.append(event)
-        return longest
-
-    def _direction(self, attempt: Attempt, radius: float) -> bool:
-        """Whether an edge that cannot stay runs outward: towards ``radius``, or on as before.
-
-        The latter if both ways are open: it has overstepped a limit point by a hair, where a step back may
-        be noise.
-        """
-        a0 = self.surface.radius
-        opposite = 2.0 * a0 - radius
-        if self._heading != 0.0 and self.law.lowest < opposite < self.scene.indenter.edge:
-            pull = attempt.residual(0.0, opposite)
-            if (pull < -self.law.closed) if opposite > a0 else (pull > self.law.closed):
-                return self._heading > 0.0
-        return radius > a0
 
     def lost(self, reason: str = "no stable contact is left") -> None:
         """Contact ends here; the last row is the free surface."""
@@ -310,21 +232,21 @@ class Run:
             self.surface,
             segment,
             self.time,
-            self._trail.course(RADIUS),
-            self._trail.course(PENETRATION),
+            self.trail.course(RADIUS),
+            self.trail.course(PENETRATION),
             Marks(shortest, travel, self.law.reach, self.fineness.divisions),
             self.counters,
             self.scene.indenter.edge,
             self.largest_travel,
         )
 
-    def _judge(self, segment: Segment, surface: Surface, force: float) -> Judge:
+    def judge(self, segment: Segment, surface: Surface, force: float) -> Judge:
         scales = {
             RADIUS: self.radius_scale,
             FORCE: max(self.force_scale, abs(force)),
             PENETRATION: max(self.depth_scale, abs(surface.penetration)),
         }
-        return Judge(self._trail, self.fineness.deviation, judged(segment.control), scales)
+        return Judge(self.trail, self.fineness.deviation, judged(segment.control), scales)
 
     def commit(
         self,
@@ -351,7 +273,7 @@ class Run:
     def _between(self, segment: Segment, before: float, parts: int) -> None:
         """Rows that make the last step straight, and one where the force has turned."""
         wanted = [(1, before + (self.time - before) * part / parts) for part in range(1, parts)]
-        turned = self._trail.turned(FORCE)
+        turned = self.trail.turned(FORCE)
         if turned is not None:
             wanted.append((-turned[0], turned[1]))
         prescribed = segment.control == "penetration"
@@ -360,10 +282,10 @@ class Run:
 
     def _row(self) -> None:
         surface = self.surface
-        if abs(surface.radius - self._seen_at) > FOLD * self.largest_travel:
-            self._heading, self._seen_at = surface.radius - self._seen_at, surface.radius
+        if abs(surface.radius - self._seen_at) > limits.FOLD * self.largest_travel:
+            self.heading, self._seen_at = surface.radius - self._seen_at, surface.radius
         self.force_scale = max(self.force_scale, abs(self.force))
         self.radius_scale = max(self.radius_scale, surface.radius)
         self.depth_scale = max(self.depth_scale, abs(surface.penetration))
         self.record.add(self.time, surface, self.force)
-        self._trail.add((float(self.time), surface.radius, float(self.force), float(surface.penetration)))
+        self.trail.add((float(self.time), surface.radius, float(self.force), float(surface.penetration)))
