@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib
 import logging
 import re
+import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -80,7 +82,8 @@ def session(gmsh: ModuleType) -> Iterator[None]:
     with _lock:
         started = not gmsh.isInitialized()
         if started:
-            gmsh.initialize(readConfigFiles=False, interruptible=False)
+            with _broken_pipes_as_before():
+                gmsh.initialize(readConfigFiles=False, interruptible=False)
             previous, model = {}, ""
         else:
             previous = {name: gmsh.option.getNumber(name) for name in OPTIONS}
@@ -99,3 +102,21 @@ def session(gmsh: ModuleType) -> Iterator[None]:
                     gmsh.option.setNumber(name, value)
                 if model:
                     gmsh.model.setCurrent(model)
+
+
+@contextmanager
+def _broken_pipes_as_before() -> Iterator[None]:
+    """Put back what gmsh's start resets: Python ignores SIGPIPE, which otherwise ends the process in silence.
+
+    Through the C library, because Python lets only the main thread do that, and does not see what gmsh did.
+    """
+    if not hasattr(signal, "SIGPIPE"):  # not a Unix
+        yield
+        return
+    handler = ctypes.CDLL(None).signal
+    handler.argtypes, handler.restype = (ctypes.c_int, ctypes.c_void_p), ctypes.c_void_p
+    before = handler(signal.SIGPIPE, int(signal.SIG_IGN))
+    try:
+        yield
+    finally:
+        handler(signal.SIGPIPE, before)

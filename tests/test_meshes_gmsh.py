@@ -108,7 +108,8 @@ def test_threads_share_gmsh_without_harm(gmsh):
 
 def test_a_running_session_of_the_caller_survives(gmsh):
     expected = meshes.half_space(ASKED)
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    with gmsh_session._broken_pipes_as_before():
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("Mesh.MeshSizeFactor", 7.0)
@@ -125,3 +126,27 @@ def test_a_running_session_of_the_caller_survives(gmsh):
     finally:
         gmsh.finalize()
     np.testing.assert_array_equal(mesh.points, expected.points)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="no such signal on this system")
+@pytest.mark.parametrize("thread", [False, True])
+def test_a_broken_pipe_is_still_an_exception_afterwards(gmsh, thread):
+    """gmsh makes it end the process: a worker that dies would take the whole command along."""
+    program = f"""
+import os, threading, meshes
+asked = meshes.fit(0.126, 0.244, 0.013, 3)
+if {thread}:
+    other = threading.Thread(target=meshes.half_space, args=(asked,))
+    other.start()
+    other.join()
+else:
+    meshes.half_space(asked)
+read, write = os.pipe()
+os.close(read)
+try:
+    os.write(write, b"nobody reads this")
+except BrokenPipeError:
+    print("noticed")
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "noticed\n"), done.stderr
