@@ -12,6 +12,7 @@ import os
 import sys
 from typing import NoReturn
 
+from validation.memory import keep_freed
 from validation.signals import interrupting
 
 # The dense systems here are small: more threads than one cost time, and results must not depend on them.
@@ -240,6 +241,8 @@ def _run(options: argparse.Namespace) -> int:
 
 def _command(options: argparse.Namespace) -> int:
     from validation import commands
+
+    keep_freed()
 
     if options.command == "scenes":
         return commands.scenes()

@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from multiprocessing.connection import wait
 from typing import TYPE_CHECKING
 
+from validation.memory import keep_freed
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -24,9 +26,7 @@ def processes(workers: int) -> Iterator[Executor | None]:
     if workers <= 1:
         yield None
         return
-    pool = ProcessPoolExecutor(
-        workers, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent
-    )
+    pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"), initializer=begin)
     with _interrupts_held_back():  # inherited by what is started here, for good
         for _ in range(workers):
             pool.submit(int)
@@ -40,7 +40,13 @@ def processes(workers: int) -> Iterator[Executor | None]:
     pool.shutdown()
 
 
-def end_with_parent() -> None:
+def begin() -> None:
+    """How a process that works for another begins."""
+    keep_freed()
+    _end_with_parent()
+
+
+def _end_with_parent() -> None:
     """Leave at once when the parent is gone: nobody waits for an answer."""
     parent = multiprocessing.parent_process()
     if parent is not None:

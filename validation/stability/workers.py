@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from validation.pool import end_with_parent
+from validation.pool import begin
 
 PATIENCE = 10.0  # clock over processor time, at most
 LOOK = 0.5  # seconds between two looks at what a process has spent
@@ -131,7 +131,7 @@ class Worker:
 def _serve(pipe: Connection) -> None:
     """Answer until the other end is closed; interrupts are the parent's business."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent()
+    begin()
     while True:
         try:
             function, argument = pipe.recv()
