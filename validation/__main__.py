@@ -243,7 +243,6 @@ def _command(options: argparse.Namespace) -> int:
     from validation import commands
 
     keep_freed()
-
     if options.command == "scenes":
         return commands.scenes()
     if options.command == "solve":

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere, Sweep, Trace
+from validation.extrapolation import fitted_slope
 from validation.observables import observe
 from validation.reference import Options, solve
 
@@ -43,24 +44,19 @@ MATERIALS = {
 }
 
 
+def pulled(loading: Loading, material: str = "one") -> Scene:
+    """The contact of the paper's Fig. 2 under a loading."""
+    return Scene(Material(0.75, 0.5, MATERIALS[material]), Sphere(1.0), loading, Adhesion(WORK, ZONE))
+
+
 def cycle(speed: float, material: str = "one") -> Scene:
     """Approach to 0.032 R and retraction until contact is lost (paper, Fig. 2)."""
-    return Scene(
-        Material(0.75, 0.5, MATERIALS[material]),
-        Sphere(1.0),
-        Loading("jump-in", 0.0, (Ramp(0.032, speed), Ramp(-0.5, speed))),
-        Adhesion(WORK, ZONE),
-    )
+    return pulled(Loading("jump-in", 0.0, (Ramp(0.032, speed), Ramp(-0.5, speed))), material)
 
 
 def retraction(speed: float) -> Scene:
     """Pulled off from the relaxed state at 0.032 R."""
-    return Scene(
-        Material(0.75, 0.5, MATERIALS["one"]),
-        Sphere(1.0),
-        Loading("relaxed", 0.032, (Ramp(-0.5, speed),)),
-        Adhesion(WORK, ZONE),
-    )
+    return pulled(Loading("relaxed", 0.032, (Ramp(-0.5, speed),)))
 
 
 def sweep(duration: float) -> Scene:
@@ -142,9 +138,9 @@ def levels(
 
 def order(found: list[Level], name: str) -> float:
     """Order in the step: slope of the straight line through the logarithms of the errors of all levels."""
-    steps = np.log([1.0 / level.resolution for level in found])
-    errors = np.log([max(level.errors[name], 1e-16) for level in found])
-    return float(np.polyfit(steps, errors, 1)[0])
+    steps = [1.0 / level.resolution for level in found]
+    slope = fitted_slope(steps, [level.errors[name] for level in found])
+    return math.nan if slope is None else slope
 
 
 def table(name: str, found: list[Level]) -> list[str]:

@@ -187,10 +187,8 @@ class Run:
             return limits.by_distance(self, attempt, found.radius, h)
         surface = attempt.surface_at(h, found.radius)
         force = surface.force(self.body)
-        row, judge = (
-            (self.time + h, surface.radius, force, surface.penetration),
-            self.judge(segment, surface, force),
-        )
+        row = (self.time + h, surface.radius, force, surface.penetration)
+        judge = self.judge(segment, surface, force)
         deviation, smooth = judge.in_time(row), True
         near_limit = 0.0 < found.steepness * self.law.reach < FLAT
         if deviation > 1.0 and near_limit and self.trail.heads_for(row, RADIUS):

@@ -111,13 +111,14 @@ class Surface:
 
         Slopes of the fields will differ across it; each side then takes them from its own nodes.
         """
-        radius = self.radius
-        apart = COINCIDENT * radius
+        radius, apart = self.radius, COINCIDENT * self.radius
+        if radius == 0.0:
+            return self
         inside, branches, outside, units = self.inside, self.branches, self.outside, self.units
-        if apart > 0.0 and len(inside) > 1 and inside[-2] < radius - 2.0 * apart:
+        if len(inside) > 1 and inside[-2] < radius - 2.0 * apart:
             inside = np.concatenate((inside[:-1], [radius - apart, radius]))
             branches = np.concatenate((branches, branches[-1:]))
-        if apart > 0.0 and len(outside) > 1 and outside[1] > radius + 2.0 * apart:
+        if len(outside) > 1 and outside[1] > radius + 2.0 * apart:
             outside = np.concatenate(([radius, radius + apart], outside[1:]))
             units = np.concatenate((units[:1], units))
         return Surface(self.penetration, inside, branches, outside, units)
