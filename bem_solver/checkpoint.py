@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from scene import Counters, Watch
+from contact_scene import Counters, RunMonitor
 
 if TYPE_CHECKING:
     from bem_solver.recorder import Recorder
@@ -91,6 +91,6 @@ def of_stepper(stepper: Stepper) -> State:
     return taken({name: getattr(stepper, name) for name in names}, stepper.recorder, stepper.problem.counters)
 
 
-def goes_on(watch: Watch | None, state: Callable[[], State]) -> bool:
+def goes_on(watch: RunMonitor | None, state: Callable[[], State]) -> bool:
     """Whether nobody outside wants the run to end."""
     return watch is None or watch.goes_on(state)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, change, stepped
 from bem_solver.history import History, Track, distinct, gaps_to_halve, graded_nodes, lingered
-from bem_solver.points import Motion, advanced, load_inside
 from bem_solver.surface import Surface
+from bem_solver.surface_points import Motion, advanced, load_inside
 from bem_solver.trial import Front, Problem, Trial, points_at
 
 Array = NDArray[np.float64]

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import dawsn, erf, erfcx
 
-from scene import Material
+from contact_scene import Material
 
 Array = NDArray[np.float64]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scene import SceneError
-from scene.errors import number, one_of, positive
+from contact_scene import SceneError
+from contact_scene.errors import number, one_of, positive
 
 ANNULI = ("graded", "uniform")
 SCHEMES = ("exponential", "backward-euler")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bem_solver.trial import Front, Problem, points_at
-from scene import Profile
+from contact_scene import Profile
 
 _REACH = 4.0  # contact radii
 

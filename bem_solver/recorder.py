@@ -10,7 +10,7 @@ from bem_solver.creep import Chain
 from bem_solver.energy import Energies
 from bem_solver.trial import Front
 from bem_solver.work import external_work
-from scene import Counters, Event, Outcome, OutcomeKind, Profile, Trace
+from contact_scene import Counters, Event, Outcome, OutcomeKind, Profile, Trace
 
 
 @dataclass

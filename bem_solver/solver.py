@@ -13,23 +13,23 @@ from bem_solver.annuli import Annuli
 from bem_solver.checkpoint import put_back
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
-from bem_solver.extent import FEWEST, annuli_for_layer, annuli_needed, largest_contact, thinnest_layer
+from bem_solver.loading_intervals import pieces
 from bem_solver.options import Options
-from bem_solver.pieces import pieces
 from bem_solver.profiles import surface_profile
 from bem_solver.recorder import Recorder
+from bem_solver.size_estimates import FEWEST, annuli_for_layer, annuli_needed, largest_contact, thinnest_layer
 from bem_solver.start import contact_scale, start_front
 from bem_solver.stepping import Stepper
 from bem_solver.trial import Problem
-from scene import Counters, Outcome, OutcomeKind, Scene, Trace, UnsupportedScene, Watch
-from scene.scene import zone_too_long
+from contact_scene import Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
+from contact_scene.scene import zone_too_long
 
 
 def solve(
     scene: Scene,
     options: Options | None = None,
     progress: Callable[[float], None] | None = None,
-    watch: Watch | None = None,
+    watch: RunMonitor | None = None,
 ) -> Trace:
     """Solve a scene with the boundary-element method of the paper.
 
@@ -39,7 +39,7 @@ def solve(
     options : Options, optional
     progress : callable, optional
         Called with the share of the run that is done, 0 to 1.
-    watch : Watch, optional
+    watch : RunMonitor, optional
         May keep the run between steps, stop it, and let it go on from where it was kept.
 
     Returns
@@ -65,7 +65,7 @@ def solve(
     began = clock.perf_counter()
     with np.errstate(all="ignore"):  # non-finite numbers are looked for where state is committed
         if options.annuli == "uniform":
-            from bem_solver.baseline import solve_uniform
+            from bem_solver.paper_scheme.solver import solve_uniform
 
             trace = solve_uniform(scene, options, progress, watch)
         else:
@@ -74,7 +74,7 @@ def solve(
 
 
 def _solve_graded(
-    scene: Scene, options: Options, progress: Callable[[float], None] | None, watch: Watch | None
+    scene: Scene, options: Options, progress: Callable[[float], None] | None, watch: RunMonitor | None
 ) -> Trace:
     chain = Chain(scene.material, options.scheme == "backward-euler")
     zone, work = (scene.adhesion.zone, scene.adhesion.work) if scene.adhesion else (0.0, 0.0)

@@ -12,11 +12,11 @@ from bem_solver.commit import split
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, at_start
 from bem_solver.history import History, distinct
-from bem_solver.points import Motion, advanced
-from bem_solver.rootsearch import rising_root
+from bem_solver.root_search import rising_root
 from bem_solver.surface import Surface
+from bem_solver.surface_points import Motion, advanced
 from bem_solver.trial import Front, Problem, Trial, evaluate, points_at
-from scene import Indenter, Material, Scene
+from contact_scene import Indenter, Material, Scene
 
 Array = NDArray[np.float64]
 

@@ -19,14 +19,14 @@ from bem_solver.checkpoint import Place, goes_on, of_stepper
 from bem_solver.commit import committed
 from bem_solver.energy import Energies
 from bem_solver.history import History
-from bem_solver.pieces import Piece
+from bem_solver.loading_intervals import Piece
 from bem_solver.prediction import Past, departure, grown, shrunk
 from bem_solver.recorder import Recorder
-from bem_solver.rootsearch import rising_root
+from bem_solver.root_search import rising_root
 from bem_solver.start import contact_scale, equilibrium
 from bem_solver.surface import Surface
 from bem_solver.trial import Front, Problem, Trial, evaluate
-from scene import Outcome, OutcomeKind, Watch
+from contact_scene import Outcome, OutcomeKind, RunMonitor
 
 _FINEST_TRAVEL = 1.0 / 64.0
 _LOAD_WEIGHT = 4.0  # the load follows the prescribed history closer than the edge its chord
@@ -50,7 +50,7 @@ class Stepper:
     max_steps: int
     scale: float
     progress: Callable[[float], None] | None = None
-    watch: Watch | None = None
+    watch: RunMonitor | None = None
     place: Place = field(default_factory=Place)
     slope: float = 0.0  # of the residual with the edge, from the last accepted search
     travel: float = 1.0  # share of the travel limit in force

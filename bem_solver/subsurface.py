@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from bem_solver.discs import disc_load, punch_load
-from scene import Profile
+from bem_solver.disc_potentials import disc_load, punch_load
+from contact_scene import Profile
 
 Array = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.history import History
 from bem_solver.kinks import Kinks
-from bem_solver.points import Motion, Points, advanced, displacement_outside, load_inside
 from bem_solver.surface import Surface
-from scene import Counters, Scene
+from bem_solver.surface_points import Motion, Points, advanced, displacement_outside, load_inside
+from contact_scene import Counters, Scene
 
 Array = NDArray[np.float64]
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from validation.cases import load
+from validation.drawing.figures import png
 from validation.fields.figures import strip
 from validation.fields.figures.moments import key_moments
 from validation.fields.figures.quantities import QUANTITIES
 from validation.fields.request import Request, answer
-from validation.report.figures import png
 
 
 def draw() -> Figure:

@@ -13,9 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from validation.cases import load
-from validation.report.curves import Curves, elastic_limits, labels, of_trace
-from validation.report.figures import CLOSED, png
-from validation.runs import run
+from validation.drawing.curves import Curves, elastic_limits, labels, of_trace
+from validation.drawing.figures import CLOSED, png
+from validation.execution.runs import run
 
 SPEEDS = {
     "0.002": ("#0072b2", "-"),

@@ -1,6 +1,6 @@
 """Adhesive contact of a viscoelastic half-space by finite elements and node release."""
 
-from fem_solver.fields import FieldState, field_states
+from fem_solver.fields.states import FieldState, field_states
 from fem_solver.options import Options
 from fem_solver.solver import Recording, record, solve
 

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from fem_solver.condensed import CondensedHistory
 from fem_solver.quadrature import QuadratureHistory
-from fem_solver.stepcontrol import Clock
+from fem_solver.step_control import Clock
 
 if TYPE_CHECKING:
-    from fem_solver.record import Recorder
+    from fem_solver.recorder import Recorder
     from fem_solver.stepping import Run
 
 History = CondensedHistory | QuadratureHistory

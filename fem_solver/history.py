@@ -7,8 +7,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene import OutcomeKind
 from fem_solver.condensed import Response
-from scene import OutcomeKind
 
 Array = NDArray[np.float64]
 

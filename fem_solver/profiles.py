@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_solver.record import SurfaceState
-from scene import Profile
+from contact_scene import Profile
+from fem_solver.recorder import SurfaceState
 
 Array = NDArray[np.float64]
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene import BulkRelaxation, Material, Scene, UnsupportedScene
 from fem_solver.condensed import CondensedHistory
 from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
 from fem_solver.halfspace import Factorisation, HalfSpace
@@ -17,7 +18,6 @@ from fem_solver.prony import Prony
 from fem_solver.quadrature import QuadratureHistory
 from fem_solver.release import EdgeGeometry
 from fem_solver.surface import SurfaceOperator
-from scene import BulkRelaxation, Material, Scene, UnsupportedScene
 
 Array = NDArray[np.float64]
 

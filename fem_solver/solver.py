@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene import Outcome, OutcomeKind, RunMonitor, Scene, Trace
+from contact_scene.scene import zone_too_long
 from fem_solver.checkpoint import put_back, taken
-from fem_solver.fields_history import Log, watch
+from fem_solver.fields.history import Log, watch
 from fem_solver.history import Ended, History
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
-from fem_solver.record import Recorder, SurfaceState
+from fem_solver.recorder import Recorder, SurfaceState
 from fem_solver.setup import Setup, set_up
-from fem_solver.stepcontrol import Judge
+from fem_solver.step_control import Judge
 from fem_solver.stepping import Run
-from scene import Outcome, OutcomeKind, Scene, Trace, Watch
-from scene.scene import zone_too_long
 
 Progress = Callable[[float], None]
 
@@ -60,7 +60,7 @@ def solve(
     mesh: Any,
     options: Options | None = None,
     progress: Progress | None = None,
-    watch: Watch | None = None,
+    watch: RunMonitor | None = None,
 ) -> Trace:
     """Solve a scene on a mesh of the half-space.
 
@@ -73,7 +73,7 @@ def solve(
     options : Options, optional
     progress : callable(float), optional
         Told the fraction done, from 0 to 1.
-    watch : Watch, optional
+    watch : RunMonitor, optional
         May keep the run between steps, stop it, and let it go on from where it was kept.
 
     Returns
@@ -96,7 +96,7 @@ def record(
     mesh: Any,
     options: Options | None = None,
     progress: Progress | None = None,
-    outside: Watch | None = None,
+    outside: RunMonitor | None = None,
 ) -> Recording:
     """As :func:`solve`, and keep the history where the options ask for it.
 

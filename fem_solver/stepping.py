@@ -9,15 +9,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene import Counters, OutcomeKind, Segment
+from contact_scene.loading import Control
 from fem_solver.checkpoint import Place
 from fem_solver.condensed import Response
 from fem_solver.edge import EdgeLaw, EdgeSearch, Fate
 from fem_solver.history import Ended, History
-from fem_solver.record import Recorder, SurfaceState
+from fem_solver.recorder import Recorder, SurfaceState
 from fem_solver.release import ContactProblem, EdgeGeometry
-from fem_solver.stepcontrol import Clock, Judge
-from scene import Counters, OutcomeKind, Segment
-from scene.loading import Control
+from fem_solver.step_control import Clock, Judge
 
 Array = NDArray[np.float64]
 

@@ -13,11 +13,12 @@ ROOT = Path(__file__).parents[1]
 
 # The solvers share the question, never the method: a common helper would be a common error.
 MAY_IMPORT = {
-    "scene": set(),
-    "bem_solver": {"scene"},
-    "fem_solver": {"scene"},
+    "contact_scene": set(),
+    "bem_solver": {"contact_scene"},
+    "fem_solver": {"contact_scene"},
     "meshes": set(),
-    "validation": {"scene", "bem_solver", "fem_solver", "meshes"},
+    "validation": {"contact_scene", "bem_solver", "fem_solver", "meshes"},
+    "crosscontact": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation"},
 }
 HEAVY = ("skfem", "gmsh", "pyvista", "matplotlib", "meshio")
 
@@ -59,7 +60,7 @@ def test_the_reader_of_imports_sees_every_form():
     assert imported(source, "ours") == {"a", "c", "e", "ours", "l", "m", "o", "a computed module name"}
 
 
-@pytest.mark.parametrize("package", ["scene", "bem_solver"])
+@pytest.mark.parametrize("package", ["contact_scene", "bem_solver"])
 def test_light_packages_load_nothing_heavy(package):
     code = f"import sys, {package}; print(*sorted({{m.split('.')[0] for m in sys.modules}}))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)

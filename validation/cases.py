@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from scene import Scene
+    from contact_scene import Scene
 
 SCENES = Path(__file__).parent / "scenes"
 SUITES = ("quick", "paper", "full")
@@ -112,7 +112,7 @@ def load(name: str) -> Case:
     SceneError
         If there is neither, or the file is no valid scene.
     """
-    from scene import SceneError, read_scene
+    from contact_scene import SceneError, read_scene
 
     if name in names():
         known = _known(name)

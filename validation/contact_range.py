@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from scene import ForceRamp, Scene, SceneError
+from contact_scene import ForceRamp, Scene, SceneError
 from validation.reference import sneddon
 
 if TYPE_CHECKING:

@@ -1,8 +1,8 @@
 """The solvers by name, each behind the same call; a solver is imported when it is asked for.
 
 A solver is ``function(scene, resolution, tolerance, profile_times, progress) -> Trace``; ``None`` for
-resolution or tolerance leaves the choice to the solver. A sixth argument, a ``scene.Watch``, is given where
-the run may be stopped and gone on with.
+resolution or tolerance leaves the choice to the solver. A sixth argument, a ``RunMonitor``, is given
+where the run may be stopped and gone on with.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from scene import Scene, Trace, Watch
+    from contact_scene import RunMonitor, Scene, Trace
 
 Progress = Callable[[float], None]
 Solver = Callable[..., "Trace"]
@@ -29,7 +29,7 @@ def _bem() -> Solver:
         tolerance: float | None,
         profile_times: tuple[float, ...],
         progress: Progress | None,
-        watch: Watch | None = None,
+        watch: RunMonitor | None = None,
     ) -> Trace:
         return solve(scene, Options(resolution, tolerance, profile_times=profile_times), progress, watch)
 
@@ -52,7 +52,7 @@ class FiniteElements:
         tolerance: float | None,
         profile_times: tuple[float, ...],
         progress: Progress | None,
-        watch: Watch | None = None,
+        watch: RunMonitor | None = None,
     ) -> Trace:
         from fem_solver import Options, solve
         from validation.contact_range import mesh_for
@@ -81,7 +81,7 @@ class FrontTracking:
         tolerance: float | None,
         profile_times: tuple[float, ...],
         progress: Progress | None,
-        watch: Watch | None = None,
+        watch: RunMonitor | None = None,
     ) -> Trace:
         from validation.reference import Options, solve
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from functools import cache
 
-from scene import Sphere
+from contact_scene import Sphere
 from validation.cases import load
+from validation.measure.dimensionless import units
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
-from validation.scales import units
 
 BASE = "cycle-v0.02"
 

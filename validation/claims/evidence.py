@@ -1,7 +1,7 @@
 """The runs that claims rest on: sweeps around the built-in scenes, and where their answers are kept.
 
 Every sweep varies the loading (or the zone) of a built-in scene, so that whatever the paper fixes is stated
-once, in that scene's file. Runs go through :func:`validation.runs.run_all`, hence through any
+once, in that scene's file. Runs go through :func:`validation.execution.runs.run_all`, hence through any
 ``concurrent.futures`` executor: a process pool, Dask's ``Client.get_executor()``, an MPI pool.
 """
 
@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
-from scene import Adhesion, Hold, Loading, Ramp, Scene, Trace
+from contact_scene import Adhesion, Hold, Loading, Ramp, Scene, Trace
 from validation.cases import Case, load
-from validation.runs import Run, run_all
-from validation.scales import units
+from validation.execution.runs import Run, run_all
+from validation.measure.dimensionless import units
 from validation.solvers import REFERENCE
 
 DEPTH = 0.032  # R: point B of Fig. 4; also the largest penetration of Fig. 2, which the paper leaves out

@@ -9,8 +9,8 @@ from validation.claims import elastic
 from validation.claims.claim import IN_PART, Part, claim
 from validation.claims.evidence import DEPTH, FORCES, MATCHED, Evidence, retraction
 from validation.claims.measures import LARGER, RECOVERED, rising
+from validation.measure.dimensionless import units
 from validation.reference.frozen import FrozenRetraction
-from validation.scales import units
 
 PLACE = "Sec. III, Fig. 5"
 

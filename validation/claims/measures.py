@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scene import Profile, Trace
-from validation.observables import end_of_approach
+from contact_scene import Profile, Trace
+from validation.measure.observables import end_of_approach
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from validation.claims import elastic
 from validation.claims.claim import FAILS, HOLDS, IN_PART, Part, claim
 from validation.claims.evidence import CYCLE_SPEEDS, DEPTH, HALF_ZONE_SPEEDS, Evidence, cycle
 from validation.claims.measures import LARGER, RECOVERED
+from validation.measure.dimensionless import units
 from validation.reference.finite_zone import FiniteZone
-from validation.scales import units
 
 SCENE = "cycle-v0.02"
 

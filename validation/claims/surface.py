@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scene import Profile
+from contact_scene import Profile
 from validation.cases import load
 from validation.claims import elastic
 from validation.claims.claim import HOLDS, IN_PART, Part, claim

@@ -7,7 +7,7 @@ partly released node at the edge, which is no density in the body.
 The loss in the branches is compared with the column of the trace that is its integral, and with what closes
 the balance of the half-space without any such integral: work of the surface forces less stored energy. The
 loss of the whole balance ``F dD + dg dA = dU + dL`` is smaller by ``zone_excess`` where a sharp edge
-dissipates what a process zone would have held (see ``fem_solver.record``).
+dissipates what a process zone would have held (see ``fem_solver.recorder``).
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from contact_scene import Trace
     from fem_solver import FieldState
-    from scene import Trace
 
 
 @dataclass(frozen=True)

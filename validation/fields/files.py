@@ -15,14 +15,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
+from validation.execution.files import to_json, write_whole
 from validation.fields.balance import Balance
-from validation.files import to_json, write_whole
 
 if TYPE_CHECKING:
     import pyvista
 
+    from contact_scene import Scene
     from fem_solver import FieldState
-    from scene import Scene
 
 PARTS = {"body": "vtu", "surface": "vtp", "indenter": "vtp"}
 NUMBERS = "moments.json"

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_solver.fields import COMPONENTS, FieldState
+from fem_solver.fields.states import COMPONENTS, FieldState
 
 if TYPE_CHECKING:
     import pyvista
 
-    from scene import Scene
+    from contact_scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from scene import Loading, Scene, SceneError, Trace
-from validation.observables import ROUND_OFF, largest_tension
+from contact_scene import Loading, Scene, SceneError, Trace
+from validation.measure.observables import ROUND_OFF, largest_tension
 
 if TYPE_CHECKING:
     from fem_solver import FieldState, Recording
@@ -76,7 +76,7 @@ def answer(
         If a time cannot lie within the loading, or the scene cannot be solved.
     """
     from fem_solver import Options, record
-    from fem_solver.fields_history import VolumeLog
+    from fem_solver.fields.history import VolumeLog
     from validation.contact_range import mesh_for
 
     request = replace(request, times=check_times(request.times, scene.loading))
@@ -114,7 +114,7 @@ def _found(recording: Recording, request: Request, picked: dict[int, str]) -> An
 
 def pull_off(recording: Recording) -> int | None:
     """Row of the largest tension; ``None`` if the run never pulls."""
-    from fem_solver.fields_history import VolumeLog
+    from fem_solver.fields.history import VolumeLog
 
     if len(recording.trace) == 0:
         return None

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import roots_jacobi
 
-from scene import Sphere
+from contact_scene import Sphere
 from validation.reference.jkr import JKR, NoEquilibrium, State
 
 _NODES, _WEIGHTS = roots_jacobi(24, 0.5, -0.5)  # weight (1 - x)^(1/2) (1 + x)^(-1/2)

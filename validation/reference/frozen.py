@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from scene import FlatPunch, Indenter, Material, TabulatedProfile
+from contact_scene import FlatPunch, Indenter, Material, TabulatedProfile
 from validation.reference import sneddon
 from validation.reference.jkr import JKR, NoEquilibrium, State
 

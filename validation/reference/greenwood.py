@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from scene import Material
+from contact_scene import Material
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from scene import Indenter, UnsupportedScene
+from contact_scene import Indenter, UnsupportedScene
 from validation.reference import sneddon
 
 Array = NDArray[np.float64]

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import quad
 from scipy.special import hyp1f1
 
-from scene import FlatPunch, Indenter, Material, TabulatedProfile
+from contact_scene import FlatPunch, Indenter, Material, TabulatedProfile
 from validation.reference import prony_integrals, sneddon
 
 Array = NDArray[np.float64]

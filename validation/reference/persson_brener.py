@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from scene import Material
+from contact_scene import Material
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scene import Material, UnsupportedScene
+from contact_scene import Material, UnsupportedScene
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scene import Material
+from contact_scene import Material
 from validation.reference.prony_integrals import plane_factor
 
 Array = NDArray[np.float64]

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 from scipy.special import gamma, hyp2f1
 
-from scene import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
+from contact_scene import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 
 Array = NDArray[np.float64]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)

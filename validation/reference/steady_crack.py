@@ -34,7 +34,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scene import Material
+from contact_scene import Material
 from validation.reference.prony_integrals import mean_creep, mean_relaxation
 
 Array = NDArray[np.float64]

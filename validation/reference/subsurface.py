@@ -30,10 +30,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scene import Cone, FlatPunch, Indenter, Sphere
+from contact_scene import Cone, FlatPunch, Indenter, Sphere
 from validation.reference import jkr as adhesive
 from validation.reference import sneddon
-from validation.reference.subsurface_ladders import ladders
+from validation.studies.subsurface_ladders import ladders
 
 Array = NDArray[np.float64]
 

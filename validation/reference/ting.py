@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from scene import Indenter, Material
+from contact_scene import Indenter, Material
 from validation.reference import lee_radok, prony_integrals, sneddon
 
 Array = NDArray[np.float64]

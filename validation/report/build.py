@@ -6,26 +6,26 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from validation.baseline import Comparison
 from validation.cases import Case
-from validation.checks import Check
 from validation.claims import evidence
 from validation.claims.all import judge
-from validation.compare import check_case
-from validation.environment import stamp
-from validation.files import write_whole
-from validation.pool import processes
+from validation.compare.against_reference import check_case
+from validation.compare.checks import Check
+from validation.compare.regression import Comparison
+from validation.execution.checkpoints import question
+from validation.execution.environment import stamp
+from validation.execution.files import write_whole
+from validation.execution.processes import processes
+from validation.execution.runs import Run, output_times, run_all
+from validation.execution.store import Store
 from validation.report import fields_section, stability_section
 from validation.report.claims_section import Claims, pictures
 from validation.report.fields_section import FieldsSection
-from validation.resume import question
-from validation.runs import Run, output_times, run_all
 from validation.solvers import SOLVERS
-from validation.stability.drive import Matrix
-from validation.store import Store
+from validation.stability.runner import Matrix
 
 if TYPE_CHECKING:
-    from validation.progress import Progress
+    from validation.execution.progress import Progress
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def write(report: Report, folder: Path) -> None:
 
     With the paper's statements also ``figures/``, the paper's figures as PNG.
     """
-    from validation.commands import write_run
+    from crosscontact.commands.all_commands import write_run
     from validation.report import html, jsonreport, junit, markdown
 
     (folder / "index.html").unlink(missing_ok=True)  # whoever finds it finds a whole set

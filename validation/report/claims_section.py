@@ -8,10 +8,10 @@ from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from validation.checks import Check
 from validation.claims.claim import Finding, Verdict
 from validation.claims.evidence import Evidence
-from validation.report import figures
+from validation.compare.checks import Check
+from validation.drawing import figures
 from validation.report.paper_figures import FIGURES, drawn
 
 if TYPE_CHECKING:

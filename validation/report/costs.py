@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from validation.execution.runs import Run
 from validation.report.text import number
-from validation.runs import Run
 
 HEAD = ("", "runs", "processor seconds", "of these for error estimates")
 LONGEST = 10

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING
 
-from validation.report import figures
+from validation.drawing import figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from contact_scene import Scene, Trace
     from fem_solver import FieldState
-    from scene import Scene, Trace
     from validation.report.build import Page
 
 SCENE = "cycle-v0.002"
@@ -97,7 +97,7 @@ def compute(pages: list[Page], progress: Callable[[float], None] = lambda done: 
 def fig3(pages: list[Page], scene: Scene) -> Figure | None:
     """Fig. 3 from the runs of a report; ``None`` if one of them is missing."""
     from validation.fields.figures import fig3
-    from validation.observables import end_of_approach
+    from validation.measure.observables import end_of_approach
 
     for page in pages:
         traces = [run.trace for name in ("bem", "fem") if (run := page.runs[name]).trace is not None]

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from validation.report import claims_section, costs, fields_section, figures, stability_section
-from validation.report.curves import elastic_limits, labels, of_trace, with_differences
+from validation.drawing import figures
+from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
+from validation.report import claims_section, costs, fields_section, stability_section
 from validation.report.style import STYLE
 from validation.report.text import HEAD, MOVE_HEAD, move_row, number, parameters, row, spared_by
 from validation.solvers import REFERENCE

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from validation.files import to_json
+from validation.execution.files import to_json
+from validation.execution.runs import summary
 from validation.report import claims_section, stability_section
 from validation.report.costs import spent
 from validation.report.text import spared_by
-from validation.runs import summary
 
 if TYPE_CHECKING:
     from validation.report.build import Page, Report

@@ -8,7 +8,7 @@ from validation.report import claims_section, stability_section
 from validation.report.text import HEAD, MOVE_HEAD, move_row, number, row, spared_by
 
 if TYPE_CHECKING:
-    from validation.baseline import Comparison
+    from validation.compare.regression import Comparison
     from validation.report.build import Page, Report
 
 MOST = 20  # moves shown, if fewer count

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from validation.claims.evidence import Evidence, Missing
+from validation.drawing.figures import INK
 from validation.report import paper_panels as panels
-from validation.report.figures import INK
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scene import Scene
+from contact_scene import Scene
 from validation.cases import load
 from validation.claims import elastic, oscillations, release, surface
 from validation.claims.evidence import (
@@ -24,10 +24,10 @@ from validation.claims.evidence import (
     cycle,
     retraction,
 )
-from validation.observables import end_of_approach
-from validation.report.curves import of_trace
-from validation.report.figures import CLOSED, INK
-from validation.scales import units
+from validation.drawing.curves import of_trace
+from validation.drawing.figures import CLOSED, INK
+from validation.measure.dimensionless import units
+from validation.measure.observables import end_of_approach
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from validation.environment import stamp
-from validation.files import to_json, write_whole
+from validation.execution.environment import stamp
+from validation.execution.files import to_json, write_whole
 from validation.report import stability_section as section
 from validation.report.html import document, environment
-from validation.stability.drive import Matrix
+from validation.stability.runner import Matrix
 
 JSON = "stability.json"
 

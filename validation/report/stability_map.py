@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from validation.report.figures import INK
+from validation.drawing.figures import INK
 from validation.stability.verdict import Cell, Verdict
 
 if TYPE_CHECKING:

@@ -9,11 +9,12 @@ from dataclasses import asdict
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from validation.checks import Check
-from validation.report import figures, stability_map
-from validation.stability.drive import Matrix
+from validation.compare.checks import Check
+from validation.drawing import figures
+from validation.report import stability_map
 from validation.stability.growth import Growth, fit
 from validation.stability.limits import limits
+from validation.stability.runner import Matrix
 from validation.stability.verdict import Cell, Verdict
 
 if TYPE_CHECKING:

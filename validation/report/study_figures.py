@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from validation.convergence import Convergence
-from validation.report.figures import INK, SIZE
-from validation.work_precision import cost
+from validation.drawing.figures import INK, SIZE
+from validation.studies.convergence import Convergence
+from validation.studies.work_precision import cost
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,17 +8,18 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from validation import work_precision
-from validation.files import to_json, write_whole
-from validation.report import figures, study_figures
+from validation.drawing import figures
+from validation.execution.files import to_json, write_whole
+from validation.report import study_figures
 from validation.report.html import document, environment, table
 from validation.report.study_text import Section, ladder, overview, prices, threads, zones
+from validation.studies import work_precision
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from validation.convergence import Convergence
-    from validation.study import SceneStudy, Study
+    from validation.studies.convergence import Convergence
+    from validation.studies.study import SceneStudy, Study
 
 FORMAT = 1
 TITLE = "crosscontact study"

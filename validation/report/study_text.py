@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from validation import work_precision
-from validation.convergence import Convergence, LevelRun, Row
 from validation.report.text import NONE, number
-from validation.schemes import SCHEMES
-from validation.study import SceneStudy
+from validation.studies import work_precision
+from validation.studies.convergence import Convergence, LevelRun, Row
+from validation.studies.schemes import SCHEMES
+from validation.studies.study import SceneStudy
 
 HEADLINE = ("pull_off_force", "loop_energy", "approach_force", "approach_radius", "detachment_penetration")
 NOTES = (

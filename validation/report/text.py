@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from validation.scales import SYMBOLS
-from validation.spared import in_words
+from validation.measure.dimensionless import SYMBOLS
+from validation.measure.skipped_work import in_words
 
 if TYPE_CHECKING:
-    from validation.baseline import Move
-    from validation.checks import Check
+    from validation.compare.checks import Check
+    from validation.compare.regression import Move
     from validation.report.build import Page
 
 NONE = "–"

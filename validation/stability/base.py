@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from scene import Adhesion, Branch, Indenter, Loading, Material, Ramp, Scene, Sphere, Step
+from contact_scene import Adhesion, Branch, Indenter, Loading, Material, Ramp, Scene, Sphere, Step
 
 POISSON = 0.5
 MODULUS = 1.0 - POISSON**2  # E0* = 1

@@ -7,9 +7,9 @@ from typing import Any
 
 from scipy.optimize import brentq
 
-from scene import FlatPunch, Force, Hold, Oscillate, OutcomeKind, Scene, Table
+from contact_scene import FlatPunch, Force, Hold, Oscillate, OutcomeKind, Scene, Table
 from validation.reference import punch_oscillation
-from validation.stability import base, closed
+from validation.stability import base, closed_forms
 from validation.stability.materials import SAME
 from validation.stability.measure import CURVE
 from validation.stability.probe import (
@@ -46,15 +46,17 @@ def loading() -> list[Probe]:
 
     period = 2.0 * math.pi / 1e6
     swing = base.scene(made, (Oscillate(0.002, 1e6, 1.25 * period),))
-    turned = closed.rest(swing, 0.002, hard, "Einf")
+    turned = closed_forms.rest(swing, 0.002, hard, "Einf")
     probes.append(Probe("loading", "oscillation far faster than tau", swing, turned))
 
     there = base.scene(made, (Table((0.0, 1e-9), (base.TOP, base.TOP)),))
     probes.append(
-        Probe("loading", "jump of the penetration", there, closed.rest(there, base.TOP, hard, "Einf"))
+        Probe("loading", "jump of the penetration", there, closed_forms.rest(there, base.TOP, hard, "Einf"))
     )
     settled = base.scene(made, (Table((0.0, 1e5), (base.TOP, base.TOP)),))
-    probes.append(Probe("loading", "jump, then rest", settled, closed.rest(settled, base.TOP, soft, "E0")))
+    probes.append(
+        Probe("loading", "jump, then rest", settled, closed_forms.rest(settled, base.TOP, soft, "E0"))
+    )
     return probes + _cycles() + _starts()
 
 
@@ -100,7 +102,7 @@ def _starts() -> list[Probe]:
     made = base.material()
     probes = []
     for start, modulus in (("relaxed", made.relaxed_plane_modulus), ("jump-in", made.glassy_plane_modulus)):
-        law = closed.zone_law(base.scene(made, ()), modulus)
+        law = closed_forms.zone_law(base.scene(made, ()), modulus)
         limit = law.pull_off_penetration_control().penetration
         for factor in (0.99, 1.01, 100.0):
             depth = factor * limit
@@ -127,7 +129,7 @@ def pull_off() -> list[Probe]:
     itself, divided by twice the margin, is the error of the delay.
     """
     made = base.material()
-    law = closed.zone_law(base.scene(made, ()), made.relaxed_plane_modulus)
+    law = closed_forms.zone_law(base.scene(made, ()), made.relaxed_plane_modulus)
     limit = law.pull_off_force_control()
     probes = []
     for margin in MARGINS:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scene import Branch, Hold, Material
-from validation.stability import base, closed
+from contact_scene import Branch, Hold, Material
+from validation.stability import base, closed_forms
 from validation.stability.measure import CURVE
 from validation.stability.probe import ADHESIONLESS, SOLVERS, Computed, Equivalent, Probe, Tolerance, Truth
 
@@ -38,7 +38,7 @@ def contrast() -> list[Probe]:
         creep = ratio  # retardation time, in relaxation times
         label = f"Einf/E0 = {ratio:g}"
         bare = base.scene(made, base.to_and_fro(PUSH), adhesion=None)
-        truth = closed.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
+        truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
         probes.append(
             Probe(
                 "contrast",
@@ -51,7 +51,7 @@ def contrast() -> list[Probe]:
             )
         )
         slow = base.scene(made, base.to_and_fro(1e-7 / creep), start="relaxed")
-        quiet = closed.elastic_cycle(slow, made.relaxed_plane_modulus, "E0", at_once=ratio == 1.0)
+        quiet = closed_forms.elastic_cycle(slow, made.relaxed_plane_modulus, "E0", at_once=ratio == 1.0)
         probes.append(
             Probe(
                 "contrast",
@@ -94,9 +94,9 @@ def times() -> list[Probe]:
         cycle = base.scene(made, base.to_and_fro(speed))
         truth: Truth
         if ratio <= 1e-6:
-            truth = closed.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
+            truth = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
         elif ratio >= 1e6:
-            truth = closed.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
+            truth = closed_forms.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
         else:
             truth = CYCLE
         probes.append(
@@ -148,7 +148,7 @@ def spectra() -> list[Probe]:
 
 def _both(label: str, made: Material) -> list[Probe]:
     bare = base.scene(made, base.to_and_fro(PUSH), adhesion=None)
-    truth = closed.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
+    truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
     cycle = base.scene(made, (*base.to_and_fro(0.02)[:1], Hold(1.0), *base.to_and_fro(0.02)[1:]))
     return [
         Probe("spectrum", f"{label}, adhesionless", bare, truth, resolutions=ADHESIONLESS),
@@ -164,7 +164,7 @@ def poisson() -> list[Probe]:
         cycle = base.scene(made, base.to_and_fro(0.02))
         probes.append(Probe("Poisson's ratio", f"nu = {ratio:g}", cycle, CYCLE))
         bare = base.scene(made, base.to_and_fro(PUSH), adhesion=None)
-        truth = closed.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
+        truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
         probes.append(
             Probe("Poisson's ratio", f"nu = {ratio:g}, adhesionless", bare, truth, resolutions=ADHESIONLESS)
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from validation.stability import loadings, materials, rates, surfaces, units
+from validation.stability import loadings, materials, rates, surfaces, unit_invariance
 from validation.stability.probe import Probe
 
 AXES: dict[str, Callable[[], list[Probe]]] = {
@@ -18,7 +18,7 @@ AXES: dict[str, Callable[[], list[Probe]]] = {
     "indenter": surfaces.indenters,
     "loading": loadings.loading,
     "dead-load": loadings.pull_off,
-    "scale": units.scales,
+    "scale": unit_invariance.scales,
 }
 
 

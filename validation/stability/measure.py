@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from scene import COLUMNS, Material, Trace
-from validation.error_estimate import column_of, scale
-from validation.norms import distance
-from validation.observables import observe
+from contact_scene import COLUMNS, Material, Trace
+from validation.measure.error_estimate import column_of, scale
+from validation.measure.norms import distance
+from validation.measure.observables import observe
 from validation.stability.probe import Equivalent, Value
 
 CURVE = "force, RMS"

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from scene import OutcomeKind, Scene, SceneError
+from contact_scene import OutcomeKind, Scene, SceneError
 
 SOLVERS = ("bem", "fem", "reference")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scene import Hold, Table
-from validation.stability import base, closed
+from contact_scene import Hold, Table
+from validation.stability import base, closed_forms
 from validation.stability.materials import CYCLE
 from validation.stability.probe import Probe, Truth
 
@@ -22,9 +22,9 @@ def speeds() -> list[Probe]:
         cycle = base.scene(made, base.to_and_fro(speed))
         truth: Truth
         if speed <= SLOW:
-            truth = closed.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
+            truth = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
         elif speed >= FAST:
-            truth = closed.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
+            truth = closed_forms.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
         else:
             truth = CYCLE
         series = "slow cycle" if speed < 1e-5 else "fast cycle" if speed >= 1.0 else ""
@@ -61,10 +61,15 @@ def steps() -> list[Probe]:
     pace[0] = 0.0
     climb = base.scene(made, (Table(tuple(np.cumsum(pace)), tuple(stairs)), Hold(1e4)))
     return [
-        Probe("step", "dt/tau = 1e-9", small, closed.elastic_cycle(small, hard, "Einf")),
-        Probe("step", "dt/tau = 1e9", large, closed.elastic_cycle(large, soft, "E0", at_once=False)),
+        Probe("step", "dt/tau = 1e-9", small, closed_forms.elastic_cycle(small, hard, "Einf")),
+        Probe("step", "dt/tau = 1e9", large, closed_forms.elastic_cycle(large, soft, "E0", at_once=False)),
         Probe(
-            "step", "dt/tau = 1e-9, then a hold of 1e4", settled, closed.rest(settled, base.TOP, soft, "E0")
+            "step",
+            "dt/tau = 1e-9, then a hold of 1e4",
+            settled,
+            closed_forms.rest(settled, base.TOP, soft, "E0"),
         ),
-        Probe("step", "dt/tau = 1e-9 and 1e4 by turns", climb, closed.rest(climb, base.TOP, soft, "E0")),
+        Probe(
+            "step", "dt/tau = 1e-9 and 1e4 by turns", climb, closed_forms.rest(climb, base.TOP, soft, "E0")
+        ),
     ]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from scene import (
+from contact_scene import (
     Adhesion,
     Cone,
     FlatPunch,
@@ -20,7 +20,7 @@ from scene import (
     TabulatedProfile,
 )
 from validation.reference import sneddon
-from validation.stability import base, closed
+from validation.stability import base, closed_forms
 from validation.stability.materials import PULLED
 from validation.stability.measure import CURVE
 from validation.stability.probe import (
@@ -56,7 +56,7 @@ def adhesion() -> list[Probe]:
             "adhesion",
             "gamma~ = 0",
             none,
-            closed.adhesionless_cycle(made, base.SPHERE, 0.01, base.TOP),
+            closed_forms.adhesionless_cycle(made, base.SPHERE, 0.01, base.TOP),
             resolutions=ADHESIONLESS,
         )
     ]
@@ -75,7 +75,7 @@ def adhesion() -> list[Probe]:
             "adhesion",
             "gamma~ = 1e-2, fast",
             strong,
-            closed.elastic_cycle(strong, made.glassy_plane_modulus, "Einf"),
+            closed_forms.elastic_cycle(strong, made.glassy_plane_modulus, "Einf"),
         )
     )
     return probes + _zones()
@@ -83,7 +83,7 @@ def adhesion() -> list[Probe]:
 
 def _faint(scene: Scene) -> Known:
     """Nearly Hertz: lost where the penetration is back at zero."""
-    state = closed.zone_law(scene, scene.material.relaxed_plane_modulus).at_penetration(base.TOP)
+    state = closed_forms.zone_law(scene, scene.material.relaxed_plane_modulus).at_penetration(base.TOP)
     values = (
         Value("start_force", state.force),
         Value("start_radius", state.contact_radius),
@@ -94,15 +94,15 @@ def _faint(scene: Scene) -> Known:
 
 def _zones() -> list[Probe]:
     soft, made = base.material(1.0), base.material()
-    radius = closed.zone_law(base.scene(soft, ()), 1.0).at_penetration(base.TOP).contact_radius
+    radius = closed_forms.zone_law(base.scene(soft, ()), 1.0).at_penetration(base.TOP).contact_radius
     probes = []
     for share in SHARES:
         law = Adhesion(base.WORK, share * radius)
         away, seen, more = _way_of(share)
         elastic = base.scene(soft, (Ramp(away, 1.0),), "relaxed", base.TOP, law)
-        truth = closed.elastic_cycle(elastic, 1.0, "E0")
+        truth = closed_forms.elastic_cycle(elastic, 1.0, "E0")
         if share < THIN_BELOW:
-            truth = closed.rest(elastic, away, 1.0, "E0")
+            truth = closed_forms.rest(elastic, away, 1.0, "E0")
         else:
             left_out = LOST if share > WIDE_BEYOND else ("approach_force", "approach_radius")
             kept = tuple(value for value in truth.values if value.name not in left_out)
@@ -144,7 +144,7 @@ def indenters() -> list[Probe]:
             "indenter",
             "flat punch, adhesionless",
             punch,
-            closed.punch_ramp(made, 0.2, 0.01, base.TOP),
+            closed_forms.punch_ramp(made, 0.2, 0.01, base.TOP),
             resolutions=ADHESIONLESS,
         )
     ]
@@ -153,7 +153,7 @@ def indenters() -> list[Probe]:
     for label, shape in shapes:
         top = float(sneddon.depth(shape, REACH))
         bare = base.scene(made, base.to_and_fro(top, top, -10.0 * top), adhesion=None, indenter=shape)
-        truth = closed.adhesionless_cycle(made, shape, top, top)
+        truth = closed_forms.adhesionless_cycle(made, shape, top, top)
         probes.append(Probe("indenter", f"{label}, adhesionless", bare, truth, resolutions=ADHESIONLESS))
     held: list[tuple[str, Indenter, float]] = [
         ("flat punch", FlatPunch(0.2), 0.0),

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from scene import Scene, SceneError, Trace
+from contact_scene import Scene, SceneError, Trace
+from validation.execution.workers import Fate, Reply
 from validation.stability import measure
 from validation.stability.probe import Computed, Equivalent, Known, Nothing, Probe, Truth
 from validation.stability.work import Answer
-from validation.stability.workers import Fate, Reply
 
 
 class Verdict(StrEnum):

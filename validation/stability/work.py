@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from scene import Scene, SceneError, Trace
+from contact_scene import Scene, SceneError, Trace
 
 
 @dataclass(frozen=True)

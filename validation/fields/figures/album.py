@@ -15,18 +15,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scene import Scene, SceneError, Trace
+from contact_scene import Scene, SceneError, Trace
+from validation.drawing.figures import png
+from validation.execution.files import write_whole
 from validation.fields.figures import animation, moments, revolution, sections, strip
 from validation.fields.figures.geometry import magnification, section
 from validation.fields.figures.quantities import QUANTITIES, Quantity
 from validation.fields.figures.window import NoRendering
-from validation.files import write_whole
-from validation.report.figures import png
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fem_solver.fields import FieldState
+    from fem_solver.fields.states import FieldState
 
 USUAL = ("von-mises", "stress-zz", "dissipation-rate")
 FRAMES = 60

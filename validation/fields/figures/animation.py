@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scene import Scene, Trace
+from contact_scene import Scene, Trace
 from validation.fields.figures import sections
 from validation.fields.figures.quantities import Quantity
 from validation.fields.figures.sections import INDENTER, LENGTH_UNIT, MARK, SMALL, ZONE
 from validation.fields.figures.strip import alike, caption
-from validation.observables import end_of_approach
+from validation.measure.observables import end_of_approach
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from PIL.Image import Image
 
-    from fem_solver.fields import FieldState
+    from fem_solver.fields.states import FieldState
 
 FRAME, LAST = 120, 1500  # milliseconds
 DOTS = 90  # per inch

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Profile, Scene
-from validation.report.figures import INK
-from validation.scales import units
+from contact_scene import Profile, Scene
+from validation.drawing.figures import INK
+from validation.measure.dimensionless import units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Scene
+from contact_scene import Scene
 
 if TYPE_CHECKING:
-    from fem_solver.fields import FieldState
+    from fem_solver.fields.states import FieldState
 
 Array = NDArray[np.float64]
 

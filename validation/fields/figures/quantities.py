@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from validation.fields.figures.colours import Kind
 
 if TYPE_CHECKING:
-    from fem_solver.fields import FieldState
+    from fem_solver.fields.states import FieldState
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Scene
+from contact_scene import Scene
 from validation.fields.figures import sections, window
 from validation.fields.figures.colours import Colours
 from validation.fields.figures.geometry import Section, View, magnification, section, whole
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import pyvista
     from matplotlib.figure import Figure
 
-    from fem_solver.fields import FieldState
+    from fem_solver.fields.states import FieldState
 
 Array = NDArray[np.float64]
 

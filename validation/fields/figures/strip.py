@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scene import Scene
+from contact_scene import Scene
 from validation.fields.figures import sections
 from validation.fields.figures.colours import Colours
 from validation.fields.figures.geometry import Section, View, magnification, section, whole
@@ -17,7 +17,7 @@ from validation.fields.figures.sections import LENGTH_UNIT, SMALL
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fem_solver.fields import FieldState
+    from fem_solver.fields.states import FieldState
 
 
 def alike(

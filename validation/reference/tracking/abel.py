@@ -17,7 +17,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
+from contact_scene import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from scene import Profile
+from contact_scene import Profile
 
 if TYPE_CHECKING:
     from validation.reference.tracking.stepping import Run

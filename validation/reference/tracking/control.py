@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Segment
-from validation.reference.tracking.drive import Drive, cubic, straight
+from contact_scene import Segment
+from validation.reference.tracking.penetration_path import Drive, cubic, straight
+from validation.reference.tracking.step_history import Course
 from validation.reference.tracking.surface import Body, Path, Surface, moved, step
-from validation.reference.tracking.trail import Course
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Scene, TabulatedProfile
-from scene.scene import zone_too_long
+from contact_scene import Scene, TabulatedProfile
+from contact_scene.scene import zone_too_long
 from validation.reference.tracking.law import Griffith, Law
 from validation.reference.tracking.root import bracketed
 from validation.reference.tracking.surface import Body, Surface

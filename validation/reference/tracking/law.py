@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from scene import Adhesion
+from contact_scene import Adhesion
 from validation.reference.tracking.closure import closure_integral
 from validation.reference.tracking.surface import Body, Surface
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scene.errors import SceneError, number
+from contact_scene.errors import SceneError, number
 
 RESOLUTION = {True: 16.0, False: 4.0}  # with and without adhesion
 TOLERANCE = 1e-5

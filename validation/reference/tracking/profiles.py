@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Indenter, Profile
+from contact_scene import Indenter, Profile
 from validation.reference.tracking import hermite
 from validation.reference.tracking.surface import Body, Surface
 

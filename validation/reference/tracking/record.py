@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.tracking import hermite
+from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.energy import stored_energy
-from validation.reference.tracking.inbetween import cubics
 from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]

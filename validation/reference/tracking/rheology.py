@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Material
+from contact_scene import Material
 
 Array = NDArray[np.float64]
 

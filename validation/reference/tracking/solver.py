@@ -12,17 +12,17 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import (
+from contact_scene import (
     COLUMNS,
     Counters,
     Event,
     Outcome,
     OutcomeKind,
     Profile,
+    RunMonitor,
     Scene,
     Trace,
     UnsupportedScene,
-    Watch,
 )
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.checkpoint import put_back, taken
@@ -47,7 +47,7 @@ def solve(
     scene: Scene,
     options: Options | None = None,
     progress: Callable[[float], None] | None = None,
-    watch: Watch | None = None,
+    watch: RunMonitor | None = None,
 ) -> Trace:
     """Run a scene.
 
@@ -57,7 +57,7 @@ def solve(
     options : Options, optional
     progress : callable(fraction), optional
         Told now and then how much of the loading is done.
-    watch : Watch, optional
+    watch : RunMonitor, optional
         May keep the run between steps, stop it, and let it go on from where it was kept. A second run for
         error estimates is not watched.
 
@@ -118,7 +118,7 @@ def _run(
     fineness: Fineness,
     straight: tuple[float, float],
     progress: Callable[[float], None] | None = None,
-    watch: Watch | None = None,
+    watch: RunMonitor | None = None,
 ) -> _Result:
     body = Body(rheology(scene.material), transform(scene.indenter))
     depth, load = _largest_load(scene)

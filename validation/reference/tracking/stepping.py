@@ -9,19 +9,19 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from scene import Counters, Event, Outcome, OutcomeKind, Scene, Segment
-from validation.reference.tracking import leaps, limits
-from validation.reference.tracking.attempt import Attempt
+from contact_scene import Counters, Event, Outcome, OutcomeKind, Scene, Segment
+from validation.reference.tracking import instantaneous, limit_points
 from validation.reference.tracking.checkpoint import Place
-from validation.reference.tracking.judge import Judge, judged
+from validation.reference.tracking.coarsening import thinned
 from validation.reference.tracking.law import Law, NoTension
-from validation.reference.tracking.marks import Marks
+from validation.reference.tracking.node_placement import Marks
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.record import Record
 from validation.reference.tracking.rounding import few_digits
+from validation.reference.tracking.step_error import Judge, judged
+from validation.reference.tracking.step_history import FORCE, PENETRATION, RADIUS, Trail
 from validation.reference.tracking.surface import Body, Surface
-from validation.reference.tracking.thinning import thinned
-from validation.reference.tracking.trail import FORCE, PENETRATION, RADIUS, Trail
+from validation.reference.tracking.trial import Attempt
 
 Array = NDArray[np.float64]
 
@@ -92,7 +92,7 @@ class Run:
     def _segment(self, segment: Segment, share: Callable[[float], float]) -> None:
         place = self.place
         if segment.control == "force" and self.surface.radius == 0.0:
-            hanging = leaps.hangs_free(self, segment)
+            hanging = instantaneous.hangs_free(self, segment)
             if hanging is None:
                 self._end(OutcomeKind.DETACHED, "pulled without contact")
                 return
@@ -129,7 +129,7 @@ class Run:
         self.kink()
         present = self.surface.penetration if segment.control == "penetration" else self.force
         if segment.value(segment.start) != present:
-            leaps.jump(self, segment)
+            instantaneous.jump(self, segment)
         self.place.begun = True
 
     def kink(self) -> None:
@@ -167,11 +167,11 @@ class Run:
         guess = self.trail.course(RADIUS).ahead(h)
         if isinstance(self.law, NoTension) and a0 > 0.0:
             if segment.control == "force" and segment.value(self.time + h) <= 0.0:
-                return limits.let_go(self, segment, h)
+                return limit_points.let_go(self, segment, h)
             if segment.control == "penetration" and slope < 0.0 and a0 <= self.largest_travel:
                 attempt = self.attempt(segment)
                 if attempt.residual(left, 0.0) > 0.0:
-                    return limits.by_distance(self, attempt, 0.0, left)
+                    return limit_points.by_distance(self, attempt, 0.0, left)
         attempt = self.attempt(segment, abs(guess - a0))
         reach = self.travel if a0 > 0.0 else self.radius_scale  # a contact that begins runs
         low, high = max(a0 - self.travel, self.law.lowest), min(a0 + reach, self.scene.indenter.edge)
@@ -180,11 +180,11 @@ class Run:
             departure = attempt.departure(h)
             if departure is not None and departure > tick:
                 self.commit(self.time + departure, attempt.surface_at(departure, a0))
-                leaps.lands_flat(self, segment)
+                instantaneous.lands_flat(self, segment)
                 self.kink()
                 return self._first_step(segment, stop - self.time)
         if not found.reached:
-            return limits.by_distance(self, attempt, found.radius, h)
+            return limit_points.by_distance(self, attempt, found.radius, h)
         surface = attempt.surface_at(h, found.radius)
         force = surface.force(self.body)
         row = (self.time + h, surface.radius, force, surface.penetration)
@@ -280,7 +280,7 @@ class Run:
 
     def _row(self) -> None:
         surface = self.surface
-        if abs(surface.radius - self._seen_at) > limits.FOLD * self.largest_travel:
+        if abs(surface.radius - self._seen_at) > limit_points.FOLD * self.largest_travel:
             self.heading, self._seen_at = surface.radius - self._seen_at, surface.radius
         self.force_scale = max(self.force_scale, abs(self.force))
         self.radius_scale = max(self.radius_scale, surface.radius)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import Transform
 from validation.reference.tracking.closure import Zone
-from validation.reference.tracking.drive import Drive
+from validation.reference.tracking.penetration_path import Drive
 from validation.reference.tracking.rheology import Rheology
 
 Array = NDArray[np.float64]

@@ -1,0 +1,102 @@
+"""How large the contact will become, how thin its boundary layer: what the number of annuli comes from."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bem_solver.annuli import Annuli
+from bem_solver.creep import Chain
+from bem_solver.start import contact_scale, elastic_twin, empty_front, equilibrium
+from bem_solver.trial import Problem
+from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Sweep
+
+FEWEST, MOST = 16, 4000
+_COARSE = 24
+_LAYER_MOST = 45  # times the divisions: annuli a boundary layer may ask for
+_LAYER_MATTERS = (
+    0.01  # change of the closure, relative to the work of adhesion, below which a layer is left out
+)
+_RESTING = 0.03  # the same change, to which a layer is followed while the load rests
+
+
+def annuli_needed(divisions: int, share: float) -> int:
+    """Number of annuli that puts ``divisions`` into the outer ``share`` of the contact radius."""
+    return min(max(int(np.ceil(divisions * 0.5 * np.pi / np.arccos(1.0 - share))), FEWEST), MOST)
+
+
+def annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
+    """Number of annuli whose outermost is ``3.4/divisions**2`` of a boundary layer so thick (0: none).
+
+    It grows with the resolution, as the annuli in the zone do, so that a finer run is finer here too.
+    """
+    if layer <= 0.0 or radius <= 0.0:
+        return FEWEST
+    return min(int(np.ceil(0.6 * divisions * np.sqrt(radius / layer))), _LAYER_MOST * divisions)
+
+
+def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> float:
+    """Thinnest boundary layer behind an advancing edge that changes the closure noticeably; zero without.
+
+    Advancing at speed v, the stress of branch k relaxes over ``v tau_k``, which changes the closure by the
+    order of ``(E_k/E0) v tau_k/da``. On a ramp the speed is that of a contact that follows the profile,
+    ``rate/(2 df/dr)``; while the load rests, or turns round in an oscillation that leaves it time to relax,
+    it falls through every value, down to where the layer hardly matters.
+    """
+    if zone == 0.0 or not len(chain):
+        return 0.0
+    slope = float(scene.indenter.slope(radius))
+    penetration, slowest, rest = scene.loading.penetration, np.inf, 0.0
+    for step in scene.loading.steps:
+        if isinstance(step, Ramp):
+            if step.to > penetration:
+                slowest = min(slowest, step.rate)
+            penetration = step.to
+        elif isinstance(step, (Hold, Force)):
+            rest = max(rest, step.duration)
+        elif isinstance(step, Oscillate):
+            rest = max(rest, np.pi / step.angular_frequency)  # from one turn to the next
+        elif isinstance(step, Sweep):
+            rest = max(rest, np.sqrt(np.pi / step.chirp))  # to the first turn
+    strength = chain.stress_scale**2 / chain.relaxation / chain.relaxed
+    layers = slowest / (2.0 * slope) * chain.relaxation if slope > 0.0 else np.full(len(chain), np.inf)
+    layers = np.where(rest > chain.relaxation, np.minimum(layers, _RESTING * zone / strength), layers)
+    matter = (layers < zone) & (strength * layers / zone > _LAYER_MATTERS)
+    return float(layers[matter].min()) if matter.any() else 0.0
+
+
+def largest_contact(scene: Scene, problem: Problem) -> float:
+    """Estimate of the largest contact radius: the relaxed equilibrium at the largest load of every step.
+
+    It need not be exact: annuli travel with the edge, whatever its radius.
+    """
+    twin = elastic_twin(replace(problem, annuli=Annuli(_COARSE)), scene.material.modulus)
+    radius, penetration, force = 0.0, scene.loading.penetration, 0.0
+
+    def settle(control: str, value: float) -> tuple[float, float, float]:
+        deepest = penetration if control == "force" else value
+        scale = max(contact_scale(scene, deepest), radius)
+        if control == "force":
+            # force over 2 E* a is a length; the profile is that high somewhere
+            guess = abs(value) / (2.0 * twin.chain.relaxed)
+            scale = max(scale, contact_scale(scene, guess / scale if scale > 0 else guess**0.5))
+        if scale == 0.0:
+            return 0.0, penetration, 0.0
+        found = equilibrium(twin, empty_front(twin, 0.0, 0.0), control, value, scale)
+        if found is None:
+            return 0.0, value if control == "penetration" else penetration, 0.0
+        return found.surface.edge, found.motion.new_penetration, found.surface.force
+
+    radius, penetration, force = settle("penetration", penetration)
+    for step in scene.loading.steps:
+        segment = step.segment(0.0, penetration, force)
+        times = np.unique(np.concatenate((np.linspace(segment.start, segment.end, 129), segment.kinks)))
+        values = [segment.value(float(t)) for t in times]
+        edge, _, _ = settle(segment.control, max(values))
+        radius = max(radius, edge)
+        if segment.control == "force":
+            _, penetration, force = settle("force", values[-1])
+        else:
+            penetration = values[-1]
+    return min(radius, scene.indenter.edge)

@@ -1,0 +1,75 @@
+"""The question and the form of the answer, shared by all solvers; no numerical method lives here."""
+
+from contact_scene.adhesion import Adhesion
+from contact_scene.errors import SceneError, UnsupportedScene
+from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere
+from contact_scene.indenter import Profile as TabulatedProfile
+from contact_scene.loading import (
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Oscillate,
+    Ramp,
+    Segment,
+    Step,
+    Sweep,
+    Table,
+)
+from contact_scene.material import Branch, BulkRelaxation, CreepCompliance, Material
+from contact_scene.run_control import KeptState, LoadingCursor, RunMonitor
+from contact_scene.scene import Scene
+from contact_scene.scenefile import read_scene, scene_from_dict, write_scene
+from contact_scene.trace import (
+    COLUMNS,
+    Counters,
+    Event,
+    Outcome,
+    OutcomeKind,
+    Profile,
+    Trace,
+    read_columns,
+    write_trace,
+)
+
+__all__ = [
+    "COLUMNS",
+    "Adhesion",
+    "Branch",
+    "BulkRelaxation",
+    "Cone",
+    "Counters",
+    "CreepCompliance",
+    "Event",
+    "FlatPunch",
+    "Force",
+    "ForceRamp",
+    "Hold",
+    "Indenter",
+    "KeptState",
+    "Loading",
+    "LoadingCursor",
+    "Material",
+    "Oscillate",
+    "Outcome",
+    "OutcomeKind",
+    "PowerLaw",
+    "Profile",
+    "Ramp",
+    "RunMonitor",
+    "Scene",
+    "SceneError",
+    "Segment",
+    "Sphere",
+    "Step",
+    "Sweep",
+    "Table",
+    "TabulatedProfile",
+    "Trace",
+    "UnsupportedScene",
+    "read_columns",
+    "read_scene",
+    "scene_from_dict",
+    "write_scene",
+    "write_trace",
+]

@@ -1,0 +1,98 @@
+"""Text files: read with one-line errors, written whole or not at all; small tables as CSV."""
+
+from __future__ import annotations
+
+import csv
+import os
+import uuid
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from contact_scene.errors import SceneError, shown
+
+TOO_LARGE = 10_000_000  # bytes; a scene or a table beyond this is a mistake
+
+
+def read_text(file: Path) -> str:
+    """The text of a regular UTF-8 file of at most ``TOO_LARGE`` bytes, line ends as ``\\n``.
+
+    Raises
+    ------
+    SceneError
+        One line naming the file and the reason.
+    """
+    name = str(file)
+    try:
+        if file.exists() and not file.is_file():  # never wait on a pipe or read a device without end
+            raise SceneError("", "is not a regular file", "a text file", name)
+        with file.open("rb") as stream:
+            data = stream.read(TOO_LARGE + 1)
+        if len(data) > TOO_LARGE:
+            raise SceneError(
+                "", "is larger than 10 MB", "a scene or a table of at most 10 000 000 bytes", name
+            )
+        text = data.decode("utf-8-sig")
+    except SceneError:
+        raise
+    except UnicodeDecodeError:
+        raise SceneError("", "not a text file (no UTF-8)", "UTF-8 text", name) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SceneError("", f"cannot be read: {reason}", "an existing, readable file", name) from None
+    return text.replace("\r\n", "\n")
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write UTF-8 text so that the file appears whole or not at all, also when the program is killed."""
+    target = Path(path)
+    partial = target.with_name(f".{target.name}.{uuid.uuid4().hex}.part")
+    try:
+        with partial.open("x", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        partial.replace(target)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def read_rows(text: str, file: str) -> list[tuple[int, list[str]]]:
+    """Rows of a CSV as (line number, stripped cells); blank lines and comments (#) are left out."""
+    rows = []
+    for line, content in enumerate(text.split("\n"), 1):
+        if content.strip() and not content.lstrip().startswith("#"):
+            try:
+                cells = next(csv.reader([content], strict=True))
+            except csv.Error as error:
+                raise SceneError(f"line {line}", f"not CSV: {error}", "comma-separated cells", file) from None
+            rows.append((line, [cell.strip() for cell in cells]))
+    if not rows:
+        raise SceneError("", "the file is empty", "a CSV table", file)
+    return rows
+
+
+def read_pairs(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Two columns of numbers from a CSV; comments (#) and one header line are allowed."""
+    shown_file, allowed = str(file), f"rows of two finite numbers: {names[0]}, {names[1]}"
+    first: list[float] = []
+    second: list[float] = []
+    for index, (line, cells) in enumerate(read_rows(read_text(file), shown_file)):
+        if index == 0 and len(cells) == 2 and not any(_is_number(cell) for cell in cells):
+            continue
+        if len(cells) != 2 or not all(_is_number(cell) for cell in cells):
+            raise SceneError(f"line {line}", f"got {shown(','.join(cells))}", allowed, shown_file)
+        first.append(float(cells[0]))
+        second.append(float(cells[1]))
+    return tuple(first), tuple(second)
+
+
+def write_pairs(path: Path, names: Sequence[str], first: Iterable[float], second: Iterable[float]) -> None:
+    """Two columns of numbers with all their digits, under a header."""
+    rows = [",".join(names)] + [f"{a!r},{b!r}" for a, b in zip(first, second, strict=True)]
+    write_text(path, "\n".join(rows) + "\n")
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return "_" not in cell

@@ -1,0 +1,218 @@
+"""Linear viscoelastic half-space: Prony relaxation modulus and the creep compliance it implies.
+
+Young's relaxation modulus ``E(t) = E0 + sum_k E_k exp(-t/tau_k)`` with relaxed modulus ``E0``, glassy
+modulus ``Einf = E0 + sum_k E_k`` and *relaxation* times ``tau_k`` (paper, Eq. relaxation: one branch).
+The creep compliance ``J(t) = 1/Einf + sum_k J_k (1 - exp(-t/theta_k))`` has *retardation* times ``theta_k``
+(paper, Eq. creep2, where ``theta = tau Einf/E0``; the times of its Appendix A are these).
+With constant Poisson's ratio the half-space sees ``E* = E/(1 - nu^2)``. Units are the scene's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact_scene.errors import LARGEST, SceneError, not_negative, number, positive, shown
+from contact_scene.retardation import creep_spectrum, relaxation_spectrum
+
+NEGLIGIBLE = 1e-31
+"""Branches below this fraction of the relaxed modulus are left out of the spectrum: eps^2, never visible."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One Maxwell branch, ``modulus * exp(-t/time)``; modulus >= 0, time > 0."""
+
+    modulus: float
+    time: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "modulus", not_negative(self.modulus, "modulus"))
+        object.__setattr__(self, "time", positive(self.time, "time"))
+
+
+@dataclass(frozen=True)
+class BulkRelaxation:
+    """Bulk relaxation modulus ``K(t) = modulus + sum_k branches[k]``, separate from shear.
+
+    ``modulus`` may be left out (``None``) to keep the relaxed bulk modulus that Young's modulus and
+    Poisson's ratio imply, ``E0 / (3 (1 - 2 nu))``.
+    """
+
+    modulus: float | None = None
+    branches: tuple[Branch, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.modulus is not None:
+            object.__setattr__(self, "modulus", positive(self.modulus, "modulus"))
+        object.__setattr__(self, "branches", _branches(self.branches))
+
+
+@dataclass(frozen=True)
+class CreepCompliance:
+    """``J(t) = glassy + sum_k compliances[k] (1 - exp(-t/times[k]))``.
+
+    ``compliances`` and ``times`` have shape (n,), ascending times; all entries positive. ``distances`` (n, n)
+    are ``times[k] - relaxation_times[j]`` at [k, j], accurate where the two nearly coincide.
+    """
+
+    glassy: float
+    compliances: NDArray[np.float64]
+    times: NDArray[np.float64]
+    distances: NDArray[np.float64]
+
+    @property
+    def relaxed(self) -> float:
+        """``J(inf) = 1/E0``."""
+        return self.glassy + float(self.compliances.sum())
+
+    def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
+        """``J(t)`` for ``time >= 0``, zero before; same shape as ``time``."""
+        t = np.asarray(time, float)
+        arrested = -np.expm1(-np.maximum(t, 0.0)[..., None] / self.times)
+        return np.where(t >= 0, self.glassy + arrested @ self.compliances, 0.0)
+
+    def complex_compliance(self, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
+        """``J(omega) = Jg + sum_k J_k/(1 + i w theta_k) = 1/E(omega)``; same shape as the argument."""
+        in_phase, out_of_phase = _phases(angular_frequency, self.times)
+        return self.glassy + (in_phase * (in_phase - 1j * out_of_phase)) @ self.compliances.astype(complex)
+
+    def relaxation(self) -> tuple[float, tuple[Branch, ...]]:
+        """Relaxed modulus and branches of the relaxation modulus ``E(t)`` that this compliance belongs to."""
+        relaxed, moduli, times = relaxation_spectrum(self.glassy, self.compliances, self.times)
+        return relaxed, tuple(Branch(m, t) for m, t in zip(moduli.tolist(), times.tolist(), strict=True))
+
+
+@dataclass(frozen=True)
+class Material:
+    """Prony material with a constant Poisson's ratio (or, with ``bulk``, separate bulk relaxation).
+
+    Parameters
+    ----------
+    modulus : float
+        Relaxed Young's modulus ``E0`` > 0.
+    poisson : float
+        Poisson's ratio, 0 <= nu <= 0.5.
+    branches : tuple of Branch
+        Maxwell branches of Young's modulus; none for an elastic half-space.
+    bulk : None, "elastic" or BulkRelaxation
+        ``None``: Poisson's ratio is constant, bulk and shear relax alike. Otherwise
+        ``E(t)/(2 (1 + nu))`` is the *shear* relaxation modulus, and the bulk modulus is constant
+        at ``E0/(3 (1 - 2 nu))`` (``"elastic"``) or as given.
+    """
+
+    modulus: float
+    poisson: float
+    branches: tuple[Branch, ...] = ()
+    bulk: str | BulkRelaxation | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "modulus", positive(self.modulus, "modulus"))
+        object.__setattr__(
+            self, "poisson", number(self.poisson, "poisson", "0 <= nu <= 0.5", low=0.0, high=0.5)
+        )
+        object.__setattr__(self, "branches", _branches(self.branches))
+        if self.bulk is not None:
+            if not isinstance(self.bulk, BulkRelaxation) and self.bulk != "elastic":
+                raise SceneError(
+                    "bulk", f"got {shown(self.bulk)}", '"elastic" or a table of modulus and branches'
+                )
+            if self.poisson == 0.5 and not (
+                isinstance(self.bulk, BulkRelaxation) and self.bulk.modulus is not None
+            ):
+                raise SceneError(
+                    "bulk",
+                    "poisson = 0.5 leaves the bulk modulus infinite",
+                    "poisson < 0.5, or a bulk modulus of its own",
+                )
+        if self.glassy_modulus > LARGEST:
+            raise SceneError(
+                "branches", f"the glassy modulus is {self.glassy_modulus:g}", f"a sum of at most {LARGEST:g}"
+            )
+
+    @property
+    def glassy_modulus(self) -> float:
+        """``Einf = E(0)``."""
+        return self.modulus + sum(branch.modulus for branch in self.branches)
+
+    @property
+    def relaxed_plane_modulus(self) -> float:
+        """``E0* = E0/(1 - nu^2)``."""
+        return self.modulus / (1.0 - self.poisson**2)
+
+    @property
+    def glassy_plane_modulus(self) -> float:
+        """``Einf* = Einf/(1 - nu^2)`` (the paper's text has a typing slip here)."""
+        return self.glassy_modulus / (1.0 - self.poisson**2)
+
+    @cached_property
+    def spectrum(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Branch moduli and relaxation times that matter, ascending in time.
+
+        Branches of negligible modulus (``NEGLIGIBLE``, zero included) are left out, equal times are joined;
+        both arrays have shape (n,).
+        """
+        joined: dict[float, float] = {}
+        for branch in self.branches:
+            if branch.modulus > NEGLIGIBLE * self.modulus:
+                joined[branch.time] = joined.get(branch.time, 0.0) + branch.modulus
+        times = np.array(sorted(joined), float)
+        return np.array([joined[t] for t in times], float), times
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether nothing relaxes."""
+        separate = isinstance(self.bulk, BulkRelaxation) and any(b.modulus > 0 for b in self.bulk.branches)
+        return self.spectrum[0].size == 0 and not separate
+
+    @cached_property
+    def creep(self) -> CreepCompliance:
+        """The creep compliance of Young's modulus, from the bracketed roots of ``s E(s)``."""
+        moduli, times = self.spectrum
+        return CreepCompliance(1.0 / self.glassy_modulus, *creep_spectrum(self.modulus, moduli, times))
+
+    def relaxation_modulus(self, time: ArrayLike) -> NDArray[np.float64]:
+        """``E(t)`` for ``time >= 0``, zero before; same shape as ``time``."""
+        moduli, times = self.spectrum
+        t = np.asarray(time, float)
+        value = self.modulus + np.exp(-np.maximum(t, 0.0)[..., None] / times) @ moduli
+        return np.where(t >= 0, value, 0.0)
+
+    def creep_compliance(self, time: ArrayLike) -> NDArray[np.float64]:
+        """``J(t)`` for ``time >= 0``, zero before; same shape as ``time``."""
+        return self.creep(time)
+
+    def complex_modulus(self, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
+        """``E(omega) = E0 + sum_k E_k i w tau_k/(1 + i w tau_k)``: storage + i loss modulus."""
+        moduli, times = self.spectrum
+        in_phase, out_of_phase = _phases(angular_frequency, times)
+        return self.modulus + (out_of_phase * (out_of_phase + 1j * in_phase)) @ moduli.astype(complex)
+
+    def storage_modulus(self, angular_frequency: ArrayLike) -> NDArray[np.float64]:
+        """Real part of :meth:`complex_modulus`."""
+        return self.complex_modulus(angular_frequency).real
+
+    def loss_modulus(self, angular_frequency: ArrayLike) -> NDArray[np.float64]:
+        """Imaginary part of :meth:`complex_modulus`."""
+        return self.complex_modulus(angular_frequency).imag
+
+
+def _phases(
+    angular_frequency: ArrayLike, times: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """``1/sqrt(1 + p^2)`` and ``p/sqrt(1 + p^2)`` for ``p = w tau``, shape (..., n), without overflow."""
+    p = np.asarray(angular_frequency, float)[..., None] * times
+    length = np.hypot(1.0, p)
+    return 1.0 / length, p / length
+
+
+def _branches(given: Sequence[Branch]) -> tuple[Branch, ...]:
+    branches = tuple(given)
+    for index, branch in enumerate(branches):
+        if not isinstance(branch, Branch):
+            raise SceneError(f"branches[{index}]", f"got {shown(branch)}", "a table with modulus and time")
+    return branches

@@ -1,0 +1,179 @@
+"""How a run is taken through its loading, and how it is watched, stopped and continued. No numerical method.
+
+A solver owns its numerical state. Shared is what has nothing to do with numbers: the position in the loading,
+the times a run has to step onto, the step budget, the interruption from outside and the envelope in which a
+state is kept. None of it chooses a step size or looks at a solution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from contact_scene.errors import SceneError, number
+from contact_scene.loading import Loading, Segment
+from contact_scene.trace import Counters, Outcome, OutcomeKind
+
+MAX_STEPS = 200_000
+"""Trial steps, accepted and rejected together, that a run may take where its options name no other number."""
+
+
+class RunMonitor(Protocol):
+    """Watches a run from outside: keeps its state, stops it, has it continued.
+
+    It is asked between two trial steps, where nothing is half done. Looking never changes a number, and a run
+    continued from a kept state gives the bits it would have given without the stop.
+    """
+
+    @property
+    def kept(self) -> KeptState | None:
+        """State to continue from, of the same scene, options and code; ``None`` to start at the beginning."""
+        ...
+
+    def goes_on(self, state: Callable[[], KeptState]) -> bool:
+        """Whether the run is to go on; if not, it ends as interrupted.
+
+        ``state()`` shares the arrays that the run will change: serialise it, or copy it.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class KeptState:
+    """Envelope of a serialisable run state.
+
+    Parameters
+    ----------
+    solver : str
+        Name of the solver the state belongs to.
+    cursor : LoadingCursor
+        Where the run stood in its loading.
+    counters : Counters
+        Work done so far.
+    content : object
+        The solver's own state, an explicit object of its own package.
+    """
+
+    solver: str
+    cursor: LoadingCursor
+    counters: Counters
+    content: Any
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A time inside or at the end of a load step that the run steps onto exactly.
+
+    ``kink``: the rate of the load jumps there, or the load step ends. ``requested``: a time of
+    ``stop_times`` or ``profile_times``.
+    """
+
+    time: float
+    kink: bool
+    requested: bool
+
+
+def stops_within(segment: Segment, requested: Collection[float]) -> tuple[Stop, ...]:
+    """Kinks of a load step, requested times strictly inside it, and its end, merged and ascending."""
+    kinks = {*segment.kinks, segment.end}
+    inside = {time for time in requested if segment.start < time < segment.end}
+    return tuple(Stop(time, time in kinks, time in requested) for time in sorted(kinks | inside))
+
+
+@dataclass
+class LoadingCursor:
+    """Position of a run in its loading.
+
+    Attributes
+    ----------
+    step : int
+        Load steps that are done.
+    origin : tuple of float or None
+        Time, penetration and force where the present load step began; ``None`` before it begins.
+    jump_done : bool
+        Whether the load jump, if any, with which the present load step begins has been taken.
+    stops_reached : int
+        Stops of the present load step (see :func:`stops_within`) that are behind.
+    """
+
+    step: int = 0
+    origin: tuple[float, float, float] | None = None
+    jump_done: bool = False
+    stops_reached: int = 0
+
+    @property
+    def at_start(self) -> bool:
+        """Whether no load step has begun."""
+        return self.step == 0 and self.origin is None
+
+    def segment(self, loading: Loading, time: float, penetration: float, force: float) -> Segment:
+        """The present load step on the time axis; it begins at the given state unless it has begun before."""
+        if self.origin is None:
+            self.origin = (time, penetration, force)
+        return loading.steps[self.step].segment(*self.origin)
+
+    def done(self, loading: Loading) -> bool:
+        """Whether all load steps are done."""
+        return self.step >= len(loading.steps)
+
+    def stop_reached(self) -> None:
+        """The next stop is reached."""
+        self.stops_reached += 1
+
+    def step_done(self) -> None:
+        """The present load step is done."""
+        self.step, self.origin, self.jump_done, self.stops_reached = self.step + 1, None, False, 0
+
+    def share(self, loading: Loading, segment: Segment, time: float) -> float:
+        """Share of the loading that is done at a time within the present load step, 0 to 1."""
+        length = segment.end - segment.start
+        return (self.step + ((time - segment.start) / length if length > 0.0 else 1.0)) / len(loading.steps)
+
+
+def budget_outcome(counters: Counters, max_steps: int, time: float) -> Outcome | None:
+    """The outcome of a run whose budget of trial steps is used up; ``None`` while there is some left."""
+    if counters.steps + counters.rejected_steps < max_steps:
+        return None
+    return Outcome(OutcomeKind.STEP_BUDGET, f"{max_steps} steps were not enough", time)
+
+
+def interruption(monitor: RunMonitor | None, state: Callable[[], KeptState], time: float) -> Outcome | None:
+    """The outcome of a run that is stopped from outside; ``None`` if it is to go on."""
+    if monitor is None or monitor.goes_on(state):
+        return None
+    return Outcome(OutcomeKind.INTERRUPTED, "stopped from outside", time)
+
+
+def kept_state(monitor: RunMonitor | None, solver: str) -> KeptState | None:
+    """The state to continue from, if there is one.
+
+    Raises
+    ------
+    SceneError
+        If it belongs to another solver.
+    """
+    kept = None if monitor is None else monitor.kept
+    if kept is not None and kept.solver != solver:
+        raise SceneError("checkpoint", f"it was kept by {kept.solver}", f"a state of {solver}")
+    return kept
+
+
+def whole_number(value: int, key: str, least: int) -> int:
+    """An option that counts something.
+
+    Raises
+    ------
+    SceneError
+        If it is not a whole number, or less than ``least``.
+    """
+    allowed = f"a whole number >= {least}"
+    number(value, key, allowed, low=least)
+    if value != int(value):
+        raise SceneError(key, f"got {value!r:.40}", allowed)
+    return int(value)
+
+
+def moments(times: Collection[float]) -> tuple[float, ...]:
+    """An option of requested times, as floats."""
+    return tuple(float(time) for time in times)

@@ -1,0 +1,246 @@
+"""Scenes as TOML files: reading with one-line errors, writing so that reading gives the same scene back.
+
+Tables named in a scene (profiles, loading tables, material data) are looked up beside the scene file.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Callable, Iterable
+from dataclasses import MISSING, fields
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from contact_scene.adhesion import Adhesion
+from contact_scene.errors import FINITE, POSITIVE, SceneError, one_of, shown
+from contact_scene.files import read_pairs, read_text, write_pairs, write_text
+from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Profile, Sphere
+from contact_scene.loading import STARTS, STEPS, Loading, Step, Table
+from contact_scene.material import Branch, BulkRelaxation, Material
+from contact_scene.pyvisco import read_pyvisco
+from contact_scene.scene import Scene
+
+_SHAPES: dict[str, type[Indenter]] = {
+    kind.shape: kind for kind in (Sphere, Cone, FlatPunch, PowerLaw, Profile)
+}
+_A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
+
+
+def read_scene(path: str | os.PathLike[str]) -> Scene:
+    """Read a scene from a TOML file.
+
+    Raises
+    ------
+    SceneError
+        One line: file, key, what is wrong, what is allowed.
+    """
+    file = Path(path)
+    text = read_text(file)
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # ValueError also for integers of thousands of digits
+        raise SceneError("", f"not a TOML file: {error}", _A_SCENE, str(path)) from None
+    if not data:
+        raise SceneError("", "the file is empty", _A_SCENE, str(path))
+    try:
+        return scene_from_dict(data, file.parent)
+    except SceneError as error:
+        raise error.in_file(str(path)) from None
+
+
+def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") -> Scene:
+    """Build a scene from the parsed contents of a scene file; tables are looked up in ``folder``."""
+    where = Path(folder)
+    if not isinstance(data, dict):
+        raise SceneError("", f"got {shown(data)}", _A_SCENE)
+    _known(data, "", ("title", "material", "indenter", "adhesion", "loading"))
+    title = data.get("title", "")
+    if not isinstance(title, str):
+        raise SceneError("title", f"got {shown(title)}", "a string")
+    material = _under("material", lambda: _material(_table(data, "material"), where))
+    indenter = _under("indenter", lambda: _indenter(_table(data, "indenter"), where))
+    adhesion = None
+    if "adhesion" in data:
+        adhesion = _under("adhesion", lambda: _build(Adhesion, _table(data, "adhesion")))
+    loading = _under("loading", lambda: _loading(_table(data, "loading"), where))
+    return Scene(material, indenter, loading, adhesion, title)
+
+
+def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
+    """Write a scene as TOML (tables of profiles and loading go into CSV files beside it)."""
+    target = Path(path)
+    lines = [f"title = {_quoted(scene.title)}", "", "[material]"]
+    material = scene.material
+    lines += [f"modulus = {material.modulus!r}", f"poisson = {material.poisson!r}"]
+    if material.branches:
+        lines.append(f"branches = {_branch_list(material.branches)}")
+    if material.bulk == "elastic":
+        lines.append('bulk = "elastic"')
+    elif isinstance(material.bulk, BulkRelaxation):
+        inner = [] if material.bulk.modulus is None else [f"modulus = {material.bulk.modulus!r}"]
+        inner.append(f"branches = {_branch_list(material.bulk.branches)}")
+        lines.append("bulk = { " + ", ".join(inner) + " }")
+    lines += ["", "[indenter]", f'shape = "{scene.indenter.shape}"']
+    if isinstance(scene.indenter, Profile):
+        name = f"{target.stem}-profile.csv"
+        write_pairs(
+            target.with_name(name), ("radius", "height"), scene.indenter.radii, scene.indenter.heights
+        )
+        lines.append(f"file = {_quoted(name)}")
+    else:
+        lines += _keys(scene.indenter)
+    if scene.adhesion is not None:
+        lines += ["", "[adhesion]", *_keys(scene.adhesion)]
+    lines += [
+        "",
+        "[loading]",
+        f'start = "{scene.loading.start}"',
+        f"penetration = {scene.loading.penetration!r}",
+    ]
+    for index, step in enumerate(scene.loading.steps):
+        lines += ["", "[[loading.steps]]", f'kind = "{step.kind}"']
+        if isinstance(step, Table):
+            name = f"{target.stem}-loading-{index}.csv"
+            write_pairs(target.with_name(name), ("time", "penetration"), step.times, step.penetrations)
+            lines.append(f"file = {_quoted(name)}")
+        else:
+            lines += _keys(step)
+    write_text(target, "\n".join(lines) + "\n")
+
+
+def _under(prefix: str, build: Callable[[], Any]) -> Any:
+    try:
+        return build()
+    except SceneError as error:
+        raise error if error.file else error.under(prefix) from None
+
+
+def _known(data: dict[str, Any], prefix: str, allowed: Iterable[str]) -> None:
+    names = tuple(allowed)
+    for key in data:
+        if key not in names:
+            raise SceneError(f"{prefix}.{key}" if prefix else str(key), "unknown key", ", ".join(names))
+
+
+def _table(data: dict[str, Any], key: str) -> dict[str, Any]:
+    if key not in data:
+        raise SceneError("", "is missing", f"a table [{key}]")
+    if not isinstance(data[key], dict):
+        raise SceneError("", f"got {shown(data[key])}", f"a table [{key}]")
+    return data[key]
+
+
+def _require(data: dict[str, Any], key: str, allowed: str) -> Any:
+    if key not in data:
+        raise SceneError(key, "is missing", allowed)
+    return data[key]
+
+
+def _build(kind: type, data: dict[str, Any], tag: str | None = None) -> Any:
+    """Construct a frozen dataclass from a table; ``tag`` is a key already dealt with."""
+    known = {f.name: f for f in fields(kind) if f.init}
+    _known({k: v for k, v in data.items() if k != tag}, "", [*known, *([tag] if tag else [])])
+    for name, entry in known.items():
+        if name not in data and entry.default is MISSING:
+            raise SceneError(name, "is missing", f"keys {', '.join(known)}")
+    return kind(**{k: v for k, v in data.items() if k != tag})
+
+
+def _branch_tuple(given: Any, key: str) -> tuple[Branch, ...]:
+    if not isinstance(given, (list, tuple)):
+        raise SceneError(key, f"got {shown(given)}", "a list of tables { modulus, time }")
+    branches = []
+    for index, entry in enumerate(given):
+        if not isinstance(entry, dict):
+            raise SceneError(f"{key}[{index}]", f"got {shown(entry)}", "a table { modulus, time }")
+        branches.append(_under(f"{key}[{index}]", partial(_build, Branch, entry)))
+    return tuple(branches)
+
+
+def _material(data: dict[str, Any], where: Path) -> Material:
+    _known(data, "", ("modulus", "poisson", "branches", "bulk", "file", "format"))
+    poisson = _require(data, "poisson", "0 <= nu <= 0.5")
+    bulk = data.get("bulk")
+    if isinstance(bulk, dict):
+        table = bulk
+        _known(table, "bulk", ("modulus", "branches"))
+        branches = _branch_tuple(table.get("branches", []), "bulk.branches")
+        bulk = _under("bulk", lambda: BulkRelaxation(table.get("modulus"), branches))
+    elif bulk is not None and bulk != "elastic":
+        raise SceneError("bulk", f"got {shown(bulk)}", '"elastic" or a table { modulus, branches }')
+    if "file" in data:
+        if "branches" in data:
+            raise SceneError("branches", "given beside file", "either branches or file")
+        one_of(data.get("format", "pyvisco"), "format", ("pyvisco",))
+        path = _beside(where, data["file"])
+        modulus, prony = read_pyvisco(read_text(path), str(path), data.get("modulus"), poisson)
+        return Material(modulus, poisson, prony, bulk)
+    if "format" in data:
+        raise SceneError("format", "given without file", "file and format together")
+    modulus = _require(data, "modulus", POSITIVE)
+    return Material(modulus, poisson, _branch_tuple(data.get("branches", []), "branches"), bulk)
+
+
+def _indenter(data: dict[str, Any], where: Path) -> Indenter:
+    shape = one_of(_require(data, "shape", ", ".join(_SHAPES)), "shape", tuple(_SHAPES))
+    if shape != Profile.shape:
+        return _build(_SHAPES[shape], data, "shape")
+    _known(data, "", ("shape", "file"))
+    path = _beside(where, _require(data, "file", "a CSV file of radius, height"))
+    radii, heights = read_pairs(path, ("radius", "height"))
+    try:
+        return Profile(radii, heights, str(data["file"]))
+    except SceneError as error:
+        raise error.in_file(str(path)) from None
+
+
+def _loading(data: dict[str, Any], where: Path) -> Loading:
+    _known(data, "", ("start", "penetration", "steps"))
+    start = one_of(_require(data, "start", " | ".join(STARTS)), "start", STARTS)
+    penetration = _require(data, "penetration", FINITE)
+    given = data.get("steps", [])
+    if not isinstance(given, (list, tuple)):
+        raise SceneError("steps", f"got {shown(given)}", "[[loading.steps]] tables")
+    steps = tuple(
+        _under(f"steps[{index}]", partial(_step, entry, where)) for index, entry in enumerate(given)
+    )
+    return Loading(start, penetration, steps)
+
+
+def _step(entry: Any, where: Path) -> Step:
+    if not isinstance(entry, dict):
+        raise SceneError("", f"got {shown(entry)}", "a table with a kind")
+    kind = one_of(_require(entry, "kind", ", ".join(STEPS)), "kind", tuple(STEPS))
+    if kind != Table.kind:
+        return _build(STEPS[kind], entry, "kind")
+    _known(entry, "", ("kind", "file"))
+    path = _beside(where, _require(entry, "file", "a CSV file of time, penetration"))
+    times, penetrations = read_pairs(path, ("time", "penetration"))
+    try:
+        return Table(times, penetrations, str(entry["file"]))
+    except SceneError as error:
+        raise error.in_file(str(path)) from None
+
+
+def _beside(where: Path, name: Any) -> Path:
+    if not isinstance(name, str) or not name or "\0" in name:
+        raise SceneError("file", f"got {shown(name)}", "the name of a file beside the scene")
+    return where / name
+
+
+def _branch_list(branches: Iterable[Branch]) -> str:
+    return "[" + ", ".join(f"{{ modulus = {b.modulus!r}, time = {b.time!r} }}" for b in branches) + "]"
+
+
+def _keys(thing: Any) -> list[str]:
+    return [f"{f.name} = {getattr(thing, f.name)!r}" for f in fields(thing)]
+
+
+def _quoted(text: str) -> str:
+    """A TOML basic string."""
+    escaped = "".join(
+        {"\\": "\\\\", '"': '\\"'}.get(c, c if c >= " " and c != "\x7f" else f"\\u{ord(c):04x}") for c in text
+    )
+    return f'"{escaped}"'

@@ -1,0 +1,162 @@
+"""The form of the answer: time series, surface profiles, why the run ended, and the work it took.
+
+Signs: penetration positive downwards, force positive in compression, pressure positive in compression,
+surface displacement positive *downwards* (``gap = f(r) - D + displacement``). Units are the scene's.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene.files import write_text
+
+Array = NDArray[np.float64]
+
+COLUMNS = (
+    "time",
+    "penetration",
+    "force",
+    "contact_radius",
+    "stored_energy",
+    "external_work",
+    "dissipated_energy",
+)
+
+
+class OutcomeKind(StrEnum):
+    """How a run can end."""
+
+    COMPLETED = "completed"
+    DETACHED = "detached"
+    NO_EQUILIBRIUM = "no equilibrium at the start"
+    STEP_UNDERFLOW = "step underflow"
+    STEP_BUDGET = "step budget exhausted"
+    NOT_FINITE = "not finite"
+    OUT_OF_RANGE = "out of range"
+    INTERRUPTED = "interrupted"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Why a run ended; ``finished`` tells a full answer from a partial one."""
+
+    kind: OutcomeKind
+    reason: str
+    time: float
+
+    @property
+    def finished(self) -> bool:
+        """Whether all that was asked has been computed (detachment is an answer, not a failure)."""
+        return self.kind in (OutcomeKind.COMPLETED, OutcomeKind.DETACHED)
+
+
+@dataclass
+class Counters:
+    """Work done by a solver; compared between runs, so it must not depend on the machine."""
+
+    steps: int = 0
+    rejected_steps: int = 0
+    closure_evaluations: int = 0
+    linear_solves: int = 0
+    factorisations: int = 0
+    history_updates: int = 0
+    volume_solves: int = 0
+
+
+@dataclass(frozen=True)
+class Event:
+    """An instability that was recognised: ``kind`` is "snap-in" or "pull-off"."""
+
+    kind: str
+    time: float
+    penetration: float
+    force: float
+    contact_radius: float
+
+
+@dataclass(frozen=True)
+class Profile:
+    """State of the surface at one time.
+
+    ``radius``, ``pressure``, ``displacement`` and ``gap`` have shape (m,), rising radii from 0 to beyond the
+    contact edge. ``pressure`` is zero outside; at the edge itself it may be singular and is not sampled.
+    """
+
+    time: float
+    penetration: float
+    force: float
+    contact_radius: float
+    radius: Array
+    pressure: Array
+    displacement: Array
+    gap: Array
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Time series of a run, one row per accepted step, the first row the start state.
+
+    The seven arrays of ``COLUMNS`` have shape (n,). ``extra`` holds further columns of that shape (NaN-free).
+    ``errors`` holds the solver's own relative error estimates by observable, empty where none was asked for.
+    """
+
+    solver: str
+    time: Array
+    penetration: Array
+    force: Array
+    contact_radius: Array
+    stored_energy: Array
+    external_work: Array
+    dissipated_energy: Array
+    outcome: Outcome
+    counters: Counters
+    extra: dict[str, Array] = field(default_factory=dict)
+    events: tuple[Event, ...] = ()
+    profiles: tuple[Profile, ...] = ()
+    errors: dict[str, float] = field(default_factory=dict)
+    wall_seconds: float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def columns(self) -> dict[str, Array]:
+        """All columns by name, the contract's seven first."""
+        return {name: getattr(self, name) for name in COLUMNS} | self.extra
+
+
+def write_trace(trace: Trace, path: str | os.PathLike[str]) -> None:
+    """Write ``trace.csv``: a header and one row per step, numbers with all their digits.
+
+    The file appears whole or not at all, and :func:`read_columns` gives the same bits back.
+    """
+    columns = trace.columns()
+    rows = zip(*(np.asarray(column, float).tolist() for column in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def read_columns(path: str | os.PathLike[str]) -> dict[str, Array]:
+    """Read the columns of a ``trace.csv`` back.
+
+    Raises
+    ------
+    ValueError
+        If the seven columns of the contract are not all there, or a row is not one number per column.
+    """
+    with Path(path).open(newline="", encoding="utf-8") as stream:
+        header, *rows = list(csv.reader(stream)) or [[]]
+    missing = [name for name in COLUMNS if name not in header]
+    if missing:
+        raise ValueError(f"{path}: no column {', '.join(missing)}")
+    for line, row in enumerate(rows, 2):
+        if len(row) != len(header):
+            raise ValueError(f"{path}: line {line} has {len(row)} cells, the header {len(header)}")
+    table = np.array([[float(cell) for cell in row] for row in rows]).reshape(len(rows), len(header))
+    return {name: table[:, index] for index, name in enumerate(header)}

@@ -1,0 +1,1 @@
+"""The door: Python API and command line."""

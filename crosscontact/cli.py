@@ -1,0 +1,291 @@
+"""The command line: ``crosscontact scenes | solve | compare | study | fields | stability | report``.
+
+Exit codes: 0 all well; 1 a check failed or a run did not finish, interrupted ones included; 2 bad input, said
+in one line. Nothing heavy is imported until a command needs it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import sys
+from typing import NoReturn
+
+from validation.execution.memory import keep_freed
+from validation.execution.signals import interrupting
+
+# The dense systems here are small: more threads than one cost time, and results must not depend on them.
+for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")
+
+SOLVER_NAMES = ("bem", "fem", "reference")
+SUITE_NAMES = ("quick", "paper", "full")
+AXIS_NAMES = (
+    "contrast",
+    "relaxation-time",
+    "spectrum",
+    "poisson",
+    "speed",
+    "step",
+    "adhesion",
+    "indenter",
+    "loading",
+    "dead-load",
+    "scale",
+)
+SMALLEST_RESOLUTION = 4
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: error: {' '.join(message.split())}\n")
+
+
+def _resolution(text: str) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if value < SMALLEST_RESOLUTION:
+        raise argparse.ArgumentTypeError(
+            f"got {text!r:.40}; allowed: a whole number >= {SMALLEST_RESOLUTION}"
+        )
+    return value
+
+
+def _jobs(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: a whole number >= 1")
+    return int(text)
+
+
+def _bulk(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 2.0 / 3.0 < value < 1e6:
+        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: a number above 2/3, below 1e6")
+    return value
+
+
+def _time(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value >= 0.0):
+        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: times >= 0")
+    return value
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    top = _Parser(
+        prog="crosscontact",
+        description="Adhesive viscoelastic contact of a rigid indenter, solved independently and compared.",
+    )
+    commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+
+    commands.add_parser("scenes", help="list the built-in scenes")
+
+    solve = commands.add_parser("solve", help="run one solver on one scene")
+    solve.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
+    solve.add_argument("--solver", choices=SOLVER_NAMES, required=True)
+    solve.add_argument(
+        "--resolution",
+        type=_resolution,
+        metavar="N",
+        help="divisions per process zone (without adhesion: per hundredth of the largest contact radius), "
+        "N >= 4; default: the solver's choice",
+    )
+    solve.add_argument("--out", metavar="DIR", help="write trace.csv, summary.json and scene.toml there")
+    _fresh(solve)
+
+    compare = commands.add_parser("compare", help="run all solvers on scenes; exit 1 when out of tolerance")
+    compare.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
+    compare.add_argument("--out", metavar="DIR", help="write the report and every run there")
+    compare.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    _fresh(compare)
+
+    study = commands.add_parser("study", help="refinement ladders and error against run time, every solver")
+    study.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
+    study.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
+    study.add_argument("--jobs", type=_jobs, metavar="N", help="processes for what is not timed")
+    study.add_argument(
+        "--poisson",
+        type=_bulk,
+        nargs="*",
+        metavar="K/G",
+        help="instead: elastic bulk of these ratios to the relaxed shear modulus (10 to 1000), against a "
+        "constant Poisson's ratio",
+    )
+    _fresh(study)
+
+    fields = commands.add_parser("fields", help="stresses, energies and losses in the body, for ParaView")
+    fields.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
+    fields.add_argument(
+        "--at",
+        type=_time,
+        nargs="+",
+        default=[],
+        metavar="T",
+        help="times, stepped onto exactly; where the load jumps, the state before",
+    )
+    fields.add_argument("--pull-off", action="store_true", help="the moment of largest tension")
+    fields.add_argument(
+        "--every",
+        type=_jobs,
+        default=0,
+        metavar="N",
+        help="every N-th accepted step, the start included; not drawn",
+    )
+    fields.add_argument(
+        "--resolution", type=_resolution, metavar="N", help="divisions per process zone, as for solve"
+    )
+    fields.add_argument("--out", metavar="DIR", help="default: out/fields/SCENE")
+    drawn = fields.add_argument_group("figures", "sections are drawn at all moments; where asked for, also")
+    drawn.add_argument("--strip", action="store_true", help="the key moments of the run side by side")
+    drawn.add_argument("--animate", action="store_true", help="the whole run as an animated GIF")
+    drawn.add_argument("--revolve", action="store_true", help="the body in three dimensions")
+    drawn.add_argument(
+        "--show", action="store_true", help="the last moment in a window, where there is a screen"
+    )
+    drawn.add_argument(
+        "--quantity",
+        nargs="+",
+        metavar="Q",
+        help="what to draw; default: von-mises stress-zz dissipation-rate",
+    )
+    drawn.add_argument("--no-figures", action="store_true", help="files for ParaView only")
+
+    stability = commands.add_parser("stability", help="stiff and extreme cases: where each solver holds")
+    stability.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and heat maps there")
+    stability.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    stability.add_argument("--solver", choices=SOLVER_NAMES, help="this one only; default: all")
+    stability.add_argument(
+        "--only", choices=AXIS_NAMES, metavar="AXIS", help=f"one of {', '.join(AXIS_NAMES)}"
+    )
+    _fresh(stability)
+
+    report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
+    report.add_argument("--suite", choices=SUITE_NAMES, default="quick")
+    report.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
+    report.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    report.add_argument(
+        "--estimates",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="judge agreement by error estimates, each from a coarser run (default), or by tolerances alone",
+    )
+    report.add_argument(
+        "--baseline",
+        metavar="OLD.json",
+        help="an earlier report.json: list what moved, exit 1 when beyond tolerance",
+    )
+    report.add_argument(
+        "--fields",
+        action="store_true",
+        help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
+    )
+    _fresh(report)
+    return top
+
+
+def _fresh(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--fresh",
+        action="store_true",
+        help="start anew; otherwise what was stopped in the same --out goes on where it was",
+    )
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return the exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        with interrupting():
+            code = _run(options)
+            sys.stdout.flush()
+            return code
+    except KeyboardInterrupt:
+        print("crosscontact: interrupted", file=sys.stderr)
+        return 1
+    except BrokenPipeError:  # the reader of our output has gone, e.g. `| head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return 0
+    except Exception as error:
+        from contact_scene.errors import SceneError
+
+        if isinstance(error, SceneError):
+            print(f"crosscontact: error: {error}", file=sys.stderr)
+            return 2
+        if isinstance(error, OSError):
+            print(f"crosscontact: error: {' '.join(str(error).split())}", file=sys.stderr)
+            return 1
+        raise
+
+
+def _run(options: argparse.Namespace) -> int:
+    """Run the command, alone in its folder."""
+    if getattr(options, "out", None) is None:
+        return _command(options)
+    from validation.execution.lock import held
+
+    with held(options.out):
+        return _command(options)
+
+
+def _command(options: argparse.Namespace) -> int:
+    from crosscontact.commands import all_commands
+
+    keep_freed()
+    if options.command == "scenes":
+        return all_commands.scenes()
+    if options.command == "solve":
+        return all_commands.solve(
+            options.scene, options.solver, options.resolution, options.out, options.fresh
+        )
+    if options.command == "compare":
+        return all_commands.compare(options.scenes, options.out, options.jobs, options.fresh)
+    if options.command == "study" and options.poisson is not None:
+        from validation.report import poisson_section
+
+        jobs = all_commands.workers(options.jobs)
+        return poisson_section.command(options.scenes, options.poisson, options.out, jobs)
+    if options.command == "study":
+        return all_commands.study(options.scenes, options.out, options.jobs, options.fresh)
+    if options.command == "stability":
+        from crosscontact.commands.stability import stability
+
+        jobs = all_commands.workers(options.jobs)
+        return stability(options.out, jobs, options.solver, options.only, options.fresh)
+    if options.command == "fields":
+        from crosscontact.commands import fields
+        from validation.fields.figures.album import wanted
+
+        return fields.run(
+            options.scene,
+            options.at,
+            options.pull_off,
+            options.every,
+            options.resolution,
+            options.out,
+            wanted(options),
+        )
+    return all_commands.report(
+        options.suite,
+        options.out,
+        options.jobs,
+        options.estimates,
+        options.baseline,
+        options.fresh,
+        options.fields,
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,194 @@
+"""Stress, strain, energy and dissipation under the surface at requested moments of a run.
+
+Coordinates ``(r, z)``, the body in ``z <= 0``; displacement along them. Stress and strain are positive in
+tension and have the components ``(rr, zz, tt, rz)``, ``tt`` being the hoop and ``rz`` the tensor shear.
+Surface quantities are those of a :class:`scene.Profile`: displacement downwards, pressure in compression.
+Units are the scene's. Nothing here is computed unless asked for; what it costs is added to the counters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Profile
+from fem_solver.condensed import CondensedHistory
+from fem_solver.fields.history import SurfaceLog, VolumeLog
+from fem_solver.fields.points import CondensedFields, PointFields, VolumeFields
+from fem_solver.fields.recovery import Recovery
+from fem_solver.profiles import profile
+from fem_solver.quadrature import QuadratureHistory
+from fem_solver.solver import Recording
+
+Array = NDArray[np.float64]
+
+COMPONENTS = ("rr", "zz", "tt", "rz")
+
+
+@dataclass(frozen=True)
+class FieldState:
+    """The whole body at one row of the trace.
+
+    Nodal arrays have n columns, arrays over finite elements m; B is the number of branches.
+
+    Parameters
+    ----------
+    row : int
+        Of the trace.
+    time, penetration, force, contact_radius : float
+    label : str
+        What the moment is called, "" if it has no name.
+    branches : tuple of str
+        Names of the branches, in the order of the dissipation arrays.
+    points : ndarray, shape (n, 2)
+        ``(r, z)`` of the undeformed body.
+    triangles : ndarray of int, shape (4 m, 3)
+        Finite elements cut in four; triangle i lies in element ``i % m``.
+    displacement : ndarray, shape (n, 2)
+        ``(u_r, u_z)``.
+    stress, strain : ndarray, shape (4, n)
+        Components ``rr, zz, tt, rz``.
+    stored_energy_density : ndarray, shape (n,)
+        Energy of all springs per volume.
+    dissipation_rate, dissipated : ndarray, shape (B, n)
+        Power per volume lost in each branch, and energy per volume lost so far.
+    surface : Profile
+        Radius, displacement, pressure and gap of the surface.
+    element_volumes : ndarray, shape (m,)
+        Volumes of revolution.
+    element_stored : ndarray, shape (m,)
+    element_rate, element_dissipated : ndarray, shape (B, m)
+        Means over each element: times its volume and summed, they are the integrals over the mesh.
+    """
+
+    row: int
+    time: float
+    penetration: float
+    force: float
+    contact_radius: float
+    label: str
+    branches: tuple[str, ...]
+    points: Array
+    triangles: NDArray[np.int64]
+    displacement: Array
+    stress: Array
+    strain: Array
+    stored_energy_density: Array
+    dissipation_rate: Array
+    dissipated: Array
+    surface: Profile
+    element_volumes: Array
+    element_stored: Array
+    element_rate: Array
+    element_dissipated: Array
+
+    @property
+    def hydrostatic(self) -> Array:
+        """Mean normal stress, tension positive; shape (n,)."""
+        return self.stress[:3].mean(axis=0)
+
+    @property
+    def von_mises(self) -> Array:
+        """Equivalent stress ``sqrt(3/2 dev s : dev s)``; shape (n,)."""
+        shear = self.stress.copy()
+        shear[:3] -= self.hydrostatic
+        return np.sqrt(1.5 * (np.sum(shear[:3] ** 2, axis=0) + 2.0 * shear[3] ** 2))
+
+    @property
+    def principal(self) -> Array:
+        """Principal stresses, the largest first; shape (3, n)."""
+        rr, zz, tt, rz = self.stress
+        middle, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
+        return -np.sort(-np.stack([middle + radius, middle - radius, tt]), axis=0)
+
+    @property
+    def max_shear(self) -> Array:
+        """Largest shear stress, half the difference of the extreme principal stresses; shape (n,)."""
+        principal = self.principal
+        return 0.5 * (principal[0] - principal[2])
+
+
+def field_states(recording: Recording, moments: Mapping[int, str]) -> Iterator[FieldState]:
+    """The body at rows of the trace, one after the other in the order of time.
+
+    Parameters
+    ----------
+    recording : Recording
+        Of a run whose options ask for a record. With a constant Poisson's ratio every row of it can be
+        asked for, otherwise those recorded.
+    moments : mapping of int to str
+        Rows and their labels.
+
+    Yields
+    ------
+    FieldState
+
+    Raises
+    ------
+    KeyError
+        If a row was not recorded.
+    ValueError
+        If the recording does not begin at the start of the loading.
+    """
+    log = recording.log
+    if log is None:
+        raise KeyError("nothing was recorded: the run was not asked for it")
+    if log.rows != len(recording.trace):
+        raise ValueError("the history is not whole: the run went on from where another had been kept")
+    missing = sorted(row for row in moments if row not in log)
+    if missing:
+        raise KeyError(f"rows not recorded: {missing}")
+    setup, history = recording.setup, recording.setup.history
+    source: CondensedFields | VolumeFields
+    if isinstance(history, CondensedHistory) and isinstance(log, SurfaceLog):
+        source = CondensedFields(setup, history, log)
+    elif isinstance(history, QuadratureHistory) and isinstance(log, VolumeLog):
+        source = VolumeFields(setup, history, log)
+    else:
+        raise TypeError("the log does not belong to the history")
+    recovery = Recovery(setup.space.basis)
+    counters = recording.trace.counters
+    counters.factorisations += 1
+    for row in sorted(moments):
+        before = setup.factor.solves, recovery.solves
+        state = _state(recording, recovery, source.names, source.at(row), row, moments[row])
+        counters.volume_solves += setup.factor.solves - before[0]
+        counters.linear_solves += recovery.solves - before[1]
+        yield state
+
+
+def _state(
+    recording: Recording,
+    recovery: Recovery,
+    branches: tuple[str, ...],
+    found: PointFields,
+    row: int,
+    label: str,
+) -> FieldState:
+    trace, setup = recording.trace, recording.setup
+    nodal = recovery.nodal(np.concatenate([found.stress, found.strain]))
+    return FieldState(
+        row=row,
+        time=float(trace.time[row]),
+        penetration=float(trace.penetration[row]),
+        force=float(trace.force[row]),
+        contact_radius=float(trace.contact_radius[row]),
+        label=label,
+        branches=branches,
+        points=recovery.points,
+        triangles=recovery.triangles,
+        displacement=recovery.displacement(found.unknowns),
+        stress=nodal[:4],
+        strain=nodal[4:],
+        stored_energy_density=recovery.densities(found.stored[None])[0],
+        dissipation_rate=recovery.densities(found.rates),
+        dissipated=recovery.densities(found.dissipated),
+        surface=profile(recording.surfaces[row], setup.radii, recording.height),
+        element_volumes=recovery.volumes,
+        element_stored=recovery.means(found.stored[None])[0],
+        element_rate=recovery.means(found.rates),
+        element_dissipated=recovery.means(found.dissipated),
+    )

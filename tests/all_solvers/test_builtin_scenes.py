@@ -1,0 +1,202 @@
+"""The built-in scenes: every file reads, every check can be evaluated, none is without a statement."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from support.spring_solver import fake
+
+from contact_scene import OutcomeKind
+from validation import solvers
+from validation.cases import SCENES, SUITES, Expected, load, names, suite
+from validation.compare.against_reference import against_reference, check_case
+from validation.compare.checks import check_run
+from validation.execution.runs import run
+from validation.measure.cycles import cycle_times
+from validation.measure.dimensionless import units
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.ting import Ting
+
+
+def test_every_scene_has_its_checks_and_the_other_way_round():
+    scenes = {f.name.removesuffix(".toml") for f in SCENES.glob("*.toml") if ".checks" not in f.name}
+    assert scenes == set(names())
+    assert len(scenes) >= 25
+
+
+@pytest.mark.parametrize("name", names())
+def test_scene_reads_and_its_checks_make_sense(name):
+    case = load(name)
+    assert case.statement
+    assert case.scene.title
+    assert case.outcome in ("completed", "detached")
+    assert set(case.suites) <= set(SUITES)
+    assert "full" in case.suites
+    assert set(case.tolerances) == {"bem", "fem"}
+    for expected in case.expected:
+        assert expected.unit in units(case.scene)
+        assert expected.source
+        assert sum(x is not None for x in (expected.value, expected.at_most, expected.at_least)) == 1
+        if expected.value is not None:
+            assert set(expected.tolerance) == {"bem", "fem", "reference"}
+            assert all(0 < tolerance <= 0.1 for tolerance in expected.tolerance.values())
+
+
+def test_suites_grow():
+    quick, paper, full = (set(suite(name)) for name in SUITES)
+    assert quick < paper < full == set(names())
+
+
+def test_units_of_the_si_cycle_agree_with_the_dimensionless_one():
+    si, plain = units(load("cycle-si").scene), units(load("cycle-v0.02").scene)
+    assert si["length"] == pytest.approx(1e-3)
+    assert si["jkr-force"] / si["force"] == pytest.approx(plain["jkr-force"] / plain["force"])
+    assert plain["jkr-force"] / plain["force"] == pytest.approx(7.53982e-4, rel=1e-6)
+
+
+def test_cycle_times():
+    sweep = cycle_times(load("sweep").scene.loading)
+    assert 0.5 * 0.006 * sweep[10] ** 2 == pytest.approx(20 * np.pi)
+    assert len(sweep) == 85
+    steady = cycle_times(load("oscillation-w1.4").scene.loading)
+    assert steady[3] == pytest.approx(3 * 2 * np.pi / 1.4)
+    assert cycle_times(load("cycle-v0.1").scene.loading) == ()
+    assert cycle_times(load("force-2").scene.loading) == ()
+
+
+@pytest.fixture
+def bem(monkeypatch):
+    monkeypatch.setitem(solvers.SOLVERS, "bem", fake())
+    return load("cycle-v0.1")
+
+
+def verdict(case, result, **expected):
+    case = dataclasses.replace(case, expected=(Expected(source="here", **expected),))
+    return check_run(case, result)[-1]
+
+
+def test_value_checks(bem):
+    result = run(bem, "bem")
+    found = result.measures["pull_off_force"]
+    tolerance = {"bem": 1e-3}
+    assert verdict(bem, result, observable="pull_off_force", value=found * 1.0009, tolerance=tolerance).passed
+    assert not verdict(
+        bem, result, observable="pull_off_force", value=found * 1.002, tolerance=tolerance
+    ).passed
+    assert not verdict(
+        bem, result, observable="pull_off_force", value=found * 0.998, tolerance=tolerance
+    ).passed
+    scaled = verdict(
+        bem, result, observable="pull_off_force", value=1.01 * found, tolerance=tolerance, scale=20 * found
+    )
+    assert scaled.passed
+    assert scaled.difference == pytest.approx(-0.0005)
+
+
+def test_missing_number_fails(bem):
+    result = run(bem, "bem")
+    missing = verdict(bem, result, observable="peak_cycle_loss", value=1.0, tolerance={"bem": 1.0})
+    assert (missing.passed, missing.found) == (False, None)
+    assert not verdict(bem, result, observable="peak_cycle_loss", at_most=1.0).passed
+
+
+def test_limits(bem):
+    result = run(bem, "bem")
+    found = result.measures["pull_off_force"]
+    assert verdict(bem, result, observable="pull_off_force", at_most=found).passed
+    assert not verdict(bem, result, observable="pull_off_force", at_most=0.99 * found).passed
+    assert verdict(bem, result, observable="pull_off_force", at_least=found).passed
+    assert not verdict(bem, result, observable="pull_off_force", at_least=1.01 * found).passed
+
+
+def test_column_at_a_time(bem):
+    result = run(bem, "bem")
+    at = {"observable": "force", "tolerance": {"bem": 1e-12}}
+    assert verdict(bem, result, at_time=0.2, value=0.02, **at).passed
+    assert verdict(bem, result, at_time=1e6, value=0.02, **at).found is None
+
+
+def test_check_of_another_solver_is_not_asked(bem):
+    result = run(bem, "bem")
+    only = dataclasses.replace(
+        bem, expected=(Expected("pull_off_force", "x", 1.0, tolerance={"reference": 1}),)
+    )
+    assert [check.quantity for check in check_run(only, result)] == ["outcome"]
+
+
+def test_wrong_ending_fails(bem, monkeypatch):
+    monkeypatch.setitem(solvers.SOLVERS, "bem", fake(kind=OutcomeKind.COMPLETED))
+    assert not check_run(bem, run(bem, "bem"))[0].passed
+
+
+def test_against_the_reference(bem, monkeypatch):
+    monkeypatch.setitem(solvers.SOLVERS, "reference", fake())
+    base, same = run(bem, "reference"), run(bem, "bem")
+    assert all(check.passed for check in against_reference(bem, same, base))
+    monkeypatch.setitem(solvers.SOLVERS, "bem", fake(1.0 + 3.5e-3))
+    verdicts = {check.quantity: check for check in against_reference(bem, run(bem, "bem"), base)}
+    assert not verdicts["pull_off_force"].passed
+    assert verdicts["pull_off_force"].difference == pytest.approx(3.5e-3)
+    assert verdicts["loop_energy"].passed
+    assert verdicts["detachment_penetration"].passed
+    assert verdicts["F(t), RMS"].found == pytest.approx(3.5e-3 / np.sqrt(3), rel=0.1)
+
+
+def test_an_oscillation_has_no_end_of_approach(monkeypatch):
+    for solver in ("bem", "reference"):
+        monkeypatch.setitem(solvers.SOLVERS, solver, fake())
+    case = load("oscillation-w1.4")
+    checks = against_reference(case, run(case, "bem"), run(case, "reference"))
+    assert {"pull_off_force", "loop_energy"} <= {check.quantity for check in checks}
+    assert not [check for check in checks if check.quantity.startswith("approach")]
+
+
+def test_without_a_reference_run_the_comparison_is_missing(bem):
+    checks = check_case(bem, {"bem": run(bem, "bem"), "reference": run(bem, "nobody")})
+    assert [check.note for check in checks if check.quantity == "reference"] == ["no reference run"]
+
+
+@pytest.mark.parametrize("name", ["relaxed-equilibrium", "elastic-relaxed", "elastic-glassy"])
+def test_check_values_of_elastic_scenes_are_those_of_the_finite_zone(name):
+    case = load(name)
+    scene = case.scene
+    exact = FiniteZone(
+        scene.indenter.radius,
+        scene.material.relaxed_plane_modulus,
+        scene.adhesion.work,
+        scene.adhesion.zone,
+    )
+    start = exact.at_penetration(scene.loading.penetration)
+    lost = exact.pull_off_penetration_control().contact_radius
+
+    def surplus(a):
+        return (exact.energy_release_rate(a) - scene.adhesion.work) * 2.0 * np.pi * a
+
+    found = {
+        "dissipated_energy": quad(surplus, lost, start.contact_radius, epsrel=1e-9, epsabs=0.0)[0],
+        "start_radius": start.contact_radius,
+        "start_force": start.force,
+        "pull_off_force": -exact.pull_off_force_control().force,
+    }
+    stated = [e for e in case.expected if e.source.startswith("exact elastic field")]
+    assert stated
+    for expected in stated:
+        size = units(scene)[expected.unit]
+        assert expected.value * size == pytest.approx(found[expected.observable], rel=2e-6)
+
+
+def test_check_values_of_the_adhesionless_scene_are_those_of_lee_radok_and_ting():
+    case = load("adhesionless-cycle")
+    exact = Ting(case.scene.material, case.scene.indenter, rise=0.05, peak=1.0, fall=0.05)
+    for expected in case.expected:
+        if expected.observable == "detachment_time":
+            found = exact.detachment()
+        elif expected.observable == "detachment_penetration":
+            found = exact.penetration(exact.detachment())
+        else:
+            column = exact.force if expected.observable.endswith("force") else exact.contact_radius
+            found = column(1.0 if expected.at_time is None else expected.at_time)
+        assert expected.value == pytest.approx(float(found), rel=3e-6)

@@ -1,0 +1,36 @@
+"""Invariants of random scenes, the same for every solver; more than three hundred examples when slow."""
+
+from __future__ import annotations
+
+import zlib
+
+import pytest
+from hypothesis import given, seed, settings
+from support.invariants_runs import SOLVERS
+from support.invariants_table import INVARIANTS
+
+
+def examine(solver: str, name: str, examples: int, start: int) -> None:
+    """Try an invariant on a number of random examples, others for every invariant and ``start``."""
+    invariant = INVARIANTS[name]
+
+    @seed(start + zlib.crc32(name.encode()))
+    @settings(max_examples=examples)
+    @given(invariant.given)
+    def body(case: tuple) -> None:
+        invariant.holds(SOLVERS[solver], *case)
+
+    body()
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("name", INVARIANTS)
+def test_invariant(solver: str, name: str) -> None:
+    examine(solver, name, INVARIANTS[name].few, 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("name", INVARIANTS)
+def test_invariant_often(solver: str, name: str) -> None:
+    examine(solver, name, INVARIANTS[name].many, 2)

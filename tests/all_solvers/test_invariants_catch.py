@@ -1,0 +1,182 @@
+"""Every invariant fails for a solver that breaks it: front tracking with one thing wrong in its answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from support.invariants_runs import SOLVERS, Solver
+from support.invariants_scenes import in_units
+from support.invariants_table import INVARIANTS
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    Outcome,
+    OutcomeKind,
+    Ramp,
+    Scene,
+    Sphere,
+    Table,
+    Trace,
+)
+
+pytestmark = pytest.mark.slow
+
+Spoil = Callable[[Scene, Trace], Trace]
+RUBBER = Material(0.75, 0.5, (Branch(2.0, 1.0), Branch(1.0, 0.05)))
+STICKY = Adhesion(5e-4, 0.02)
+PRESSED = Scene(RUBBER, Sphere(1.0), Loading("jump-in", 0.01, (Ramp(0.02, 0.05), Hold(0.1))), STICKY)
+RAMPED = replace(PRESSED, loading=Loading("relaxed", 0.01, (Ramp(0.02, 0.05),)))
+BARE = replace(PRESSED, adhesion=None)
+AROUND = replace(PRESSED, loading=Loading("relaxed", 0.01, (Table((0.0, 1.0, 2.0), (0.01, 0.02, 0.01)),)))
+SHAKEN = replace(PRESSED, loading=Loading("relaxed", 0.01, (Oscillate(0.001, 6.0, 1.0),)))
+OTHER_UNITS = (2.0**-30, 2.0**20, 2.0**-10)  # of length, modulus and time
+HISTORIES = ((0.0, 1.0, 3.0), [0.01, 0.02, -0.01], [0.0, 0.02, 0.01], (0.5, -0.7))
+
+
+@dataclass(frozen=True)
+class Spoiled(Solver):
+    """Answers of a true solver, changed."""
+
+    spoil: Spoil = lambda scene, trace: trace
+
+    def solve(self, scene: Scene, **asked) -> Trace:  # type: ignore[override]
+        """The true answer, spoiled."""
+        return self.spoil(scene, super().solve(scene, **asked))
+
+
+class Careless(Spoiled):
+    """Takes no notice of its budget."""
+
+    def solve(self, scene: Scene, budget: int = 0, **asked) -> Trace:  # type: ignore[override]
+        """As if there were none."""
+        return super().solve(scene, **asked)
+
+
+def changed(name: str, change: Callable[[np.ndarray], np.ndarray]) -> Spoil:
+    """One column of every answer changed."""
+
+    def spoil(scene: Scene, trace: Trace) -> Trace:
+        column = change(trace.columns()[name].copy())
+        if name in trace.extra:
+            return replace(trace, extra=trace.extra | {name: column})
+        return replace(trace, **{name: column})
+
+    return spoil
+
+
+def profiles(name: str, change: Callable[[np.ndarray], np.ndarray]) -> Spoil:
+    """One array of every profile changed."""
+    return lambda scene, trace: replace(
+        trace, profiles=tuple(replace(p, **{name: change(getattr(p, name).copy())}) for p in trace.profiles)
+    )
+
+
+def when(condition: Callable[[Scene], bool], spoil: Spoil) -> Spoil:
+    """Only some scenes are answered wrongly."""
+    return lambda scene, trace: spoil(scene, trace) if condition(scene) else trace
+
+
+def last_is(value: float) -> Callable[[np.ndarray], np.ndarray]:
+    def change(column: np.ndarray) -> np.ndarray:
+        column[-1] = value
+        return column
+
+    return change
+
+
+def underflow(scene: Scene, trace: Trace) -> Trace:
+    return replace(trace, outcome=Outcome(OutcomeKind.STEP_UNDERFLOW, "given up", 0.0))
+
+
+def louder(column: np.ndarray) -> np.ndarray:
+    return 1.05 * column
+
+
+def bent(column: np.ndarray) -> np.ndarray:
+    return column + 1e-6 * column**2 / np.abs(column).max()
+
+
+def many(scene: Scene) -> bool:
+    return len(scene.material.branches) > 2
+
+
+def small(scene: Scene) -> bool:
+    return isinstance(scene.indenter, Sphere) and scene.indenter.radius < 1e-3
+
+
+BROKEN: dict[str, list[tuple[Spoil, tuple]]] = {
+    "clear answer": [
+        (changed("energy_release_rate", last_is(np.nan)), (RAMPED,)),
+        (changed("time", last_is(-1.0)), (RAMPED,)),
+        (changed("penetration", last_is(0.0199)), (RAMPED,)),
+        (underflow, (RAMPED,)),
+    ],
+    "energy gained": [
+        (changed("branch_dissipation", np.negative), (PRESSED,)),
+        (changed("stored_energy", lambda u: u - 1.1 * u.max()), (PRESSED,)),
+        (changed("dissipated_energy", np.negative), (BARE,)),
+    ],
+    "energy balance": [
+        (changed("branch_dissipation", louder), (AROUND,)),
+        (changed("external_work", louder), (PRESSED,)),
+        (changed("stress_intensity_factor", louder), (AROUND,)),
+    ],
+    "touch": [
+        (profiles("pressure", lambda p: p - 1e-9 * p.max()), (PRESSED,)),
+        (profiles("gap", lambda g: g + 1e-9 * g.max()), (PRESSED,)),
+        (profiles("gap", np.negative), (PRESSED,)),
+    ],
+    "slow limit": [(when(lambda s: bool(s.material.branches), changed("force", louder)), (PRESSED, 0.015))],
+    "fast limit": [
+        (when(lambda s: bool(s.material.branches), changed("contact_radius", louder)), (PRESSED, 0.015))
+    ],
+    "closed cycle": [
+        (changed("external_work", np.negative), (AROUND,)),
+        (changed("branch_dissipation", np.zeros_like), (AROUND,)),
+    ],
+    "units": [
+        (when(small, changed("force", lambda f: f * (1.0 + 1e-8))), (SHAKEN, *OTHER_UNITS)),
+        (when(small, changed("stored_energy", lambda u: u * (1.0 + 1e-8))), (SHAKEN, *OTHER_UNITS)),
+        (when(small, changed("time", last_is(1.0))), (SHAKEN, *OTHER_UNITS)),
+    ],
+    "rest": [
+        (when(lambda s: isinstance(s.loading.steps[0], Hold), changed("force", louder)), (RAMPED, 3.0)),
+    ],
+    "superposition": [(changed("force", bent), (RUBBER, HISTORIES, "relaxed"))],
+    "no weight": [(when(many, changed("force", lambda f: f * (1.0 + 1e-15))), (PRESSED, 1.0, 1))],
+}
+
+
+def with_units(name: str, given: tuple) -> tuple:
+    return (given[0], *in_units(*given)) if name == "units" else given
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_invariant_holds_for_the_true_answers_and_not_for_spoiled_ones(name: str) -> None:
+    true = SOLVERS["reference"]
+    invariant = INVARIANTS[name].holds
+    for spoil, given in BROKEN[name]:
+        invariant(true, *with_units(name, given))
+        spoiled = Spoiled(true.name, true.resolution, true.order, spoil)
+        with pytest.raises(AssertionError):
+            invariant(spoiled, *with_units(name, given))
+
+
+def test_budget_that_is_not_kept_is_noticed() -> None:
+    true = SOLVERS["reference"]
+    invariant = INVARIANTS["budget"].holds
+    invariant(true, PRESSED, 5)
+    with pytest.raises(AssertionError):
+        invariant(Careless(true.name, true.resolution, true.order), PRESSED, 5)
+
+
+def test_every_invariant_is_here() -> None:
+    assert {*BROKEN, "budget"} == set(INVARIANTS)

@@ -1,0 +1,177 @@
+"""Does the quick suite catch wrong physics? Single faults, one at a time, against the suite's own checks.
+
+A fault counts as caught if a check of the quick suite that passes for the true solvers fails with the fault.
+The scenes below are the cheapest of that suite; a fault that slips through all of them must not change any
+observable by more than one per cent there. The table of all faults is printed and written to
+``out/faults.md``.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import pickle
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import faults_bem, faults_fem, faults_reference
+from support.fault_injection import Fault, seeded, time_limit
+
+from validation import cases, solvers
+from validation.compare.against_reference import check_case
+from validation.execution.runs import Run, run
+from validation.measure.error_estimate import ENERGIES, column_of, scale
+from validation.measure.norms import distance
+
+FAULTS = [*faults_reference.FAULTS, *faults_bem.FAULTS, *faults_fem.FAULTS]
+SCENES = ("relaxed-equilibrium", "elastic-relaxed", "cycle-v0.02", "adhesionless-cycle", "three-branches")
+NOTICEABLE = 0.01
+PATIENCE = 10.0  # times the processor time of the true solver; at least SECONDS
+SECONDS = 10.0
+TABLE = Path(__file__).parents[2] / "out" / "faults.md"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one fault did: where it was caught first, by how many checks, and how large its effect was."""
+
+    solver: str
+    name: str
+    caught: str
+    effect: float
+    most: str
+
+    def row(self) -> str:
+        """Line of the table."""
+        effect = (
+            "no run to compare" if math.isinf(self.effect) else f"{100 * self.effect:.2g} % in {self.most}"
+        )
+        return f"| {self.solver} | {self.name} | {self.caught or '**not caught**'} | {effect} |"
+
+
+@pytest.fixture(scope="module")
+def findings(request, tmp_path_factory):
+    """Findings to come, by fault: all that were asked for are examined side by side. The table at the end."""
+    chosen = [item.callspec.params for item in request.session.items if hasattr(item, "callspec")]
+    asked = [parameters["fault"] for parameters in chosen if "fault" in parameters]
+    todo = [(name, solver) for name in SCENES for solver in solvers.SOLVERS]
+    kept = tmp_path_factory.mktemp("clean") / "runs.pickle"
+    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+        runs = dict(zip(todo, pool.map(unharmed, *zip(*todo, strict=True)), strict=True))
+        clean = {name: {solver: runs[name, solver] for solver in solvers.SOLVERS} for name in SCENES}
+        for name in SCENES:
+            failed = [check for check in check_case(cases.load(name), clean[name]) if not check.passed]
+            assert not failed, failed
+        kept.write_bytes(pickle.dumps(clean))
+        coming = {fault.key: pool.submit(examined, fault.key, str(kept)) for fault in asked}
+        yield coming
+        left = [future for future in coming.values() if future.cancel()]
+    tabulate([f.result() for f in coming.values() if f not in left and f.exception() is None])
+
+
+def tabulate(found: list[Finding]) -> None:
+    """Print the table of all faults, those that slipped through first, and write it."""
+    head = ["| solver | fault | caught by | largest effect seen |", "|---|---|---|---|"]
+    caught = [f for f in found if f.caught]
+    missed = [f for f in found if not f.caught]
+    lines = [f"{len(found)} faults, {len(caught)} caught, {len(missed)} not:", ""]
+    lines += [*head, *(f.row() for f in (*missed, *caught))]
+    TABLE.parent.mkdir(exist_ok=True)
+    TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    print("\n" + "\n".join(lines))
+
+
+def unharmed(name: str, solver: str) -> Run:
+    """The true solver on a scene."""
+    return run(cases.load(name), solver)
+
+
+@cache
+def clean_runs(kept: str) -> dict[str, dict[str, Run]]:
+    """All solvers, unharmed, on every scene."""
+    return pickle.loads(Path(kept).read_bytes())
+
+
+def examined(key: str, kept: str) -> Finding:
+    """One fault examined, in a process of its own accord."""
+    (fault,) = [fault for fault in FAULTS if fault.key == key]
+    with np.errstate(all="ignore"):
+        return examine(fault, clean_runs(kept))
+
+
+def effect(true: Run, wrong: Run) -> tuple[float, str]:
+    """Largest relative change of an observable or a curve, and its name; infinite without a curve."""
+    if true.trace is None or wrong.trace is None or len(wrong.trace) == 0:
+        return math.inf, "outcome"
+    changes: dict[str, float] = {}
+    for column, values in true.trace.columns().items():
+        if column in ("balance_residual", "energy_release_rate", "stress_intensity_factor"):
+            continue  # noise, a difference quotient, and what only one solver reports
+        apart = distance(wrong.trace, true.trace, column)
+        single = len(true.trace) == 1
+        largest = float(np.abs(values).max()) or 1.0
+        first = abs(wrong.trace.columns()[column][0] - values[0]) / largest
+        changes[column] = first if single or apart is None else apart.rms
+    for name, value in true.measures.items():
+        now = wrong.measures.get(name)
+        if value is None or name.startswith("final") or not (column_of(name) or name in ENERGIES):
+            continue
+        if now is None:
+            return math.inf, name
+        size = scale(name, value, true.trace)
+        changes[name] = abs(now - value) / size if size > 0.0 else float(now != value)
+    worst = max(changes, key=lambda name: changes[name])
+    return changes[worst], worst.replace("_", " ")
+
+
+def same(true: Run, wrong: Run) -> bool:
+    """Whether not a bit of any column has changed."""
+    if true.trace is None or wrong.trace is None:
+        return False
+    mine, theirs = true.trace.columns(), wrong.trace.columns()
+    return all(np.array_equal(mine[name], theirs[name]) for name in mine)
+
+
+def examine(fault: Fault, clean: dict[str, dict[str, Run]]) -> Finding:
+    """Run the scenes with the fault until a check fails."""
+    largest, called, changed = (0.0, "nothing"), 0, False
+    for name in SCENES:
+        case = cases.load(name)
+        limit = max(SECONDS, PATIENCE * clean[name][fault.solver].cpu_seconds)
+        with seeded(fault) as calls, time_limit(limit):
+            wrong = run(case, fault.solver)
+        called += calls.count
+        changed = changed or not same(clean[name][fault.solver], wrong)
+        largest = max(largest, (*effect(clean[name][fault.solver], wrong),))
+        checks = check_case(case, {**clean[name], fault.solver: wrong})
+        failed = [check for check in checks if not check.passed]
+        if failed:
+            first = failed[0]
+            caught = f"{name}: {first.quantity.replace('_', ' ')} ({len(failed)} of {len(checks)} checks)"
+            assert called, "the wrong function is never called: the fault tests nothing"
+            return Finding(fault.solver, fault.name, caught, *largest)
+    assert called, "the wrong function is never called: the fault tests nothing"
+    assert changed, "the wrong function changes nothing: the fault tests nothing"
+    return Finding(fault.solver, fault.name, "", *largest)
+
+
+def test_there_are_enough_faults_in_every_solver():
+    assert len(FAULTS) >= 30
+    assert len({fault.key for fault in FAULTS}) == len(FAULTS)
+    assert {fault.solver for fault in FAULTS} == set(solvers.SOLVERS)
+
+
+def test_the_scenes_belong_to_the_quick_suite():
+    assert set(SCENES) <= set(cases.suite("quick"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.key)
+def test_fault_is_caught_or_small(fault, findings):
+    finding = findings[fault.key].result()
+    assert finding.caught or finding.effect <= NOTICEABLE, finding.row()

@@ -1,0 +1,118 @@
+"""Annuli that travel with the edge, against the exact punch and sphere.
+
+Unit contact, unit plane modulus. Where ``v = D - x^2/2`` inside (sphere of radius 1),
+``p = (D - 1)/(pi sqrt(1 - x^2)) + (2/pi) sqrt(1 - x^2)``, ``F = 2 (D - 1/3)`` and, outside with
+``s = arcsin(1/x)``, ``v = (2/pi) [D s - (x^2 s - sqrt(x^2 - 1))/2]``.
+"""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.bem_runs import observed_order
+
+from bem_solver.annuli import Annuli, even_cubic
+from bem_solver.surface import Surface
+
+COUNTS = (16, 32, 64)
+OUTSIDE = np.array([1.0 + 1e-9, 1.0001, 1.01, 1.1, 1.5, 3.0, 30.0, 1e4])
+
+
+def pressed(count, depth, edge=1.0):
+    """Surface under a sphere of radius ``edge`` at penetration ``depth * edge``: all lengths scale."""
+    annuli = Annuli(count)
+    return Surface.under(annuli, edge, edge * (depth - 0.5 * annuli.radii**2))
+
+
+def exact_outside(x, depth):
+    s = np.arcsin(1.0 / x)
+    return 2.0 / np.pi * (depth * s - 0.5 * (x**2 * s - np.sqrt(x**2 - 1.0)))
+
+
+@pytest.mark.parametrize("count", [16, 100])
+def test_punch_is_exact(count):
+    """Its edge pattern is what the pressures are divided by."""
+    annuli = Annuli(count)
+    surface = Surface.under(annuli, 2.0, np.full(count, 0.3))
+    assert_allclose(surface.force, 2.0 * 2.0 * 0.3, rtol=1e-13)
+    assert_allclose(surface.kappa, 0.3, rtol=1e-12)
+    assert_allclose(surface.stress_intensity, -0.3 / np.sqrt(2.0 * np.pi), rtol=1e-12)
+    r = 2.0 * np.array([0.0, 0.3, 0.9, 0.9999])
+    assert_allclose(surface.pressure(r), 0.3 / (np.pi * np.sqrt(4.0 - r**2)), rtol=1e-11)
+    assert_allclose(surface.outside(2.0 * OUTSIDE), 0.6 / np.pi * np.arcsin(1.0 / OUTSIDE), rtol=1e-11)
+
+
+@pytest.mark.parametrize("depth", [1.0, 0.7, 0.0])
+def test_sphere_pulled_or_not(depth):
+    """Hertz (1), adhesive (0.7) and nothing but tension (0)."""
+    surface = pressed(64, depth)
+    assert_allclose(surface.force, 2.0 * (depth - 1.0 / 3.0), rtol=2e-6)
+    assert_allclose(surface.kappa, depth - 1.0, atol=8e-5)
+    x = np.linspace(0.0, 0.999, 40)
+    root = np.sqrt(1.0 - x**2)
+    exact = (depth - 1.0) / (np.pi * root) + 2.0 / np.pi * root
+    assert_allclose(surface.pressure(x) * root, exact * root, atol=1e-4)
+    assert_allclose(surface.pressure(np.array([1.0, 1.5])), 0.0)
+    assert_allclose(surface.outside(OUTSIDE), exact_outside(OUTSIDE, depth), atol=3e-6)
+    distance = np.array([1e-6, 1e-3, 0.1])
+    assert_allclose(surface.tension(distance), -surface.pressure(1.0 - distance), rtol=1e-9)
+
+
+def test_edge_strength_is_the_square_root_outside():
+    """``v = v(a) - B sqrt(r - a) - C (r - a)``, with ``B = (2/pi) sqrt(2/a) kappa``."""
+    surface = pressed(64, 0.6, edge=3.0)
+    strength = 2.0 / np.pi * np.sqrt(2.0 / 3.0) * surface.kappa
+    assert_allclose(surface.root_strength(1e-5), strength, rtol=4e-4)
+    assert surface.root_strength(0.0) == 0.0
+
+
+def test_observed_order():
+    """Second order in the edge strength and the pressure, third in the force and outside."""
+    errors = {"force": [], "outside": [], "strength": [], "inside": []}
+    x = np.linspace(0.0, 0.999, 97)
+    root = np.sqrt(1.0 - x**2)
+    for count in COUNTS:
+        surface = pressed(count, 0.7)
+        errors["force"].append(surface.force / (2.0 * (0.7 - 1.0 / 3.0)) - 1.0)
+        errors["outside"].append(np.abs(surface.outside(OUTSIDE) - exact_outside(OUTSIDE, 0.7)).max())
+        errors["strength"].append(surface.kappa + 0.3)
+        inside = surface.pressure(x) * root - (-0.3 / np.pi + 2.0 / np.pi * root**2)
+        errors["inside"].append(np.sqrt(np.mean(inside**2)))
+    for name, order in {"force": 3.0, "outside": 3.0, "strength": 2.0, "inside": 2.0}.items():
+        assert order - 0.2 < observed_order(errors[name]) < order + 0.5, (name, errors[name])
+    assert abs(errors["force"][-1]) < 1e-7
+    assert errors["outside"][-1] < 2e-7
+    assert abs(errors["strength"][-1]) < 1e-4
+    assert errors["inside"][-1] < 5e-5
+
+
+def test_influence_matrix_is_reciprocal_in_the_mean():
+    """Work of one pressure on the displacement of another, up to the error of collocation."""
+    annuli = Annuli(64)
+    one, two = annuli.areas * np.cos(annuli.radii), annuli.areas * annuli.radii**2
+    there = one @ annuli.matrix @ (two / annuli.areas)
+    back = two @ annuli.matrix @ (one / annuli.areas)
+    assert_allclose(there, back, rtol=2e-4)
+
+
+def test_solve_takes_one_or_several_displacements():
+    annuli = Annuli(16)
+    both = np.stack((np.ones(16), annuli.radii**2), axis=1)
+    pressures = annuli.solve(both)
+    assert_allclose(annuli.matrix @ pressures, both, atol=1e-13)
+    assert_allclose(pressures[:, 1], annuli.solve(both[:, 1].copy()), rtol=1e-12)
+    assert_allclose(annuli.areas.sum(), np.pi, rtol=1e-14)
+
+
+def test_no_contact_is_no_load():
+    surface = Surface.free(Annuli(16))
+    assert surface.force == surface.stress_intensity == surface.root_strength(1.0) == 0.0
+    assert_allclose(surface.outside(np.array([0.0, 1.0])), 0.0)
+
+
+def test_even_cubic_is_exact_for_cubics_inside_and_flat_at_the_ends():
+    at = np.arange(12) + 0.5
+    position = np.linspace(2.5, 9.5, 29)
+    assert_allclose(even_cubic(at**3 - 2.0 * at, position), position**3 - 2.0 * position, rtol=1e-12)
+    waves = np.cos(np.pi * at / 12.0)
+    ends = np.linspace(0.0, 12.0, 61)
+    assert_allclose(even_cubic(waves, ends), np.cos(np.pi * ends / 12.0), atol=2e-4)

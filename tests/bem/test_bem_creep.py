@@ -1,0 +1,188 @@
+"""One surface point: the two internal-variable forms of one material, and the weights of a step."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+from support.bem_runs import observed_order
+from support.paper_scenes import ELASTIC, ONE, THREE
+
+from bem_solver.creep import Chain, phi
+from bem_solver.surface_points import load_inside, pressed
+from contact_scene import Branch, Material
+
+SEVEN = Material(0.5, 0.3, tuple(Branch(m, 10.0**-k) for k, m in enumerate((1, 2, 3, 5, 1, 8, 2))))
+THIRTY = Material(1e-3, 0.5, tuple(Branch(10.0 ** (-k / 10), 10.0 ** (15 * k / 29 - 9)) for k in range(30)))
+CLOSE = Material(1.0, 0.4, tuple(Branch(1.0, 1.0 + d) for d in (0.0, 1e-12, 1e-6, 1e-3)))
+WEAK = Material(1.0, 0.4, (Branch(1e-9, 0.3), Branch(1e3, 1.0), Branch(1e-6, 1e3)))
+SLIGHT = Material(1.0, 0.4, (Branch(1e-20, 1.0), Branch(5.0, 2.0), Branch(1e-18, 2.0 + 1e-10)))
+MATERIALS = {"one": ONE, "two": Material(1.0, 0.0, (Branch(1, 1), Branch(9, 10))), "three": THREE}
+MATERIALS |= {"seven": SEVEN, "thirty": THIRTY, "close": CLOSE, "weak": WEAK, "slight": SLIGHT}
+materials = pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS)
+
+
+@materials
+def test_rotation_is_orthogonal(material):
+    rotation = Chain(material).rotation
+    assert_allclose(rotation @ rotation.T, np.eye(len(rotation)), atol=1e-13)
+    assert_allclose(rotation.T @ rotation, np.eye(len(rotation)), atol=1e-13)
+
+
+@materials
+def test_both_forms_are_one_element(material):
+    """Scaled ``b' = r w' - b/tau`` with ``v = E0 w + sum b`` is scaled ``l' = s v' - l/theta``, ``l = Q b``.
+
+    For every ``w'`` and ``b``; and ``w = v/E0 - sum l`` gives the same displacement back.
+    """
+    chain = Chain(material)
+    rotation, lag_rate = chain.rotation, chain.lag_rate
+    stress_rate = chain.stress_scale / chain.relaxation  # r
+    whole = chain.glassy * np.linalg.norm(lag_rate)
+    assert_allclose(rotation @ stress_rate / whole, lag_rate * chain.glassy / whole, atol=1e-12)
+    decay = rotation / chain.relaxation
+    same = np.outer(lag_rate, stress_rate) + rotation / chain.retardation[:, None]
+    scale = np.sqrt(np.outer(1.0 / chain.retardation, 1.0 / chain.relaxation))
+    assert_allclose(decay / scale, same / scale, rtol=1e-12, atol=1e-13)
+    back, given_scale = rotation.T @ chain.lag_scale, chain.stress_scale / chain.relaxed
+    assert_allclose(back, given_scale, atol=1e-13 * np.linalg.norm(given_scale))
+
+
+@materials
+def test_limits_are_the_elastic_ones(material):
+    chain = Chain(material)
+    plane = 1.0 - material.poisson**2
+    assert_allclose(chain.relaxed * plane, material.modulus, rtol=1e-14)
+    assert_allclose(chain.glassy * plane, material.glassy_modulus, rtol=1e-14)
+    assert_allclose(1.0 / chain.glassy + chain.compliances.sum(), 1.0 / chain.relaxed, rtol=1e-12)
+    rest, rise = np.zeros((1, len(chain))), np.array([0.02])
+    at_once, ages = (load_inside(chain, pressed(chain, rest, rise, d), rise) for d in (0.0, 1e30))
+    assert_allclose(at_once, chain.glassy * rise, rtol=1e-12)
+    assert_allclose(ages, chain.relaxed * rise, rtol=1e-9)
+
+
+def test_elastic_has_no_branches():
+    chain = Chain(ELASTIC)
+    assert len(chain) == 0
+    assert chain.rotation.shape == (0, 0)
+    assert chain.relaxed == chain.glassy == 1.0
+    assert_allclose(load_inside(chain, np.empty((2, 0)), np.array([1.0, 3.0])), [1.0, 3.0])
+
+
+@pytest.mark.parametrize("material", [ONE, THREE, SEVEN], ids=["one", "three", "seven"])
+def test_ramp_is_exact_whatever_the_step(material):
+    """``v = w' int_0^t E*``, in one step or a hundred."""
+    chain, total = Chain(material), 2.7
+    moduli, times = material.spectrum
+    relaxed = material.modulus * total + float(-np.expm1(-total / times) @ (moduli * times))
+    for count in (1, 3, 100):
+        variables = np.zeros((1, len(chain)))
+        for _ in range(count):
+            variables = pressed(chain, variables, np.array([0.1 / count]), total / count)
+        load = load_inside(chain, variables, np.array([0.1]))
+        assert_allclose(load, 0.1 / total * relaxed / (1.0 - material.poisson**2), rtol=1e-12)
+
+
+def voigt(chain, loads, duration):
+    """Displacement under ``v`` linear over steps of equal length, by the lags alone."""
+    lags, y = np.zeros((1, len(chain))), duration / chain.retardation
+    for rise in np.diff(loads, axis=0):
+        lags = chain.decay(y) * lags + chain.spread(y) * chain.lag_rate * rise[:, None]
+    return loads[-1] / chain.relaxed - chain.lag(lags)
+
+
+@pytest.mark.parametrize("euler", [False, True])
+@pytest.mark.parametrize("material", [ONE, THREE], ids=["one", "three"])
+def test_voigt_driven_by_maxwells_answer_returns_its_question(material, euler):
+    """Second order in the step, for the load is not linear within it; backward Euler is first order."""
+    chain, errors = Chain(material, euler), []
+    for count in (50, 100, 200):
+        times = np.linspace(0.0, 3.0, count + 1)
+        wanted = 0.03 * np.sin(2.0 * times)
+        variables, loads = np.zeros((1, len(chain))), [np.zeros(1)]
+        for rise, at in zip(np.diff(wanted), wanted[1:], strict=True):
+            variables = pressed(chain, variables, np.array([rise]), times[1])
+            loads.append(load_inside(chain, variables, np.array([at])))
+        exact = Chain(material)
+        errors.append(float(voigt(exact, np.array(loads), times[1])[0] - wanted[-1]))
+    assert abs(errors[-1]) < (1e-3 if euler else 2e-5)
+    expected = 1.0 if euler else 2.0
+    assert expected - 0.2 < observed_order(errors) < expected + 0.2, errors
+
+
+@pytest.mark.parametrize("euler", [False, True])
+def test_order_of_both_schemes_in_relaxation(euler):
+    """Against ``int E*(t - s) dw(s)`` for ``w = sin t``."""
+    chain, end = Chain(THREE, euler), 2.0
+    moduli, times = THREE.spectrum
+
+    def felt(s):
+        return (0.75 + float(np.exp(-(end - s) / times) @ moduli)) / 0.75 * np.cos(s)
+
+    exact, errors = quad(felt, 0.0, end, epsrel=1e-12)[0], []
+    for count in (40, 80, 160):
+        at = np.linspace(0.0, end, count + 1)
+        variables = np.zeros((1, len(chain)))
+        for rise in np.diff(np.sin(at)):
+            variables = pressed(chain, variables, np.array([rise]), at[1])
+        errors.append(float(load_inside(chain, variables, np.sin(at[-1:]))[0]) - exact)
+    expected = 1.0 if euler else 2.0
+    assert expected - 0.15 < observed_order(errors) < expected + 0.15, errors
+    assert abs(errors[-1]) < (0.05 if euler else 2e-4)
+
+
+def test_phi():
+    assert_allclose(phi(np.array([0.0, 1e-12, 1.0, 1e3])), [1.0, 1.0 - 5e-13, 1.0 - np.exp(-1.0), 1e-3])
+
+
+STEPS = st.floats(-6.0, 2.5).map(lambda k: 10.0**k)
+
+
+def remaining(y, course):
+    """``int_0^1 exp(-y (1 - x)) d course(x)`` by parts: no derivative of a square root is needed."""
+    memory = quad(lambda x: course(x) * np.exp(-y * (1.0 - x)), 0.0, 1.0, epsabs=1e-13, limit=200)[0]
+    return course(1.0) - np.exp(-y) * course(0.0) - y * memory
+
+
+@given(STEPS)
+def test_weights_of_an_even_course_and_of_roots_at_either_end(y):
+    chain, given_y = Chain(ONE), np.array([[y]])
+    assert_allclose(chain.spread(given_y), remaining(y, lambda x: x), rtol=1e-7)
+    to_edge = remaining(y, lambda x: 1.0 - np.sqrt(1.0 - x))
+    assert_allclose(chain.spread_to_edge(given_y), to_edge, rtol=1e-5)
+    assert_allclose(chain.spread_from_edge(given_y), remaining(y, np.sqrt), rtol=1e-5)
+
+
+@given(STEPS, st.floats(-5.0, 2.0), st.floats(-5.0, 2.0))
+def test_weights_outside_a_moving_edge(y, before, after):
+    chain, d0, d1 = Chain(ONE), 10.0**before, 10.0**after
+    weight = chain.spread_outside(np.array([[y]]), np.array([[d0]]), np.array([[d1]]))[0, 0]
+    if abs(d1 / d0 - 1.0) < 1e-3:
+        expected = remaining(y, lambda x: x)
+    else:
+        span = np.sqrt(d1) - np.sqrt(d0)
+        expected = remaining(y, lambda x: np.sqrt(d0 + (d1 - d0) * x) / span)
+    assert_allclose(weight, expected, rtol=1e-3)
+
+
+def test_weights_outside_join_those_at_the_edge():
+    chain, y, zero, one = Chain(ONE), np.array([[0.7]]), np.zeros((1, 1)), np.ones((1, 1))
+    assert_allclose(chain.spread_outside(y, one, zero), chain.spread_to_edge(y), rtol=1e-12)
+    assert_allclose(chain.spread_outside(y, zero, one), chain.spread_from_edge(y), rtol=1e-12)
+    assert_allclose(chain.spread_outside(y, one, one), chain.spread(y), rtol=1e-12)
+    assert_allclose(chain.spread_outside(y, one, 1.01 * one), chain.spread(y), rtol=2e-3)
+    at_rest = np.zeros((1, 1))
+    for weight in (chain.spread_to_edge, chain.spread_from_edge, chain.spread):
+        assert_allclose(weight(at_rest), 1.0)
+    assert_allclose(chain.spread_outside(at_rest, one, 4.0 * one), 1.0)
+
+
+def test_strains_and_variables_are_images_of_each_other():
+    chain = Chain(THIRTY)
+    random = np.random.default_rng(7)
+    variables, load = random.normal(size=(5, 30)), random.normal(size=5)
+    there = chain.to_strains(variables, load)
+    assert_allclose(chain.from_strains(there, load), variables, atol=1e-12)
+    # nothing but load and no stress anywhere: the strains of the relaxed state
+    assert_allclose(chain.to_strains(0.0 * variables, load), load[:, None] * chain.lag_rate)

@@ -1,0 +1,195 @@
+"""Energies of a run: balance, branches, stored energy, release rate."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import cumulative_trapezoid
+from support.bem_runs import STIFFNESS, bem, front, observed_order
+from support.paper_scenes import ELASTIC, PULL, SPHERE, WORK, ZONE, cycle, scene
+
+from bem_solver.work import external_work
+from contact_scene import Adhesion, Branch, FlatPunch, Force, Hold, Material, Oscillate, Ramp, Table
+from validation.reference import hertz
+from validation.reference.finite_zone import FiniteZone
+
+RUNS = {
+    "slow": cycle(0.002),
+    "medium": cycle(0.02),
+    "fast": cycle(0.1),
+    "hold": scene(Ramp(0.03, 0.1), Hold(2.0)),
+    "oscillation": scene(Oscillate(0.005, 1.0, 8.0), at=0.02),
+    "adhesionless": scene(Ramp(0.02, 0.05), Ramp(-0.1, 0.05), adhesion=None),
+}
+runs = pytest.mark.parametrize("question", RUNS.values(), ids=RUNS)
+
+
+def area(trace):
+    return np.pi * trace.contact_radius**2
+
+
+@runs
+def test_balance(question):
+    """``F dD + dg dA = dU + P_d dt``, row by row."""
+    trace = bem(question)
+    work = question.adhesion.work if question.adhesion else 0.0
+    external = trace.external_work
+    straight = cumulative_trapezoid(trace.force, trace.penetration, initial=0.0)
+    assert_allclose(external, straight, atol=5e-3 * np.abs(straight).max())
+    left = external + work * (area(trace) - area(trace)[0])
+    right = trace.stored_energy - trace.stored_energy[0] + trace.dissipated_energy
+    assert_allclose(left, right, atol=1e-12 * np.abs(left).max())
+    assert trace.external_work[0] == trace.dissipated_energy[0] == 0.0
+
+
+@runs
+def test_nothing_is_gained(question):
+    """Stored energy is never negative; neither the loss nor what the branches turn into heat runs back."""
+    trace = bem(question)
+    scale = trace.stored_energy.max()
+    assert np.all(trace.stored_energy >= -1e-12 * scale)
+    branch = trace.extra["branch_dissipation"]
+    assert branch[0] == 0.0
+    assert np.all(np.diff(branch) >= -1e-5 * branch[-1])
+    contact = trace.contact_radius > 0.0
+    assert np.all(np.diff(trace.dissipated_energy[contact]) >= -1e-3 * scale)
+
+
+@pytest.mark.parametrize("rate", [0.002, 0.02, 0.1])
+def test_energies_are_those_of_front_tracking(rate):
+    mine, other = bem(cycle(rate)), front(cycle(rate), 20)
+    times = np.linspace(0.0, 0.99 * min(mine.time[-1], other.time[-1]), 60)
+    for name in ("stored_energy", "external_work", "dissipated_energy"):
+        expected = np.interp(times, other.time, other.columns()[name])
+        found = np.interp(times, mine.time, mine.columns()[name])
+        assert_allclose(found, expected, atol=4e-3 * np.abs(expected).max(), err_msg=name)
+
+
+def test_sharp_tip_releases_more_than_glass_on_opening():
+    """Branch integral minus loss: ``(dg - K^2/(2 Einf*)) |dA/dt|`` integrated over a retraction."""
+    trace = bem(scene(Ramp(-0.5, 0.002), start="relaxed", at=0.032))
+    difference = trace.extra["zone_excess"]
+    assert_allclose(difference, trace.extra["branch_dissipation"] - trace.dissipated_energy, atol=1e-15)
+    released = trace.extra["stress_intensity_factor"] ** 2 / (2.0 * 10.0 * STIFFNESS)
+    tip = cumulative_trapezoid(WORK - released, -area(trace), initial=0.0)
+    # the process zone is a twentieth to a tenth of the radius, and G at the tip is that of a sharp one
+    assert_allclose(difference[-1], tip[-1], rtol=0.05)
+    assert difference[-1] > 0.4 * WORK * np.ptp(area(trace))
+
+
+def test_branches_take_what_is_lost_without_adhesion():
+    """No singular edge, nothing released at the tip: integral and balance agree."""
+    trace = bem(scene(Ramp(0.02, 0.05), Hold(2.0), start="relaxed", at=0.005, adhesion=None), resolution=16)
+    lost = trace.dissipated_energy[-1]
+    assert lost > 0.0
+    assert_allclose(trace.extra["branch_dissipation"][-1], lost, rtol=5e-3)
+
+
+def test_elastic_contact_stores_its_work_and_loses_nothing():
+    """``dU = F dD + dg dA``; Hertz's ``8 E* a^5/15``."""
+    hertzian = bem(scene(Ramp(0.04, 0.05), start="relaxed", at=0.01, adhesion=None, material=ELASTIC))
+    exact = hertz.stored_energy(hertzian.contact_radius, 1.0, 1.0)
+    assert_allclose(hertzian.stored_energy, exact, rtol=1e-4)
+    assert_allclose(hertzian.dissipated_energy, 0.0, atol=5e-4 * exact.max())  # trapezoids of 25 rows
+    sticky = bem(cycle(0.02, material=ELASTIC))
+    contact = sticky.contact_radius > 0.0
+    bias = FiniteZone(1.0, 1.0, WORK, ZONE).energy_release_rate(0.2) / WORK - 1.0
+    turned = WORK * np.ptp(area(sticky))
+    assert np.abs(sticky.dissipated_energy[contact]).max() < (abs(bias) + 0.02) * turned
+    assert_allclose(sticky.extra["branch_dissipation"], 0.0)
+
+
+def test_start_states_store_what_their_modulus_says():
+    for start, modulus in (("relaxed", 1.0), ("jump-in", 10.0)):
+        trace = bem(scene(start=start, at=0.03, adhesion=None))
+        exact = hertz.stored_energy(trace.contact_radius[0], 1.0, modulus)
+        assert_allclose(trace.stored_energy[0], exact, rtol=1e-4)
+
+
+def test_jump_at_fixed_radius_is_reversible():
+    """A punch pushed at once: glassy work, all of it stored."""
+    jump = scene(
+        Table((0.0, 1e-9), (0.02, 0.02)), start="relaxed", at=0.01, indenter=FlatPunch(0.2), adhesion=None
+    )
+    trace = bem(jump)
+    work = 2.0 * 0.2 * (0.01 * 0.01 + 0.5 * 10.0 * 0.01**2)
+    assert_allclose(trace.external_work[-1], work, rtol=1e-6)
+    assert_allclose(trace.stored_energy[-1] - trace.stored_energy[0], work, rtol=1e-5)
+
+
+def test_release_rate_of_a_quasi_static_edge_is_the_work_of_adhesion():
+    """``G = (dU - F dD)/dA`` of an elastic contact, up to the bias of a finite zone."""
+    trace = bem(scene(Ramp(-0.5, 0.01), start="relaxed", at=0.03, material=ELASTIC), resolution=24)
+    rate = trace.extra["energy_release_rate"]
+    assert np.isfinite(rate).all()
+    inner = slice(5, -10)
+    law = FiniteZone(1.0, 1.0, WORK, ZONE)
+    exact = [law.energy_release_rate(a) for a in trace.contact_radius[inner]]
+    assert_allclose(rate[inner], exact, rtol=0.02)
+
+
+def test_release_rate_rises_with_the_speed_of_opening():
+    rates = []
+    for rate in (0.002, 0.02, 0.1):
+        trace = bem(cycle(rate))
+        row = int(np.argmin(trace.force))
+        release = trace.extra["energy_release_rate"]
+        assert np.isfinite(release).all()
+        rates.append(release[row] / WORK)
+    assert rates[0] > 1.5
+    closing = bem(cycle(0.02)).extra["energy_release_rate"][20:60]
+    assert np.all(closing < WORK)
+
+
+def test_stress_intensity_is_that_of_the_closure_when_the_zone_is_short():
+    trace = bem(scene(start="relaxed", at=0.032, adhesion=Adhesion(WORK, 1e-3)))
+    intensity = trace.extra["stress_intensity_factor"][0]
+    assert_allclose(intensity**2 / (2.0 * STIFFNESS), WORK, rtol=0.01)
+
+
+def test_work_of_a_dead_load_is_force_times_path():
+    trace = bem(scene(Force(2.0 * PULL, 3.0), start="relaxed"))
+    jump = int(np.flatnonzero(trace.time > 0.0)[0])
+    path = trace.penetration[-1] - trace.penetration[jump]
+    assert_allclose(trace.external_work[-1] - trace.external_work[jump], 2.0 * PULL * path, rtol=1e-9)
+    assert SPHERE.radius == 1.0
+
+
+@pytest.mark.parametrize("time", [1e-2, 1e-4])
+@pytest.mark.parametrize("resolution", [4, 12])
+def test_branches_faster_than_the_steps(time, resolution):
+    """Without adhesion the branch integral is the loss, also where steps are many times the branch's time."""
+    rubber = Material(0.75, 0.5, (Branch(6.75, time),))
+    question = scene(Hold(1.0), Ramp(0.02, 0.01), at=0.01, adhesion=None, material=rubber)
+    trace = bem(question, resolution=resolution)
+    branch, lost = trace.extra["branch_dissipation"], trace.dissipated_energy[-1]
+    assert np.diff(trace.time).max() > 3.0 * time
+    assert_allclose(branch[-1], lost, rtol=0.08 if resolution == 4 else 0.01)
+    assert np.all(np.diff(branch) >= -2e-3 * lost)
+
+
+def sampled(rows):
+    """A lagging force under an oscillating penetration: ``pi sin(0.7)`` of work a cycle."""
+    time = np.linspace(0.0, 2.0 * np.pi, rows + 1) + 0.1 * np.sin(np.linspace(0.0, 2.0 * np.pi, rows + 1))
+    return time, np.sin(time), np.sin(time + 0.7)
+
+
+def test_work_of_a_loop_is_of_third_order_or_better():
+    errors = [abs(external_work(*sampled(n), [])[-1] / (np.pi * np.sin(0.7)) - 1.0) for n in (16, 32, 64)]
+    assert observed_order(errors[:2]) > 2.8
+    assert observed_order(errors[1:]) > 2.8
+    assert errors[0] < 4e-3
+    straight = np.trapezoid(sampled(16)[2], sampled(16)[1])
+    assert errors[0] < 0.2 * abs(straight / (np.pi * np.sin(0.7)) - 1.0)
+
+
+def test_no_slope_is_taken_across_a_kink_or_a_jump():
+    """Triangles: straight lines are exact, and cubics across the corner are not."""
+    time = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+    depth = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0, 0.0])
+    force = depth**1.0
+    assert_allclose(external_work(time, depth, force, [3])[3], 4.5, rtol=1e-15)
+    assert abs(external_work(time, depth, 2.0 * depth + (time > 3.0), [])[-1]) > 0.0
+    jump = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 4.0, 5.0])
+    force = np.where(np.arange(7) > 2, 1.0, 0.0)
+    found = external_work(jump, np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0, 7.0]), force, [])
+    assert_allclose(found[-1], 1.0 + 3.0, rtol=1e-14)

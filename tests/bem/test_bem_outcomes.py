@@ -1,0 +1,233 @@
+"""How runs end, what is recognised on the way, and what is refused."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.bem_runs import bem, front
+from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
+
+from bem_solver import Options, solve
+from contact_scene import (
+    Adhesion,
+    Branch,
+    BulkRelaxation,
+    Cone,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Material,
+    Oscillate,
+    OutcomeKind,
+    PowerLaw,
+    Ramp,
+    SceneError,
+    Sphere,
+    Sweep,
+    Table,
+    TabulatedProfile,
+    UnsupportedScene,
+)
+from validation.reference.finite_zone import FiniteZone
+
+COARSE = Options(resolution=6)
+
+
+def finite(trace):
+    columns = trace.columns().values()
+    profiles = [c for p in trace.profiles for c in (p.pressure, p.displacement, p.gap)]
+    return all(np.isfinite(column).all() for column in (*columns, *profiles))
+
+
+def test_no_equilibrium_at_the_start():
+    for start in ("relaxed", "jump-in"):
+        trace = solve(scene(Ramp(0.1, 0.1), start=start, at=-0.1), COARSE)
+        assert trace.outcome.kind is OutcomeKind.NO_EQUILIBRIUM
+        assert not trace.outcome.finished
+        assert "-0.1" in trace.outcome.reason
+        assert len(trace) == 1
+        assert trace.contact_radius[0] == trace.force[0] == 0.0
+        assert finite(trace)
+
+
+def test_start_state_alone():
+    trace = solve(scene(at=0.01), COARSE)
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert len(trace) == 1
+    assert trace.contact_radius[0] > 0.1
+    assert trace.counters.steps == 0
+
+
+def test_a_run_that_completes_ends_on_time():
+    trace = solve(scene(Ramp(0.01, 0.1), Hold(0.3), Ramp(0.005, 0.05)), COARSE)
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert trace.outcome.finished
+    assert_allclose(trace.time[-1], 0.1 + 0.3 + 0.1, rtol=1e-14)
+    assert trace.penetration[-1] == 0.005
+    for time, depth in ((0.1, 0.01), (0.4, 0.01)):  # kinks are stepped onto
+        row = int(np.argmin(np.abs(trace.time - time)))
+        assert_allclose((trace.time[row], trace.penetration[row]), (time, depth), rtol=1e-14)
+
+
+def test_hold_and_force_of_no_duration_cost_nothing():
+    trace = solve(scene(Hold(0.0), Ramp(0.01, 0.1), Hold(0.0)), COARSE)
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert_allclose(trace.time[-1], 0.1)
+
+
+def test_step_budget_keeps_what_was_computed():
+    whole = bem(cycle(0.02))
+    trace = solve(cycle(0.02), Options(max_steps=25))
+    assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
+    assert not trace.outcome.finished
+    assert "25" in trace.outcome.reason
+    assert 2 < len(trace) <= 26
+    assert_allclose(trace.force, whole.force[: len(trace)], rtol=1e-12)
+    assert trace.outcome.time == trace.time[-1]
+
+
+def test_detachment_is_an_event_at_the_least_penetration():
+    trace = bem(scene(Ramp(-0.5, 0.01), start="relaxed", at=0.01, material=ELASTIC))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.outcome.finished
+    (event,) = trace.events
+    exact = FiniteZone(1.0, 1.0, WORK, ZONE).pull_off_penetration_control()
+    assert event.kind == "pull-off"
+    assert_allclose(event.penetration, exact.penetration, rtol=1e-3)
+    assert_allclose(event.force, exact.force, rtol=0.02)
+    assert_allclose(event.contact_radius, exact.contact_radius, rtol=0.02)
+    assert event.time == trace.outcome.time
+
+
+def test_dead_tension_beyond_the_pull_off_is_not_carried():
+    trace = solve(scene(ForceRamp(-2.0 * PULL, PULL), start="relaxed", material=ELASTIC), COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    exact = FiniteZone(1.0, 1.0, WORK, ZONE).pull_off_force_control().force
+    assert_allclose(trace.force.min(), exact, rtol=2e-3)
+
+
+def ledge():
+    """A paraboloid with a broad, almost level ledge: contact spreads over it all at once."""
+    r = np.linspace(0.0, 0.8, 81)
+    level = 0.5 * 0.25**2 + 0.002 * (r - 0.25)
+    height = np.where(r < 0.25, 0.5 * r**2, np.where(r < 0.45, level, level + 2.0 * (r - 0.45) ** 2))
+    return TabulatedProfile(tuple(r), tuple(height))
+
+
+@pytest.mark.parametrize(
+    "material", [ELASTIC, pytest.param(ONE, marks=pytest.mark.slow)], ids=["elastic", "viscoelastic"]
+)
+def test_snap_in_is_an_event_and_a_jump(material):
+    question = scene(
+        Ramp(0.06, 0.01),
+        Ramp(-0.5, 0.01),
+        start="relaxed",
+        at=-0.004,
+        material=material,
+        indenter=ledge(),
+    )
+    mine, other = bem(question, resolution=6), front(question)
+    assert [event.kind for event in mine.events] == [event.kind for event in other.events]
+    assert mine.events[0].kind == "snap-in"
+    assert mine.events[-1].kind == "pull-off"
+    for one, two in zip(mine.events, other.events, strict=True):
+        assert_allclose(one.penetration, two.penetration, atol=1e-4)
+        assert_allclose(one.contact_radius, two.contact_radius, rtol=5e-3)
+    (jump,) = np.flatnonzero(mine.contact_radius == mine.events[0].contact_radius)[:1]
+    assert mine.time[jump + 1] == mine.time[jump]
+    assert mine.contact_radius[jump + 1] > 1.1 * mine.contact_radius[jump]
+    assert_allclose(mine.external_work[-1], other.external_work[-1], rtol=5e-3)
+
+
+def test_adhesionless_contact_waits_and_lifts_off():
+    trace = solve(scene(Ramp(0.01, 0.05), Ramp(-0.02, 0.05), at=-0.01, adhesion=None), COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    waiting = trace.time < 0.2
+    assert_allclose(trace.force[waiting], 0.0)
+    assert np.all(trace.force >= -1e-9)
+    assert trace.contact_radius[-1] == trace.force[-1] == 0.0
+    assert 0.0 < trace.stored_energy[-1] < 0.05 * trace.stored_energy.max()  # the free surface still creeps
+    never = solve(scene(Ramp(-0.1, 0.05), at=-0.01, adhesion=None), COARSE)
+    assert never.outcome.finished
+    assert_allclose(never.contact_radius, 0.0)
+    pulled = solve(scene(Force(-1.0, 1.0), at=-0.01, adhesion=None), COARSE)
+    assert pulled.outcome.kind is OutcomeKind.DETACHED
+
+
+def test_zone_longer_than_the_contact_is_refused():
+    with pytest.raises(SceneError, match=r"zone.*longer than the contact radius"):
+        solve(scene(Ramp(0.01, 0.1), at=1e-3, adhesion=Adhesion(WORK, 0.5)), COARSE)
+
+
+@pytest.mark.parametrize("bulk", ["elastic", BulkRelaxation(100.0, (Branch(1.0, 2.0),))])
+def test_separate_bulk_relaxation_is_not_supported(bulk):
+    with pytest.raises(UnsupportedScene, match=r"bulk.*fem"):
+        solve(scene(Ramp(0.01, 0.1), material=Material(0.75, 0.4, ONE.branches, bulk)))
+
+
+EXTREMES = {
+    "stiff": scene(
+        Ramp(0.021, 0.01), start="relaxed", at=0.02, material=Material(0.75, 0.5, (Branch(7.5e4, 1.0),))
+    ),
+    "very slow": cycle(1e-7),
+    "very fast": cycle(1e7),
+    "fifteen decades": scene(
+        Ramp(0.01, 0.1), material=Material(1.0, 0.5, tuple(Branch(1.0, 10.0**k) for k in range(-9, 7)))
+    ),
+    "tiny unit": scene(
+        Ramp(0.03e-9, 0.1e-9),
+        indenter=Sphere(1e-9),
+        adhesion=Adhesion(WORK * 1e-9, 0.013e-9),
+    ),
+    "long hold": scene(Ramp(0.02, 0.1), Hold(1e9)),
+    "sharp cone": scene(Ramp(0.05, 0.1), indenter=Cone(20.0), adhesion=None),
+    "almost flat": scene(Ramp(0.02, 0.1), indenter=PowerLaw(40.0, 1e20), adhesion=None),
+    "punch": scene(Ramp(-0.5, 0.01), start="relaxed", at=0.01, indenter=FlatPunch(0.2)),
+    "frequent": scene(Oscillate(1e-4, 1e3, 0.05), start="relaxed", at=0.02),
+    "sweep": scene(Sweep(1e-3, 50.0, 1.0), start="relaxed", at=0.02),
+    "steps": scene(Table((0.0, 0.5, 1.0), (0.0, 0.02, 0.01)), Force(0.0, 0.5), ForceRamp(PULL, PULL)),
+    "weak adhesion": cycle(0.02, adhesion=Adhesion(1e-9, 3e-4), depth=1e-5),
+    "no work of adhesion": scene(Ramp(0.01, 0.1), adhesion=Adhesion(0.0, 1.0)),
+}
+
+
+@pytest.mark.parametrize("question", EXTREMES.values(), ids=EXTREMES)
+def test_never_anything_but_finite_numbers(question):
+    trace = solve(question, Options(resolution=4, profile_times=(0.0, 0.05), max_steps=4000))
+    assert finite(trace)
+    assert trace.outcome.finished, trace.outcome
+    assert np.all(np.diff(trace.time) >= 0.0)
+    assert np.all(trace.contact_radius >= 0.0)
+    assert trace.wall_seconds > 0.0
+
+
+@pytest.mark.parametrize("cycles", [10, pytest.param(50, marks=pytest.mark.slow)])
+def test_whole_periods_are_not_stepped_over(cycles):
+    """The end of the step has the phase of its start: no trial would notice."""
+    question = scene(Oscillate(1e-3, 1.0, 2.0 * np.pi * cycles), start="relaxed")
+    trace = solve(question, Options(resolution=4))
+    assert_allclose(trace.penetration.max(), 1e-3, rtol=0.02)
+    assert_allclose(trace.external_work[-1] / cycles, 3.7e-6, rtol=0.1)
+
+
+def test_unit_of_time_is_free_after_a_jump_of_the_load():
+    def run(unit):
+        rubber = Material(1.0, 0.3, (Branch(1.0, unit),))
+        table = Table((0.0, 93.0 * unit), (0.012, -0.004))
+        return solve(
+            scene(table, start="relaxed", at=0.001, material=rubber, adhesion=Adhesion(4.8e-4, 0.02)),
+            Options(resolution=6),
+        )
+
+    one, other = run(1.0), run(2.0**-10)
+    assert_allclose(1024.0 * other.time, one.time, rtol=1e-9)
+    assert_allclose(other.force, one.force, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("contrast", [1e3, 1e6, 1e9])
+def test_pull_of_a_relaxed_contact_depends_on_the_contrast_only_through_time(contrast):
+    """At ``V tau_c = da`` the largest tension has a limit for a glass that is stiffer and stiffer."""
+    rubber = Material(0.75, 0.5, (Branch(0.75 * (contrast - 1.0), 1.0),))
+    question = scene(Ramp(-20.0, ZONE / contrast), start="relaxed", at=0.01, material=rubber)
+    trace = solve(question, Options(resolution=6))
+    assert_allclose(-trace.force.min(), 0.01013, rtol=5e-3)

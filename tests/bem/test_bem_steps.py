@@ -1,0 +1,106 @@
+"""Options, the steps they lead to, and progress."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.paper_scenes import ELASTIC, ONE, PULL, cycle, scene
+
+from bem_solver import Options, solve
+from contact_scene import Force, Hold, Oscillate, Ramp, SceneError, Sweep, Table
+
+COARSE = Options(resolution=6)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"resolution": 3},
+        {"resolution": 0},
+        {"resolution": 10**6},
+        {"resolution": 6.5},
+        {"resolution": True},
+        {"resolution": "6"},
+        {"tolerance": 0.0},
+        {"tolerance": -1.0},
+        {"tolerance": float("nan")},
+        {"tolerance": 2.0},
+        {"annuli": "square"},
+        {"scheme": "forward-euler"},
+        {"profile_times": (0.0, float("inf"))},
+        {"profile_times": ("late",)},
+        {"step": 0.0},
+        {"step": float("nan")},
+        {"max_steps": 0},
+    ],
+    ids=str,
+)
+def test_options_are_checked(wrong):
+    with pytest.raises(SceneError) as error:
+        Options(**wrong)
+    assert next(iter(wrong)) in str(error.value)
+    assert "allowed" in str(error.value)
+
+
+def test_options_have_defaults_that_refine_together():
+    assert Options().divisions >= 4
+    assert Options(resolution=4).divisions == 4
+    ratio = Options(resolution=10).step_tolerance / Options(resolution=20).step_tolerance
+    assert_allclose(ratio, 4.0)
+    assert Options(tolerance=0.1).step_tolerance == 0.1
+
+
+def test_tighter_tolerance_takes_more_steps():
+    question = scene(Oscillate(0.005, 1.0, 3.0), start="relaxed", at=0.02, adhesion=None)
+    few, many = (solve(question, Options(resolution=6, tolerance=t)) for t in (0.02, 0.002))
+    assert many.counters.steps > 1.5 * few.counters.steps
+
+
+@pytest.mark.parametrize("material", [ELASTIC, ONE], ids=["elastic", "viscoelastic"])
+def test_every_step_keeps_to_the_tolerance(material):
+    """Departure of the force from a straight line, an eighth of the error of extrapolating the last chord.
+
+    The chord reaches back as far as the step ahead; the force is followed four times closer than the edge.
+    """
+    question = scene(Sweep(0.005, 2.0, 5.0), start="relaxed", at=0.02, adhesion=None, material=material)
+    trace = solve(question, COARSE)
+    t, force = trace.time, trace.force
+    departures = []
+    for i in range(2, len(t) - 1):
+        step = t[i + 1] - t[i]
+        base = max((j for j in range(i) if t[i] - t[j] >= step * (1.0 - 1e-12)), default=0)
+        line = force[i] + (force[i] - force[base]) / (t[i] - t[base]) * step
+        departures.append(0.125 * abs(force[i + 1] - line) / np.abs(force[: i + 2]).max())
+    assert trace.counters.rejected_steps > 0
+    assert 0.5 < 4.0 * max(departures) / COARSE.step_tolerance <= 1.0 + 1e-6
+
+
+def test_kinks_of_a_table_are_stepped_onto():
+    times = (0.0, 0.1234, 0.3, 0.777, 1.0)
+    trace = solve(scene(Table(times, (0.005, 0.01, 0.012, 0.006, 0.008)), at=0.005, adhesion=None), COARSE)
+    assert set(times) <= set(trace.time)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        cycle(0.1, depth=0.01),
+        scene(Ramp(0.02, 0.1), Hold(0.1), Force(PULL, 0.1), Ramp(-0.5, 0.1)),
+        scene(Ramp(0.01, 0.05), Ramp(-0.02, 0.05), adhesion=None),
+    ],
+    ids=["cycle", "four steps", "adhesionless"],
+)
+def test_progress_rises_within_bounds(question):
+    """Shares never fall and stay within 0 to 1; without the callable the answer is the same."""
+    shares = []
+    trace = solve(question, COARSE, shares.append)
+    assert len(shares) >= trace.counters.steps
+    assert np.all(np.diff(shares) >= 0.0)
+    assert shares[0] >= 0.0
+    assert shares[-1] <= 1.0 + 1e-12
+    assert np.array_equal(trace.force, solve(question, COARSE).force)
+
+
+def test_progress_reaches_one_when_all_is_done():
+    shares = []
+    solve(scene(Ramp(0.01, 0.1), Hold(0.1)), COARSE, shares.append)
+    assert_allclose(shares[-1], 1.0)

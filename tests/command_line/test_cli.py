@@ -1,0 +1,285 @@
+"""The command line: exit codes, one-line errors, files written, and that a quick question is quick."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+import tomllib
+
+import numpy as np
+import pytest
+from support.spring_solver import SCENE, fake, named
+
+from contact_scene import OutcomeKind, UnsupportedScene, read_scene
+from crosscontact.cli import SOLVER_NAMES, SUITE_NAMES, main
+from validation import solvers
+from validation.cases import SUITES, names
+from validation.execution import files
+
+CONTRACT = (
+    "solver",
+    "outcome",
+    "pull_off_force",
+    "pull_off_penetration",
+    "pull_off_radius",
+    "detachment_time",
+    "detachment_penetration",
+    "loop_energy",
+    "dissipated_energy",
+    "wall_seconds",
+    "counters",
+)
+COUNTERS = ("steps", "rejected_steps", "closure_evaluations", "linear_solves", "factorisations")
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    file = tmp_path / "small.toml"
+    file.write_text(SCENE)
+    return str(file)
+
+
+@pytest.fixture
+def fakes(monkeypatch):
+    """Both solvers replaced; ``fakes(bem=..., reference=...)`` replaces them again."""
+
+    def put(**factories):
+        for name in SOLVER_NAMES:
+            monkeypatch.setitem(solvers.SOLVERS, name, named(name, factories.get(name, fake())))
+
+    put()
+    return put
+
+
+def code_of(*arguments: str) -> int:
+    try:
+        return main(list(arguments))
+    except SystemExit as leave:
+        return int(leave.code or 0)
+
+
+def refused(capsys, *arguments: str) -> str:
+    """The single line on stderr of a command refused with exit code 2."""
+    assert code_of(*arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.endswith("\n")
+    assert err.count("\n") == 1, err
+    assert "Traceback" not in err
+    return err
+
+
+def test_names_agree():
+    assert tuple(solvers.SOLVERS) == SOLVER_NAMES
+    assert SUITES == SUITE_NAMES
+
+
+def test_scenes(capsys):
+    assert code_of("scenes") == 0
+    out = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in out] == names()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "COMMAND"),
+        (("dance",), "invalid choice: 'dance'"),
+        (("solve",), "SCENE"),
+        (("solve", "cycle-v0.1"), "--solver"),
+        (("solve", "cycle-v0.1", "--solver", "magic"), "choose from"),
+        (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "3"), "a whole number >= 4"),
+        (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "8.5"), "a whole number >= 4"),
+        (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "nan"), "a whole number >= 4"),
+        (("solve", "cycle-v0.1", "--solver", "bem", "--colour", "red"), "--colour"),
+        (("solve", "cycle-v0.3", "--solver", "bem"), "cycle-v0.1"),
+        (("solve", "cicle", "--solver", "bem"), "nearest: cycle"),
+        (("solve", "", "--solver", "bem"), "built-in scene"),
+        (("solve", "\0", "--solver", "bem"), "built-in scene"),
+        (("solve", "nowhere.toml", "--solver", "bem"), "nowhere.toml"),
+        (("solve", ".", "--solver", "bem"), "error: .: "),
+        (("report", "--suite", "tiny"), "choose from"),
+        (("report", "--jobs", "0"), "a whole number >= 1"),
+        (("compare",), "SCENE"),
+        (("compare", "cycle-v0.1", "nowhere.toml"), "nowhere.toml"),
+    ],
+)
+def test_bad_input_is_one_line(capsys, arguments, said):
+    assert said in refused(capsys, *arguments)
+
+
+@pytest.mark.parametrize("content", ["", "not toml [", "x = 1", SCENE.replace("0.75", "-1"), "\x00\x01"])
+def test_bad_scene_is_one_line(capsys, tmp_path, content):
+    file = tmp_path / "bad.toml"
+    file.write_text(content)
+    assert "bad.toml" in refused(capsys, "solve", str(file), "--solver", "bem")
+
+
+def test_out_must_be_a_folder(capsys, tmp_path, scene_file, fakes):
+    file = tmp_path / "taken"
+    file.write_text("")
+    for out in (str(file), str(file / "below"), "/proc/nothing/here", "a\0b"):
+        assert "--out" in refused(capsys, "solve", scene_file, "--solver", "bem", "--out", out)
+        assert "--out" in refused(capsys, "report", "--out", out)
+        assert "--out" in refused(capsys, "compare", scene_file, "--out", out)
+
+
+def test_solve_writes_the_contract(capsys, tmp_path, scene_file, fakes):
+    out = tmp_path / "deep" / "down"
+    assert code_of("solve", scene_file, "--solver", "bem", "--resolution", "4", "--out", str(out)) == 0
+    assert sorted(file.name for file in out.iterdir()) == ["scene.toml", "summary.json", "trace.csv"]
+    summary = json.loads((out / "summary.json").read_text())
+    assert set(CONTRACT) <= set(summary)
+    assert set(COUNTERS) <= set(summary["counters"])
+    assert (summary["solver"], summary["outcome"]) == ("bem", "detached")
+    assert summary["pull_off_force"] == pytest.approx(0.01)
+    assert summary["loop_energy"] == pytest.approx(0.5 * 0.01**2)
+    header, *rows = list(csv.reader((out / "trace.csv").open()))
+    assert header == [
+        "time",
+        "penetration",
+        "force",
+        "contact_radius",
+        "stored_energy",
+        "external_work",
+        "dissipated_energy",
+    ]
+    assert len(rows) == 39
+    assert read_scene(out / "scene.toml") == read_scene(scene_file)
+    shown = capsys.readouterr().out
+    assert "detached" in shown
+    assert "pull_off_force" in shown
+
+
+def test_what_does_not_apply_is_null(tmp_path, scene_file, fakes):
+    fakes(bem=fake(kind=OutcomeKind.COMPLETED))
+    out = tmp_path / "out"
+    assert code_of("solve", scene_file, "--solver", "bem", "--out", str(out)) == 0
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["detachment_time"] is None
+    assert summary["peak_cycle_loss"] is None
+
+
+@pytest.mark.parametrize(
+    "kind", [k for k in OutcomeKind if k not in ("completed", "detached", "interrupted")]
+)
+def test_unfinished_run_leaves_its_partial_trace(capsys, tmp_path, scene_file, fakes, kind):
+    fakes(bem=fake(kind=kind))
+    out = tmp_path / "out"
+    assert code_of("solve", scene_file, "--solver", "bem", "--out", str(out)) == 1
+    err = capsys.readouterr().err
+    assert str(kind) in err
+    assert "as told" in err
+    assert json.loads((out / "summary.json").read_text())["finished"] is False
+    assert len((out / "trace.csv").read_text().splitlines()) == 40
+
+
+def test_refused_scene_is_bad_input(capsys, tmp_path, scene_file, fakes):
+    def refuse(*arguments):
+        raise UnsupportedScene("material.bulk", "not with this solver", "--solver fem")
+
+    fakes(bem=lambda: refuse)
+    assert "not with this solver" in refused(
+        capsys, "solve", scene_file, "--solver", "bem", "--out", str(tmp_path)
+    )
+    assert not (tmp_path / "summary.json").exists()
+
+
+def test_breakdown_is_one_line_and_replaces_old_results(capsys, tmp_path, scene_file, fakes):
+    assert code_of("solve", scene_file, "--solver", "bem", "--out", str(tmp_path)) == 0
+
+    def fall(*arguments):
+        raise FloatingPointError("overflow\nsomewhere")
+
+    fakes(bem=lambda: fall)
+    assert code_of("solve", scene_file, "--solver", "bem", "--out", str(tmp_path)) == 1
+    err = capsys.readouterr().err
+    assert "FloatingPointError: overflow somewhere" in err
+    assert "Traceback" not in err
+    assert not (tmp_path / "trace.csv").exists()
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["outcome"] == "failed"
+    assert set(CONTRACT) <= set(summary)
+
+
+def test_numbers_that_are_not_finite_are_a_failure(capsys, tmp_path, scene_file, fakes):
+    fakes(bem=fake(poison=True))
+    assert code_of("solve", scene_file, "--solver", "bem", "--out", str(tmp_path)) == 1
+    assert "not finite: force" in capsys.readouterr().err
+    assert json.loads((tmp_path / "summary.json").read_text())["outcome"] == "failed"
+
+
+def test_json_is_strict():
+    given = {"a": [np.float64(1.5), np.nan, float("inf")], "b": np.arange(2), "c": (None, True, "x", 3)}
+    said = json.loads(files.to_json(given), parse_constant=lambda name: pytest.fail(name))
+    assert said == {"a": [1.5, None, None], "b": [0, 1], "c": [None, True, "x", 3]}
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    target = tmp_path / "file"
+    files.write_whole(target, "old")
+
+    def fail(*arguments):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(files.os, "fsync", fail)
+    with pytest.raises(OSError, match="disk full"):
+        files.write_whole(target, "new")
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
+    def interrupt(*arguments):
+        raise KeyboardInterrupt
+
+    fakes(bem=lambda: interrupt)
+    assert code_of("solve", scene_file, "--solver", "bem") == 1
+    assert capsys.readouterr().err == "crosscontact: interrupted\n"
+
+
+def test_compare_agrees_and_disagrees(capsys, tmp_path, scene_file, fakes):
+    assert code_of("compare", scene_file, "--jobs", "1", "--out", str(tmp_path / "same")) == 0
+    assert (tmp_path / "same" / "index.html").exists()
+    capsys.readouterr()
+    fakes(bem=fake(stiffness=1.02))
+    assert code_of("compare", scene_file, "--jobs", "1") == 1
+    out, err = capsys.readouterr()
+    assert "FAIL" in out
+    assert "small: bem: pull_off_force: found" in err
+    assert "parts at t =" in err
+
+
+def test_two_files_of_one_name_are_kept_apart(capsys, tmp_path, scene_file, fakes):
+    other = tmp_path / "other" / "small.toml"
+    other.parent.mkdir()
+    other.write_text(SCENE.replace("0.03", "0.04"))
+    assert code_of("compare", scene_file, str(other), scene_file, "--jobs", "1") == 0
+    out = capsys.readouterr().out
+    assert out.count("A small scene") == 2
+    assert "small-2:" in out
+
+
+def test_quick_questions_load_nothing_heavy():
+    probe = (
+        "import sys; from crosscontact.cli import main, parser; parser().format_help(); main(['scenes']);"
+        "print(sorted({'numpy', 'scipy', 'matplotlib', 'skfem', 'gmsh', 'pyvista'} & set(sys.modules)))"
+    )
+    said = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    assert said.stdout.splitlines()[-1] == "[]"
+
+
+def test_reader_that_leaves_early_is_no_error():
+    command = f"{sys.executable} -m validation scenes | head -1 && echo ${{PIPESTATUS[0]}}"
+    said = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
+    assert said.stderr == ""
+    assert said.stdout.splitlines()[-1] == "0"
+
+
+def test_packaged_scenes_are_declared():
+    with open("pyproject.toml", "rb") as stream:
+        declared = tomllib.load(stream)["tool"]["setuptools"]
+    assert "*.toml" in declared["package-data"]["validation.scenes"]
+    assert "validation.report" in declared["packages"]

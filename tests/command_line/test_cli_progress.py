@@ -1,0 +1,93 @@
+"""Progress: a bar on a terminal, plain lines elsewhere; and the README's words against the program."""
+
+from __future__ import annotations
+
+import io
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from contact_scene import scene_from_dict
+from crosscontact.cli import parser
+from validation.execution import progress
+
+README = Path("README.md").read_text("utf-8")
+
+
+class Terminal(io.StringIO):
+    encoding = "utf-8"
+
+    def isatty(self):
+        return True
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that is set by hand."""
+    now = [0.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_bar_on_a_terminal(clock):
+    stream = Terminal()
+    show = progress.Progress("work", stream)
+    clock[0] = 1.0
+    show(0.5)
+    assert stream.getvalue().count("█") == 15
+    show(0.55)
+    assert stream.getvalue().count("\r") == 1  # too soon to be redrawn
+    show.close()
+    assert stream.getvalue().endswith("\r\x1b[K")
+
+
+def test_plain_lines_elsewhere(clock):
+    stream = io.StringIO()
+    show = progress.Progress("work", stream)
+    for second in range(101):
+        clock[0] = float(second)
+        show(second / 100)
+    show(1.0, "done")
+    show.close()
+    lines = stream.getvalue().splitlines()
+    assert lines == [f"work: {tenth}0 %" for tenth in range(1, 11)] + ["work: done"]
+
+
+def test_quick_work_is_silent(clock):
+    stream = io.StringIO()
+    show = progress.Progress("work", stream)
+    for percent in range(100):
+        show(percent / 100)
+    assert stream.getvalue() == ""
+
+
+def test_bar_without_unicode(clock):
+    stream = Terminal()
+    stream.encoding = "ascii"
+    show = progress.Progress("work", stream)
+    show(1.0, "end")
+    assert "#" * progress.WIDTH in stream.getvalue()
+
+
+def test_scene_in_the_readme_is_a_scene():
+    (block,) = re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL)
+    scene = scene_from_dict(tomllib.loads(block))
+    assert scene.material.glassy_modulus == 7.5
+    assert len(scene.loading.steps) == 2
+
+
+def test_commands_in_the_readme_are_commands():
+    commands = re.findall(r"\.venv/bin/crosscontact (\w[^\n`&]*)", README)
+    assert len(commands) >= 2
+    for command in commands:
+        assert parser().parse_args(shlex.split(command)).command
+
+
+def test_files_named_in_the_readme_exist():
+    named = re.findall(r"`((?:validation|scene|bem_solver)/[\w/]*(?:\.py)?)`", README)
+    assert len(named) >= 8
+    assert [name for name in named if not Path(name).exists()] == []
+    assert Path("docs/make_figure.py").exists()

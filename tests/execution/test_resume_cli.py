@@ -1,0 +1,339 @@
+"""Commands that are stopped or killed and given again: the results are those of one that never was."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from support.interruptible_command import VERSION
+from support.spring_solver import SCENE, fake, named
+
+from contact_scene import read_columns
+from crosscontact.cli import main
+from crosscontact.commands import all_commands
+from validation import solvers
+from validation.execution import checked_pickle, checkpoints, lock
+
+ENVIRONMENT = os.environ | {"PYTHONPATH": os.getcwd(), "OMP_NUM_THREADS": "1"}
+TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
+RESULTS = ["scene.toml", "summary.json", "trace.csv"]
+PATIENCE = 60.0  # seconds that a busy machine may take
+
+
+@pytest.fixture(autouse=True)
+def _version(monkeypatch):
+    monkeypatch.setattr(checkpoints, "version", lambda: VERSION)
+
+
+@pytest.fixture(scope="module")
+def scene_file(tmp_path_factory):
+    file = tmp_path_factory.mktemp("scene") / "small.toml"
+    file.write_text(SCENE.replace("to = -0.01", "to = -0.5").replace("0.01\n", "0.1\n"))
+    return str(file)
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(scene_file, tmp_path_factory):
+    """Folder of the whole run, by solver."""
+
+    def solve(solver: str) -> Path:
+        out = tmp_path_factory.mktemp(solver)
+        assert main(arguments(scene_file, solver, out)) == 0
+        return out
+
+    return solve
+
+
+def arguments(scene: str, solver: str, out: Path) -> list[str]:
+    return ["solve", scene, "--solver", solver, "--resolution", "4", "--out", str(out)]
+
+
+def begin(*given: str, rest: float = 0.03) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "tests/support/interruptible_command.py", str(rest), *given],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=ENVIRONMENT,
+    )
+
+
+def wait_for(true, what: str, patience: float = PATIENCE) -> None:
+    end = time.monotonic() + patience
+    while not true():
+        assert time.monotonic() < end, f"waited in vain for {what}"
+        time.sleep(0.02)
+
+
+def without_times(value):
+    if isinstance(value, dict):
+        return {key: without_times(entry) for key, entry in value.items() if key not in TIMES}
+    return [without_times(entry) for entry in value] if isinstance(value, list) else value
+
+
+def assert_same_results(found: Path, wanted: Path) -> None:
+    assert sorted(file.name for file in found.iterdir()) == RESULTS
+    assert (found / "trace.csv").read_bytes() == (wanted / "trace.csv").read_bytes()
+    one, other = (json.loads((folder / "summary.json").read_text()) for folder in (found, wanted))
+    assert without_times(one) == without_times(other)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_run_with_its_step(capsys, tmp_path, scene_file, uninterrupted, number):
+    work = begin(*arguments(scene_file, "reference", tmp_path))
+    wait_for((tmp_path / checkpoints.CHECKPOINT).exists, "a checkpoint")
+    work.send_signal(number)
+    out, err = work.communicate(timeout=PATIENCE)
+    assert work.returncode == 1, err
+    assert "Traceback" not in err
+    assert err.splitlines()[-1] == "crosscontact: interrupted"
+    assert "goes on from there" in err
+    assert "interrupted: stopped from outside" in out
+    assert sorted(file.name for file in tmp_path.iterdir()) == [checkpoints.CHECKPOINT, *RESULTS]
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert (summary["outcome"], summary["finished"]) == ("interrupted", False)
+    whole = uninterrupted("reference")
+    part, force = (read_columns(folder / "trace.csv")["force"] for folder in (tmp_path, whole))
+    assert 0 < len(part) < len(force)
+    assert part.tobytes() == force[: len(part)].tobytes()
+    assert main(arguments(scene_file, "reference", tmp_path)) == 0
+    assert "going on with the run kept in" in capsys.readouterr().err
+    assert_same_results(tmp_path, whole)
+    assert json.loads((tmp_path / "summary.json").read_text())["wall_seconds"] > summary["wall_seconds"]
+
+
+@pytest.mark.parametrize(
+    "solver",
+    ["reference", pytest.param("bem", marks=pytest.mark.slow), pytest.param("fem", marks=pytest.mark.slow)],
+)
+def test_killed_at_any_moment(tmp_path, scene_file, uninterrupted, solver):
+    chance = random.Random(solver)
+    given = arguments(scene_file, solver, tmp_path)
+    kept = tmp_path / checkpoints.CHECKPOINT
+    seen = 0
+    for _ in range(2):
+        seen = kept.stat().st_mtime_ns if kept.exists() else 0
+        work = begin(*given)
+        wait_for(lambda seen=seen: kept.exists() and kept.stat().st_mtime_ns != seen, "a newer checkpoint")
+        time.sleep(chance.uniform(0.0, 0.3))
+        work.kill()
+        work.communicate()
+        assert work.returncode == -signal.SIGKILL
+        state, seconds = checked_pickle.read(
+            kept, json.loads(kept.read_bytes().partition(b"\n")[0])["question"]
+        )
+        assert state is not None
+        assert seconds > 0.0
+        assert not (tmp_path / "summary.json").exists()
+    assert main(given) == 0
+    assert not kept.exists()
+    assert not (tmp_path / lock.FILE).exists()
+    assert_same_results(tmp_path, uninterrupted(solver))
+
+
+@pytest.mark.parametrize(
+    ("content", "said"), [(b"no such thing", "damaged"), (None, "another scene, solver, option or version")]
+)
+def test_a_checkpoint_of_no_use_is_one_line(capsys, tmp_path, scene_file, uninterrupted, content, said):
+    kept = tmp_path / checkpoints.CHECKPOINT
+    if content is None:
+        checked_pickle.write(kept, "another question", None)
+    else:
+        kept.write_bytes(content)
+    assert main(arguments(scene_file, "reference", tmp_path)) == 0
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "checkpoint" in line]
+    assert line.startswith("crosscontact: starting anew")
+    assert said in line
+    assert_same_results(tmp_path, uninterrupted("reference"))
+
+
+def test_a_breakdown_keeps_the_checkpoint(tmp_path, scene_file, monkeypatch):
+    def fall(*given):
+        assert given[-1].kept == "half-way"
+        raise MemoryError("no memory left")
+
+    monkeypatch.setitem(solvers.SOLVERS, "bem", lambda: fall)
+    kept = tmp_path / checkpoints.CHECKPOINT
+    monkeypatch.setattr(checkpoints, "question", lambda *parts: "q")
+    checked_pickle.write(kept, "q", ("half-way", 1.0), 2.0)
+    assert main(arguments(scene_file, "bem", tmp_path)) == 1
+    assert kept.exists()
+
+
+def test_bad_input_leaves_no_folder(tmp_path):
+    assert main(["solve", "nowhere.toml", "--solver", "bem", "--out", str(tmp_path / "out")]) == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+class Counting:
+    """Stand-ins for the solvers that count their runs; the one named ``stops`` is interrupted, once."""
+
+    def __init__(self, monkeypatch) -> None:
+        self.runs: list[str] = []
+        self.stops = ""
+        for name in ("bem", "fem", "reference"):
+            monkeypatch.setitem(solvers.SOLVERS, name, named(name, lambda name=name: self.solver(name)))
+
+    def solver(self, name: str):
+        def call(*given):
+            if name == self.stops:
+                self.stops = ""
+                raise KeyboardInterrupt
+            self.runs.append(name)
+            return fake()()(*given)
+
+        return call
+
+
+def report_of(folder: Path):
+    report = without_times(json.loads((folder / "report.json").read_text()))
+    del report["environment"]  # with the time of day
+    return report
+
+
+def test_a_report_does_what_is_missing(capsys, tmp_path, scene_file, monkeypatch):
+    solved = Counting(monkeypatch)
+    given = ["compare", scene_file, "--jobs", "1", "--out"]
+    once, twice = tmp_path / "once", tmp_path / "twice"
+    assert main([*given, str(once)]) == 0
+    all_runs, solved.runs = solved.runs, []
+    solved.stops = "reference"
+    assert main([*given, str(twice)]) == 1
+    assert [file.name for file in twice.iterdir()] == [".unfinished"]
+    assert main([*given, str(twice)]) == 0
+    assert sorted(solved.runs) == sorted(all_runs)
+    assert "2/3 taken over" in capsys.readouterr().err
+    assert report_of(twice) == report_of(once)
+    assert sorted(file.name for file in twice.iterdir()) == sorted(file.name for file in once.iterdir())
+
+
+def test_a_fresh_report_takes_nothing_over(tmp_path, scene_file, monkeypatch):
+    solved = Counting(monkeypatch)
+    given = ["compare", scene_file, "--jobs", "1", "--out", str(tmp_path / "out")]
+    solved.stops = "reference"
+    assert main(given) == 1
+    solved.runs = []
+    assert main([*given, "--fresh"]) == 0
+    assert {"bem", "fem", "reference"} <= set(solved.runs)
+
+
+def test_run_times_of_a_report_are_those_of_the_runs(tmp_path, scene_file, monkeypatch):
+    solved = Counting(monkeypatch)
+    solved.stops = "reference"
+    given = ["compare", scene_file, "--jobs", "1", "--out", str(tmp_path)]
+    assert main(given) == 1
+    entries = list((tmp_path / ".unfinished").iterdir())
+    measured = {
+        kept.solver: kept.wall_seconds
+        for kept, _ in (checked_pickle.read(file, file.name) for file in entries)
+    }
+    assert set(measured) == {"bem", "fem"}
+    assert main(given) == 0
+    (scene,) = json.loads((tmp_path / "report.json").read_text())["scenes"]
+    for solver, seconds in measured.items():
+        assert scene["runs"][solver]["wall_seconds"] == seconds
+
+
+@pytest.mark.parametrize("command", ["report", "compare", "solve", "study"])
+def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, monkeypatch, command):
+    monkeypatch.setattr(all_commands, command, lambda *given: pytest.fail("it ran"))
+    given = {"report": [], "solve": [scene_file, "--solver", "bem"]}.get(command, [scene_file])
+    with lock.held(tmp_path):
+        assert main([command, *given, "--out", str(tmp_path)]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert f"in use by another crosscontact (process {os.getpid()})" in line
+        assert [file.name for file in tmp_path.iterdir()] == [lock.FILE]
+
+
+POOL = """
+    with processes(2) as pool:
+        print(*{f.result() for f in [pool.submit(os.getpid) for _ in range(20)]}, flush=True)
+        pool.submit(time.sleep, 60).result()
+"""
+MATRIX = """
+    worker = Worker()
+    print(worker.ask(eval, "__import__('os').getpid()", 30.0).value, flush=True)
+    worker.ask(time.sleep, 60, 60.0)
+"""
+
+
+@pytest.mark.parametrize("work", [POOL, MATRIX], ids=["pool", "matrix"])
+def test_workers_end_with_their_parent(work):
+    imports = "import os, time\nfrom validation.execution.processes import processes\n"
+    imports += "from validation.execution.workers import Worker\n"
+    program = f"{imports}if __name__ == '__main__':{work}"
+    parent = subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT
+    )
+    assert parent.stdout is not None
+    with parent.stdout as told:
+        workers = [int(number) for number in told.readline().split()]
+    parent.kill()
+    parent.wait()
+    assert workers
+    wait_for(lambda: not any(map(alive, workers)), "the workers to end", 30.0)
+
+
+def alive(process: int) -> bool:
+    """Whether it runs; one that nobody has buried yet does not."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.slow
+def test_a_report_killed_again_and_again(tmp_path):
+    """The real solvers in processes of their own; the store grows until nothing is missing."""
+    given = [sys.executable, "-m", "crosscontact", "compare", "relaxed-equilibrium"]
+    given += ["--jobs", "2", "--out"]
+    once, twice = tmp_path / "once", tmp_path / "twice"
+    subprocess.run([*given, str(once)], check=True, capture_output=True, env=ENVIRONMENT)
+    store = twice / ".unfinished"
+    for wanted in (1, 2):
+        work = subprocess.Popen(
+            [*given, str(twice)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT
+        )
+        wait_for(
+            lambda wanted=wanted: store.is_dir() and len(list(store.glob("[!.]*"))) >= wanted, "finished runs"
+        )
+        children = Path(f"/proc/{work.pid}/task/{work.pid}/children").read_text().split()
+        work.kill()
+        work.wait()
+        assert children
+        wait_for(lambda children=children: not any(alive(int(child)) for child in children), "the workers")
+    said = subprocess.run([*given, str(twice)], capture_output=True, text=True, env=ENVIRONMENT)
+    assert said.returncode == 0, said.stderr
+    assert "taken over from an earlier attempt" in said.stderr
+    assert report_of(twice) == report_of(once)
+    for trace in once.rglob("trace.csv"):
+        assert trace.read_bytes() == (twice / trace.relative_to(once)).read_bytes()
+
+
+@pytest.mark.slow
+def test_two_reports_at_once_do_not_mix(tmp_path):
+    """One works, the other is told so; the folder is whole."""
+    given = [sys.executable, "-m", "crosscontact", "compare", "relaxed-equilibrium", "--jobs", "1"]
+    both = [
+        subprocess.Popen(
+            [*given, "--out", str(tmp_path)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=ENVIRONMENT,
+        )
+        for _ in range(2)
+    ]
+    errors = [work.communicate(timeout=2 * PATIENCE)[1] for work in both]
+    assert sorted(work.returncode for work in both) == [0, 2]
+    (refused,) = [error for work, error in zip(both, errors, strict=True) if work.returncode == 2]
+    assert len(refused.splitlines()) == 1
+    assert "in use" in refused
+    assert json.loads((tmp_path / "report.json").read_text())["passed"]

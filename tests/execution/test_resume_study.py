@@ -1,0 +1,82 @@
+"""A study that is stopped does what is missing; what it had is taken over, run times included."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+from support.spring_solver import SCENE, fake
+
+from validation.cases import load
+from validation.execution.progress import Progress
+from validation.execution.store import Store
+from validation.studies import schemes, study
+
+
+class Stopping(Progress):
+    """Interrupts at the given report of progress."""
+
+    def __init__(self, at: int) -> None:
+        super().__init__("test")
+        self._left = at
+
+    def __call__(self, fraction: float, text: str = "") -> None:
+        self._left -= 1
+        if self._left == 0:
+            raise KeyboardInterrupt
+
+
+@pytest.fixture
+def levels(monkeypatch):
+    """Made-up schemes whose answer depends on the level; counts the levels that are run."""
+    ran = []
+    run_level = study.run_level
+
+    def counted(case, scheme, level, *others):
+        ran.append((scheme, level))
+        return run_level(case, scheme, level, *others)
+
+    def load_scheme():
+        return lambda scene, settings, times: fake(1.0 + 1.0 / settings.resolution)()(
+            scene, None, None, times, None
+        )
+
+    for name, scheme in list(schemes.SCHEMES.items()):
+        monkeypatch.setitem(schemes.SCHEMES, name, dataclasses.replace(scheme, load=load_scheme))
+    monkeypatch.setattr(study, "run_level", counted)
+    return ran
+
+
+def found_in(study_of) -> list:
+    """Every level with what it gave, without its run time."""
+    return [
+        dataclasses.replace(run, wall_seconds=None, cpu_seconds=None, repeats=0)
+        for ladder in study_of.scenes[0].ladders
+        for run in ladder.runs
+    ]
+
+
+@pytest.mark.parametrize("at", [2, 9, 25])
+def test_a_study_does_what_is_missing(tmp_path, levels, at):
+    file = tmp_path / "small.toml"
+    file.write_text(SCENE)
+    cases, out = [load(str(file))], tmp_path / "out"
+    out.mkdir()
+    whole = study.study(cases, 1, Progress("test"))
+    every = list(levels)
+    with pytest.raises(KeyboardInterrupt):
+        study.study(cases, 1, Stopping(at), Store(out))
+    kept = len(list((out / ".unfinished").iterdir()))
+    assert kept == at  # the reference, and the levels before the interruption
+    levels.clear()
+    store = Store(out)
+    again = study.study(cases, 1, Progress("test"), store)
+    assert store.found == kept
+    assert len(levels) < len(every)
+    assert found_in(again) == found_in(whole)
+    levels.clear()
+    third = study.study(cases, 1, Progress("test"), Store(out))
+    assert levels == []
+    assert [run for ladder in third.scenes[0].ladders for run in ladder.runs] == [
+        run for ladder in again.scenes[0].ladders for run in ladder.runs
+    ]

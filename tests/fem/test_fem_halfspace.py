@@ -1,0 +1,159 @@
+"""The assembled half-space against point forces, punches and spheres on an elastic body."""
+
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from contact_scene import FlatPunch, Loading, Material, Scene, Sphere, UnsupportedScene
+from fem_solver import Options, solve
+from fem_solver.farfield import boussinesq_shapes
+from fem_solver.halfspace import HalfSpace
+from fem_solver.surface import SurfaceOperator
+from meshes import fit, structured_half_space
+
+
+def ratio(nu):
+    return 1.5 * (1.0 - 2.0 * nu) / (1.0 + nu)
+
+
+@cache
+def mesh(domain=400.0, grading=0.2, divisions=3):
+    return structured_half_space(fit(0.0, 0.3, 0.03, divisions, domain_ratio=domain, grading=grading))
+
+
+@cache
+def factors(nu, mixed=True):
+    return HalfSpace(mesh(), mixed).factorise(ratio(nu))
+
+
+def surface_field(nu, node):
+    """Downward and radial surface displacement per unit force on one node's ring, unit shear modulus."""
+    factor = factors(nu)
+    space = factor.space
+    load = np.zeros(space.unknowns)
+    load[space.surface_dofs[node]] = -1.0
+    u = factor.solve(load, factor.far_mix)
+    vertices = np.flatnonzero((space.mesh.p[1] == 0.0) & (space.mesh.p[0] > 0.0))
+    order = vertices[np.argsort(space.mesh.p[0, vertices])]
+    radial, vertical = space.basis.nodal_dofs[:, order]
+    return space.mesh.p[0, order], -u[vertical], u[radial]
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.4999, 0.5])
+def test_boussinesq_displacements_of_a_small_ring(nu):
+    radii, down, radial = surface_field(nu, 1)
+    away = (radii > 0.2) & (radii < 20.0)
+    expected = (1.0 - nu) / (2.0 * np.pi * radii[away])
+    assert np.abs(down[away] / expected - 1.0).max() < 1.5e-3
+    # Cerruti by reciprocity: the same number is the sinking at the centre under a radial ring force
+    inward = -(1.0 - 2.0 * nu) / (4.0 * np.pi * radii[away])
+    assert np.abs((radial[away] - inward) * radii[away]).max() < 3e-4
+
+
+def test_radial_ring_force_lifts_the_centre_as_reciprocity_demands():
+    factor = factors(0.3)
+    space = factor.space
+    at = int(np.argmin(np.abs(space.mesh.p[0] - 0.21) + 10.0 * np.abs(space.mesh.p[1])))
+    ring = np.zeros(space.unknowns)
+    ring[space.basis.nodal_dofs[0, at]] = 1.0
+    sinking = -factor.solve(ring, np.zeros(2))[space.surface_dofs[1]]
+    load = np.zeros(space.unknowns)
+    load[space.surface_dofs[1]] = -1.0
+    drawn = factor.solve(load, np.zeros(2))[space.basis.nodal_dofs[0, at]]
+    assert sinking == pytest.approx(drawn, rel=1e-9)
+    assert drawn == pytest.approx(-0.4 / (4 * np.pi * space.mesh.p[0, at]), rel=5e-3)
+
+
+def test_boussinesq_shapes_are_equilibrated_and_free_of_traction():
+    # the volume shape is harmonic-like: check both against finite differences of Navier's equation
+    points = np.array([[0.7, 0.3], [-0.4, -1.1]])
+    h, nu = 1e-3, 0.3
+    share = 3.0 * ratio(nu) / (3.0 + ratio(nu))
+    assert share == pytest.approx(1.0 - 2.0 * nu)
+
+    def u(dr, dz):
+        shear, volume = boussinesq_shapes(points + np.array([[dr], [dz]]))
+        return shear + share * volume
+
+    def div(dr, dz):
+        r = points[0] + dr
+        rate_r = (u(dr + h, dz)[0] - u(dr - h, dz)[0]) / (2 * h)
+        rate_z = (u(dr, dz + h)[1] - u(dr, dz - h)[1]) / (2 * h)
+        return rate_r + rate_z + u(dr, dz)[0] / r
+
+    r = points[0]
+    second = (u(h, 0) + u(-h, 0) + u(0, h) + u(0, -h) - 4 * u(0, 0)) / h**2
+    laplace = second + (u(h, 0) - u(-h, 0)) / (2 * h * r)
+    laplace[0] -= u(0, 0)[0] / r**2
+    gradient = np.stack([(div(h, 0) - div(-h, 0)) / (2 * h), (div(0, h) - div(0, -h)) / (2 * h)])
+    residual = laplace + gradient / (1.0 - 2.0 * nu)
+    assert np.abs(residual).max() < 1e-4 * np.abs(second).max()
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.5])
+def test_surface_compliance_is_symmetric_and_positive(nu):
+    factor = factors(nu)
+    clamped, far = factor.surface_response(60)
+    assert np.abs(clamped - clamped.T).max() < 1e-10 * clamped.max()
+    assert np.all(np.diff(far) < 0.0)
+    whole, weights = factor.compliance(60)
+    assert np.abs(weights - 1.0).max() < 1e-4
+    assert np.linalg.eigvalsh(whole).min() > 0.0
+
+
+def test_leading_blocks_of_one_factor_serve_every_contact():
+    operator = SurfaceOperator(factors(0.3).compliance(41)[0])
+    imposed = np.cos(3.0 * np.arange(41) / 41)
+    y = operator.transform(imposed)
+    for count in (5, 18, 41):
+        cut = np.where(np.arange(41) < count, y, 0.0)
+        forces = np.linalg.solve(operator.compliance[:count, :count], imposed[:count])
+        assert np.allclose(operator.forces(cut)[:count], forces, rtol=1e-9)
+        assert np.allclose(operator.last_forces(y[:count], count - 3), forces[-3:], rtol=1e-9)
+        assert operator.unit[:count] @ y[:count] == pytest.approx(forces.sum(), rel=1e-10)
+
+
+@cache
+def punch_error(nu, form="mixed"):
+    graded = structured_half_space(fit(1.0, 1.0, 0.1, 8, edge=1.0, grading=0.2))
+    scene = Scene(Material(1.0 - nu**2, nu), FlatPunch(1.0), Loading("relaxed", 0.01))
+    return abs(solve(scene, graded, Options(form=form)).force[0] / 0.02 - 1.0)
+
+
+@cache
+def hertz_errors(nu, form="mixed", far_field=True, domain=400.0):
+    scene = Scene(Material(1.0 - nu**2, nu), Sphere(1.0), Loading("relaxed", 0.04))
+    trace = solve(scene, mesh(domain), Options(form=form, far_field=far_field))
+    force = trace.force[0] / (4.0 / 3.0 * 0.2**3) - 1.0
+    return abs(force), abs(trace.contact_radius[0] / 0.2 - 1.0)
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.5])
+def test_flat_punch_and_hertz_forces(nu):
+    assert punch_error(nu) < 5e-4
+    force, radius = hertz_errors(nu)
+    assert force < 5e-4
+    assert radius < 5e-4
+
+
+def test_mixed_form_does_not_lock_and_the_displacement_form_does():
+    for nu in (0.4999, 0.5):
+        assert punch_error(nu) < 1.5 * punch_error(0.3)
+    assert punch_error(0.4999, "displacement") > 3.0 * punch_error(0.4999)
+    assert punch_error(0.3, "displacement") < 2.0 * punch_error(0.3)
+
+
+def test_displacement_form_refuses_incompressibility():
+    scene = Scene(Material(0.75, 0.5), Sphere(1.0), Loading("relaxed", 0.04))
+    with pytest.raises(UnsupportedScene, match="compressib"):
+        solve(scene, mesh(), Options(form="displacement"))
+
+
+def test_far_field_removes_the_error_of_the_truncated_domain():
+    clamped = [hertz_errors(0.3, far_field=False, domain=d)[0] for d in (10.0, 20.0, 40.0)]
+    prescribed = [hertz_errors(0.3, domain=d)[0] for d in (10.0, 20.0, 40.0)]
+    for a, b in pairwise(clamped):
+        assert 1.6 < a / b < 2.5  # a/R of the boundary
+    assert max(prescribed) < 0.03 * min(clamped)

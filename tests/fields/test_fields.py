@@ -1,0 +1,221 @@
+"""Fields in the body: against closed forms, against the trace, and one way to them against the other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from contact_scene import Adhesion, Branch, Force, Hold, Loading, Material, Ramp, Scene, Sphere
+from fem_solver import Options, field_states, record, solve
+from meshes import fit, structured_half_space
+from validation.fields.balance import balance
+from validation.reference import subsurface
+from validation.studies import fields_accuracy
+
+ADHESION = Adhesion(5.026548e-4, 0.013)
+TWO = (Branch(2.0, 0.3), Branch(3.0, 5.0))
+STEPS = (Ramp(0.02, 0.05), Hold(0.3), Ramp(0.004, 0.05))
+TURN, END = 0.1, 0.72
+
+
+@cache
+def mesh():
+    return structured_half_space(fit(0.0, 0.22, 0.013, 2, domain_ratio=200.0))
+
+
+def recorded(path="condensed", poisson=0.3, form="mixed", bulk=None):
+    return _recorded(path, poisson, form, bulk)
+
+
+@cache
+def _recorded(path, poisson, form, bulk):
+    material = Material(0.75, poisson, TWO, bulk)
+    scene = Scene(material, Sphere(1.0), Loading("jump-in", 0.015, STEPS), ADHESION)
+    options = Options(tolerance=3e-2, path=path, form=form, record_times=(TURN, END), record_pull_off=True)
+    return record(scene, mesh(), options)
+
+
+def states(path="condensed", poisson=0.3, form="mixed", bulk=None):
+    return _states(path, poisson, form, bulk)
+
+
+@cache
+def _states(path, poisson, form, bulk):
+    recording = recorded(path, poisson, form, bulk)
+    return list(field_states(recording, {recording.rows[time]: f"t = {time}" for time in (TURN, END)}))
+
+
+@pytest.mark.parametrize(("name", "poisson"), [("flat punch", 0.3), ("Hertz", 0.3), ("JKR", 0.5)])
+def test_stress_under_static_contacts_is_that_of_the_closed_forms(name, poisson):
+    indenter, adhesion = fields_accuracy.CONTACTS[name]
+    scene = Scene(Material(1.0, poisson), indenter, Loading("relaxed", 0.01), adhesion)
+    edge = indenter.edge if np.isfinite(indenter.edge) else None
+    fitted = structured_half_space(fit(0.0, 0.15, 0.004, 4, edge=edge, grading=0.15))
+    (state,) = field_states(record(scene, fitted, Options(record_times=(0.0,))), {0: ""})
+    found = fields_accuracy.deviation(state, scene)
+    assert found.worst < 1e-2
+    assert found.traction < 3e-3, found
+    assert abs(found.force) < 2e-2  # over the edge, where the recovered stress overshoots
+    if name == "Hertz":
+        depth, shear = fields_accuracy.deepest_shear(state)
+        exact_depth, exact_shear = fields_accuracy.exact_shear(poisson)
+        largest = 1.5 * state.force / (np.pi * state.contact_radius**2)
+        assert shear / largest == pytest.approx(exact_shear, rel=1e-2)
+        assert depth == pytest.approx(exact_depth, rel=5e-2)
+
+
+def test_largest_shear_under_hertz_is_where_the_books_say():
+    assert fields_accuracy.exact_shear(0.3) == pytest.approx((0.48, 0.31), rel=5e-3)
+
+
+def test_displacement_and_strain_belong_to_the_stress():
+    scene = Scene(Material(1.0, 0.3), Sphere(1.0), Loading("relaxed", 0.01), None)
+    recording = record(scene, structured_half_space(fit(0.0, 0.13, 0.004, 2)), Options(record_times=(0.0,)))
+    (state,) = field_states(recording, {0: ""})
+    r, z = state.points.T
+    near = np.hypot(r, z) < 0.3
+    exact = subsurface.hertz(r[near], z[near], state.contact_radius, 1.0, 1.0 / 0.91, 0.3).displacement
+    assert np.abs(state.displacement[near].T - exact).max() < 5e-3 * np.abs(exact).max()
+    # Hooke's law between two fields that were projected apart
+    law = (1.3 * state.stress - 0.3 * np.outer([1.0, 1.0, 1.0, 0.0], state.stress[:3].sum(axis=0))) / 1.0
+    assert np.abs(law - state.strain).max() < 1e-9 * np.abs(state.strain).max()
+
+
+@pytest.mark.parametrize(
+    ("poisson", "form"), [(0.3, "mixed"), (0.5, "mixed"), (0.3, "displacement")], ids=str
+)
+def test_back_substitution_gives_what_internal_variables_in_the_body_give(poisson, form):
+    pairs = zip(states("condensed", poisson, form), states("quadrature", poisson, form), strict=True)
+    for one, other in pairs:
+        assert one.row == other.row
+        for name in ("stress", "strain", "displacement", "element_stored"):
+            a, b = getattr(one, name), getattr(other, name)
+            assert np.abs(a - b).max() < 1e-6 * np.abs(b).max(), name
+        assert len(other.branches) == (2 if poisson == 0.5 else 4)  # nothing is lost in volume at 0.5
+        for name, allowed in (("element_rate", 1e-6), ("element_dissipated", 1e-5)):
+            apart = getattr(other, name)
+            together = apart.reshape(-1, 2, apart.shape[1]).sum(axis=0)  # in shear and in volume
+            assert np.abs(getattr(one, name) - together).max() < allowed * together.max(), name
+
+
+def test_densities_add_up_to_the_energies_of_the_trace():
+    recording = recorded()
+    for state in states():
+        sums = balance(state, recording.trace)
+        assert sums.dissipated == pytest.approx(sums.branch_dissipation, rel=5e-3)
+        assert sums.dissipated == pytest.approx(sums.work_less_stored, rel=2e-2)
+        held = recording.surfaces[state.row].held
+        assert sums.stored == pytest.approx(sums.stored_in_trace - held, rel=5e-3)
+        assert sums.loss == pytest.approx(sums.branch_dissipation - sums.zone_excess, rel=1e-12)
+        assert list(sums.dissipated_by_branch) == ["tau=0.3", "tau=5"]
+        assert (state.dissipated >= 0.0).all()
+        assert (state.dissipation_rate >= 0.0).all()
+
+
+def test_densities_of_separate_relaxation_add_up_too():
+    recording = recorded("quadrature", 0.3, "mixed", "elastic")
+    for state in states("quadrature", 0.3, "mixed", "elastic"):
+        sums = balance(state, recording.trace)
+        assert state.branches == ("shear tau=0.3", "shear tau=5")
+        assert sums.dissipated == pytest.approx(sums.branch_dissipation, rel=5e-3)
+        held = recording.surfaces[state.row].held
+        assert sums.stored == pytest.approx(sums.stored_in_trace - held, rel=5e-3)
+
+
+def test_dissipation_rate_is_the_slope_of_the_loss():
+    recording = recorded()
+    state, trace = states()[0], recording.trace
+    k, lost = state.row, trace.extra["branch_dissipation"]
+    slopes = [(lost[k] - lost[k - 1]) / (trace.time[k] - trace.time[k - 1])]
+    slopes.append((lost[k + 1] - lost[k]) / (trace.time[k + 1] - trace.time[k]))
+    rate = float((state.element_rate @ state.element_volumes).sum())
+    assert min(slopes) * 0.97 < rate < max(slopes) * 1.03
+
+
+def test_principal_stresses_are_eigenvalues():
+    state, random = states()[0], np.random.default_rng(7)
+    parts = random.normal(size=(4, state.stress.shape[1]))
+    state = replace(state, stress=parts)
+    rr, zz, tt, rz = parts
+    tensors = np.zeros((len(rr), 3, 3))
+    tensors[:, 0, 0], tensors[:, 1, 1], tensors[:, 2, 2] = rr, zz, tt
+    tensors[:, 0, 1] = tensors[:, 1, 0] = rz
+    values = np.linalg.eigvalsh(tensors)[:, ::-1].T
+    assert np.allclose(state.principal, values, atol=1e-12)
+    assert np.allclose(state.max_shear, 0.5 * (values[0] - values[2]))
+    assert np.allclose(state.hydrostatic, values.mean(axis=0))
+    between = values - np.roll(values, 1, axis=0)
+    assert np.allclose(state.von_mises, np.sqrt(0.5 * (between**2).sum(axis=0)))
+
+
+def test_surface_is_that_of_the_run():
+    recording = recorded()
+    for state in states():
+        radius, sinking = fields_accuracy.on_surface(state, -state.displacement[:, 1])
+        found = np.interp(state.surface.radius, radius, sinking)
+        assert np.abs(found - state.surface.displacement).max() < 1e-7
+        assert state.force == recording.trace.force[state.row]
+        assert state.surface.contact_radius == state.contact_radius
+
+
+def test_fields_cost_nothing_unless_asked_for():
+    scene = Scene(Material(0.75, 0.5, TWO), Sphere(1.0), Loading("jump-in", 0.015, STEPS), ADHESION)
+    plain = solve(scene, mesh(), Options(tolerance=3e-2))
+    silent = record(scene, mesh(), Options(tolerance=3e-2))
+    assert plain.counters == silent.trace.counters
+    assert silent.log is None
+    with pytest.raises(KeyError, match="nothing was recorded"):
+        next(field_states(silent, {0: ""}))
+    asked = record(scene, mesh(), Options(tolerance=3e-2, record_rows=(0,)))
+    assert asked.trace.counters == plain.counters
+    before = replace(asked.trace.counters)
+    assert len(list(field_states(asked, {0: "", 5: ""}))) == 2
+    spent = asked.trace.counters
+    assert spent.volume_solves - before.volume_solves >= 2 * 3  # displacement and two branches, twice
+    assert spent.factorisations == before.factorisations + 1
+    assert spent.linear_solves > before.linear_solves
+
+
+def test_rows_not_recorded_are_named():
+    recording = recorded("quadrature")
+    with pytest.raises(KeyError, match=r"rows not recorded: \[1, 2\]"):
+        next(field_states(recording, {recording.rows[TURN]: "", 2: "", 1: ""}))
+    with pytest.raises(KeyError, match="rows not recorded"):
+        next(field_states(recorded(), {len(recorded().trace): ""}))
+    shortened = replace(recorded(), trace=replace(recorded().trace, time=recorded().trace.time[:-1]))
+    with pytest.raises(ValueError, match="not whole"):
+        next(field_states(shortened, {0: ""}))
+
+
+def test_where_the_load_jumps_a_time_means_the_state_before():
+    loading = Loading("relaxed", 0.01, (Hold(0.1), Force(0.01, 0.1)))
+    scene = Scene(Material(0.75, 0.5, TWO), Sphere(1.0), loading, ADHESION)
+    recording = record(scene, mesh(), Options(tolerance=3e-2, record_times=(0.1,)))
+    rows = np.flatnonzero(recording.trace.time == 0.1)
+    assert len(rows) >= 2
+    before, after = field_states(recording, {int(rows[0]): "", int(rows[-1]): ""})
+    assert recording.rows[0.1] == before.row
+    assert before.penetration == pytest.approx(0.01)
+    assert after.force == pytest.approx(0.01)
+    assert np.array_equal(before.element_dissipated, after.element_dissipated)  # a jump loses nothing
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", fields_accuracy.CONTACTS)
+@pytest.mark.parametrize("poisson", fields_accuracy.RATIOS)
+def test_usual_meshes_keep_within_a_hundredth_of_the_closed_forms(name, poisson):
+    _, found = fields_accuracy.static(name, poisson)
+    assert found.worst < 1e-2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", fields_accuracy.CYCLES)
+def test_losses_of_whole_cycles_add_up(name):
+    moments = fields_accuracy.losses(name)
+    assert [state.label for state, _ in moments] == ["end of approach", "pull-off"]
+    for _, sums in moments:
+        assert sums.dissipated == pytest.approx(sums.branch_dissipation, rel=5e-3)
+        assert sums.dissipated == pytest.approx(sums.work_less_stored, rel=5e-3)

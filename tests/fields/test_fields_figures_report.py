@@ -1,0 +1,120 @@
+"""The report's section on fields: what it holds, what it says where something is missing, and how it fits."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import io
+import re
+
+import numpy as np
+import pytest
+from PIL import Image
+from support.spring_solver import SCENE as SMALL
+from support.spring_solver import fake, named
+from support.synthetic_fields import SCENE, states, trace
+from test_fields_figures import surfaces
+from test_report_browser import CHROMIUM, look
+
+from crosscontact.cli import SOLVER_NAMES, main
+from validation import solvers
+from validation.cases import load
+from validation.drawing import figures
+from validation.execution.progress import Progress
+from validation.execution.runs import Run
+from validation.fields.figures import animation, window
+from validation.fields.figures.moments import key_moments
+from validation.report import fields_section
+from validation.report.build import Page, build, write
+from validation.report.fields_section import FieldsSection, Picture
+
+
+def small_png(inches) -> bytes:
+    stream = io.BytesIO()
+    Image.new("RGB", (int(10 * inches[0]), int(10 * inches[1])), "gray").save(stream, format="PNG")
+    return stream.getvalue()
+
+
+def page(**traces) -> Page:
+    case = load(fields_section.SCENE)
+    return Page(case, {name: Run(case.name, name, run) for name, run in traces.items()}, [])
+
+
+@pytest.fixture(scope="module")
+def section():
+    """The section on a made-up run; what VTK would draw is left blank, figures are saved small."""
+    run = dataclasses.replace(trace(), profiles=tuple(surfaces((1.0, 2.0, 3.0, 4.0, 5.0, 6.0))))
+    rows = key_moments(trace(), SCENE)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(window, "picture", lambda fill, size: np.full((size[1], size[0], 3), 200, np.uint8))
+        patch.setattr(figures, "png", lambda drawn: small_png(drawn.get_size_inches()))
+        patch.setattr(animation, "DOTS", 10)
+        shown = fields_section.draw(states(rows), trace(), SCENE, lambda done: None)
+    first = fields_section.fig3([page(bem=run, fem=run)], SCENE)
+    line = ("pull-off", *["1.5"] * (len(fields_section.HEAD) - 1))
+    return FieldsSection(first, tuple(shown), (line,))
+
+
+def test_section_holds_strips_edge_body_and_film(section, monkeypatch):
+    names = [picture.name for picture in section.pictures]
+    assert [name for name in names if "strip" in name] == [
+        f"fields-strip-{quantity}.png" for quantity in ("von-mises", "stress-zz", "dissipation-rate")
+    ]
+    assert {"fields-section-von-mises.png", "fields-revolution.png", "fields-cycle.gif"} <= set(names)
+    for picture in section.pictures:
+        assert picture.data.startswith(b"GIF89a" if picture.name.endswith(".gif") else b"\x89PNG")
+    assert section.pictures[1].caption == "Key moments: stress σzz (force/length²)"
+    text = fields_section.html(section)
+    assert text.count("<img ") == len(names)
+    assert 'id="fields-fig3-' in text
+    assert "<td>pull-off</td>" in text
+    content = re.findall(r'src="data:image/gif;base64,([^"]+)"', text)
+    assert base64.b64decode(content[0]) == section.pictures[-1].data
+    monkeypatch.setattr(figures, "png", lambda drawn: b"")
+    assert fields_section.files(section).keys() == {"fields-fig3.png", *names}
+
+
+def test_fig3_needs_both_solvers():
+    run = dataclasses.replace(trace(), profiles=tuple(surfaces((1.0, 2.0, 3.0, 4.0, 5.0, 6.0))))
+    assert fields_section.fig3([page(bem=run, fem=None)], SCENE) is None
+    short = dataclasses.replace(run, profiles=run.profiles[:4])
+    assert fields_section.fig3([page(bem=run, fem=short)], SCENE) is None
+    assert fields_section.fig3([], SCENE) is None
+    text = fields_section.html(FieldsSection(None, failure="PyVista cannot <draw>"))
+    assert "No Fig. 3: a run is missing." in text
+    assert '<p class="fail">No pictures of fields: PyVista cannot &lt;draw&gt;</p>' in text
+
+
+def test_report_draws_fields_only_when_asked(monkeypatch, tmp_path):
+    monkeypatch.setattr("validation.cases.suite", lambda name: [])  # a report without scenes
+    asked = []
+
+    def compute(pages, progress):
+        asked.append(pages)
+        return FieldsSection(None, (Picture("fields-cycle.gif", "A cycle", b"GIF89a"),))
+
+    monkeypatch.setattr(fields_section, "compute", compute)
+    main(["report", "--out", str(tmp_path / "plain")])
+    assert not asked
+    assert not (tmp_path / "plain" / "figures").exists()
+    main(["report", "--fields", "--out", str(tmp_path / "drawn")])
+    assert len(asked) == 1
+    assert (tmp_path / "drawn" / "figures" / "fields-cycle.gif").read_bytes() == b"GIF89a"
+    assert 'id="fields"' in (tmp_path / "drawn" / "index.html").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH")
+def test_section_fits_a_phone(section, monkeypatch, tmp_path):
+    for name in SOLVER_NAMES:
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
+    own = tmp_path / "small.toml"
+    own.write_text(SMALL)
+    made = build("quick", [load(str(own))], 1, Progress("test"), False)
+    write(dataclasses.replace(made, fields=section), tmp_path)
+    text = (tmp_path / "index.html").read_text()
+    assert len(section.pictures) == 7
+    seen = look(tmp_path, text, 375)
+    assert seen["content"] <= 375
+    assert (seen["trouble"], seen["broken"], seen["flat"], seen["wide"]) == (0, 0, 0, 0)
+    assert seen["figures"] == 7  # six of the scene, and Fig. 3

@@ -1,0 +1,273 @@
+"""Fields as files, read back by PyVista and meshio; the command says in one line what is wrong."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import meshio
+import numpy as np
+import pytest
+import pyvista
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Material,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+)
+from crosscontact.cli import main
+from fem_solver import Options, field_states, record
+from meshes import fit, structured_half_space
+from validation.execution.lock import held
+from validation.fields import files, request
+from validation.fields.balance import balance
+from validation.fields.grid import cell_data, grid, indenter, point_data, surface, triangle_volumes
+from validation.fields.request import Request, answer, check_times, ending
+
+ADHESION = Adhesion(5.026548e-4, 0.013)
+MATERIAL = Material(0.75, 0.4, (Branch(2.0, 0.3),))
+TEXT = """
+title = "Down and up"
+[material]
+modulus = 0.75
+poisson = 0.4
+branches = [{ modulus = 2.0, time = 0.3 }]
+[indenter]
+shape = "sphere"
+radius = 1.0
+[adhesion]
+work = 5.026548e-4
+zone = 0.03
+[loading]
+start = "jump-in"
+penetration = 0.012
+[[loading.steps]]
+kind = "ramp"
+to = 0.015
+rate = 0.05
+[[loading.steps]]
+kind = "ramp"
+to = -0.5
+rate = 0.5
+"""
+
+
+@pytest.fixture(scope="module")
+def looked_into():
+    loading = Loading("jump-in", 0.015, (Ramp(0.02, 0.05), Ramp(0.01, 0.05)))
+    scene = Scene(MATERIAL, Sphere(1.0), loading, ADHESION, "Down and up")
+    mesh = structured_half_space(fit(0.0, 0.22, 0.013, 2, domain_ratio=100.0))
+    recording = record(scene, mesh, Options(tolerance=3e-2, record_times=(0.1,)))
+    rows = {0: "jump-in", recording.rows[0.1]: "", len(recording.trace) - 1: "last"}
+    return scene, recording.trace, list(field_states(recording, rows))
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    path = tmp_path / "down-and-up.toml"
+    path.write_text(TEXT, encoding="utf-8")
+    return str(path)
+
+
+def test_data_sets_hold_every_field_with_its_unit(looked_into):
+    scene, _, states = looked_into
+    state = states[1]
+    body = grid(state)
+    names = [f"stress_{part} [force/length^2]" for part in ("rr", "zz", "tt", "rz")]
+    names += [f"strain_{part} [1]" for part in ("rr", "zz", "tt", "rz")]
+    names += [f"principal_{k} [force/length^2]" for k in (1, 2, 3)]
+    names += [f"{name} [force/length^2]" for name in ("von_mises", "max_shear", "hydrostatic")]
+    names += ["displacement [length]", "stored_energy [energy/length^3]"]
+    names += ["dissipation_rate tau=0.3 [energy/(length^3 time)]", "dissipated tau=0.3 [energy/length^3]"]
+    assert set(body.point_data.keys()) == set(names)
+    assert np.array_equal(body.point_data["stress_zz [force/length^2]"], state.stress[1])
+    assert np.array_equal(body.points[:, :2], state.points)
+    assert body.field_data["TimeValue"] == [state.time]
+    top = surface(state)
+    assert np.array_equal(top.point_data["pressure [force/length^2]"], state.surface.pressure)
+    assert np.allclose(top.points[:, 1], -state.surface.displacement)
+    outline = indenter(state, scene).points
+    assert outline[0, 1] == -state.penetration
+    # where they touch, the surface lies on the indenter
+    inside = state.surface.radius < 0.9 * state.contact_radius
+    height = scene.indenter.height(state.surface.radius[inside]) - state.penetration
+    assert np.allclose(top.points[inside, 1], height, atol=1e-9)
+
+
+def test_cells_sum_to_integrals(looked_into):
+    _, trace, states = looked_into
+    state = states[1]
+    cells, sums = cell_data(state), balance(state, trace)
+    volumes = cells["volume [length^3]"]
+    assert volumes.sum() == pytest.approx(state.element_volumes.sum(), rel=1e-12)
+    quarters = volumes.reshape(4, -1).sum(axis=0)
+    assert np.allclose(quarters, state.element_volumes, rtol=1e-9)
+    assert volumes @ cells["stored_energy [energy/length^3]"] == pytest.approx(sums.stored, rel=1e-9)
+    assert volumes @ cells["dissipated tau=0.3 [energy/length^3]"] == pytest.approx(sums.dissipated, rel=1e-9)
+    assert (triangle_volumes(state) > 0.0).all()
+
+
+def test_a_punch_has_its_side(looked_into):
+    _, _, states = looked_into
+    scene = Scene(MATERIAL, FlatPunch(0.1), Loading("jump-in", 0.015), ADHESION)
+    outline = indenter(states[0], scene).points
+    assert outline[-1, 0] == outline[-2, 0] == 0.1
+    assert outline[-1, 1] > outline[-2, 1] == -states[0].penetration
+
+
+def test_series_is_read_back(looked_into, tmp_path):
+    scene, trace, states = looked_into
+    for left_over in ("body/body_0007.vtu", "body/mine.vtu"):
+        (tmp_path / left_over).parent.mkdir(exist_ok=True)
+        (tmp_path / left_over).write_text("old", encoding="utf-8")
+    jump = replace(states[-1], label="after a jump")  # at the time of the one before
+    written = files.Series(tmp_path, scene)
+    for state in (*states, jump):
+        written.add(state, balance(state, trace))
+    lists = written.close({"outcome": "completed"})
+    assert [path.name for path in lists] == ["body.pvd", "surface.pvd", "indenter.pvd"]
+    assert not (tmp_path / "body/body_0007.vtu").exists()
+    assert (tmp_path / "body/mine.vtu").exists()
+    for path in lists:
+        reader = pyvista.get_reader(path)
+        times = reader.time_values
+        assert times[:3] == [state.time for state in states]
+        assert times[2] < times[3] <= times[2] * (1.0 + 1e-15)
+        for index, state in enumerate((*states, jump)):
+            reader.set_active_time_point(index)
+            block = reader.read()[0]
+            assert block.field_data["penetration [length]"] == [state.penetration]
+    for index, state in enumerate(states):
+        found = meshio.read(tmp_path / f"body/body_{index:04d}.vtu")
+        assert np.array_equal(found.cells_dict["triangle"], state.triangles)
+        for name, values in point_data(state).items():
+            assert np.array_equal(found.point_data[name], values)
+    numbers = json.loads((tmp_path / "moments.json").read_text(encoding="utf-8"))
+    assert [moment["label"] for moment in numbers["moments"]] == ["jump-in", "", "last", "after a jump"]
+    assert numbers["moments"][1]["force"] == states[1].force
+    assert not [path for path in tmp_path.rglob("*") if path.name.startswith(".")]
+
+
+def test_nothing_half_written_stays(looked_into, tmp_path, monkeypatch):
+    _, _, states = looked_into
+    target = tmp_path / "a.vtu"
+    target.write_text("the one before", encoding="utf-8")
+    body = grid(states[0])
+    monkeypatch.setattr(type(body), "save", lambda self, path: path.with_suffix(".none").write_text("half"))
+    with pytest.raises(OSError, match="could not be written"):
+        files.save(body, target)
+    assert target.read_text(encoding="utf-8") == "the one before"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_ends_of_loadings():
+    ramps = (Ramp(0.02, 0.01), Hold(3.0))
+    assert ending(Loading("relaxed", 0.0, ramps)) == 5.0
+    assert ending(Loading("relaxed", 0.0)) == 0.0
+    assert ending(Loading("relaxed", 0.0, (*ramps, Force(1.0, 2.0)))) == 7.0
+    assert ending(Loading("relaxed", 0.0, (Force(1.0, 2.0), ForceRamp(3.0, 1.0)))) == 4.0
+    assert ending(Loading("relaxed", 0.0, (Force(1.0, 2.0), Ramp(0.02, 0.01)))) is None
+    assert ending(Loading("relaxed", 0.0, (ForceRamp(1.0, 2.0),))) is None
+
+
+def test_times_are_checked_before_anything_is_solved():
+    loading = Loading("relaxed", 0.0, (Ramp(0.3, 0.1),))
+    end = ending(loading)
+    assert check_times([3.0 * (1 + 1e-12), 1.0, 1.0], loading) == (1.0, end)
+    for wrong, said in ((-1.0, "times >= 0"), (math.nan, "times >= 0"), (3.1, "after the loading ends")):
+        with pytest.raises(SceneError, match=said):
+            check_times([wrong], loading)
+
+
+def test_one_run_for_a_constant_ratio_and_two_for_separate_relaxation(monkeypatch):
+    runs = []
+    monkeypatch.setattr("fem_solver.record", lambda *given: runs.append(given) or record(*given))
+    asked = Request((0.02,), picked=lambda trace, scene: {3: "third"})
+    loading = Loading("jump-in", 0.012, (Ramp(0.0135, 0.05),))
+    for bulk, count in ((None, 1), ("elastic", 2)):
+        runs.clear()
+        scene = Scene(replace(MATERIAL, bulk=bulk), Sphere(1.0), loading, Adhesion(5.026548e-4, 0.03))
+        found = answer(scene, asked, 4)
+        assert len(runs) == count
+        assert found.moments[3] == "third"
+        assert [state.label for state in found.states()] == ["third", ""]
+        pulling = request.pull_off(found.recording)
+        assert pulling is None or pulling in found.recording.log
+
+
+def test_command_writes_what_it_says(scene_file, tmp_path, capsys):
+    out = tmp_path / "out"
+    asked = ["--at", "0", "0.06", "--pull-off", "--every", "40", "--resolution", "4"]
+    assert main(["fields", scene_file, *asked, "--out", str(out), "--no-figures"]) == 0
+    said = capsys.readouterr().out
+    numbers = json.loads((out / "moments.json").read_text(encoding="utf-8"))
+    labels = [moment["label"] for moment in numbers["moments"]]
+    assert labels.count("pull-off") == 1
+    assert len(labels) > 4
+    assert "pull-off" in said
+    assert numbers["fields"]["volume_solves"] > len(labels)
+    assert f"{numbers['fields']['volume_solves']} volume solves" in said
+    reader = pyvista.get_reader(out / "body.pvd")
+    assert len(reader.time_values) == len(labels)
+    assert 0.06 in reader.time_values
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ([], "no moment asked for"),
+        (["--at", "x"], "got 'x'; allowed: times >= 0"),
+        (["--at", "-1"], "got '-1'; allowed: times >= 0"),
+        (["--at", "nan"], "allowed: times >= 0"),
+        (["--every", "0"], "allowed: a whole number >= 1"),
+        (["--at", "9"], "9 is after the loading ends; allowed: times from 0 to 1.09"),
+        (["--at", "0", "1", "--resolution", "4", "--no-figures"], "1: outside the run, which ended at 0."),
+    ],
+)
+def test_what_cannot_be_is_said_in_one_line(scene_file, tmp_path, capsys, asked, said):
+    with pytest.raises(SystemExit) as exit_code:
+        raise SystemExit(main(["fields", scene_file, *asked, "--out", str(tmp_path / "out")]))
+    assert exit_code.value.code == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert said in lines[-1]
+    assert len([line for line in lines if "error" in line]) == 1
+    assert (tmp_path / "out/body.pvd").exists() == ("outside the run" in said)
+
+
+def test_a_run_that_never_touches(tmp_path, capsys):
+    path = tmp_path / "far.toml"
+    kept = TEXT.split("[[loading.steps]]")[0].replace("0.012", "-0.05")
+    path.write_text(kept + '[[loading.steps]]\nkind = "ramp"\nto = 0.01\nrate = 0.1\n', encoding="utf-8")
+    asked = ["--at", "0", "--pull-off", "--strip", "--resolution", "4", "--out", str(tmp_path / "out")]
+    assert main(["fields", str(path), *asked]) == 1
+    assert "not finished: no equilibrium at the start" in capsys.readouterr().err
+
+
+def test_a_default_folder_is_held(scene_file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    asked = ["fields", scene_file, "--at", "0", "--resolution", "4", "--no-figures"]
+    with held("out/fields/down-and-up"):
+        assert main(asked) == 2
+        assert not (tmp_path / "out/fields/down-and-up/body.pvd").exists()
+    assert main(asked) == 0
+    assert (tmp_path / "out/fields/down-and-up/body.pvd").exists()
+
+
+def test_a_run_that_never_pulls(tmp_path, capsys):
+    path = tmp_path / "pressed.toml"
+    kept = TEXT.split("[loading]")[0] + '[loading]\nstart = "relaxed"\npenetration = 0.03\n'
+    path.write_text(kept, encoding="utf-8")
+    asked = ["--at", "0", "--pull-off", "--resolution", "4", "--no-figures"]
+    assert main(["fields", str(path), *asked, "--out", str(tmp_path / "out")]) == 2
+    assert "never pulls" in capsys.readouterr().err
+    assert (tmp_path / "out/body.pvd").exists()

@@ -1,0 +1,152 @@
+"""Observables on traces whose numbers are known by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contact_scene import Counters, Event, Outcome, OutcomeKind, Trace
+from validation.measure.norms import distance, parting_time
+from validation.measure.observables import cycle_losses, end_of_approach, observe
+
+
+def trace(time, penetration, force, radius=None, loss=None, kind=OutcomeKind.COMPLETED, events=()):
+    time, depth, load = (np.asarray(column, float) for column in (time, penetration, force))
+    zero = np.zeros_like(time)
+    work = np.concatenate((zero[:1], np.cumsum(0.5 * (load[1:] + load[:-1]) * np.diff(depth))))
+    return Trace(
+        solver="by hand",
+        time=time,
+        penetration=np.asarray(penetration, float),
+        force=np.asarray(force, float),
+        contact_radius=zero + 1.0 if radius is None else np.asarray(radius, float),
+        stored_energy=zero,
+        external_work=work,
+        dissipated_energy=zero if loss is None else np.asarray(loss, float),
+        outcome=Outcome(kind, "by hand", float(time[-1]) if time.size else 0.0),
+        counters=Counters(),
+        events=events,
+    )
+
+
+def test_cycle():
+    run = trace(
+        [0, 1, 2, 3, 4, 4],
+        [0, 2, 1, 0, -1, -1],
+        [-1, 6, 1, -3, -2, 0],
+        [0.5, 1.0, 0.9, 0.6, 0.3, 0.0],
+        [0, 1, 2, 3, 4, 5],
+        OutcomeKind.DETACHED,
+    )
+    seen = observe(run)
+    assert (seen.start_force, seen.start_radius) == (-1, 0.5)
+    assert (seen.approach_time, seen.approach_force, seen.approach_radius) == (1, 6, 1.0)
+    assert (seen.pull_off_force, seen.pull_off_time) == (3, 3)
+    assert (seen.pull_off_penetration, seen.pull_off_radius) == (0, 0.6)
+    assert (seen.detachment_time, seen.detachment_penetration, seen.detachment_radius) == (4, -1, 0.3)
+    assert seen.loop_energy == pytest.approx(5.0 - 3.5 + 1.0 + 2.5)
+    assert seen.dissipated_energy == 4  # not what the snap to the free surface sets free
+    assert (seen.final_force, seen.final_radius) == (0, 0)
+
+
+def test_the_solver_s_own_event_locates_the_detachment():
+    events = (Event("snap-in", 0.0, 0.0, -1.0, 0.5), Event("pull-off", 1.5, -0.25, -0.5, 0.125))
+    seen = observe(trace([0, 1, 2], [1, 0, -1], [1, -1, 0], kind=OutcomeKind.DETACHED, events=events))
+    assert (seen.detachment_time, seen.detachment_penetration) == (1.5, -0.25)
+    assert (seen.detachment_radius, seen.detachment_force) == (0.125, -0.5)
+
+
+def test_a_contact_shorter_than_its_zone_has_left_the_model():
+    events = (Event("pull-off", 3.5, -2.5, -0.25, 0.05),)
+    for told in ((), events):
+        run = trace(
+            [0, 1, 2, 3], [1, 0, -1, -2], [1, -3, -2, -1], [1.0, 0.5, 0.25, 0.1], [0, 1, 2, 3],
+            OutcomeKind.DETACHED, told,
+        )  # fmt: skip
+        seen = observe(run, zone=0.25)
+        assert (seen.detachment_time, seen.detachment_penetration, seen.detachment_radius) == (2, -1, 0.25)
+        assert seen.dissipated_energy == 2
+        assert observe(run, zone=2.0).dissipated_energy == 3  # nothing is longer: the last row in contact
+    assert observe(run, zone=0.04).detachment_penetration == -2.5
+
+
+def test_nothing_applies():
+    seen = observe(trace([0, 1], [0, 1], [0, 1]))
+    assert seen.pull_off_force is seen.pull_off_penetration is seen.detachment_time is None
+    assert set(observe(trace([], [], [])).as_dict().values()) == {None}
+
+
+def test_round_off_is_not_a_pull_off():
+    assert observe(trace([0, 1, 2], [0, 1, 0], [0, 1, -1e-15])).pull_off_force is None
+
+
+def test_dwell_ends_the_approach_at_its_first_row():
+    run = trace([0, 1, 2, 3, 4], [0, 1, 1, 1, 0], [0, 3, 2, 1, 0])
+    assert end_of_approach(run) == 1
+    assert observe(run).approach_force == 3
+
+
+def test_force_plateau_pulls_off_at_its_last_row():
+    run = trace([0, 0, 1, 2], [3, 1, 0, -4], [1, -2, -2, -2 + 1e-12])
+    assert observe(run).pull_off_time == 2
+
+
+def test_jump_counts_in_the_loop_integral():
+    assert observe(trace([0, 0], [2, 1], [4, -2])).loop_energy == pytest.approx(-1.0)
+
+
+def test_cycle_losses_of_a_linear_material():
+    storage, loss, amplitude, w = 3.0, 0.5, 0.1, 2.0
+    time = np.linspace(0, 4 * np.pi, 4001)
+    depth = amplitude * np.sin(w * time)
+    force = storage * depth + loss * amplitude * np.cos(w * time)
+    dissipated = 0.5 * loss * amplitude**2 * w * time
+    ends = np.arange(5) * np.pi + 1e-4
+    cycles = cycle_losses(trace(time, depth, force, loss=dissipated), ends)
+    assert len(cycles) == 3
+    for cycle in cycles:
+        assert cycle.loop == pytest.approx(np.pi * loss * amplitude**2, rel=1e-5)
+        assert cycle.dissipated == pytest.approx(np.pi * loss * amplitude**2, rel=1e-9)
+        assert cycle.angular_frequency == pytest.approx(w)
+
+
+def test_norms_by_hand():
+    run = trace([0, 2], [0, 0], [0, 4])
+    base = trace([0, 1, 2], [0, 0, 0], [0, 2, 2])
+    apart = distance(run, base)
+    assert apart is not None
+    assert apart.mean == pytest.approx(0.5 * 0.5 / 2 * 2 * 1.0)
+    assert apart.rms == pytest.approx(np.sqrt(4 / 3 / 2) / 2)
+    assert (apart.largest, apart.at, apart.covered) == (1.0, 2.0, 1.0)
+
+
+def test_sign_change_inside_an_interval():
+    apart = distance(trace([0, 2], [0, 0], [-1, 1]), trace([0, 2], [0, 0], [1, -1]))
+    assert apart is not None
+    assert apart.mean == pytest.approx(1.0)
+
+
+def test_norms_see_both_sides_of_a_jump():
+    run = trace([0, 1, 1, 2], [0, 0, 0, 0], [0, 0, 2, 2])
+    assert distance(run, run).largest == 0.0
+    late = trace([0, 1.5, 1.5, 2], [0, 0, 0, 0], [0, 0, 2, 2])
+    apart = distance(run, late)
+    assert apart is not None
+    assert apart.mean == pytest.approx(0.25)
+    assert parting_time(run, late, 1e-3) == 1.0
+    assert parting_time(run, run, 1e-3) is None
+
+
+def test_jump_at_the_first_row():
+    run = trace([0, 0, 1], [0, 0, 0], [5, 1, 1])
+    base = trace([0, 1], [0, 0], [1, 1])
+    apart = distance(run, base)
+    assert apart is not None
+    assert apart.mean == 0.0
+
+
+def test_shorter_run_is_compared_as_far_as_it_goes():
+    apart = distance(trace([0, 1], [0, 0], [1, 1]), trace([0, 4], [0, 0], [1, 1]))
+    assert apart is not None
+    assert (apart.until, apart.covered, apart.largest) == (1.0, 0.25, 0.0)
+    assert distance(trace([0], [0], [1]), trace([0, 1], [0, 0], [1, 1])) is None

@@ -1,0 +1,119 @@
+"""The largest contact a finite-element mesh has to hold, against closed forms."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Cone,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+)
+from validation.contact_range import SPARE, largest_contact_radius, mesh_for
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.jkr import JKR
+
+MATERIAL = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+
+
+def scene(*steps, indenter=None, adhesion=None, depth=0.0):
+    return Scene(MATERIAL, indenter or Sphere(1.0), Loading("relaxed", depth, steps), adhesion)
+
+
+def test_hertz_at_the_largest_penetration():
+    asked = scene(Ramp(0.04, 1.0), Hold(3.0), Ramp(-1.0, 1.0))
+    assert largest_contact_radius(asked) == pytest.approx(SPARE * 0.2)
+
+
+def test_cone():
+    flank = np.tan(np.radians(20.0))
+    asked = scene(indenter=Cone(70.0), depth=0.1)
+    assert largest_contact_radius(asked) == pytest.approx(SPARE * 0.1 / (0.5 * np.pi * flank))
+
+
+def test_jkr_under_penetration_and_under_force():
+    law = JKR(Sphere(1.0), 1.0, 5e-4)
+    sticky = Adhesion(5e-4, 0.013)
+    assert largest_contact_radius(scene(depth=0.03, adhesion=sticky)) == pytest.approx(
+        SPARE * law.at_penetration(0.03).contact_radius
+    )
+    pressed = scene(Force(0.05, 1.0), depth=0.001, adhesion=sticky)
+    assert largest_contact_radius(pressed) == pytest.approx(SPARE * law.at_force(0.05).contact_radius)
+
+
+def test_force_ramp_begins_with_the_force_it_finds():
+    """Relaxed at a relaxed start, which is the contact of that depth; else at most the glassy one."""
+    still = scene(depth=0.03)
+    assert largest_contact_radius(scene(ForceRamp(0.0, 1.0), depth=0.03)) == pytest.approx(
+        largest_contact_radius(still)
+    )
+    glassy = dataclasses.replace(still, loading=Loading("jump-in", 0.03, (ForceRamp(0.0, 1.0),)))
+    assert largest_contact_radius(glassy) == pytest.approx(10.0 ** (1 / 3) * largest_contact_radius(still))
+
+
+def test_amplitude_counts_whatever_its_sign():
+    for amplitude in (0.01, -0.01):
+        asked = scene(Oscillate(amplitude, 3.0, 100.0), depth=0.03)
+        assert largest_contact_radius(asked) == pytest.approx(SPARE * 0.2)
+
+
+def test_drift_counts_where_it_presses():
+    sinking, rising = (scene(Oscillate(0.01, 3.0, 100.0, drift), depth=0.03) for drift in (-1e-4, 1e-4))
+    assert largest_contact_radius(sinking) == pytest.approx(SPARE * np.sqrt(0.05))
+    assert largest_contact_radius(rising) == pytest.approx(SPARE * 0.2)
+
+
+def test_flat_punch_ends_at_its_edge():
+    assert largest_contact_radius(scene(indenter=FlatPunch(0.7), depth=0.1)) == 0.7
+
+
+def test_same_scene_in_other_units():
+    first = scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 0.013))
+    unit = 1e-9
+    second = dataclasses.replace(
+        first,
+        indenter=Sphere(unit),
+        loading=Loading("relaxed", 0.0, (Ramp(0.03 * unit, unit),)),
+        adhesion=Adhesion(5e-4 * unit, 0.013 * unit),
+    )
+    assert largest_contact_radius(second) == pytest.approx(
+        unit * largest_contact_radius(first), rel=1e-12, abs=0.0
+    )
+
+
+def test_no_contact_is_said():
+    with pytest.raises(SceneError, match="never brings a contact about"):
+        largest_contact_radius(scene(depth=-0.1))
+
+
+def test_mesh_resolves_the_zone_and_refuses_the_absurd():
+    sticky = scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 0.02))
+    mesh = mesh_for(sticky, 4)
+    assert mesh.parameters.fine_size == pytest.approx(0.005)
+    assert mesh.parameters.fine_to > largest_contact_radius(sticky)
+    with pytest.raises(SceneError, match="coarser"):
+        mesh_for(scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 1e-9)), None)
+
+
+def test_a_process_zone_holds_on_where_a_sharp_edge_has_let_go():
+    law = FiniteZone(1.0, 1.0, 5.026548e-4, 0.013)
+    limit = law.pull_off_penetration_control().penetration
+    assert limit < JKR(Sphere(1.0), 1.0, 5.026548e-4).pull_off_penetration_control().penetration
+    beyond = dataclasses.replace(
+        scene(adhesion=Adhesion(5.026548e-4, 0.013), depth=0.995 * limit), material=Material(1.0, 0.0)
+    )
+    assert largest_contact_radius(beyond) > law.at_penetration(0.995 * limit).contact_radius

@@ -1,0 +1,153 @@
+"""Steady opening and closing edges: the derivations redone by direct integration, ends, comparison laws."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+
+from contact_scene import Branch, Material
+from validation.reference import greenwood, persson_brener, prony_integrals, schapery, steady_crack
+
+ONE = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+THREE = Material(1.2, 0.3, (Branch(3.0, 0.05), Branch(2.0, 1.0), Branch(4.0, 8.0)))
+ELASTIC = Material(2.0, 0.4)
+ZONE = 0.01
+materials = pytest.mark.parametrize("material", [ONE, THREE], ids=["one", "three"])
+LAWS = {
+    "closure": steady_crack.opening,
+    "persson-brener": persson_brener.enhancement,
+    "persson-brener blunting": persson_brener.blunting_enhancement,
+    "schapery": schapery.enhancement,
+    "greenwood": greenwood.enhancement,
+    "greenwood fixed stress": greenwood.fixed_stress_enhancement,
+}
+laws = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
+
+
+def sines(function, end):
+    """``int_0^end function(y)/sqrt(y (end - y)) dy``: both square roots lifted by ``y = end sin^2 b``."""
+    return quad(lambda b: 2.0 * function(end * np.sin(b) ** 2), 0, np.pi / 2, epsrel=1e-10, limit=200)[0]
+
+
+@materials
+@pytest.mark.parametrize("speed", [1e-4, 0.01, 0.3, 30.0])
+def test_opening_by_direct_integration(material, speed):
+    """Gap by superposition of creep, then the closure, with K = 1."""
+
+    def gap(s):
+        # int_0^s J*((s-y)/v) dy/(2 sqrt y), y = s z^2
+        creep = quad(
+            lambda z: float(prony_integrals.creep(material, s * (1 - z * z) / speed)),
+            0,
+            1,
+            epsrel=1e-11,
+            limit=200,
+        )[0]
+        return 2.0 * np.sqrt(2.0 / np.pi) * np.sqrt(s) * creep
+
+    # int_0^da K/sqrt(2 pi s) g(da - s) ds
+    work = sines(lambda s: gap(ZONE - s) * np.sqrt(ZONE - s) / np.sqrt(2 * np.pi), ZONE) / (2 * ZONE)
+    release = 1.0 / (2.0 * material.relaxed_plane_modulus)
+    assert_allclose(release / work, steady_crack.opening(material, ZONE, speed), rtol=1e-7)
+
+
+@materials
+@pytest.mark.parametrize("speed", [1e-3, 0.01, 0.3, 30.0])
+def test_closing_by_direct_integration(material, speed):
+    """Stress by superposition of relaxation (its glassy part apart), then the closure, with N = 1."""
+    moduli, times = material.spectrum
+    plane = 1 / (1 - material.poisson**2)
+
+    def stress_times_root(s):
+        # sqrt(s) [Einf/sqrt(2 pi s) + (1/v) int_0^s E'((s-y)/v)/sqrt(2 pi y) dy], y = s (1 - z)^2
+        def fading(z):
+            y = s * (1 - z) ** 2
+            slope = -np.sum(moduli / times * np.exp(-(s - y) / (speed * times)))
+            return slope * 2.0 * np.sqrt(s)
+
+        faded = quad(fading, 0, 1, epsrel=1e-11, limit=300, points=[1e-4, 1e-2])[0] / speed
+        return plane * (material.glassy_modulus + faded * np.sqrt(s)) / np.sqrt(2 * np.pi)
+
+    gap = 2.0 * np.sqrt(2.0 / np.pi)
+    work = sines(lambda s: stress_times_root(s) * gap * (ZONE - s), ZONE) / (2 * ZONE)
+    release = material.relaxed_plane_modulus / 2.0  # K = E0* N
+    assert_allclose(release / work, steady_crack.closing(material, ZONE, speed), rtol=1e-6)
+
+
+def test_one_branch_formulas():
+    speed = np.geomspace(1e-4, 10.0, 11)
+    retarded, relaxed = ZONE / (speed * 10.0), ZONE / speed
+    opening = 1.0 / (1.0 - 0.9 * (1.0 - np.exp(-retarded)) / retarded)
+    closing = 1.0 / (1.0 + 9.0 * (1.0 - np.exp(-relaxed)) / relaxed)
+    assert_allclose(steady_crack.opening(ONE, ZONE, speed), opening, rtol=1e-11)
+    assert_allclose(steady_crack.closing(ONE, ZONE, speed), closing, rtol=1e-12)
+
+
+@materials
+@laws
+def test_every_opening_law_rises_from_one_to_the_ratio_of_moduli(material, law):
+    speed = np.geomspace(1e-12, 1e9, 22)
+    ratio = material.glassy_modulus / material.modulus
+    values = law(material, ZONE, speed)
+    assert np.all(np.diff(values) >= -1e-8)
+    assert_allclose(values[[0, -1]], [1.0, ratio], rtol=1e-6)
+
+
+@laws
+def test_an_elastic_half_space_is_not_enhanced(law):
+    assert_allclose(law(ELASTIC, ZONE, [1e-3, 1.0]), 1.0, rtol=1e-12)
+    assert_allclose(steady_crack.closing(ELASTIC, ZONE, [1e-3, 1.0]), 1.0, rtol=1e-12)
+
+
+@materials
+def test_closing_falls_from_one_to_the_inverse_ratio(material):
+    speed = np.geomspace(1e-12, 1e9, 60)
+    values = steady_crack.closing(material, ZONE, speed)
+    assert np.all(np.diff(values) <= 0.0)
+    assert_allclose(values[[0, -1]], [1.0, material.modulus / material.glassy_modulus], rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", [name for name in LAWS if name != "closure"])
+def test_the_comparison_laws_agree_with_the_closure_at_the_ends_only(name):
+    speed = np.geomspace(1e-4, 1e-1, 13)
+    difference = np.abs(LAWS[name](ONE, ZONE, speed) / steady_crack.opening(ONE, ZONE, speed) - 1)
+    assert np.max(difference) > 0.1
+
+
+def test_persson_brener_is_its_integral():
+    speed, tip = 0.02, ZONE
+    cut = 2 * np.pi * speed / tip
+
+    def integrand(phase):  # w = cut sin(phase)
+        w = cut * np.sin(phase)
+        return abs((1.0 / complex(THREE.complex_modulus(w))).imag) / np.tan(phase) * np.cos(phase)
+
+    lost = 2 / np.pi * THREE.modulus * quad(integrand, 0, np.pi / 2, epsrel=1e-11)[0]
+    assert_allclose(persson_brener.enhancement(THREE, tip, speed), 1 / (1 - lost), rtol=1e-9)
+
+
+def test_self_consistent_laws_solve_their_own_condition():
+    for free, fixed in (
+        (persson_brener.blunting_enhancement, persson_brener.enhancement),
+        (greenwood.fixed_stress_enhancement, greenwood.enhancement),
+    ):
+        g = float(free(THREE, ZONE, 0.05))
+        assert_allclose(fixed(THREE, g * ZONE, 0.05), g, rtol=1e-9)
+
+
+def test_greenwood_weight_comes_from_the_dugdale_opening():
+    """Elastic case by quadrature: the opening slope integrates to one, so dg = K^2/(2 E*)."""
+    weight = quad(lambda z: 0.5 * np.log((1 + np.sqrt(z)) / (1 - np.sqrt(z))), 0, 1, epsrel=1e-10)[0]
+    assert_allclose(weight, 1.0, rtol=1e-8)
+    mean = quad(
+        lambda z: (
+            0.5
+            * np.log((1 + np.sqrt(z)) / (1 - np.sqrt(z)))
+            * float(ONE.creep_compliance((1 - z) * ZONE / 0.02))
+        ),
+        0,
+        1,
+        epsrel=1e-10,
+        limit=200,
+    )[0]
+    assert_allclose(greenwood.enhancement(ONE, ZONE, 0.02), 1 / (ONE.modulus * mean), rtol=1e-7)

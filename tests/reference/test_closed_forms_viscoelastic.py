@@ -1,0 +1,203 @@
+"""Adhesionless viscoelastic closed forms: Lee-Radok, Ting, the oscillating punch, and Prony averages."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad, solve_ivp
+
+from contact_scene import (
+    Branch,
+    BulkRelaxation,
+    Cone,
+    FlatPunch,
+    Material,
+    PowerLaw,
+    Sphere,
+    TabulatedProfile,
+    UnsupportedScene,
+)
+from validation.reference import hertz, lee_radok, prony_integrals, punch_oscillation, sneddon
+from validation.reference.ting import Ting
+
+ONE = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+WIDE = Material(
+    1.2, 0.3, (Branch(3.0, 1e-3), Branch(2.0, 0.1), Branch(0.5, 0.7), Branch(4.0, 30.0), Branch(1.0, 1e5))
+)
+ELASTIC = Material(2.0, 0.4)
+TABLE = TabulatedProfile(
+    tuple(np.linspace(0, 1, 13)), tuple(0.5 * np.linspace(0, 1, 13) ** 2 + np.linspace(0, 1, 13) ** 4)
+)
+SHAPES = [Sphere(1.0), Cone(80.0), PowerLaw(3.0, 1.5), FlatPunch(0.2), TABLE]
+shapes = pytest.mark.parametrize("indenter", SHAPES, ids=lambda s: s.shape)
+materials = pytest.mark.parametrize("material", [ONE, WIDE, ELASTIC], ids=["one", "five", "elastic"])
+
+
+@materials
+@pytest.mark.parametrize("time", [1e-6, 1e-2, 1.0, 1e3])
+def test_prony_averages(material, time):
+    edges = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 40) * time])
+    for function, mean, integral in (
+        (prony_integrals.relaxation, prony_integrals.mean_relaxation, prony_integrals.relaxation_integral),
+        (prony_integrals.creep, prony_integrals.mean_creep, prony_integrals.creep_integral),
+    ):
+        pieces = pairwise(edges)
+        direct = sum(quad(lambda s: float(function(material, s)), a, b)[0] for a, b in pieces)  # noqa: B023
+        assert_allclose(integral(material, time), direct, rtol=1e-11)
+        assert_allclose(mean(material, time), direct / time, rtol=1e-11)
+        assert_allclose(mean(material, 0.0), function(material, 0.0), rtol=1e-14)
+        assert_allclose(mean(material, np.inf), function(material, 1e12), rtol=1e-12)
+
+
+def test_a_poisson_ratio_that_varies_is_refused():
+    separate = Material(1.0, 0.3, (Branch(1.0, 1.0),), BulkRelaxation(2.0))
+    with pytest.raises(UnsupportedScene, match="constant Poisson's ratio"):
+        Ting(separate, Sphere(1.0), 0.05, 1.0, 0.05).force(0.5)
+
+
+def test_check_values_of_the_one_branch_cycle():
+    cycle = Ting(ONE, Sphere(1.0), 0.05, 1.0, 0.05)
+    time = np.array([0.5, 1.0, 1.2710490])
+    assert_allclose(cycle.contact_radius(time), [0.1581139, 0.2236068, 0.1795367], atol=5.1e-8)
+    assert_allclose(cycle.force(time), [0.04443517, 0.10786683, 0.03680143], atol=5.1e-9)
+    assert_allclose(cycle.detachment(), 1.5420981, atol=5.1e-8)
+    assert_allclose(cycle.penetration(cycle.detachment()), 0.0228951, atol=5.1e-8)
+    radius, force = lee_radok.ramp(ONE, Sphere(1.0), 0.05, time[:2])
+    assert_allclose(radius, [0.1581139, 0.2236068], atol=5.1e-8)
+    assert_allclose(force, [0.04443517, 0.10786683], atol=5.1e-9)
+
+
+@materials
+@shapes
+def test_a_ramp_is_its_convolution(material, indenter):
+    time, rate = 0.9, 0.05
+    radius, force = lee_radok.ramp(material, indenter, rate, time)
+    assert_allclose(radius, sneddon.contact_radius(indenter, rate * time), rtol=1e-13)
+    direct = lee_radok.history_force(material, indenter, lambda t: rate * t, lambda t: rate, time)
+    assert_allclose(force, direct, rtol=1e-9)
+
+
+def test_lee_radok_is_elastic_at_both_ends():
+    sphere = Sphere(1.0)
+    for rate, modulus in ((1e-9, 1.0), (1e9, 10.0)):
+        radius, force = lee_radok.ramp(ONE, sphere, rate, 0.04 / rate)
+        assert_allclose(force, hertz.force(radius, 1.0, modulus), rtol=1e-6)
+
+
+@shapes
+def test_creep_under_a_dead_load_inverts_the_convolution(indenter):
+    """The contact radius under ``F = rate t`` put back into the relaxation integral gives the force again."""
+    rate, time = 0.02, 0.8
+    if isinstance(indenter, FlatPunch):
+        assert_allclose(lee_radok.radius_under_force_ramp(ONE, indenter, rate, [0.1, time]), indenter.radius)
+        return
+
+    def radius(t):
+        return float(lee_radok.radius_under_force_ramp(ONE, indenter, rate, t))
+
+    def unit_force(t):
+        return float(sneddon.force(indenter, radius(t), 1.0))
+
+    # F = E*(0) P(t) + int dE*/ds(s) P(t - s) ds, P the elastic force per unit modulus.
+    slope = -9.0  # of E* at zero, decaying with exp(-t)
+    memory = quad(lambda s: slope * np.exp(-s) * unit_force(time - s), 0.0, time, epsrel=1e-9)[0]
+    assert_allclose(10.0 * unit_force(time) + memory, rate * time, rtol=1e-8)
+
+
+@shapes
+def test_creep_after_a_step_ends_in_the_relaxed_contact(indenter):
+    load = 1e-3
+    early, late = lee_radok.radius_under_force_step(ONE, indenter, load, [0.0, 1e6])
+    if isinstance(indenter, FlatPunch):
+        assert early == late == indenter.radius
+    else:
+        assert_allclose(sneddon.force(indenter, early, 10.0), load, rtol=1e-10)
+        assert_allclose(sneddon.force(indenter, late, 1.0), load, rtol=1e-10)
+
+
+@shapes
+@pytest.mark.parametrize("hold", [0.0, 0.4])
+def test_ting_satisfies_its_two_integrals(indenter, hold):
+    cycle = Ting(WIDE, indenter, 0.05, 1.0, 0.08, hold)
+    time = 1.0 + hold + 0.3 * (cycle.detachment() - 1.0 - hold)
+    first = cycle.arrival(time)
+    assert 0.0 < first < 1.0
+
+    def kernel(s):
+        return float(prony_integrals.relaxation(WIDE, time - s))
+
+    def integral(function, low, high):
+        recent = time - np.geomspace(1.0, 1e-6, 30)
+        marks = np.unique([low, *recent[(recent > low) & (recent < high)], high])
+        return sum(quad(function, a, b, epsabs=0.0, epsrel=1e-10)[0] for a, b in pairwise(marks))
+
+    rise, fall = integral(kernel, first, 1.0), integral(kernel, 1.0 + hold, time)
+    assert_allclose(0.05 * rise, 0.08 * fall, rtol=1e-9)
+    direct = integral(lambda s: 2 * 0.05 * sneddon.contact_radius(indenter, 0.05 * s) * kernel(s), 0.0, first)
+    if not isinstance(indenter, FlatPunch):  # whose whole face is one point of the transform
+        assert_allclose(cycle.force(time), direct, rtol=1e-8)
+    assert_allclose(cycle.contact_radius(time), sneddon.contact_radius(indenter, 0.05 * first), rtol=1e-12)
+
+
+@shapes
+def test_ting_force_is_continuous_and_ends_at_zero(indenter):
+    cycle = Ting(WIDE, indenter, 0.05, 1.0, 0.08, 0.2)
+    before, after = cycle.force([1.2 - 1e-9, 1.2 + 1e-9])
+    assert_allclose(before, after, rtol=1e-6)
+    end = cycle.detachment()
+    peak = float(cycle.force(1.0))
+    assert abs(float(cycle.force(end * (1 - 1e-9)))) < 1e-6 * peak
+    assert float(cycle.force(end * (1 + 1e-9))) == 0.0
+    assert float(cycle.contact_radius(end * (1 + 1e-9))) == 0.0
+    assert cycle.penetration(end) > 0.0
+
+
+@shapes
+def test_ting_of_an_elastic_half_space_is_reversible(indenter):
+    cycle = Ting(ELASTIC, indenter, 0.05, 1.0, 0.1)
+    up, down = 0.6, 1.2  # the same penetration, 0.03
+    assert_allclose(cycle.penetration(down), cycle.penetration(up), rtol=1e-13)
+    assert_allclose(cycle.force(down), cycle.force(up), rtol=1e-12)
+    expected = sneddon.unit_force(indenter, sneddon.contact_radius(indenter, 0.03), 0.03)
+    assert_allclose(cycle.force(up), ELASTIC.relaxed_plane_modulus * expected, rtol=1e-12)
+    assert_allclose(cycle.detachment(), 1.5, rtol=1e-13)
+
+
+def test_ting_slow_and_fast_are_elastic():
+    for speed, modulus in ((1e-8, 1.0), (1e8, 10.0)):
+        cycle = Ting(ONE, Sphere(1.0), speed, 0.05 / speed, speed)
+        time = np.array([0.3, 1.0, 1.4]) * 0.05 / speed
+        expected = hertz.force(np.sqrt(cycle.penetration(time)), 1.0, modulus)
+        assert_allclose(cycle.force(time), expected, rtol=1e-5)
+
+
+@materials
+def test_oscillating_punch_is_the_solution_of_its_branch_equations(material):
+    radius, frequency, amplitude, end = 0.3, 2.3, 0.01, 1.7
+    moduli, times = material.spectrum
+
+    def rates(t, stress):
+        return moduli * amplitude * frequency * np.cos(frequency * t) - stress / times
+
+    branches = 0.0
+    if len(moduli):
+        run = solve_ivp(rates, (0, end), np.zeros(len(moduli)), method="Radau", rtol=1e-10, atol=1e-14)
+        branches = run.y[:, -1].sum()
+    plane = 1 / (1 - material.poisson**2)
+    expected = 2 * radius * plane * (material.modulus * amplitude * np.sin(frequency * end) + branches)
+    force = punch_oscillation.force(material, radius, frequency, amplitude, end)
+    assert_allclose(force, expected, rtol=1e-7)
+
+
+def test_oscillating_punch_settles_to_the_complex_modulus():
+    radius, frequency, amplitude = 0.3, 2.3, 0.01
+    period = 2 * np.pi / frequency
+    time = 40.0 + np.linspace(0, period, 2000, endpoint=False)
+    force = punch_oscillation.force(ONE, radius, frequency, amplitude, time)
+    stiffness = complex(punch_oscillation.dynamic_stiffness(ONE, radius, frequency))
+    assert_allclose(force, (stiffness * amplitude * np.exp(1j * frequency * time)).imag, atol=1e-14)
+    loss = np.mean(force * amplitude * frequency * np.cos(frequency * time)) * period
+    assert_allclose(loss, punch_oscillation.loss_per_cycle(ONE, radius, frequency, amplitude), rtol=1e-12)
+    slow, fast = punch_oscillation.dynamic_stiffness(ONE, radius, [1e-9, 1e9])
+    assert_allclose([slow, fast], [0.6, 6.0], rtol=1e-7)

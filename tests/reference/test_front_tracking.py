@@ -1,0 +1,268 @@
+"""Front tracking against the check values of the model, its own convergence, and energy."""
+
+import math
+import time
+from functools import cache
+
+import numpy as np
+import pytest
+
+from contact_scene import Adhesion, Branch, Loading, Material, OutcomeKind, Ramp, Scene, Sphere, Sweep, Trace
+from validation.measure.observables import Observables, observe
+from validation.reference import Options, solve
+from validation.reference.tracking.energy import branch_power
+from validation.reference.tracking.record import Record
+from validation.studies.reference_accuracy import COLUMNS, MATERIALS, cycle, levels, order
+
+WORK = math.pi * 1.6e-4  # gamma~ = 1.6e-4 with R = 1, E0* = 1
+F_JKR = 1.5 * math.pi * WORK
+ZONE = 0.013
+ONE = (Branch(6.75, 1.0),)
+
+
+@cache
+def _run(speed: float, resolution: int | None = None, material: str = "one") -> Trace:
+    return solve(cycle(speed, material), Options(resolution=resolution))
+
+
+def _seen(trace: Trace) -> Observables:
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    return observe(trace)
+
+
+def _elastic(modulus: float) -> Scene:
+    loading = Loading("relaxed", 0.032, (Ramp(-0.5, 0.01),))
+    return Scene(Material(modulus, 0.5), Sphere(1.0), loading, Adhesion(WORK, ZONE))
+
+
+# Digits of an independent prototype; the tolerance is half a unit of the last, or 1e-5.
+CYCLES = {
+    0.002: {
+        "approach_radius": (0.21116, 5e-6),
+        "approach_force": (4.2685e-3 * math.pi, 5e-8 * math.pi),
+        "pull_off_force": (4.5242 * F_JKR, 1e-4 * F_JKR),
+        "pull_off_radius": (0.1543, 3e-4),
+        "detachment_penetration": (-0.02277, 5e-6),
+        "loop_energy": (1.8872e-4 * math.pi, 1e-8 * math.pi),
+    },
+    0.02: {
+        "approach_radius": (0.20183, 5e-6),
+        "approach_force": (1.47721e-2 * math.pi, 5e-8 * math.pi),
+        "pull_off_force": (4.300 * F_JKR, 1e-4 * F_JKR),
+        "pull_off_penetration": (0.01469, 1e-5),
+        "detachment_penetration": (0.013264, 5e-7),
+        "loop_energy": (1.5104e-4 * math.pi, 1.2e-8 * math.pi),
+    },
+    0.1: {
+        "approach_radius": (0.20092, 5e-6),
+        "approach_force": (2.13035e-2 * math.pi, 1e-7 * math.pi),
+        "pull_off_force": (1.7023 * F_JKR, 1e-4 * F_JKR),
+        "detachment_penetration": (0.0042386, 5e-8),
+        "loop_energy": (7.469e-5 * math.pi, 1e-8 * math.pi),
+    },
+}
+
+
+@pytest.mark.parametrize("speed", CYCLES)
+def test_check_values_of_the_cycles(speed: float) -> None:
+    seen = _seen(_run(speed)).as_dict()
+    for name, (value, slack) in CYCLES[speed].items():
+        assert seen[name] == pytest.approx(value, abs=slack), name
+
+
+def test_relaxed_equilibrium_and_elastic_pull_off() -> None:
+    soft, stiff = solve(_elastic(0.75)), solve(_elastic(7.5))
+    assert soft.contact_radius[0] == pytest.approx(0.245149, abs=5e-7)
+    assert soft.force[0] == pytest.approx(2.0 * (0.032 * 0.245149 - 0.245149**3 / 3.0), rel=1e-5)
+    assert soft.force[0] == pytest.approx(1.87e-3 * math.pi, abs=5e-6 * math.pi)
+    assert _seen(soft).pull_off_force == pytest.approx(1.02693 * F_JKR, rel=5e-6)
+    assert _seen(stiff).pull_off_force == pytest.approx(1.05837 * F_JKR, rel=5e-6)
+
+
+def test_fast_retraction_from_the_relaxed_state() -> None:
+    scene = Scene(
+        Material(0.75, 0.5, ONE), Sphere(1.0), Loading("relaxed", 0.032, (Ramp(-0.5, 100.0),)),
+        Adhesion(WORK, ZONE),
+    )  # fmt: skip
+    seen = _seen(solve(scene))
+    assert seen.pull_off_force == pytest.approx(9.857 * F_JKR, rel=5e-5)
+    assert seen.pull_off_penetration == pytest.approx(0.02556, abs=1e-5)
+    assert seen.pull_off_radius == pytest.approx(0.232, abs=5e-4)
+
+
+MORE = ("two", "seven", "thirty")
+QUICK = [pytest.param(name, marks=pytest.mark.slow) if name in MORE[1:] else name for name in MATERIALS]
+
+
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    ("speed", "material"),
+    [(0.02, "one"), *(pytest.param(0.02, m, marks=SLOW) for m in MORE)]
+    + [pytest.param(v, "one", marks=SLOW) for v in (0.1, 0.002)],
+)
+def test_order_in_the_step(speed: float, material: str) -> None:
+    """Two or better in all that is measured, and small errors: 4 to 16 divisions against 48."""
+    found = levels(cycle(speed, material), (4, 8, 16), 48)
+    for name in COLUMNS:
+        assert 1.8 <= order(found, name) <= 6.0, name
+    assert found[-1].worst <= 2e-6
+    assert all(0.0 < estimate <= 2e-5 for estimate in found[-1].estimates.values())
+
+
+@pytest.mark.parametrize("material", QUICK)
+def test_default_settings_against_a_finer_run(material: str) -> None:
+    usual, fine = _run(0.02, None, material), _run(0.02, 32, material)
+    one, two = _seen(usual), _seen(fine)
+    for name in ("approach_force", "approach_radius", "pull_off_force", "loop_energy"):
+        assert getattr(one, name) == pytest.approx(getattr(two, name), rel=2e-5), name
+
+
+@pytest.mark.parametrize("speed", [0.1, *(pytest.param(v, marks=pytest.mark.slow) for v in (0.02, 0.002))])
+def test_own_error_estimates(speed: float) -> None:
+    trace = solve(cycle(speed), Options(estimate_errors=True))
+    assert set(trace.errors) == {"pull_off_force", "loop_energy", "contact_radius", "force"}
+    assert all(0.0 < error <= 2e-5 for error in trace.errors.values())
+    coarse = solve(cycle(speed), Options(resolution=4, estimate_errors=True))
+    for name in ("loop_energy", "contact_radius", "force"):
+        assert coarse.errors[name] > trace.errors[name], name
+    for name in ("pull_off_force", "loop_energy"):
+        real = abs(getattr(_seen(coarse), name) / getattr(_seen(_run(speed, 32)), name) - 1.0)
+        assert real < 3.0 * coarse.errors[name] + 5e-6, name
+
+
+@pytest.mark.slow
+def test_slow_approach_resolves_the_layer_behind_the_edge() -> None:
+    """Steps of several relaxation times; the layer is a hundredth of the process zone."""
+    usual, fine = _run(2e-5), _run(2e-5, 32)
+    assert np.diff(usual.time).max() > 3.0
+    for name in ("approach_force", "approach_radius", "pull_off_force"):
+        assert getattr(_seen(usual), name) == pytest.approx(getattr(_seen(fine), name), rel=2e-5), name
+
+
+@pytest.mark.parametrize("material", ["one", "two"])
+def test_branches_dissipate_what_the_balance_says(material: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The branch integral, taken from the fields step by step, against work, energy and tip release."""
+    power: list[tuple[float, float]] = []
+    add = Record.add
+
+    def watched(self, time, surface, force):  # type: ignore[no-untyped-def]
+        power.append((time, branch_power(surface, self.body)))
+        add(self, time, surface, force)
+
+    monkeypatch.setattr(Record, "add", watched)
+    trace = solve(cycle(0.02, material), Options(resolution=32))
+    at, rate = np.array(power[:-1]).T
+    direct = np.concatenate(([0.0], np.cumsum(np.diff(at) * 0.5 * (rate[1:] + rate[:-1]))))
+    column = np.interp(at, trace.time[:-1], trace.extra["branch_dissipation"][:-1])
+    assert np.abs(direct - column).max() < 1e-4 * column[-1]
+
+
+def test_thirty_branches_over_fifteen_decades() -> None:
+    """Times from 1e-10 to 1e5: the number of steps depends on what happens, not on the shortest time."""
+    trace = _run(0.02, 8, "thirty")
+    assert len(trace) < 600
+    seen = _seen(trace)
+    assert seen.pull_off_force == pytest.approx(1.37955 * F_JKR, rel=1e-4)
+    assert seen.approach_force == pytest.approx(9.517953e-3 * math.pi, rel=1e-5)
+
+
+def test_energy_columns() -> None:
+    trace = _run(0.02)
+    area = math.pi * trace.contact_radius**2
+    loss = trace.external_work + WORK * (area - area[0]) - (trace.stored_energy - trace.stored_energy[0])
+    np.testing.assert_allclose(trace.dissipated_energy, loss, atol=1e-15)
+    assert trace.external_work[-1] == pytest.approx(_seen(trace).loop_energy, rel=2e-5)
+    assert np.diff(trace.dissipated_energy).min() > -1e-4 * trace.dissipated_energy[-1]
+    tip = trace.extra["stress_intensity_factor"][:-1] ** 2 / (2.0 * 10.0)
+    surplus = np.diff(trace.extra["branch_dissipation"] - trace.dissipated_energy)[:-1]
+    expected = (WORK - 0.5 * (tip[1:] + tip[:-1])) * -np.diff(area[:-1])
+    assert np.abs(surplus - expected).sum() < 1e-4 * trace.dissipated_energy[-1]
+
+
+def test_energy_release_rate_of_an_elastic_contact_is_the_work_of_adhesion() -> None:
+    """Up to the bias of the finite zone: it vanishes with the zone."""
+    bias = []
+    for zone in (0.013, 0.0065):
+        scene = Scene(
+            Material(0.75, 0.5), Sphere(1.0), Loading("relaxed", 0.032, (Ramp(-0.001, 0.01),)),
+            Adhesion(WORK, zone),
+        )  # fmt: skip
+        rate = solve(scene).extra["energy_release_rate"]
+        assert np.isfinite(rate).all()
+        bias.append(np.abs(rate[1:] / WORK - 1.0).max())
+    assert bias[0] < 0.03
+    assert bias[1] == pytest.approx(0.5 * bias[0], rel=0.1)
+
+
+def test_any_system_of_units() -> None:
+    """Lengths in micrometres, forces in micronewtons, times in milliseconds."""
+    length, force, second = 1e6, 2.5e6, 1e3
+    modulus = force / length**2
+    scene = Scene(
+        Material(0.75 * modulus, 0.5, (Branch(6.75 * modulus, second),)),
+        Sphere(length),
+        Loading(
+            "jump-in",
+            0.0,
+            (Ramp(0.032 * length, 0.1 * length / second), Ramp(-length, 0.1 * length / second)),
+        ),
+        Adhesion(WORK * force / length, ZONE * length),
+    )
+    one, two = _seen(_run(0.1)), _seen(solve(scene))
+    assert two.pull_off_force == pytest.approx(one.pull_off_force * force, rel=1e-6)
+    assert two.loop_energy == pytest.approx(one.loop_energy * force * length, rel=1e-6)
+    assert two.detachment_time == pytest.approx(one.detachment_time * second, rel=1e-7)
+
+
+def _sweep(duration: float) -> Scene:
+    return Scene(
+        Material(0.75, 0.5, ONE), Sphere(1.0),
+        Loading("relaxed", 5.7e-5, (Sweep(-1.7e-5, 0.006, duration),)), Adhesion(math.pi * 5e-8, 8.5e-4),
+    )  # fmt: skip
+
+
+def _cycle_ends(duration: float) -> tuple[float, ...]:
+    count = int(0.006 * duration**2 / (4.0 * math.pi))
+    return tuple(np.sqrt(4.0 * math.pi * np.arange(1, count + 1) / 0.006))
+
+
+def test_sweep_goes_over_its_own_tracks() -> None:
+    """Re-advance over released surface, with thinning: rows at the ends of cycles against a finer run."""
+    ends = _cycle_ends(66.0)
+    usual = solve(_sweep(66.0), Options(profile_times=ends))
+    fine = solve(_sweep(66.0), Options(profile_times=ends, resolution=32))
+    assert usual.contact_radius[0] == pytest.approx(0.01311, abs=5e-6)
+    for column in ("force", "contact_radius"):
+        one, two = (getattr(t, column)[np.searchsorted(t.time, ends)] for t in (usual, fine))
+        assert np.abs(one - two).max() < 2e-5 * np.abs(getattr(fine, column)).max()
+
+
+@pytest.mark.slow
+def test_sweep_loses_most_at_one_over_the_relaxation_time() -> None:
+    ends = _cycle_ends(420.0)
+    trace = solve(_sweep(420.0), Options(profile_times=ends))
+    losses = np.diff(trace.dissipated_energy[np.searchsorted(trace.time, ends)]) / math.pi
+    frequency = 2.0 * math.pi / np.diff(ends)
+    best = int(np.argmax(losses))
+    assert frequency[best] == pytest.approx(1.0, abs=0.1)
+    assert losses[best] == pytest.approx(3.17e-11, rel=5e-3)
+
+
+def _seconds(scene: Scene) -> float:
+    """Processor time on one core: independent of what else the machine is doing, as far as that goes."""
+    began = time.process_time()
+    solve(scene)
+    return time.process_time() - began
+
+
+@pytest.mark.benchmark
+@pytest.mark.parametrize("speed", [0.002, 0.02, 0.1])
+def test_a_cycle_takes_a_second(speed: float) -> None:
+    assert min(_seconds(cycle(speed)) for _ in range(3)) <= 1.0
+
+
+@pytest.mark.benchmark
+def test_a_hundred_cycles_take_twenty_seconds() -> None:
+    assert _seconds(_sweep(460.0)) <= 20.0

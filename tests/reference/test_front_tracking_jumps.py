@@ -1,0 +1,243 @@
+"""Front tracking where something happens in no time: jumps of the load, first contact, loss of contact."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    OutcomeKind,
+    PowerLaw,
+    Ramp,
+    Scene,
+    Sphere,
+    Table,
+    TabulatedProfile,
+)
+from validation.reference import Options, sneddon, solve
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.frozen import FrozenRetraction
+from validation.reference.tracking.dense_output import cubics
+from validation.reference.tracking.root import rising_root
+from validation.reference.tracking.stepping import Run
+
+WORK = math.pi * 1.6e-4
+ELASTIC = Material(0.75, 0.5)
+RUBBER = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+COARSE = Options(resolution=4)
+
+
+def _scene(steps, depth=0.0, start="jump-in", shape=None, material=ELASTIC, adhesion=None):  # type: ignore[no-untyped-def]
+    return Scene(material, shape or Sphere(1.0), Loading(start, depth, tuple(steps)), adhesion)
+
+
+@pytest.mark.parametrize(("shape", "before"), [(Sphere(1.0), 0.0), (PowerLaw(5.0, 62.5), -0.001)])
+def test_an_elastic_jump_does_the_stored_work(shape, before) -> None:  # type: ignore[no-untyped-def]
+    """Into contact from a distance, to another depth, and off."""
+    jumps = [Table((0.0, 1.0), (depth, depth)) for depth in (0.019, 0.012, -0.1)]
+    trace = solve(_scene(jumps, before, shape=shape), COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.outcome.time == 2.0
+    np.testing.assert_allclose(
+        trace.external_work, trace.stored_energy, atol=2e-6 * trace.stored_energy.max()
+    )
+    if isinstance(shape, Sphere):
+        assert trace.external_work.max() == pytest.approx(8.0 / 15.0 * 0.019**2.5, rel=2e-6)
+
+
+def test_dashpots_do_not_move_in_no_time() -> None:
+    trace = solve(
+        _scene((Hold(1.0), Force(-0.002, 0.1), Ramp(-0.1, 1.0)), 0.02, material=RUBBER,
+               adhesion=Adhesion(WORK, 0.013)), Options(resolution=8),
+    )  # fmt: skip
+    stands = np.diff(trace.time) == 0.0
+    assert np.count_nonzero(stands) > 10
+    assert not np.diff(trace.extra["branch_dissipation"])[stands].any()
+    loss = np.diff(trace.dissipated_energy)[stands][:-1]  # the last row is the snap to the free surface
+    assert np.abs(loss).max() < 1e-3 * trace.stored_energy.max()
+
+
+def test_force_jumps_from_nothing_and_back() -> None:
+    """Hertz at the glassy modulus at once; the loss of the branches is that of the balance."""
+    trace = solve(_scene((Force(0.01, 1.0), Force(0.005, 1.0), Force(-1.0, 1.0)), material=RUBBER), COARSE)
+    first = int(np.searchsorted(trace.time, 0.0, side="right")) - 1
+    assert trace.force[first] == pytest.approx(0.01, rel=1e-9)
+    assert trace.contact_radius[first] == pytest.approx((0.75 * 0.01 / 10.0) ** (1 / 3), rel=1e-6)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.outcome.time == pytest.approx(2.0)
+    assert trace.force.min() >= 0.0
+    lost = trace.dissipated_energy[-1]
+    assert trace.extra["branch_dissipation"][-1] == pytest.approx(lost, rel=1e-4)
+
+
+@pytest.mark.parametrize("depth", [-0.005, 0.0])
+@pytest.mark.parametrize("step", [Force(-0.002, 1.0), ForceRamp(-0.002, 0.01)])
+def test_pulling_at_nothing(depth: float, step) -> None:  # type: ignore[no-untyped-def]
+    trace = solve(_scene((step,), depth, material=RUBBER), COARSE)
+    assert (trace.outcome.kind, trace.outcome.reason) == (OutcomeKind.DETACHED, "pulled without contact")
+    assert not trace.force.any()
+
+
+@pytest.mark.parametrize("force", [0.0, 1e-80])
+def test_no_force_to_speak_of(force: float) -> None:
+    trace = solve(_scene((Force(force, 1.0),), -0.005, material=RUBBER), COARSE)
+    assert trace.outcome.finished
+    assert np.abs(trace.force).max() <= 1e-20
+    assert not trace.contact_radius.any()
+
+
+def test_a_punch_lands_and_lifts_off_with_all_of_its_face() -> None:
+    """On an oscillation; contact is lost where ``int E(t - s) D'(s) ds`` from the landing on vanishes."""
+    material = Material(0.75, 0.5, (Branch(3.0, 0.5), Branch(0.5, 5.0)))
+    steps = (Oscillate(0.00813, 11.89, 0.95, -0.003), Ramp(0.00776, 0.00865))
+    trace = solve(_scene(steps, -0.00228, "relaxed", FlatPunch(0.2), material), COARSE)
+    assert set(np.unique(trace.contact_radius[trace.time < 0.236])) == {0.0, 0.2}
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.outcome.time == pytest.approx(0.2364678471583686, abs=1e-7)  # by quadrature and brentq
+
+
+@pytest.mark.slow
+def test_a_steep_profile_lifts_off() -> None:
+    material = Material(1.0, 0.0, (Branch(1.0, 17.8), Branch(1.0, 5.65)))
+    trace = solve(_scene((Ramp(-9e-4, 1e-4),), 2e-4, "relaxed", PowerLaw(7.26, 2376.4), material), COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.penetration[-1] == pytest.approx(1.31574e-4, rel=1e-4)
+
+
+def test_the_outermost_of_several_equilibria_is_the_start() -> None:
+    """A dome and, a little higher, a terrace: the contact may end on either."""
+    radii = (0.0, 0.05, 0.1, 0.12, 0.14, 0.2, 0.26, 0.3, 0.6)
+    heights = (0.0, 0.0005, 0.002, 0.004, 0.0062, 0.0063, 0.0064, 0.02, 0.2)
+    shape, glue = TabulatedProfile(radii, heights), Adhesion(WORK / 16, 0.004)
+    inner = solve(_scene((), 0.0, "relaxed", shape, adhesion=glue))
+    outer = solve(_scene((), 0.001, "relaxed", shape, adhesion=glue))
+    assert inner.contact_radius[0] == pytest.approx(0.0972, abs=1e-3)
+    assert outer.contact_radius[0] == pytest.approx(0.2601, abs=1e-3)
+    # The inner one is stable there, too: an approach from below is still on it.
+    pulled_slowly = solve(_scene((Ramp(0.001, 1.0),), 0.0, "relaxed", shape, adhesion=glue))
+    assert pulled_slowly.contact_radius[-1] < 0.12
+    assert not pulled_slowly.events
+
+
+def test_a_root_is_never_extrapolated_out_of_its_limits() -> None:
+    """Close to a limit point the secant is flat and points far away."""
+
+    def flat(x: float) -> float:
+        return 1e-9 + 1e-8 * (x - 1.0)
+
+    assert rising_root(flat, 1.0, 1e-3, 0.0, (0.99, 1.01), 1e-8) is None
+
+
+def test_rows_in_between_do_not_look_across_a_bend() -> None:
+    time = np.arange(10.0)
+
+    def bent(t: np.ndarray) -> np.ndarray:
+        return np.column_stack((t**2 + 5.0 * np.maximum(t - 4.4, 0.0), 3.0 - t**2 + np.maximum(3.7 - t, 0.0)))
+
+    index = np.array([1, 2, 3, 4, 5, 6])
+    at = time[index] + 0.5
+    off = np.abs(cubics(time, bent(time), np.array([0, 9]), index, at) - bent(at))
+    assert off[[0, 1, 2, 4, 5], 0].max() < 1e-12  # all but the interval with the bend in it
+    assert off[[0, 1, 3, 4, 5], 1].max() < 1e-12
+
+
+def test_rows_in_between_are_cubics() -> None:
+    time = np.array([0.0, 0.3, 0.4, 1.0, 1.0, 1.5, 2.5])
+    values = np.column_stack((time**3 - time, np.where(np.arange(7) < 4, time**3, 5.0 - 2.0 * time)))
+    at = np.array([0.1, 0.35, 0.9, 1.2, 2.0])
+    got = cubics(time, values, np.array([0, 3, 4, 6]), np.array([0, 1, 2, 4, 5]), at)
+    np.testing.assert_allclose(got[:3, 0], at[:3] ** 3 - at[:3], atol=1e-14)
+    np.testing.assert_allclose(got[:3, 1], at[:3] ** 3, atol=1e-14)
+    np.testing.assert_allclose(got[3:, 1], 5.0 - 2.0 * at[3:], atol=1e-14)
+
+
+@given(
+    st.lists(st.integers(-12, 0), min_size=5, max_size=5),
+    st.lists(st.floats(0.0, 1.0), min_size=6, max_size=6),
+)
+def test_rows_in_between_stay_with_their_neighbours(decades: list[int], heights: list[float]) -> None:
+    """However unevenly the rows are spaced."""
+    time = np.concatenate(([0.0], np.cumsum(10.0 ** np.array(decades))))
+    index = np.arange(5)
+    got = cubics(time, np.array(heights)[:, None], np.array([0, 5]), index, 0.5 * (time[1:] + time[:-1]))
+    assert got.min() >= -1.0
+    assert got.max() <= 2.0
+
+
+def test_a_force_that_rises_from_nothing_leaves_sane_rows() -> None:
+    """The contact begins as a point: its first rows crowd, and nothing is made up between them."""
+    branches = (
+        Branch(0.29244310901626885, 0.05861381645140288),
+        Branch(9.1, 1.62181009735893),
+        Branch(1.156222435739773, 0.0628058358813318),
+    )
+    steps = (ForceRamp(0.001008, 0.016146930909452486),)
+    shape = PowerLaw(1.28, 0.1569320331070751)
+    loading = Loading("jump-in", -0.0052, steps)
+    trace = solve(Scene(Material(0.91, 0.3, branches), shape, loading), Options(resolution=5))
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert trace.contact_radius.min() >= 0.0
+    assert trace.contact_radius.max() <= 1.001 * trace.contact_radius[-1]
+    assert trace.counters.closure_evaluations < 1000  # a begin that is not resolved is haggled over for long
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.28, 2.0, 8.0])
+def test_a_contact_that_begins_as_a_point_soon_forgets_it(exponent: float) -> None:
+    """A contact that grows has the radius of an elastic one, whatever it has been through (Lee and Radok)."""
+    shape = PowerLaw(exponent, 1.0)
+    top = float(sneddon.depth(shape, 0.3))
+    trace = solve(_scene((Ramp(top, top),), shape=shape, material=RUBBER), COARSE)
+    for share in (1e-2, 0.1, 1.0):
+        row = int(np.argmin(np.abs(trace.penetration - share * top)))
+        exact = sneddon.contact_radius(shape, float(trace.penetration[row]))
+        assert trace.contact_radius[row] == pytest.approx(exact, rel=1e-5)
+    assert trace.counters.steps + trace.counters.rejected_steps < 600
+
+
+@pytest.mark.parametrize("contrast", [1e3, 1e6])
+def test_a_slow_approach_is_elastic_however_stiff_the_glass(contrast: float) -> None:
+    """The layer behind the edge, here 1e-10 of the process zone or less, still counts at such contrasts."""
+    material = Material(0.75, 0.5, (Branch(0.75 * (contrast - 1.0), 1.0),))
+    steps = (Ramp(0.01, 1e-7 / contrast),)
+    trace = solve(_scene(steps, 0.0, "relaxed", material=material, adhesion=Adhesion(WORK, 0.013)), COARSE)
+    exact = FiniteZone(1.0, 1.0, WORK, 0.013).at_penetration(0.01)
+    assert trace.contact_radius[-1] == pytest.approx(exact.contact_radius, rel=2e-5)
+    assert trace.force[-1] == pytest.approx(exact.force, rel=3e-4)
+
+
+def test_fast_retraction_of_a_stiff_glass_tends_to_the_frozen_limit() -> None:
+    """The gap steps down where the edge has rested; its slopes are those of either side."""
+    material = Material(0.75, 0.5, (Branch(0.75e6, 1.0),))
+    exact = -FrozenRetraction(material, Sphere(1.0), WORK, 0.032).pull_off().force
+    lacks = []
+    for zone in (0.013, 0.0065):
+        scene = _scene((Ramp(-0.5, 1e3),), 0.032, "relaxed", material=material, adhesion=Adhesion(WORK, zone))
+        lacks.append(1.0 + solve(scene, Options(resolution=8)).force.min() / exact)
+    assert 0.06 < lacks[0] < 0.08
+    assert lacks[1] == pytest.approx(0.5 * lacks[0], rel=0.15)
+
+
+def test_steps_tried_in_vain_come_to_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Long before the budget: a run that cannot go on says so."""
+
+    def never(self: Run, segment: object, stop: float, proposed: float) -> float:
+        self.counters.rejected_steps += 1
+        return advance(self, segment, stop, proposed) if self.counters.rejected_steps > 400 else proposed
+
+    advance = Run._advance
+    monkeypatch.setattr(Run, "_advance", never)
+    trace = solve(_scene((Ramp(0.02, 0.02),), 0.01, "relaxed"), Options(resolution=6))
+    assert trace.outcome.kind is OutcomeKind.STEP_UNDERFLOW
+    assert "400" in trace.outcome.reason
+    assert len(trace.time) >= 1

@@ -1,0 +1,344 @@
+"""Everything a scene can say, put to the front tracking: answers known in closed form, ends and refusals."""
+
+import math
+
+import numpy as np
+import pytest
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Cone,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    OutcomeKind,
+    PowerLaw,
+    Profile,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+    Step,
+    Table,
+    TabulatedProfile,
+    Trace,
+    UnsupportedScene,
+)
+from validation.measure.observables import observe
+from validation.reference import Options, solve
+
+WORK = math.pi * 1.6e-4
+F_JKR = 1.5 * math.pi * WORK
+GLUE = Adhesion(WORK, 0.013)
+ELASTIC = Material(0.75, 0.5)
+RUBBER = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+PUNCH = FlatPunch(0.2)
+
+
+def _scene(steps, depth=0.0, start="jump-in", shape=None, material=RUBBER, adhesion=GLUE):  # type: ignore[no-untyped-def]
+    return Scene(material, shape or Sphere(1.0), Loading(start, depth, tuple(steps)), adhesion)
+
+
+def _finite(trace: Trace) -> bool:
+    return all(bool(np.isfinite(column).all()) for column in trace.columns().values())
+
+
+def _at(trace: Trace, time: float) -> int:
+    row = int(np.argmin(np.abs(trace.time - time)))
+    assert trace.time[row] == pytest.approx(time, rel=1e-12)
+    return row
+
+
+def _after_jump(trace: Trace) -> int:
+    """The last row at time zero."""
+    return int(np.searchsorted(trace.time, 0.0, side="right")) - 1
+
+
+def test_lee_radok_and_ting() -> None:
+    """Adhesionless sphere, V = 0.05, reversal at t = 1 (closed forms)."""
+    trace = solve(
+        _scene((Ramp(0.05, 0.05), Ramp(-0.05, 0.05)), adhesion=None), Options(profile_times=(0.5, 1.2710490))
+    )
+    for time, radius, force in (
+        (0.5, 0.1581139, 0.04443517),
+        (1.0, 0.2236068, 0.10786683),
+        (1.2710490, 0.1795367, 0.03680143),
+    ):
+        row = _at(trace, time)
+        assert trace.contact_radius[row] == pytest.approx(radius, abs=1e-6)
+        assert trace.force[row] == pytest.approx(force, abs=2e-8)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == pytest.approx(1.5420981, abs=1e-7)
+    assert trace.penetration[-1] == pytest.approx(0.0228951, abs=1e-7)
+    assert trace.contact_radius[0] == 0.0
+
+
+def test_contact_that_begins_later() -> None:
+    """Nothing happens until the indenter is there; from then on the same curve, shifted in time."""
+    late = solve(_scene((Ramp(0.03, 0.05),), depth=-0.01, adhesion=None))
+    prompt = solve(_scene((Ramp(0.03, 0.05),), adhesion=None))
+    assert late.contact_radius[late.time < 0.2].max() == 0.0
+    assert late.force[-1] == pytest.approx(prompt.force[-1], rel=1e-6)
+    never = solve(_scene((Ramp(-0.03, 0.05),), depth=-0.01, adhesion=None))
+    assert never.outcome.kind is OutcomeKind.COMPLETED
+    assert not never.contact_radius.any()
+
+
+def test_adhesionless_creep_under_constant_force() -> None:
+    """``8 a^3/(3 R) = J(t) F`` (Lee and Radok, growing contact)."""
+    force = 0.01
+    trace = solve(_scene((Force(force, 30.0),), adhesion=None), Options(profile_times=(1.0, 10.0)))
+    for time in (1.0, 10.0, 30.0):
+        row = _at(trace, time)
+        compliance = float(RUBBER.creep_compliance(time)) * 0.75
+        assert trace.contact_radius[row] == pytest.approx((0.75 * force * compliance) ** (1 / 3), rel=2e-5)
+    assert np.ptp(trace.force[trace.time > 0.0]) < 1e-7 * force  # nodes are dropped
+
+
+def test_adhesionless_force_back_to_zero() -> None:
+    trace = solve(_scene((ForceRamp(0.01, 0.01), ForceRamp(-0.01, 0.01)), depth=-0.02, adhesion=None))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == pytest.approx(2.0)
+    assert 0.0 < trace.penetration[-1] < 0.02
+    assert trace.force.min() >= 0.0
+
+
+@pytest.mark.parametrize("start", ["jump-in", "relaxed"])
+def test_adhesionless_cone_follows_the_elastic_radius_on_approach(start: str) -> None:
+    cone = Cone(80.0)
+    trace = solve(_scene((Ramp(0.02, 0.01),), shape=cone, start=start, adhesion=None))
+    expected = 2.0 * trace.penetration / (math.pi * cone.cotangent)
+    np.testing.assert_allclose(trace.contact_radius, expected, rtol=1e-6, atol=1e-9)
+
+
+def test_jkr_force_control() -> None:
+    trace = solve(_scene((ForceRamp(-2.0 * F_JKR, 0.01),), 0.032, "relaxed", material=ELASTIC))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    # The fold under force control comes at the largest tension; the same bias as under displacement control.
+    assert observe(trace).pull_off_force == pytest.approx(1.02693 * F_JKR, rel=5e-6)
+    assert observe(trace).detachment_radius == pytest.approx(0.1217, abs=2e-4)
+    assert observe(trace).detachment_penetration > -0.006
+
+
+@pytest.mark.slow
+def test_constant_tension_detaches_with_delay() -> None:
+    trace = solve(_scene((Force(-3.0 * F_JKR, 1000.0),), 0.032, "relaxed"))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == pytest.approx(56.52, abs=0.01)
+    assert trace.force[_after_jump(trace)] == pytest.approx(-3.0 * F_JKR, rel=1e-9)
+    fine = solve(_scene((Force(-3.0 * F_JKR, 1000.0),), 0.032, "relaxed"), Options(resolution=32))
+    assert trace.time[-1] == pytest.approx(fine.time[-1], rel=5e-5)
+
+
+def test_long_hold_relaxes_to_the_soft_equilibrium() -> None:
+    """Advance stops short of it: a closing crack stops where the closure does, so compare after a retreat."""
+    trace = solve(_scene((Force(F_JKR, 500.0),), 0.032, "relaxed"))
+    elastic = solve(_scene((Force(F_JKR, 1.0),), 0.032, "relaxed", material=ELASTIC))
+    assert trace.contact_radius[-1] == pytest.approx(elastic.contact_radius[-1], rel=1e-4)
+    assert trace.penetration[-1] == pytest.approx(elastic.penetration[-1], rel=1e-4)
+
+
+def test_fast_oscillation_is_glassy_and_the_loop_closes() -> None:
+    """At omega tau = 1e4 the answer is a glassy JKR contact: somewhat softer than a fixed edge, no loss."""
+    trace = solve(_scene((Oscillate(1e-6, 1e4, 2.0 * math.pi * 1e-4),), 0.032, "relaxed"))
+    a = trace.contact_radius[0]
+    swing = np.ptp(trace.force) / np.ptp(trace.penetration)
+    assert 0.9 < swing / (2.0 * a * 10.0) < 1.0
+    assert trace.force[-1] == pytest.approx(trace.force[0], abs=1e-2 * np.ptp(trace.force))
+
+
+def test_flat_punch_under_oscillation() -> None:
+    """``F = 2 a E*(omega) D`` once the transient is gone; the edge cannot move."""
+    omega, amplitude = 1.5, 1e-3
+    trace = solve(
+        _scene((Oscillate(amplitude, omega, 60.0),), 0.0, "relaxed", PUNCH, adhesion=Adhesion(1.0, 0.01)),
+        Options(resolution=40),
+    )
+    assert (trace.contact_radius == 0.2).all()
+    modulus = complex(RUBBER.complex_modulus(omega)) / 0.75
+    late = trace.time > 30.0
+    expected = (2.0 * 0.2 * amplitude * modulus * np.exp(1j * omega * trace.time)).imag
+    np.testing.assert_allclose(trace.force[late], expected[late], atol=1e-6 * np.abs(expected).max())
+
+
+def test_flat_punch_pulled_off() -> None:
+    """Kendall: ``F = -sqrt(8 pi a^3 E* dg)``, but for the finite zone; lost from the full radius."""
+    forces = []
+    for zone in (0.008, 0.004, 0.002):
+        trace = solve(_scene((Ramp(-0.5, 0.01),), 0.01, "relaxed", PUNCH, ELASTIC, Adhesion(WORK, zone)))
+        assert trace.outcome.kind is OutcomeKind.DETACHED
+        assert (trace.contact_radius[:-1] == 0.2).all()
+        forces.append(observe(trace).pull_off_force)
+    kendall = math.sqrt(8.0 * math.pi * 0.2**3 * WORK)
+    assert 2.0 * forces[2] - forces[1] == pytest.approx(kendall, rel=1e-4)
+    assert forces[0] > forces[1] > forces[2] > kendall
+
+
+def test_flat_punch_without_adhesion() -> None:
+    trace = solve(_scene((Ramp(0.01, 0.01), Ramp(-0.01, 0.01)), shape=PUNCH, adhesion=None))
+    row = _at(trace, 1.0)
+    # F = 2 a int E*(t - s) V ds
+    assert trace.force[row] == pytest.approx(0.4 * 0.01 * (1.0 + 9.0 * -math.expm1(-1.0)), rel=1e-6)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    # int_0^1 E - int_1^T E = 0 with E = 1 + 9 exp(-t): F = 0
+    T = trace.time[-1]
+    force = 2.0 - T + 9.0 * (2.0 * math.exp(-(T - 1.0)) - math.exp(-T) - 1.0)
+    assert force == pytest.approx(0.0, abs=1e-6)
+    assert trace.counters.closure_evaluations < 20_000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "shape",
+    [Cone(80.0), PowerLaw(4.0, 1.0), TabulatedProfile((0.0, 0.1, 0.2, 0.6), (0.0, 0.004, 0.02, 0.19))],
+    ids=lambda s: s.shape,
+)
+def test_other_profiles_run_through(shape) -> None:  # type: ignore[no-untyped-def]
+    scene = _scene((Ramp(0.02, 0.1), Ramp(-0.5, 0.1)), shape=shape, adhesion=Adhesion(WORK, 0.006))
+    trace = solve(scene)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert _finite(trace)
+    coarse = solve(scene, Options(resolution=10))
+    assert observe(trace).pull_off_force == pytest.approx(observe(coarse).pull_off_force, rel=2e-4)
+
+
+def test_tabulated_sphere_is_the_sphere() -> None:
+    r = np.linspace(0.0, 0.6, 25)
+    steps = (Ramp(0.032, 0.1), Ramp(-0.5, 0.1))
+    table = solve(_scene(steps, shape=TabulatedProfile(tuple(r), tuple(r * r / 2.0))))
+    sphere = solve(_scene(steps))
+    assert observe(table).pull_off_force == pytest.approx(observe(sphere).pull_off_force, rel=1e-6)
+    assert observe(table).loop_energy == pytest.approx(observe(sphere).loop_energy, rel=1e-6)
+
+
+def test_load_jumps_are_glassy() -> None:
+    trace = solve(_scene((Table((0.0, 1.0), (0.031, 0.031)),), 0.032, "relaxed"))
+    row, a = _after_jump(trace), trace.contact_radius[0]
+    assert row > 0
+    assert 0.9 < (trace.force[0] - trace.force[row]) / (2.0 * a * 10.0 * 0.001) < 1.0
+    jumped = solve(_scene((Table((0.0, 1.0), (-0.2, -0.2)),), 0.032, "relaxed"))
+    assert jumped.outcome.kind is OutcomeKind.DETACHED
+    assert jumped.time[-1] == 0.0
+
+
+def test_a_ledge_makes_the_edge_snap() -> None:
+    """A profile with a gentle inner part, a steep rise and a terrace beyond: the edge jumps the rise."""
+    radii = (0.0, 0.05, 0.1, 0.12, 0.14, 0.2, 0.26, 0.3, 0.6)
+    heights = (0.0, 0.0005, 0.002, 0.004, 0.0062, 0.0063, 0.0064, 0.02, 0.2)
+    shape = TabulatedProfile(radii, heights)
+    trace = solve(
+        _scene(
+            (Ramp(0.02, 0.001), Ramp(-0.5, 0.001)), 0.0, "relaxed", shape, ELASTIC, Adhesion(WORK / 16, 0.004)
+        )
+    )
+    kinds = [event.kind for event in trace.events]
+    assert "snap-in" in kinds
+    assert kinds[-1] == "pull-off"
+    event = trace.events[kinds.index("snap-in")]
+    rows = np.flatnonzero(trace.time == event.time)
+    assert np.ptp(trace.contact_radius[rows]) > 0.02
+
+
+def test_refusals() -> None:
+    with pytest.raises(UnsupportedScene, match=r"material\.bulk"):
+        solve(_scene((), material=Material(0.75, 0.3, (Branch(6.75, 1.0),), "elastic")))
+    with pytest.raises(SceneError, match="process zone"):
+        solve(_scene((), adhesion=Adhesion(WORK, 0.1)))
+    trace = solve(_scene((Ramp(0.0, 0.1),), depth=-0.1))
+    assert trace.outcome.kind is OutcomeKind.NO_EQUILIBRIUM
+    assert not trace.outcome.finished
+    assert len(trace) == 0
+    for wrong in ({"resolution": 3}, {"resolution": 4.5}, {"tolerance": 0.0}, {"tolerance": math.nan}):
+        with pytest.raises(SceneError):
+            Options(**wrong)
+
+
+def test_step_budget_keeps_what_there_is() -> None:
+    trace = solve(_scene((Ramp(0.032, 0.02),)), Options(max_steps=20))
+    assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
+    assert trace.counters.steps + trace.counters.rejected_steps == 20
+    assert len(trace) > 10
+    assert _finite(trace)
+
+
+def test_start_alone_and_progress() -> None:
+    assert len(solve(_scene(()))) == 1
+    seen: list[float] = []
+    solve(_scene((Ramp(0.01, 0.1), Hold(1.0))), Options(resolution=8), seen.append)
+    assert seen[-1] == pytest.approx(1.0)
+    assert np.all(np.diff(seen) >= 0.0)
+
+
+@pytest.mark.parametrize(
+    "steps",
+    [
+        (Hold(50.0),),
+        (Force(2.0 * F_JKR, 20.0), Force(-F_JKR, 20.0)),
+        (Oscillate(0.004, 1.0, 6.0, drift=1e-3),),
+    ],
+    ids=["hold", "force", "oscillate"],
+)
+def test_other_controls_agree_with_a_finer_run(steps: tuple[Step, ...]) -> None:
+    scene = _scene(steps, 0.01)
+    usual, fine = solve(scene), solve(scene, Options(resolution=32))
+    assert usual.outcome.kind is OutcomeKind.COMPLETED
+    assert _finite(usual)
+    assert usual.force[-1] == pytest.approx(fine.force[-1], abs=2e-5 * np.abs(fine.force).max())
+    assert usual.penetration[-1] == pytest.approx(fine.penetration[-1], rel=2e-5)
+    assert usual.contact_radius[-1] == pytest.approx(fine.contact_radius[-1], rel=2e-5)
+
+
+def _profile(scene: Scene, time: float = 0.0) -> Profile:
+    (profile,) = solve(scene, Options(profile_times=(time, 1e9))).profiles
+    assert profile.time == time
+    return profile
+
+
+def test_profile_of_hertz() -> None:
+    profile = _profile(_scene((Ramp(0.04, 0.01),), 0.032, material=ELASTIC, adhesion=None), 0.5)
+    a, r = profile.contact_radius, profile.radius
+    within = r < a
+    assert profile.radius[0] == 0.0
+    np.testing.assert_allclose(
+        profile.pressure[within], 2.0 / math.pi * np.sqrt(a * a - r[within] ** 2), atol=2e-6 * a
+    )
+    s = r[~within]
+    outside = ((2.0 * a * a - s * s) * np.arcsin(a / s) + a * np.sqrt(s * s - a * a)) / math.pi
+    np.testing.assert_allclose(profile.displacement[~within], outside, atol=1e-7 * profile.penetration)
+    assert not profile.pressure[~within].any()
+    assert not profile.gap[within].any()
+
+
+def test_profile_of_jkr() -> None:
+    profile = _profile(_scene((), 0.032, "relaxed", material=ELASTIC))
+    a = profile.contact_radius
+    r = profile.radius[profile.radius < a]
+    root = np.sqrt(a * a - r * r)
+    expected = (2.0 * root + (0.032 - a * a) / root) / math.pi
+    np.testing.assert_allclose(profile.pressure[: len(r)], expected, rtol=1e-8, atol=1e-8)
+    assert profile.gap.min() >= 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", [Sphere(1.0), Cone(80.0), PUNCH], ids=lambda s: s.shape)
+@pytest.mark.parametrize("time", [0.0, 0.8, 1.6, 1.9])
+def test_profiles_carry_the_force(shape, time: float) -> None:  # type: ignore[no-untyped-def]
+    """``2 pi int p r dr = F``, by a quadrature that knows of the root at the edge."""
+    scene = _scene(
+        (Ramp(0.032, 0.02), Ramp(0.0, 0.02)), 0.0, "jump-in", shape, adhesion=Adhesion(WORK, 0.004)
+    )
+    profile = _profile(scene, time)
+    a, within = profile.contact_radius, profile.radius < profile.contact_radius
+    angle = np.arcsin(profile.radius[within] / a)
+    density = profile.pressure[within] * profile.radius[within] * a * np.cos(angle)
+    edge = 3.0 * density[-1] - 3.0 * density[-2] + density[-3]
+    total = 2.0 * math.pi * np.trapezoid(np.append(density, edge), np.append(angle, 0.5 * math.pi))
+    scale = max(abs(profile.force), 1e-3)
+    assert total == pytest.approx(profile.force, abs=2e-3 * scale)
+    assert np.isfinite(profile.displacement).all()
+    assert np.all(np.diff(profile.radius) > 0.0)

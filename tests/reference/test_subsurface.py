@@ -1,0 +1,199 @@
+"""Closed-form fields in the body: equilibrium, Hooke's law, surface and axis, textbook numbers, limits."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+from scipy.optimize import minimize_scalar
+from scipy.special import j0, j1
+
+from contact_scene import Cone, FlatPunch, PowerLaw, Sphere
+from validation.reference import hertz, jkr, punch, sneddon, subsurface
+from validation.reference.subsurface import contact
+
+A, R, MODULUS, WORK = 0.3, 0.7, 3.0, 2e-3
+PEAK = 2.0 * MODULUS * A / (np.pi * R)
+#: indenter and penetration at contact radius A
+CONTACTS = {
+    "punch": (FlatPunch(A), 0.1),
+    "hertz": (Sphere(R), A**2 / R),
+    "jkr": (Sphere(R), float(jkr.JKR(Sphere(R), MODULUS, WORK).penetration(A))),
+    "cone": (Cone(65.0), float(sneddon.depth(Cone(65.0), A))),
+    "power-law": (PowerLaw(1.5, 0.3), 0.05),
+}
+POISSON = [0.0, 0.3, 0.5]
+
+
+def at(name, r, z, poisson=0.3):
+    indenter, depth = CONTACTS[name]
+    return contact(r, z, indenter, A, depth, MODULUS, poisson)
+
+
+def total_force(name):
+    indenter, depth = CONTACTS[name]
+    return MODULUS * float(sneddon.unit_force(indenter, A, depth))
+
+
+def pressure(name, r):
+    indenter, depth = CONTACTS[name]
+    lack = depth - float(sneddon.depth(indenter, A))
+    rest = 0.0 if name == "punch" else sneddon.pressure(indenter, r, A, MODULUS)
+    return rest + punch.pressure(r, lack, A, MODULUS)
+
+
+def max_shear(stress):
+    rr, zz, tt, rz = stress
+    middle, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
+    principal = np.sort(np.stack([middle - radius, middle + radius, tt]), axis=0)
+    return 0.5 * (principal[2] - principal[0])
+
+
+@pytest.mark.parametrize("poisson", POISSON)
+@pytest.mark.parametrize("name", CONTACTS)
+def test_fields_are_in_equilibrium_and_obey_hookes_law(name, poisson):
+    r, z = (g.ravel() for g in np.meshgrid([0.06, 0.25, 0.33, 0.9], [-0.04, -0.2, -0.7]))
+    h = 2e-4
+    steps = np.array([[0, 0], [1, 0], [-1, 0], [2, 0], [-2, 0], [0, 1], [0, -1], [0, 2], [0, -2]])
+    field = at(name, r + h * steps[:, :1], z + h * steps[:, 1:], poisson)
+
+    def slope(values, first):
+        return (8 * (values[first] - values[first + 1]) - values[first + 2] + values[first + 3]) / (12 * h)
+
+    rr, zz, tt, rz = field.stress
+    scale = np.abs(field.stress).max()
+    radial = slope(rr, 1) + slope(rz, 5) + (rr - tt)[0] / r
+    axial = slope(rz, 1) + slope(zz, 5) + rz[0] / r
+    assert np.abs(np.stack([radial, axial])).max() < 1e-6 * scale / A
+
+    ur, uz = field.displacement
+    young, trace = MODULUS * (1.0 - poisson**2), (rr + zz + tt)[0]
+    strain = np.stack([slope(ur, 1), slope(uz, 5), ur[0] / r, 0.5 * (slope(ur, 5) + slope(uz, 1))])
+    hooke = (1.0 + poisson) * field.stress[:, 0] - poisson * trace * np.array([[1], [1], [1], [0]])
+    assert_allclose(young * strain, hooke, atol=1e-7 * scale)
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_every_plane_carries_the_force(name):
+    node, weight = np.polynomial.legendre.leggauss(200)
+    reach = 100.0
+    angle = 0.5 * np.arctan(reach / A) * (node + 1.0)
+    r = A * np.tan(angle)
+    ring = 0.5 * np.arctan(reach / A) * weight * 2 * np.pi * r * A / np.cos(angle) ** 2
+    for depth in (0.05, 0.3, 2.0):
+        beyond = (depth / np.hypot(depth, reach)) ** 3  # of a point force
+        carried = ring @ at(name, r, -depth).stress[1]
+        assert_allclose(carried, -total_force(name) * (1.0 - beyond), rtol=1e-6)
+
+
+@pytest.mark.parametrize("poisson", POISSON)
+def test_surface_carries_the_pressure_and_has_the_shape_of_the_indenter(poisson):
+    inside, outside = np.linspace(0.0, 0.29, 9), np.array([0.31, 0.5, 2.0])
+    for name, (indenter, depth) in CONTACTS.items():
+        field = at(name, inside[1:], 0.0, poisson)
+        assert_allclose(field.stress[1], -pressure(name, inside[1:]), atol=1e-5 * PEAK)
+        assert_allclose(field.displacement[1], indenter.height(inside[1:]) - depth, atol=1e-7 * A)
+        away = at(name, outside, 0.0, poisson)
+        assert_allclose(away.stress[[1, 3]], 0.0, atol=1e-9 * PEAK)
+        # nothing presses there: a plane state of stress with rr = -tt
+        assert_allclose(away.stress[0], -away.stress[2], atol=1e-9 * PEAK)
+        expected = (1.0 - 2.0 * poisson) * total_force(name) / (2.0 * np.pi * outside**2)
+        assert_allclose(away.stress[0], expected, atol=1e-9 * PEAK)
+    sphere = subsurface.hertz(outside, 0.0, A, R, MODULUS, poisson)
+    assert_allclose(sphere.displacement[1], -hertz.displacement(outside, A, R), rtol=1e-10)
+
+
+@pytest.mark.parametrize("poisson", POISSON)
+def test_axis_has_the_forms_of_huber_and_sneddon(poisson):
+    s = np.array([0.0, 0.02, 0.2, 0.6, 3.0])
+    x = s / A
+    sphere = subsurface.hertz(0.0, -s, A, R, MODULUS, poisson).stress
+    assert_allclose(sphere[1], -PEAK / (1 + x**2), rtol=1e-11)
+    angle = np.arctan2(1.0, x)
+    hoop = -(1 + poisson) * (1 - x * angle) + 0.5 / (1 + x**2)
+    assert_allclose(sphere[0], PEAK * hoop, atol=1e-10 * PEAK)
+    flat = subsurface.flat_punch(0.0, -s, A, 0.1, MODULUS, poisson).stress
+    force = punch.force(0.1, A, MODULUS)
+    assert_allclose(flat[1], -force / (2 * np.pi) * (A**2 + 3 * s**2) / (A**2 + s**2) ** 2, rtol=1e-10)
+    for stress in (sphere, flat):
+        assert_allclose(stress[0], stress[2], rtol=1e-10, atol=1e-13)
+        assert_allclose(stress[3], 0.0, atol=1e-14)
+
+
+def test_largest_shear_under_a_sphere_is_0_31_p0_at_0_48_a():
+    def shear(x):
+        return -float(max_shear(subsurface.hertz(0.0, -x * A, A, R, MODULUS, 0.3).stress))
+
+    found = minimize_scalar(shear, bounds=(0.1, 1.5), method="bounded")
+    assert_allclose(-found.fun / PEAK, 0.310, atol=5e-4)
+    assert_allclose(found.x, 0.481, atol=1e-3)
+    r, z = np.meshgrid(np.linspace(0.0, 1.5 * A, 91), -np.linspace(0.0, 1.5 * A, 91))
+    stress = subsurface.hertz(r, z, A, R, MODULUS, 0.3).stress
+    assert max_shear(stress).max() <= -found.fun * (1.0 + 1e-12)
+
+
+def test_jkr_is_hertz_minus_a_punch():
+    r, z = np.meshgrid([0.0, 0.2, 0.3, 0.5], [-0.01, -0.3])
+    whole = subsurface.jkr(r, z, A, Sphere(R), WORK, MODULUS, 0.4)
+    lack = np.sqrt(2 * np.pi * A * WORK / MODULUS)
+    base = subsurface.hertz(r, z, A, R, MODULUS, 0.4)
+    pulled = subsurface.flat_punch(r, z, A, -lack, MODULUS, 0.4)
+    assert_allclose(whole.stress, base.stress + pulled.stress, atol=1e-12 * PEAK)
+    assert_allclose(whole.displacement, base.displacement + pulled.displacement, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", ["hertz", "cone", "power-law"])
+def test_fields_are_the_hankel_integrals_of_the_pressure(name):
+    """From the pressure to the stress with nothing of the closed forms: two quadratures."""
+    angle, weight = np.polynomial.legendre.leggauss(120)
+    rho = A * np.sin(0.25 * np.pi * (angle + 1.0))  # graded to the edge
+    weight = 0.25 * np.pi * weight * A * np.cos(0.25 * np.pi * (angle + 1.0))
+    r, s, poisson = 0.2, 0.15, 0.35
+    knots = np.linspace(0.0, 40.0 / s, 201)
+    node, share = np.polynomial.legendre.leggauss(8)
+    half = 0.5 * np.diff(knots)[:, None]
+    k = (knots[:-1, None] + half * (1.0 + node)).ravel()
+    share = (half * share).ravel() * np.exp(-k * s)
+    share *= j0(k[:, None] * rho) @ (weight * rho * pressure(name, rho))
+    a0, a1 = (share @ (k**n * j0(k * r)) for n in (1, 2))
+    c0, c1, c2 = (share @ (k**n * j1(k * r)) for n in (0, 1, 2))
+    ring = ((1 - 2 * poisson) * c0 - s * c1) / r
+    expected = [-a0 + s * a1 + ring, -a0 - s * a1, -2 * poisson * a0 - ring, s * c2]
+    assert_allclose(at(name, r, -s, poisson).stress, expected, atol=2e-5 * PEAK)
+
+
+def test_far_away_only_the_force_is_felt():
+    r, z, poisson = np.array([30.0, 100.0, 0.0]), np.array([-40.0, -1.0, -80.0]), 0.4
+    rho = np.hypot(r, z)
+    for name in ("punch", "hertz", "jkr", "cone"):
+        field = at(name, r, z, poisson)
+        force = total_force(name)
+        axial = 3.0 * force * z**3 / (2.0 * np.pi * rho**5)  # Boussinesq
+        twice_shear = MODULUS * (1.0 - poisson)
+        sunk = force / (2 * np.pi * twice_shear) * (z**2 / rho**3 + 2 * (1 - poisson) / rho)
+        assert_allclose(field.stress[1], axial, rtol=1e-3, atol=1e-9 * force)
+        assert_allclose(field.displacement[1], -sunk, rtol=1e-4)
+
+
+def test_interpolated_shapes_agree_with_exact_ones():
+    r, z = np.meshgrid([0.0, 0.15, 0.29, 0.4], [0.0, -0.003, -0.1, -1.0])
+    exact = subsurface.hertz(r, z, A, R, MODULUS, 0.3)
+    near = contact(r, z, PowerLaw(2.0, 0.5 / R), A, A**2 / R, MODULUS, 0.3)
+    assert_allclose(near.stress, exact.stress, atol=1e-9 * PEAK)
+    # a cubic is not made of parabolas: its axis stress by quadrature of q'(x) x/(s^2 + x^2)
+    cubic, depth, s = PowerLaw(3.0, 0.5), float(sneddon.depth(PowerLaw(3.0, 0.5), A)), 0.1
+    factor = 0.5 * sneddon.shape_factor(3.0) * MODULUS
+
+    def term(x):  # A0 + s A1 = (1/pi) Re int q (1/Z^2 + 2 s/Z^3) dx
+        complex_depth = s + 1j * x
+        return factor * (A**3 - x**3) * (1 / complex_depth**2 + 2 * s / complex_depth**3).real / np.pi
+
+    expected = -quad(term, 0.0, A, epsabs=1e-13)[0]
+    assert_allclose(contact(0.0, -s, cubic, A, depth, MODULUS, 0.3).stress[1], expected, rtol=1e-6)
+
+
+def test_nothing_is_infinite_and_points_outside_the_body_are_refused():
+    r, z = np.array([0.0, A, A]), np.array([0.0, 0.0, -1e-15])
+    for name in CONTACTS:
+        assert np.isfinite(at(name, r, z).stress).all()
+    with pytest.raises(ValueError, match="body"):
+        at("hertz", 0.1, 0.01)

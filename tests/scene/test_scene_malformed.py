@@ -1,0 +1,343 @@
+"""Bad scene files: one line that names the file, the key, what is wrong and what is allowed."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+import pytest
+
+from contact_scene import SceneError, read_scene
+
+GOOD = """\
+title = "good"
+
+[material]
+modulus = 0.75
+poisson = 0.5
+branches = [{ modulus = 6.75, time = 1.0 }, { modulus = 1, time = 10 }]
+
+[indenter]
+shape = "sphere"
+radius = 1.0
+
+[adhesion]
+work = 5.0e-4
+zone = 0.013
+
+[loading]
+start = "jump-in"
+penetration = 0.0
+
+[[loading.steps]]
+kind = "ramp"
+to = 0.032
+rate = 0.002
+
+[[loading.steps]]
+kind = "hold"
+duration = 1
+"""
+POSITIVE = "> 0"
+STEP = '[[loading.steps]]\nkind = "hold"\nduration = 1\n'
+
+
+def swap(old, new):
+    """The good scene with one piece replaced."""
+    assert GOOD.count(old) == 1, old
+    return GOOD.replace(old, new)
+
+
+def step(text):
+    return swap(STEP, f"[[loading.steps]]\n{text}\n")
+
+
+# name: (text, key, part of what is allowed)
+MALFORMED = {
+    # not a scene at all
+    "empty": ("", "", "[material]"),
+    "blanks": (" \n\t\n", "", "[material]"),
+    "only a comment": ("# nothing\n", "", "[material]"),
+    "only a BOM": ("\ufeff", "", "[material]"),
+    "prose": ("Dear reader,\nthis is not TOML.", "not a TOML file", "[material]"),
+    "JSON": ('{"material": {"modulus": 1}}', "not a TOML file", "[material]"),
+    "cut off": (GOOD[:90], "not a TOML file", "[material]"),
+    "key twice": (swap("radius = 1.0", "radius = 1.0\nradius = 2.0"), "not a TOML file", "[material]"),
+    "integer of 5000 digits": (swap("0.75", "9" * 5000), "not a TOML file", "[material]"),
+    "nested 10000 deep": (swap("0.75", "[" * 10000 + "]" * 10000), "not a TOML file", "[material]"),
+    "old Mac line ends": (GOOD.replace("\n", "\r"), "not a TOML file", "[material]"),
+    "control character": (swap("good", "go\x01od"), "not a TOML file", "[material]"),
+    # tables
+    "no material": (GOOD.replace("[material]", "[materiel]"), "materiel", "material"),
+    "no indenter": (
+        GOOD[: GOOD.index("[indenter]")] + GOOD[GOOD.index("[adhesion]") :],
+        "indenter",
+        "a table",
+    ),
+    "no loading": (GOOD[: GOOD.index("[loading]")], "loading", "a table [loading]"),
+    "material is a number": ("material = 3\n", "material", "a table [material]"),
+    "material is an array": ("[[material]]\nmodulus = 1\n", "material", "a table [material]"),
+    "adhesion is a string": (
+        'adhesion = "none"\n' + GOOD[: GOOD.index("[adhesion]")] + GOOD[GOOD.index("[loading]") :],
+        "adhesion",
+        "a table [adhesion]",
+    ),
+    "unknown table": (GOOD + "[solver]\nname = 'bem'\n", "solver", "title, material, indenter"),
+    "title is a number": (swap('"good"', "7"), "title", "a string"),
+    # material
+    "no modulus": (swap("modulus = 0.75\n", ""), "material.modulus", POSITIVE),
+    "negative modulus": (swap("0.75", "-0.75"), "material.modulus", POSITIVE),
+    "zero modulus": (swap("0.75", "0"), "material.modulus", POSITIVE),
+    "modulus NaN": (swap("0.75", "nan"), "material.modulus", POSITIVE),
+    "modulus infinite": (swap("0.75", "inf"), "material.modulus", POSITIVE),
+    "modulus -infinite": (swap("0.75", "-inf"), "material.modulus", POSITIVE),
+    "modulus 1e308": (swap("0.75", "1e308"), "material.modulus", "1e+60"),
+    "modulus 1e-308": (swap("0.75", "1e-308"), "material.modulus", "1e-60"),
+    "modulus 1e999": (swap("0.75", "1e999"), "material.modulus", POSITIVE),
+    "modulus a huge integer": (swap("0.75", "1" + "0" * 400), "material.modulus", POSITIVE),
+    "modulus a string": (swap("0.75", '"0.75"'), "material.modulus", POSITIVE),
+    "modulus a boolean": (swap("0.75", "true"), "material.modulus", POSITIVE),
+    "modulus a date": (swap("0.75", "2024-05-01"), "material.modulus", POSITIVE),
+    "modulus an array": (swap("0.75", "[0.75]"), "material.modulus", POSITIVE),
+    "modulus a table": (swap("0.75", "{ value = 0.75 }"), "material.modulus", POSITIVE),
+    "modulus with dotted keys 2000 deep": (
+        swap("modulus = 0.75", "modulus" + ".a" * 2000 + " = 1"),
+        "material.modulus",
+        POSITIVE,
+    ),
+    "no Poisson's ratio": (swap("poisson = 0.5\n", ""), "material.poisson", "0 <= nu <= 0.5"),
+    "Poisson's ratio above 0.5": (swap("poisson = 0.5", "poisson = 0.5000001"), "material.poisson", "<= 0.5"),
+    "Poisson's ratio below 0": (swap("poisson = 0.5", "poisson = -0.1"), "material.poisson", "0 <= nu"),
+    "Poisson's ratio NaN": (swap("poisson = 0.5", "poisson = nan"), "material.poisson", "0 <= nu"),
+    "misspelt key": (swap("poisson = 0.5", "poison = 0.5\npoisson = 0.5"), "material.poison", "poisson"),
+    "key with line ends": (swap("poisson = 0.5", '"a\\nb\\u2028c" = 1'), "material.a b c", "poisson"),
+    "key of 100000 characters": (swap("poisson = 0.5", "x" * 100000 + " = 1"), "material.xxx", "poisson"),
+    "branches a table": (
+        swap("[{ modulus = 6.75, time = 1.0 }, { modulus = 1, time = 10 }]", "{ modulus = 1, time = 1 }"),
+        "material.branches",
+        "a list of tables",
+    ),
+    "branch a number": (swap("{ modulus = 1, time = 10 }", "3"), "material.branches[1]", "a table"),
+    "branch without time": (swap(", time = 10", ""), "material.branches[1].time", "time"),
+    "time zero": (swap("time = 10", "time = 0"), "material.branches[1].time", POSITIVE),
+    "time negative": (swap("time = 10", "time = -1"), "material.branches[1].time", POSITIVE),
+    "time NaN": (swap("time = 10", "time = nan"), "material.branches[1].time", POSITIVE),
+    "time 1e300": (swap("time = 10", "time = 1e300"), "material.branches[1].time", "1e+60"),
+    "branch modulus negative": (swap("6.75", "-6.75"), "material.branches[0].modulus", ">= 0"),
+    "branch modulus a boolean": (swap("6.75", "false"), "material.branches[0].modulus", ">= 0"),
+    "branch with another key": (swap("time = 10", "time = 10, E = 1"), "material.branches[1].E", "time"),
+    "sum of moduli too large": (
+        swap("modulus = 6.75", "modulus = 1e60").replace("modulus = 1,", "modulus = 1e60,"),
+        "material.branches",
+        "1e+60",
+    ),
+    "bulk unknown": (swap("poisson = 0.5", 'poisson = 0.3\nbulk = "soft"'), "material.bulk", '"elastic"'),
+    "bulk incompressible": (
+        swap("poisson = 0.5", 'poisson = 0.5\nbulk = "elastic"'),
+        "material.bulk",
+        "< 0.5",
+    ),
+    "bulk modulus zero": (
+        swap("poisson = 0.5", "poisson = 0.3\nbulk = { modulus = 0 }"),
+        "material.bulk.modulus",
+        POSITIVE,
+    ),
+    "bulk branch": (
+        swap("poisson = 0.5", "poisson = 0.3\nbulk = { branches = [{ modulus = 1, time = 0 }] }"),
+        "material.bulk.branches[0].time",
+        POSITIVE,
+    ),
+    "file and branches": (swap("modulus = 0.75", 'file = "x.csv"'), "material.branches", "either"),
+    "format alone": (swap("poisson = 0.5", 'poisson = 0.5\nformat = "pyvisco"'), "material.format", "file"),
+    # indenter
+    "no shape": (swap('shape = "sphere"\n', ""), "indenter.shape", "sphere"),
+    "unknown shape": (swap('"sphere"', '"cube"'), "indenter.shape", "flat-punch"),
+    "shape a number": (swap('"sphere"', "1"), "indenter.shape", "sphere"),
+    "shape in capitals": (swap('"sphere"', '"Sphere"'), "indenter.shape", "sphere"),
+    "no radius": (swap("radius = 1.0\n", ""), "indenter.radius", "radius"),
+    "radius zero": (swap("radius = 1.0", "radius = 0.0"), "indenter.radius", POSITIVE),
+    "key of another shape": (
+        swap("radius = 1.0", "radius = 1.0\nhalf_angle = 60"),
+        "indenter.half_angle",
+        "radius",
+    ),
+    "cone of 90 degrees": (
+        swap('shape = "sphere"\nradius = 1.0', 'shape = "cone"\nhalf_angle = 90'),
+        "indenter.half_angle",
+        "< 90",
+    ),
+    "exponent below 1": (
+        swap('shape = "sphere"\nradius = 1.0', 'shape = "power-law"\nexponent = 0.5\ncoefficient = 1'),
+        "indenter.exponent",
+        "1 <= exponent",
+    ),
+    "profile without file": (
+        swap('shape = "sphere"\nradius = 1.0', 'shape = "profile"'),
+        "indenter.file",
+        "CSV",
+    ),
+    "profile file a number": (
+        swap('shape = "sphere"\nradius = 1.0', 'shape = "profile"\nfile = 1'),
+        "indenter.file",
+        "beside the scene",
+    ),
+    # adhesion
+    "no zone": (swap("zone = 0.013\n", ""), "adhesion.zone", "zone"),
+    "zone zero": (swap("zone = 0.013", "zone = 0"), "adhesion.zone", POSITIVE),
+    "work negative": (swap("5.0e-4", "-5.0e-4"), "adhesion.work", ">= 0"),
+    "work NaN": (swap("5.0e-4", "nan"), "adhesion.work", ">= 0"),
+    "zone larger than the punch": (
+        swap('shape = "sphere"\nradius = 1.0', 'shape = "flat-punch"\nradius = 0.01'),
+        "adhesion.zone",
+        "shorter than the contact radius",
+    ),
+    # loading
+    "no start": (swap('start = "jump-in"\n', ""), "loading.start", "relaxed"),
+    "unknown start": (swap('"jump-in"', '"now"'), "loading.start", "relaxed"),
+    "no penetration": (swap("penetration = 0.0\n", ""), "loading.penetration", "finite"),
+    "penetration infinite": (swap("penetration = 0.0", "penetration = inf"), "loading.penetration", "finite"),
+    "penetration a boolean": (
+        swap("penetration = 0.0", "penetration = true"),
+        "loading.penetration",
+        "finite",
+    ),
+    "steps a string": (
+        GOOD[: GOOD.index("[[loading")] + 'steps = "x"\n',
+        "loading.steps",
+        "[[loading.steps]]",
+    ),
+    "step a number": (GOOD[: GOOD.index("[[loading")] + "steps = [3]\n", "loading.steps[0]", "a table"),
+    "no kind": (step("duration = 1"), "loading.steps[1].kind", "ramp"),
+    "unknown kind": (step('kind = "wait"\nduration = 1'), "loading.steps[1].kind", "hold"),
+    "kind a list": (step('kind = ["hold"]\nduration = 1'), "loading.steps[1].kind", "hold"),
+    "rate zero": (swap("rate = 0.002", "rate = 0"), "loading.steps[0].rate", POSITIVE),
+    "rate negative": (swap("rate = 0.002", "rate = -0.002"), "loading.steps[0].rate", POSITIVE),
+    "no rate": (swap("rate = 0.002\n", ""), "loading.steps[0].rate", "rate"),
+    "to NaN": (swap("to = 0.032", "to = nan"), "loading.steps[0].to", "finite"),
+    "duration negative": (swap("duration = 1", "duration = -1"), "loading.steps[1].duration", ">= 0"),
+    "force without duration": (step('kind = "force"\nvalue = 1'), "loading.steps[1].duration", "duration"),
+    "frequency zero": (
+        step('kind = "oscillate"\namplitude = 1\nangular_frequency = 0\nduration = 1'),
+        "loading.steps[1].angular_frequency",
+        POSITIVE,
+    ),
+    "sweep with a rate": (
+        step('kind = "sweep"\namplitude = 1\nchirp = 1\nduration = 1\nrate = 1'),
+        "loading.steps[1].rate",
+        "chirp",
+    ),
+    "table without file": (step('kind = "table"'), "loading.steps[1].file", "CSV"),
+    "table file empty": (step('kind = "table"\nfile = ""'), "loading.steps[1].file", "beside the scene"),
+}
+
+
+def refuse(path):
+    """The one line a bad scene gets."""
+    with pytest.raises(SceneError) as caught:
+        read_scene(path)
+    line = str(caught.value)
+    assert line.isprintable(), line
+    assert len(line) < 1000
+    assert caught.value.file
+    assert caught.value.allowed
+    assert "; allowed: " in line
+    return line
+
+
+def test_there_are_enough_of_them():
+    assert len(MALFORMED) >= 60
+
+
+@pytest.mark.parametrize("name", MALFORMED)
+def test_one_clear_line(tmp_path, name):
+    text, key, allowed = MALFORMED[name]
+    path = tmp_path / "bad.toml"
+    path.write_bytes(text.encode())
+    line = refuse(path)
+    assert line.startswith(f"{path}: {key}")
+    assert allowed in line.split("; allowed: ")[1]
+
+
+def test_the_good_scene_is_good(tmp_path):
+    path = tmp_path / "good.toml"
+    scenes = []
+    for data in (GOOD.encode(), b"\xef\xbb\xbf" + GOOD.encode(), GOOD.replace("\n", "\r\n").encode()):
+        path.write_bytes(data)
+        scenes.append(read_scene(path))
+    assert scenes[0] == scenes[1] == scenes[2]
+    assert scenes[0].loading.steps[1].duration == 1.0
+    assert isinstance(scenes[0].loading.steps[1].duration, float)
+
+
+@pytest.mark.parametrize(
+    ("data", "problem"),
+    [
+        (bytes(range(256)), "UTF-8"),
+        (GOOD.encode("utf-16"), "UTF-8"),
+        ('title = "Größe"'.encode("latin-1"), "UTF-8"),
+        (b"\x00" * 1000, "TOML"),
+        (b"#" * 10_000_001, "10 MB"),
+    ],
+)
+def test_not_text(tmp_path, data, problem):
+    path = tmp_path / "bad.toml"
+    path.write_bytes(data)
+    assert problem in refuse(path)
+
+
+def test_not_a_file(tmp_path):
+    assert "regular file" in refuse(tmp_path)
+    assert "No such file" in refuse(tmp_path / "missing.toml")
+    assert "too long" in refuse(tmp_path / ("x" * 5000))
+    assert "cannot be read" in refuse("nul\0.toml")
+    (tmp_path / "file").write_text("")
+    assert "cannot be read" in refuse(tmp_path / "file" / "scene.toml")
+    os.symlink("loop", tmp_path / "loop")
+    assert "cannot be read" in refuse(tmp_path / "loop")
+    os.mkfifo(tmp_path / "pipe")
+    assert "regular file" in refuse(tmp_path / "pipe")
+    assert "regular file" in refuse("/dev/zero")
+
+
+def test_no_permission(tmp_path, monkeypatch):
+    path = tmp_path / "secret.toml"
+    path.write_text(GOOD)
+
+    def refused(*args, **kwargs):  # root would read a file without permissions
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+    monkeypatch.setattr(Path, "open", refused)
+    assert "Permission denied" in refuse(path)
+
+
+TABLE = swap(STEP, '[[loading.steps]]\nkind = "table"\nfile = "path.csv"\n')
+
+
+@pytest.mark.parametrize(
+    ("rows", "where"),
+    [
+        (b"", "the file is empty"),
+        (b"# time, penetration\n", "the file is empty"),
+        (b"time,penetration\n", "time"),
+        (b"0,0\n", "time"),
+        (b"0,0\n2,1\n1,2\n", "time, row 3"),
+        (b"0,0\n1,1\n1,2\n", "time, row 3"),
+        (b"0,0\n1,nan\n", "penetration, row 2"),
+        (b"0,0\ninf,1\n", "time, row 2"),
+        (b"0,0\n1,1e70\n", "penetration, row 2"),
+        (b"0,0\n1\n", "line 2"),
+        (b"0,0\n1,2,3\n", "line 2"),
+        (b"0;0\n1;1\n", "line 1"),
+        (b"0,0\none,two\n", "line 2"),
+        (b"0,0\n1_0,2\n", "line 2"),
+        (b'0,0\n"1,2\n', "line 2"),
+        (b"0,0\n\xff\xfe,2\n", "not a text file"),
+        (None, "cannot be read"),
+    ],
+)
+def test_bad_loading_table(tmp_path, rows, where):
+    (tmp_path / "bad.toml").write_text(TABLE)
+    if rows is not None:
+        (tmp_path / "path.csv").write_bytes(rows)
+    assert refuse(tmp_path / "bad.toml").startswith(f"{tmp_path / 'path.csv'}: {where}")

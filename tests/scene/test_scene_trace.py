@@ -1,0 +1,106 @@
+"""Traces as files: every bit comes back, the file is whole or absent."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace, read_columns, write_trace
+from contact_scene.files import write_text
+
+
+def trace(table, **extra):
+    return Trace(
+        solver="by hand",
+        **dict(zip(COLUMNS, table, strict=True)),
+        outcome=Outcome(OutcomeKind.COMPLETED, "end of the loading", 1.0),
+        counters=Counters(),
+        extra=extra,
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """One folder for all examples."""
+    return tmp_path_factory.mktemp("traces")
+
+
+@given(st.integers(0, 5).flatmap(lambda n: arrays(float, (8, n), elements=st.floats(allow_nan=False))))
+def test_every_bit_comes_back(folder, table):
+    run = trace(table[:7], stress_intensity=table[7])
+    write_trace(run, folder / "trace.csv")
+    back = read_columns(folder / "trace.csv")
+    assert list(back) == [*COLUMNS, "stress_intensity"]
+    for name, column in run.columns().items():
+        assert back[name].tobytes() == column.tobytes(), name
+    assert [path.name for path in folder.iterdir()] == ["trace.csv"]
+
+
+def test_header_and_first_row(tmp_path):
+    write_trace(trace(np.arange(14.0).reshape(7, 2) / 10), tmp_path / "trace.csv")
+    assert (tmp_path / "trace.csv").read_text().splitlines()[:2] == [
+        "time,penetration,force,contact_radius,stored_energy,external_work,dissipated_energy",
+        "0.0,0.2,0.4,0.6,0.8,1.0,1.2",
+    ]
+
+
+def test_columns_of_unequal_length_write_nothing(tmp_path):
+    run = dataclasses.replace(trace(np.zeros((7, 3))), extra={"short": np.zeros(2)})
+    with pytest.raises(ValueError, match="shorter"):
+        write_trace(run, tmp_path / "trace.csv")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("", "no column time"),
+        ("time,force\n1,2\n", "no column penetration"),
+        (",".join(COLUMNS) + "\n1,2,3\n", "line 2 has 3 cells"),
+        (",".join(COLUMNS) + "\n1,2,3,4,5,6,x\n", "could not convert"),
+    ],
+)
+def test_bad_files(tmp_path, text, match):
+    (tmp_path / "trace.csv").write_text(text)
+    with pytest.raises(ValueError, match=match):
+        read_columns(tmp_path / "trace.csv")
+
+
+def test_a_failed_write_keeps_the_old_file_and_leaves_nothing(tmp_path):
+    path = tmp_path / "text"
+    write_text(path, "old")
+    with pytest.raises(UnicodeEncodeError):
+        write_text(path, "new \ud800")
+    assert path.read_text() == "old"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["text"]
+
+
+def test_a_kill_before_the_last_move_keeps_the_old_file(tmp_path, monkeypatch):
+    path = tmp_path / "text"
+    write_text(path, "old")
+
+    def killed(*args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "replace", killed)
+    with pytest.raises(KeyboardInterrupt):
+        write_text(path, "new")
+    assert path.read_text() == "old"
+
+
+def test_outcomes_tell_answers_from_failures():
+    finished = {kind for kind in OutcomeKind if Outcome(kind, "", 0.0).finished}
+    assert finished == {OutcomeKind.COMPLETED, OutcomeKind.DETACHED}
+
+
+def test_floating_point_errors_raise_in_tests():
+    for bad in (lambda x: 1.0 / x, lambda x: np.exp(1e4 + x), lambda x: x / x):
+        with pytest.raises(FloatingPointError):
+            bad(np.zeros(1))
+    assert np.exp(np.full(1, -1e4))[0] == 0.0

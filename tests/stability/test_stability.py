@@ -1,0 +1,209 @@
+"""The matrix: every way a run can end has its verdict, nothing that goes wrong passes for an answer."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support import scripted_solver as fakes
+
+from contact_scene import OutcomeKind, Scene, SceneError
+from crosscontact.cli import AXIS_NAMES
+from validation.execution.store import Store
+from validation.execution.workers import Fate, Reply, Retired, Worker
+from validation.stability import base, measure
+from validation.stability.growth import fit
+from validation.stability.limits import limits
+from validation.stability.matrix import AXES, probes
+from validation.stability.probe import Computed, Equivalent, Known, Nothing, Probe, Value
+from validation.stability.runner import run
+from validation.stability.verdict import Cell, Verdict, judge
+from validation.stability.work import Answer, Job, perform
+
+ENDINGS = {
+    "right": Verdict.MEETS,
+    "a little off": Verdict.MEETS,
+    "wrong": Verdict.WRONG,
+    "ends otherwise": Verdict.WRONG,
+    "not a number": Verdict.NOT_FINITE,
+    "raises": Verdict.CRASH,
+    "dies": Verdict.CRASH,
+    "refuses": Verdict.SAYS,
+    "gives up": Verdict.SAYS,
+}
+
+
+def one(probe: Probe, answer: Answer, *truths: Answer, solver: str = "bem") -> Cell:
+    """The cell of a made-up answer."""
+    replies = tuple(Reply(Fate.ANSWERED, truth) for truth in truths)
+    return judge(probe, solver, Reply(Fate.ANSWERED, answer), replies)
+
+
+def test_every_ending_has_its_verdict_and_the_next_run_is_unharmed():
+    asked = [fakes.probe(title) for title in (*ENDINGS, "right again")]
+    matrix = run(asked, solvers=("bem",), work=fakes.act)
+    found = {cell.label: cell.verdict for cell in matrix.cells}
+    assert found == {**ENDINGS, "right again": Verdict.MEETS}
+    told = {cell.label: cell for cell in matrix.cells}
+    assert told["dies"].reason == "the process ended with code 7"
+    assert told["raises"].reason == "ZeroDivisionError: division by zero"
+    assert told["wrong"].error == pytest.approx(0.01)
+    assert told["ends otherwise"].error == measure.MISSING
+    assert (told["right"].steps, told["right"].rejected_steps) == (3, 1)
+    faults = {"wrong", "ends otherwise", "not a number", "raises", "dies"}
+    assert {cell.label for cell in matrix.faults} == faults
+
+
+@pytest.mark.parametrize("title", ["hangs", "waits"])
+def test_a_run_that_hangs_is_killed(title):
+    begin = time.monotonic()
+    matrix = run([fakes.probe(title, seconds=0.4)], solvers=("bem",), work=fakes.act)
+    assert [cell.verdict for cell in matrix.cells] == [Verdict.HANG]
+    assert time.monotonic() - begin < 60.0
+
+
+def test_no_answer_is_right_where_there_is_none():
+    nothing = fakes.probe("right", Nothing("nothing holds"))
+    assert one(nothing, Answer(refusal="adhesion.zone: too long")).verdict is Verdict.MEETS
+    assert one(nothing, Answer(fakes.trace(kind=OutcomeKind.NO_EQUILIBRIUM))).verdict is Verdict.MEETS
+    assert one(nothing, Answer(fakes.trace())).verdict is Verdict.WRONG
+    refused = replace(nothing, scene=SceneError("radius", "falls"))
+    assert judge(refused, "bem", None, ()).verdict is Verdict.MEETS
+
+
+def test_an_observable_that_is_missing_is_an_error_without_bound():
+    cell = one(
+        fakes.probe("right", Known((Value("detachment_time", 1.0),), "made up")), Answer(fakes.trace())
+    )
+    assert (cell.verdict, cell.error) == (Verdict.WRONG, measure.MISSING)
+
+
+def test_against_the_front_tracking_with_its_own_error():
+    probe = fakes.probe("by resolution", Computed(("final_force", measure.CURVE), fine=20, coarse=10))
+    fine, coarse = (fakes.act(Job("reference", probe.scene, n, 9)) for n in (20, 10))
+    cell = one(probe, fakes.act(Job("bem", probe.scene, 10, 9)), fine, coarse)
+    assert cell.truth_error == pytest.approx(0.1 * (1 / 100 - 1 / 400) / 3.0, rel=1e-3)
+    assert cell.verdict is Verdict.MEETS
+    assert one(probe, fakes.act(Job("bem", probe.scene, 4, 9)), fine, coarse).verdict is Verdict.WRONG
+    broken = Answer(fakes.trace(kind=OutcomeKind.STEP_UNDERFLOW))
+    assert one(probe, fine, fine, broken).verdict is Verdict.UNKNOWN
+
+
+def test_the_driver_asks_the_truth_and_the_other_scene():
+    computed = fakes.probe("by resolution", Computed(("final_force",), fine=40, coarse=20))
+    same = fakes.probe("right", Equivalent(fakes.scene("wrong")))
+    matrix = run([computed, same], solvers=("bem", "fem"), work=fakes.act)
+    verdicts = [(cell.label, cell.solver, cell.verdict) for cell in matrix.cells]
+    assert verdicts == [
+        ("by resolution", "bem", Verdict.WRONG),  # 6 a zone: 2.7e-3 off
+        ("by resolution", "fem", Verdict.WRONG),
+        ("right", "bem", Verdict.WRONG),
+        ("right", "fem", Verdict.WRONG),
+    ]
+
+
+def test_a_solver_that_would_take_minutes_is_not_asked_and_that_is_told():
+    dear = fakes.probe("raises", too_dear={"fem": "dense"})
+    (cell,) = run([dear], solvers=("fem",), work=fakes.never).cells
+    assert (cell.verdict, cell.outcome, cell.reason) == (Verdict.SAYS, "not run", "dense")
+
+
+def test_units_are_undone_column_by_column():
+    plain = fakes.trace()
+    other = replace(plain, time=60.0 * plain.time, penetration=1e3 * plain.penetration,
+                    contact_radius=1e3 * plain.contact_radius, force=1e-3 * plain.force)  # fmt: skip
+    truth = Equivalent(fakes.scene("right"), length=1e3, stress=1e-9, time=60.0)
+    assert max(measure.against_equivalent(other, plain, truth).values()) < 1e-12
+    assert measure.against_equivalent(other, fakes.trace(steps=4), truth) == {measure.CURVE: measure.MISSING}
+    wrong = replace(other, force=other.force * (1.0 + 1e-6))
+    assert measure.against_equivalent(wrong, plain, truth)["force"] == pytest.approx(1e-6, rel=1e-3)
+
+
+def test_cells_that_are_kept_are_not_run_again(tmp_path):
+    asked = [fakes.probe("right"), fakes.probe("raises")]
+    first = run(asked, solvers=("bem", "fem"), work=fakes.act, store=Store(tmp_path))
+    again = run(asked, solvers=("bem", "fem"), work=fakes.never, store=Store(tmp_path))
+    assert again.cells[:2] == first.cells[:2]
+    assert [cell.reason for cell in again.cells[2:]] == [
+        "AssertionError: raises"
+    ] * 2  # a crash is tried again
+
+
+def test_a_worker_that_is_retired_answers_no_more():
+    worker = Worker()
+    assert worker.ask(abs, -3, 60.0) == Reply(Fate.ANSWERED, 3)
+    worker.retire()
+    with pytest.raises(Retired):
+        worker.ask(abs, -3, 60.0)
+    with pytest.raises(Retired):
+        worker.ask(abs, -3, 60.0)
+
+
+def cells_of(steps: dict[float, int]) -> list[Cell]:
+    return [
+        Cell("axis", f"{x:g}", "bem", Verdict.MEETS, "completed", "", steps=n, series="s", stiffness=x)
+        for x, n in steps.items()
+    ]
+
+
+def test_logarithmic_growth_is_told_from_faster_growth():
+    (slow,) = fit(cells_of({10.0**k: 100 + 20 * k for k in range(8)}))
+    assert slow.logarithmic
+    assert slow.per_decade == pytest.approx(20.0)
+    assert slow.at_first == pytest.approx(100.0)
+    (fast,) = fit(cells_of({10.0**k: round(100 * 10 ** (0.3 * k)) for k in range(8)}))
+    assert not fast.logarithmic
+    assert fast.power == pytest.approx(0.3, abs=0.01)
+    assert any("FASTER" in line for line in limits(cells_of({10.0**k: 10 * 3**k for k in range(8)})))
+    assert fit(cells_of({1.0: 10, 10.0: 20})) == []
+
+
+def test_the_matrix_has_every_axis_and_every_name_once():
+    assert tuple(AXES) == AXIS_NAMES
+    asked = probes()
+    assert len({probe.name for probe in asked}) == len(asked)
+    assert all(0.0 < limit < 0.3 for probe in asked for limit in probe.tolerance.limits.values())
+    assert all(probe.tolerance.why for probe in asked)
+    refused = [probe for probe in asked if not isinstance(probe.scene, Scene)]
+    assert [type(probe.truth) for probe in refused] == [Nothing]
+    stiff = max(probe.stiffness for probe in asked)
+    assert stiff >= 1e12
+
+
+def test_the_energy_of_a_real_run_balances_and_a_false_one_does_not():
+    scene = base.scene(base.material(), base.to_and_fro(0.1))
+    trace = perform(Job("reference", scene, 8, 5000)).trace
+    assert trace is not None
+    assert measure.energy_residual(trace, scene.material) < 1e-3
+    false = replace(trace, stored_energy=1.05 * trace.stored_energy)
+    assert measure.energy_residual(false, scene.material) > 0.02
+
+
+@pytest.mark.parametrize("label", ["jump of the penetration", "jump, then rest"])
+def test_all_solvers_on_probes_with_a_closed_form(label):
+    (probe,) = [probe for probe in AXES["loading"]() if probe.label == label]
+    for solver in ("bem", "fem", "reference"):
+        job = Job(solver, probe.scene, probe.resolutions[solver], probe.max_steps)
+        cell = one(probe, perform(job), solver=solver)
+        assert cell.verdict is Verdict.MEETS, (cell.name, cell.errors)
+        assert np.isfinite(cell.residual)
+
+
+def test_elements_follow_the_edge_up_to_its_last_root():
+    """Next to it a stride of a quarter element finds no root: with nothing shorter this took 9600 steps."""
+    (probe,) = [one for one in AXES["relaxation-time"]() if one.label == "tau/T = 1e-12, pulled from rest"]
+    trace = perform(Job("fem", probe.scene, 4, 20_000)).trace
+    assert trace is not None
+    assert trace.counters.steps < 3000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("axis", ["step", "scale", "speed"])
+def test_whole_axes_hold(axis):
+    asked = AXES[axis]()
+    asked = asked if axis == "step" else asked[1::2]
+    matrix = run(asked, jobs=2)
+    assert [(cell.name, cell.worst, cell.error) for cell in matrix.faults] == []
+    assert {cell.verdict for cell in matrix.cells} == {Verdict.MEETS}

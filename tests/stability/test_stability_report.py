@@ -1,0 +1,129 @@
+"""What the matrix writes: page, Markdown, JSON, heat maps; the command's exit code."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as tree
+
+import pytest
+from support import scripted_solver as fakes
+
+import crosscontact.commands.stability as command
+from crosscontact.cli import main
+from validation.report import stability_map
+from validation.report import stability_section as section
+from validation.stability.runner import Matrix
+from validation.stability.verdict import FAULTS, Cell, Verdict
+
+
+def cell(label: str, solver: str = "bem", verdict: Verdict = Verdict.MEETS, **facts) -> Cell:
+    given = {
+        "outcome": "completed",
+        "reason": "a | b <c>",
+        "errors": {"final_force": 1e-3},
+        "tolerance": 0.01,
+    }
+    return Cell("contrast", label, solver, verdict, **{**given, "why": "coarse", **facts})
+
+
+CELLS = (
+    cell("1"),
+    cell("1", "fem", errors={}, outcome="refused", verdict=Verdict.SAYS),
+    cell("10", verdict=Verdict.WRONG, errors={"final_force": 0.5}),
+    cell("10", "fem", verdict=Verdict.WRONG, errors={"final_force": float("inf")}),
+    cell("100", verdict=Verdict.UNKNOWN, errors={}),
+    cell("100", "fem", residual=0.2, errors={"final_force": 0.0}),
+)
+MATRIX = Matrix(CELLS, 3.0)
+
+
+def test_page_and_markdown_show_faults_refusals_and_limits():
+    page = section.html(MATRIX)
+    assert "SILENTLY WRONG" in page
+    assert "a | b &lt;c&gt;" in page
+    assert page.count("<svg") == 2
+    lines = section.markdown(MATRIX)
+    assert sum(line.startswith("| ") for line in lines) == 1 + 4  # the head, and what is not within tolerance
+    said = "\n".join(lines)
+    assert "fem says that it has no answer: contrast, 1 (refused)" in said
+    assert "contrast: 10: bem: final_force off by 0.5" in said
+    assert "1 of 3 cells its energy terms" in said
+    assert "Not judged, the truth is missing: contrast: 100: bem" in said
+
+
+def test_json_is_strict_and_whole():
+    from validation.execution.files import to_json
+
+    told = json.loads(to_json(section.data(MATRIX)))
+    assert [entry["number"] for entry in told["cells"]] == [1, 1, 2, 2, 3, 3]
+    assert told["cells"][3]["error"] is None  # without bound
+    assert told["complete"] is True
+
+
+def test_checks_and_junit_fail_where_a_cell_is_at_fault():
+    checks = {check.solver: check for check in section.checks(MATRIX)}
+    assert [(checks[s].found, checks[s].passed) for s in ("bem", "fem")] == [(1.0, False), (1.0, False)]
+    assert "10: SILENTLY WRONG" in checks["bem"].note
+    assert section.checks(Matrix(CELLS[:2], 0.0))[0].passed
+    suite = section.junit(MATRIX)
+    assert suite.attrib["failures"] == "2"
+    assert len(tree.tostring(suite)) > 100
+
+
+@pytest.mark.parametrize("verdict", FAULTS)
+def test_a_fault_is_seen_without_colour(verdict):
+    numbers = section.numbers(CELLS[:1])
+    plain = stability_map.draw([cell("1")], numbers).axes[0]
+    fault = stability_map.draw([cell("1", verdict=verdict)], numbers).axes[0]
+    assert (len(fault.lines), len(fault.patches)) == (len(plain.lines) + 1, len(plain.patches) + 1)
+
+
+def test_colours_stay_in_range_and_every_outcome_has_its_letter():
+    from contact_scene import OutcomeKind
+
+    levels = [stability_map.level(one) for one in CELLS]
+    assert levels == [-3.0, None, pytest.approx(-0.30103), 0.0, None, stability_map.LEAST]
+    kinds = [*map(str, OutcomeKind), "hung", "raised", "died", "refused"]
+    assert "?" not in {stability_map.letter(cell("1", outcome=kind)) for kind in kinds}
+    assert stability_map.letter(CELLS[4]) == "?"
+
+
+def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monkeypatch, capsys):
+    asked = [fakes.probe("right"), fakes.probe("wrong")]
+    monkeypatch.setattr(command, "probes", lambda only: asked if only is None else asked[:1])
+    real = command.run
+
+    def faked(probes, jobs, solvers, tell, store):
+        return real(probes, jobs, solvers, tell, fakes.act, store)
+
+    monkeypatch.setattr(command, "run", faked)
+    out = tmp_path / "out"
+    assert main(["stability", "--jobs", "1", "--solver", "bem", "--out", str(out)]) == 1
+    told = capsys.readouterr()
+    assert "failed: made up: wrong: bem: SILENTLY WRONG" in told.err
+    assert "2/2 made up: wrong: bem" in told.err
+    names = {path.name for path in out.rglob("*") if path.is_file()}
+    assert names == {"index.html", "stability.md", "stability.json", "stability-bem.png"}
+    assert (out / "figures" / "stability-bem.png").read_bytes().startswith(b"\x89PNG")
+    only = ["stability", "--jobs", "1", "--solver", "bem", "--only", "speed"]
+    assert main(only) == 0
+    with pytest.raises(SystemExit) as bad:
+        main(["stability", "--only", "nothing"])
+    assert bad.value.code == 2
+
+
+def test_the_full_report_has_the_matrix_and_fails_with_it(tmp_path, monkeypatch, capsys):
+    import validation.report.build as build
+
+    empty = build.Report("full", [], {"processor": "made up"}, 1.0)
+    asked = []
+    monkeypatch.setattr(build, "build", lambda *given: empty)
+    monkeypatch.setattr(command, "compute", lambda jobs, store: asked.append(jobs) or MATRIX)
+    assert main(["report", "--suite", "full", "--jobs", "2", "--out", str(tmp_path / "full")]) == 1
+    assert asked == [2]
+    assert "failed: stability: bem: faults: contrast: found 1" in capsys.readouterr().err
+    for name in ("index.html", "summary.md", "report.json", "junit.xml"):
+        assert "SILENTLY WRONG" in (tmp_path / "full" / name).read_text("utf-8")
+    assert (tmp_path / "full" / "figures" / "stability-fem.png").exists()
+    assert main(["report", "--suite", "quick", "--out", str(tmp_path / "quick")]) == 0
+    assert asked == [2]

@@ -1,0 +1,256 @@
+"""Studies end to end, on made-up solvers: every form is written, failures stay, errors are one line."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from support.spring_solver import SCENE, fake
+
+from contact_scene import Counters, OutcomeKind, SceneError
+from crosscontact.cli import main
+from validation.cases import load
+from validation.execution.progress import Progress
+from validation.report import study_figures, study_forms
+from validation.studies import schemes, study
+from validation.studies.ladders import ladders
+
+ORDERS = {"bem": 2.0, "baseline": 1.0, "fem": 2.0, "fem-volume": 2.0, "reference": 4.0}
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    file = tmp_path / "small.toml"
+    file.write_text(SCENE)
+    return str(file)
+
+
+def converging(order: float, resolution_counts: bool = True):
+    """A spring whose stiffness converges to 1 with the resolution, and whose work grows with it."""
+
+    def load_scheme():
+        def call(scene, settings, times):
+            n = settings.resolution if resolution_counts else 1
+            trace = fake(1.0 + n**-order)()(scene, None, None, times, None)
+            return dataclasses.replace(trace, counters=Counters(steps=n, linear_solves=n * n))
+
+        return call
+
+    return load_scheme
+
+
+@pytest.fixture
+def fakes(monkeypatch):
+    """All schemes replaced; ``fakes(bem=loader)`` replaces them again."""
+
+    def put(**loaders):
+        for name, order in ORDERS.items():
+            scheme = dataclasses.replace(
+                schemes.SCHEMES[name], load=loaders.get(name.replace("-", "_"), converging(order))
+            )
+            monkeypatch.setitem(schemes.SCHEMES, name, scheme)
+
+    put()
+    return put
+
+
+def studied(scene_file) -> tuple[study.Study, dict]:
+    """A study and its JSON, without the figures, which take their time."""
+    found = study.study([load(scene_file)], 1, Progress("test"))
+    return found, json.loads(study_forms.json(found))
+
+
+def page_without_figures(found: study.Study) -> str:
+    return study_forms.html(found, {scene.case.name: {} for scene in found.scenes})
+
+
+def ladder_of(data: dict, scheme: str, kind: str = "together") -> dict:
+    found = [e for e in data["scenes"][0]["ladders"] if (e["scheme"], e["kind"]) == (scheme, kind)]
+    assert len(found) == 1
+    return found[0]
+
+
+def observable(ladder: dict, name: str) -> dict:
+    return next(row for row in ladder["observables"] if row["observable"] == name)
+
+
+def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
+    out = tmp_path / "out"
+    assert main(["study", scene_file, "--jobs", "1", "--out", str(out)]) == 0
+    data = json.loads((out / "study.json").read_text())
+    assert sorted(file.name for file in out.iterdir()) == ["figures", "index.html", "study.json", "study.md"]
+    shown, progress = capsys.readouterr()
+    assert "baseline" in shown
+    assert "is cheapest" in shown
+    assert "small reference zone" in progress
+    page, text = (out / "index.html").read_text(), (out / "study.md").read_text()
+    for said in (
+        "Observed orders",
+        "Error against run time",
+        "process zone",
+        "At 1e-04",
+        "OMP_NUM_THREADS 1",
+    ):
+        assert said in page
+        assert said in text
+    for solver in ("bem", "fem", "reference"):  # the made-up answer does not hang on the zone
+        assert f"| pull off force | {solver} | 0.010" in text.partition("no zone")[2]
+    assert page.count("<svg") == 9  # the radius of what is made up has no error
+    pictures = sorted(file.name for file in (out / "figures").iterdir())
+    assert len(pictures) == 18
+    assert (out / "figures" / "small-order-loop.png").read_bytes().startswith(b"\x89PNG")
+    assert data["environment"]["threads"]["OMP_NUM_THREADS"] == "1"
+
+
+def test_orders_come_out_as_they_went_in(scene_file, fakes):
+    _, data = studied(scene_file)
+    for scheme in ("bem", "baseline"):
+        row = observable(ladder_of(data, scheme), "pull_off_force")
+        assert row["alone"]["orders"] == pytest.approx([ORDERS[scheme]] * 3, rel=1e-6)
+        assert row["orders"] == pytest.approx([ORDERS[scheme]] * 4, rel=0.02)
+        assert row["alone"]["richardson"] == pytest.approx(0.01)
+        assert row["alone"]["verdict"] == "asymptotic"
+        assert len(row["values"]) == 5
+    growth = {(e["scheme"], e["work"]): e for e in data["scenes"][0]["growth"]}
+    assert growth["bem", "linear_solves"]["with_resolution"] == pytest.approx(2.0)
+    assert growth["baseline", "linear_solves"]["with_error"] == pytest.approx(2.0, rel=0.05)
+    doubtful = data["scenes"][0]["reference_uncertainty"]["pull_off_force"]
+    assert doubtful == pytest.approx((40.0**-4 - 80.0**-4) / 3.0, rel=0.01)
+
+
+def test_every_solver_has_four_levels_and_all_its_ladders(scene_file):
+    found = ladders(load(scene_file).scene)
+    assert {(e.scheme, e.kind) for e in found} >= {
+        ("bem", "together"), ("baseline", "together"), ("fem", "together"), ("reference", "together"),
+        ("bem", "step"), ("bem", "mesh"), ("fem", "step"), ("fem", "mesh"), ("fem", "domain"),
+        ("bem", "zone"), ("fem", "zone"), ("reference", "zone"),
+    }  # fmt: skip
+    for entry in found:
+        assert len(entry.levels) >= 4
+        sizes = [level.size for level in entry.levels]
+        assert sizes == sorted(sizes, reverse=True)
+
+
+def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
+    def missing():
+        raise ModuleNotFoundError("No module named 'bem_solver.paper_scheme.solver'")
+
+    fakes(baseline=missing)
+    assert main(["study", scene_file, "--jobs", "1"]) == 1
+    err = capsys.readouterr().err
+    assert "failed: small: baseline: together 4: ModuleNotFoundError" in err
+    assert "Traceback" not in err
+    found, data = studied(scene_file)
+    assert data["scenes"][0]["failed_levels"] == 5
+    assert ladder_of(data, "baseline")["levels"][0]["failure"].startswith("ModuleNotFoundError")
+    assert "FAILED: ModuleNotFoundError" in page_without_figures(found)
+    assert "FAILED: ModuleNotFoundError" in study_forms.markdown(found)
+    for chart in (study_figures.CONVERGENCE[0], study_figures.PRICES[0]):
+        drawn = study_figures.draw(chart, found.scenes[0].timed)
+        assert drawn is not None
+        labels = drawn.axes[0].get_legend_handles_labels()[1]
+        assert "baseline: 5 failed" in labels
+        assert "baseline" not in labels
+
+
+def test_a_level_that_breaks_down_keeps_its_place(scene_file, fakes):
+    def breaking():
+        good = converging(2.0)()
+
+        def call(scene, settings, times):
+            if settings.tolerance is not None:  # not the ladder of everything together
+                return good(scene, settings, times)
+            if settings.resolution == 8:
+                raise FloatingPointError("overflow")
+            trace = good(scene, settings, times)
+            if settings.resolution == 64:
+                ending = dataclasses.replace(trace.outcome, kind=OutcomeKind.STEP_UNDERFLOW)
+                return dataclasses.replace(trace, outcome=ending)
+            if settings.resolution == 32:
+                return dataclasses.replace(trace, force=np.full_like(trace.force, np.nan))
+            return trace
+
+        return call
+
+    fakes(bem=breaking)
+    found, data = studied(scene_file)
+    assert len(found.scenes[0].failed) == 3
+    levels = ladder_of(data, "bem")["levels"]
+    said = [level["failure"] for level in levels]
+    assert said == ["", "FloatingPointError: overflow", "", "not finite: force", "step underflow: as told"]
+    row = observable(ladder_of(data, "bem"), "pull_off_force")
+    assert [value is None for value in row["values"]] == [False, True, False, True, True]
+    assert row["orders"] == [None] * 4
+
+
+def test_a_coarser_reference_serves_where_the_finest_fails(scene_file, fakes):
+    def breaking():
+        good = converging(2.0)()
+
+        def call(scene, settings, times):
+            if settings.resolution == 80:
+                raise FloatingPointError("too fine")
+            return good(scene, settings, times)
+
+        return call
+
+    fakes(reference=breaking)
+    found, data = studied(scene_file)
+    said = data["scenes"][0]["reference"]
+    assert said.startswith("front tracking at resolution 60; 80 failed: FloatingPointError")
+    assert said in study_forms.markdown(found)
+
+
+def test_without_a_reference_values_are_judged_alone(scene_file, fakes):
+    def refusing():
+        def call(scene, settings, times):
+            raise SceneError("material", "not this one", "another")
+
+        return call
+
+    fakes(reference=refusing)
+    found, data = studied(scene_file)
+    assert data["scenes"][0]["reference"].startswith("no reference")
+    row = observable(ladder_of(data, "bem"), "pull_off_force")
+    assert row["errors"] == [None] * 5
+    assert row["alone"]["orders"] == pytest.approx([2.0] * 3, rel=1e-6)
+    assert "No reference" in page_without_figures(found)
+
+
+def test_untimed_ladders_may_run_in_processes(scene_file, fakes, monkeypatch):
+    asked = []
+    real = study.processes
+
+    def noted(workers):
+        asked.append(workers)
+        return real(1)  # what is made up here cannot be sent to another process
+
+    monkeypatch.setattr(study, "processes", noted)
+    assert main(["study", scene_file, "--jobs", "3"]) == 0
+    assert asked == [3]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "SCENE"),
+        (("nowhere.toml",), "nowhere.toml"),
+        (("cicle",), "nearest: cycle"),
+        (("cycle-v0.1", "nowhere.toml"), "nowhere.toml"),
+        (("cycle-v0.1", "--jobs", "0"), "a whole number >= 1"),
+        (("cycle-v0.1", "--out", "/proc/nothing/here"), "--out"),
+        (("cycle-v0.1", "--suite", "quick"), "--suite"),
+    ],
+)
+def test_bad_input_is_one_line(capsys, arguments, said):
+    try:
+        code = main(["study", *arguments])
+    except SystemExit as leave:
+        code = int(leave.code or 0)
+    out, err = capsys.readouterr()
+    assert code == 2
+    assert out == ""
+    assert said in err
+    assert err.count("\n") == 1

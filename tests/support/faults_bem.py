@@ -1,0 +1,163 @@
+"""Single faults for the boundary elements."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import ellipk
+from support.fault_injection import Fault
+
+from bem_solver.history import Track
+from bem_solver.surface_points import load_inside
+
+
+def fault(name: str, target: str):
+    """Register the decorated function as ``broken`` of a fault."""
+
+    def register(broken):
+        FAULTS.append(Fault("bem", name, f"bem_solver.{target}", broken))
+        return broken
+
+    return register
+
+
+FAULTS: list[Fault] = []
+
+
+@fault("the half of the closure dropped", "closure:ClosureRule.integral")
+def _(true):
+    return lambda *given: 2.0 * true(*given)
+
+
+@fault("tension and compression swapped", "surface:Surface.tension")
+def _(true):
+    return lambda *given: -true(*given)
+
+
+@fault("1 - nu^2 lost", "creep:Chain.__init__")
+def _(true):
+    return lambda self, material, euler=False: true(self, replace(material, poisson=0.0), euler)
+
+
+@fault("relaxation and retardation times swapped", "creep:Chain.__init__")
+def _(true):
+    def init(self, *given):
+        true(self, *given)
+        self.relaxation, self.retardation = self.retardation, self.relaxation
+
+    return init
+
+
+@fault("a branch dropped", "creep:Chain.__init__")
+def _(true):
+    return lambda self, material, euler=False: true(
+        self, replace(material, branches=material.branches[1:]), euler
+    )
+
+
+@fault("backward Euler in place of the exact update", "creep:Chain.__init__")
+def _(true):
+    return lambda self, material, euler=False: true(self, material, True)
+
+
+@fault("internal variables one step late", "trial:_required_load")
+def _(true):
+    def required_load(problem, points, motion):
+        wanted = motion.new_penetration - points.height
+        return load_inside(problem.chain, points.variables, wanted)
+
+    return required_load
+
+
+@fault("energy without a branch", "energy:Energies.stored")
+def _(true):
+    def stored(self, chain):
+        lost = self.branch_energy[:1] / chain.compliances[:1]
+        return true(self, chain) - 0.5 * float(lost.sum())
+
+    return stored
+
+
+@fault("E and K of the kernel swapped", "kernel:ellipe")
+def _(true):
+    return lambda m: ellipk(np.minimum(m, 1.0 - 1e-9))
+
+
+@fault("annulus areas without pi", "annuli:Annuli.__init__")
+def _(true):
+    def init(self, count):
+        true(self, count)
+        self.areas = self.areas / np.pi
+
+    return init
+
+
+@fault("annulus areas as 2 pi r dr at the collocation radius", "annuli:Annuli.__init__")
+def _(true):
+    def init(self, count):
+        true(self, count)
+        self.areas = 2.0 * np.pi * self.radii * np.diff(self.borders)
+
+    return init
+
+
+@fault("gap of the wrong sign", "trial:gap_outside")
+def _(true):
+    return lambda *given: -true(*given)
+
+
+@fault("process zone measured from the wrong side", "trial:gap_outside")
+def _(true):
+    def gap(problem, front, motion, surface, radius):
+        mirrored = 2.0 * surface.edge + problem.zone - radius
+        return true(problem, front, motion, surface, np.maximum(mirrored, surface.edge))
+
+    return gap
+
+
+@fault("every start relaxed", "start:start_front")
+def _(true):
+    def start(problem, scale):
+        loading = replace(problem.scene.loading, start="relaxed")
+        return true(replace(problem, scene=replace(problem.scene, loading=loading)), scale)
+
+    return start
+
+
+@fault("covered points without their glassy jump", "points:covered")
+def _(true):
+    return lambda chain, points, motion: 0.0 * points.variables
+
+
+@fault("released points forget their relaxation", "points:released")
+def _(true):
+    return lambda chain, points, motion, new_load: 0.0 * points.variables
+
+
+@fault("released surface does not creep", "points:free")
+def _(true):
+    return lambda chain, points, motion, new_load: points.variables
+
+
+@fault("history read one node off", "history:Track.at")
+def _(true):
+    def at(self, radius):
+        return true(Track(self.radius, np.roll(self.state, 1, axis=0), self.kinks), radius)
+
+    return at
+
+
+@fault("square root at the edge left out of the outer history", "surface:Surface.root_strength")
+def _(true):
+    return lambda self, reach: 0.0
+
+
+@fault("surface energy of the wrong sign in the balance", "recorder:Recorder.trace")
+def _(true):
+    return lambda self, *given: true(replace(self, work=-self.work), *given)
+
+
+@fault("branch energies advanced by half the step", "energy:stepped")
+def _(true):
+    return lambda chain, before, load, work, duration: true(chain, before, load, work, 0.5 * duration)

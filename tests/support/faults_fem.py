@@ -1,0 +1,188 @@
+"""Single faults for the finite elements."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from support.fault_injection import Fault
+
+from fem_solver.prony import Increment, Prony
+
+
+def fault(name: str, target: str):
+    """Register the decorated function as ``broken`` of a fault."""
+
+    def register(broken):
+        FAULTS.append(Fault("fem", name, f"fem_solver.{target}", broken))
+        return broken
+
+    return register
+
+
+FAULTS: list[Fault] = []
+
+
+@fault("the half of the closure dropped", "release:ContactProblem.closure")
+def _(true):
+    return lambda *given: 2.0 * true(*given)
+
+
+@fault("tension and compression swapped", "surface:SurfaceOperator.last_forces")
+def _(true):
+    return lambda *given: -true(*given)
+
+
+@fault("pressure and tension at the edge swapped", "release:ContactProblem.intensity")
+def _(true):
+    return lambda *given: -true(*given)
+
+
+@fault("1 + nu lost from the shear modulus", "setup:moduli")
+def _(true):
+    def moduli(material):
+        found = true(material)
+        return replace(found, shear=found.shear.scaled(1.0 + material.poisson))
+
+    return moduli
+
+
+@fault("1 - nu lost from the contact radius", "setup:Moduli.unit_plane_modulus")
+def _(true):
+    return lambda self: 2.0
+
+
+@fault("relaxation times taken for retardation times", "setup:moduli")
+def _(true):
+    def moduli(material):
+        found = true(material)
+        shear = found.shear
+        slow = Prony(shear.relaxed, shear.moduli, shear.times * shear.glassy / shear.relaxed)
+        return replace(found, shear=slow)
+
+    return moduli
+
+
+@fault("a branch dropped", "setup:moduli")
+def _(true):
+    def moduli(material):
+        return true(replace(material, branches=material.branches[1:]))
+
+    return moduli
+
+
+@fault("internal variables one step late", "prony:Increment.advance")
+def _(true):
+    last: dict[tuple[int, ...], object] = {}
+
+    def advance(self, branches, dx):
+        before = last.get(branches.shape, 0.0 * dx)
+        last[branches.shape] = dx
+        return true(self, branches, before)
+
+    return advance
+
+
+@fault("backward Euler in place of the exact update", "prony:Prony.increment")
+def _(true):
+    def increment(self, dt):
+        left = 1.0 / (1.0 + dt / self.times)
+        gain = self.moduli * left
+        return Increment(self.relaxed + float(gain.sum()), left, gain)
+
+    return increment
+
+
+@fault("energy without a branch", "condensed:CondensedHistory.stored_energy")
+def _(true):
+    def stored(self):
+        lost = self.state.branches[:1]
+        form = np.einsum("kn,kn->k", lost, lost @ self.operator.compliance)
+        return true(self) - 0.5 * float((form / self.shear.moduli[:1]).sum())
+
+    return stored
+
+
+@fault("dissipation without its cross term", "prony:Prony.loss_weights")
+def _(true):
+    return lambda self, dt: true(self, dt) * np.array([[1.0], [0.0], [1.0]])
+
+
+@fault("2 pi missing from the stiffness", "forms:_contract")
+def _(true):
+    return lambda *given: true(*given) / (2.0 * np.pi)
+
+
+@fault("hoop strain missing", "forms:strain")
+def _(true):
+    return lambda u, radius: true(u, radius) * np.array([1.0, 1.0, 0.0, 1.0])[:, None, None]
+
+
+@fault("hoop strain missing from the volume strain", "forms:dilatation")
+def _(true):
+    return lambda u, radius: u.grad[0, 0] + u.grad[1, 1]
+
+
+@fault("shear strain counted once", "forms:_contract")
+def _(true):
+    return lambda a, b: (a * b).sum(axis=0)
+
+
+@fault("far field of the wrong sign", "halfspace:boussinesq_shapes")
+def _(true):
+    return lambda points: tuple(-shape for shape in true(points))
+
+
+@fault("far boundary held", "halfspace:Factorisation.compliance")
+def _(true):
+    def compliance(self, count, weights=None):
+        return true(self, count, np.zeros(count))
+
+    return compliance
+
+
+@fault("incompressible taken as nu = 0.45", "halfspace:HalfSpace.factorise")
+def _(true):
+    return lambda self, ratio: true(self, max(ratio, 0.103))
+
+
+@fault("process zone measured from the wrong side", "release:EdgeGeometry._shift")
+def _(true):
+    return lambda self, zone: true(self, -zone)
+
+
+@fault("vertices and mid-side nodes mixed in the shift", "release:EdgeGeometry._shift")
+def _(true):
+    def shift(self, zone):
+        true(self, zone)
+        targets = self.radii + zone
+        right = np.clip(np.searchsorted(self.radii, targets + 1e-9 * zone), 1, len(self.radii) - 1)
+        width = self.radii[right] - self.radii[right - 1]
+        self.low, self.high = right - 1, right
+        self.share = np.clip((targets - self.radii[right - 1]) / width, 0.0, 1.0)
+        self.first = np.searchsorted(self.high, np.arange(len(self.radii)), side="right")
+
+    return shift
+
+
+@fault("gap read one node short of the shifted point", "release:EdgeGeometry._shift")
+def _(true):
+    def shift(self, zone):
+        true(self, zone)
+        self.low, self.high = np.maximum(self.low - 1, 0), self.high - 1
+
+    return shift
+
+
+@fault("force without 2 pi", "release:ContactProblem.force")
+def _(true):
+    return lambda self, s: true(self, s) / (2.0 * np.pi)
+
+
+@fault("surface energy of the wrong sign in the balance", "record:Recorder.add")
+def _(true):
+    def add(self, state):
+        self.work_of_adhesion = -abs(self.work_of_adhesion)
+        true(self, state)
+
+    return add

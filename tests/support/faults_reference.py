@@ -1,0 +1,114 @@
+"""Single faults for the front tracking."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from support.fault_injection import Fault
+
+from validation.reference.tracking.abel import PowerTransform
+
+
+def fault(name: str, target: str):
+    """Register the decorated function as ``broken`` of a fault."""
+
+    def register(broken):
+        FAULTS.append(Fault("reference", name, f"validation.reference.tracking.{target}", broken))
+        return broken
+
+    return register
+
+
+FAULTS: list[Fault] = []
+
+
+@fault("the half of the closure dropped", "closure:closure_integral")
+def _(true):
+    return lambda *given: 2.0 * true(*given)
+
+
+@fault("tension and compression swapped", "surface:Surface.edge_stress")
+def _(true):
+    return lambda *given: -true(*given)
+
+
+@fault("1 - nu^2 lost", "rheology:rheology")
+def _(true):
+    return lambda material: true(replace(material, poisson=0.0))
+
+
+@fault("relaxation and retardation times swapped", "rheology:rheology")
+def _(true):
+    def rheology(material):
+        found = true(material)
+        return replace(found, times=found.retardation, retardation=found.times)
+
+    return rheology
+
+
+@fault("a branch dropped", "rheology:rheology")
+def _(true):
+    return lambda material: true(replace(material, branches=material.branches[1:]))
+
+
+@fault("force of one side of the axis only", "surface:Surface.force")
+def _(true):
+    return lambda *given: 0.5 * true(*given)
+
+
+@fault("energy without a branch", "rheology:Rheology.stored_in_contact")
+def _(true):
+    def stored(self, branches, strain):
+        return true(self, branches, strain) - 0.5 * (branches[:, :1] ** 2 / self.moduli[:1]).sum(axis=1)
+
+    return stored
+
+
+@fault("the profile in place of its Abel transform", "abel:transform")
+def _(true):
+    return lambda indenter: PowerTransform(0.5 / indenter.radius, 2.0)
+
+
+@fault("process zone half as long", "closure:closure_integral")
+def _(true):
+    return lambda edge, zone, *given: true(edge, 0.5 * zone, *given)
+
+
+@fault("curvature of the closure's kernel left out", "closure:kernel_slope")
+def _(true):
+    return lambda *given: 0.0 * true(*given)
+
+
+@fault("covered points without their glassy jump", "rheology:Rheology.cover")
+def _(true):
+    return lambda self, units, strain: units @ self.branches_of_units
+
+
+@fault("released points forget their relaxation", "rheology:Rheology.release")
+def _(true):
+    return lambda self, branches, strain: true(self, 0.0 * branches, strain)
+
+
+@fault("internal variables in contact not advanced", "surface:step")
+def _(true):
+    def step(*given):
+        found = true(*given)
+        return replace(found, decay=np.ones_like(found.decay), gain=np.zeros_like(found.gain))
+
+    return step
+
+
+@fault("start with the other modulus", "equilibrium:elastic_surface")
+def _(true):
+    return lambda body, depth, radius, glassy: true(body, depth, radius, not glassy)
+
+
+@fault("edge passes every point at the end of the step", "surface:Path.passing")
+def _(true):
+    return lambda self, x: np.ones_like(x)
+
+
+@fault("surface energy of the wrong sign in the balance", "record:Record.columns")
+def _(true):
+    return lambda self: true(replace(self, work=-self.work))

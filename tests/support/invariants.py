@@ -1,0 +1,267 @@
+"""What must hold for any scene: one body for all solvers.
+
+Each function takes a :class:`~invariants_runs.Solver` and something random, and fails where it does not hold.
+
+The loss of the energy balance, ``dissipated_energy``, cannot fall without adhesion only: a process zone of
+finite length takes more than the work of adhesion to open and gives as much back as it closes, so that the
+balance shows a reversible gain or loss. What the branches dissipate never falls, with adhesion or without.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from support.invariants_runs import Solver, effort, in_contact
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Material,
+    Outcome,
+    OutcomeKind,
+    Ramp,
+    Scene,
+    SceneError,
+    Table,
+    Trace,
+)
+
+ROUND_OFF = 1e-12
+ENERGIES = ("stored_energy", "external_work", "dissipated_energy")  # each the difference of the others
+CLEAR = (OutcomeKind.NO_EQUILIBRIUM, OutcomeKind.OUT_OF_RANGE)  # no full answer, and no failure either
+
+
+def answered(solver: Solver, scene: Scene, **asked) -> Trace | None:
+    """A trace, or ``None`` for a refusal, which has to be one line."""
+    try:
+        return solver.solve(scene, **asked)
+    except SceneError as error:
+        refusal = str(error)
+    assert refusal
+    assert "\n" not in refusal
+    return None
+
+
+def is_a_clear_answer(solver: Solver, scene: Scene) -> None:
+    """Nothing but finite numbers, time that never runs back, a typed outcome, the load reached."""
+    trace = answered(solver, scene)
+    if trace is None:
+        return
+    assert isinstance(trace.outcome, Outcome)
+    assert isinstance(trace.outcome.kind, OutcomeKind)
+    assert trace.outcome.reason
+    assert trace.outcome.finished or trace.outcome.kind in CLEAR
+    assert math.isfinite(trace.outcome.time)
+    for name, column in trace.columns().items():
+        assert column.shape == trace.time.shape, name
+        assert np.isfinite(column).all(), name
+    for event in trace.events:
+        assert np.isfinite([event.time, event.penetration, event.force, event.contact_radius]).all()
+    assert all(math.isfinite(error) for error in trace.errors.values())
+    assert np.all(np.diff(trace.time) >= 0.0)
+    assert np.all(trace.contact_radius >= 0.0)
+    if trace.outcome.kind is not OutcomeKind.COMPLETED:
+        return
+    depth, force = float(trace.penetration[-1]), float(trace.force[-1])
+    match scene.loading.steps[-1]:
+        case Ramp(to=to) | Table(penetrations=(*_, to)):
+            assert depth == to
+        case Force(value=to) | ForceRamp(to=to):
+            assert abs(force - to) <= 1e-6 * np.abs(trace.force).max(initial=abs(to))
+
+
+def keeps_its_budget(solver: Solver, scene: Scene, budget: int) -> None:
+    """A run stops at its budget of steps and says so."""
+    trace = answered(solver, scene, budget=budget)
+    if trace is None:
+        return
+    work = trace.counters
+    spent = work.steps if solver.name == "fem" else work.steps + work.rejected_steps
+    assert spent <= budget
+    if spent < budget:
+        assert trace.outcome.kind is not OutcomeKind.STEP_BUDGET
+    assert all(np.isfinite(column).all() for column in trace.columns().values())
+
+
+def never_gains_energy(solver: Solver, scene: Scene) -> None:
+    """Branches only dissipate; no energy is stored that is negative; without adhesion nothing is gained."""
+    trace = answered(solver, scene)
+    if trace is None or len(trace) == 0:
+        return
+    energy, rows = effort(scene, trace), in_contact(trace)
+    dissipated = trace.extra["branch_dissipation"]
+    assert np.diff(dissipated).min(initial=0.0) >= -solver.declared(scene) * energy
+    assert trace.stored_energy.min() >= -ROUND_OFF * energy
+    if not scene.is_adhesive:
+        assert trace.dissipated_energy[rows].min() >= -solver.declared(scene) * energy
+
+
+def balances_its_energy(solver: Solver, scene: Scene) -> None:
+    """What the branches dissipate is the work done, less what is stored and the tip takes; it takes time.
+
+    A sharp edge takes the glassy ``K^2/(2 Einf*)`` per area; as soon as an edge that rested or receded
+    advances, that is the one of the ground it has just covered. The finite elements do without ``K`` and give
+    the residual of their own balance; with adhesion it is asked of steps shorter than every relaxation time,
+    in which the edge does not cross the layer it leaves behind. The boundary elements are asked without
+    adhesion only: ``K`` is that of their annuli, which do not reach into that layer.
+    """
+    trace = answered(solver, scene)
+    if trace is None or len(trace) == 0 or trace.events or (solver.name == "bem" and scene.is_adhesive):
+        return
+    columns = {name: column[in_contact(trace)] for name, column in trace.columns().items()}
+    flows = np.diff(columns["time"]) > 0.0
+    dissipated = np.diff(columns["branch_dissipation"])
+    assert np.abs(dissipated[~flows]).max(initial=0.0) <= ROUND_OFF * effort(scene, trace)
+    if "balance_residual" in columns:
+        shortest = min((branch.time for branch in scene.material.branches), default=math.inf)
+        crossed = scene.is_adhesive & (np.diff(columns["time"]) > shortest)
+        residual = np.cumsum(np.where(crossed, 0.0, np.diff(columns["balance_residual"])))
+    else:
+        gain = np.diff(columns["external_work"] - columns["stored_energy"]) + _tip_work(scene, columns)
+        residual = np.cumsum(np.where(flows, gain - dissipated, 0.0))
+    assert np.abs(residual).max(initial=0.0) <= solver.declared(scene) * effort(scene, trace)
+
+
+def _tip_work(scene: Scene, columns: dict[str, np.ndarray]) -> np.ndarray:
+    rate = columns["stress_intensity_factor"] ** 2 / (2.0 * scene.material.glassy_plane_modulus)
+    swept = np.pi * np.diff(columns["contact_radius"] ** 2)
+    advances = swept > 0.0
+    sets_out = advances & ~np.concatenate(([False], advances))[: len(advances)]
+    return np.where(sets_out, rate[1:], 0.5 * (rate[1:] + rate[:-1])) * swept
+
+
+def touches_where_it_presses(solver: Solver, scene: Scene) -> None:
+    """No pressure outside the contact; no gap inside; outside none that is negative beyond one division."""
+    first = scene.loading.steps[0].segment(0.0, scene.loading.penetration, 0.0)
+    times = (0.0, first.start + 0.4 * (first.end - first.start), first.end)
+    trace = answered(solver, scene, times=times)
+    if trace is None:
+        return
+    for profile in trace.profiles:
+        for name in ("radius", "pressure", "displacement", "gap"):
+            assert np.isfinite(getattr(profile, name)).all(), name
+        a = profile.contact_radius
+        if a == 0.0:
+            assert not profile.pressure.any()
+            continue
+        assert np.all(np.diff(profile.radius) > 0.0)
+        zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.02 * a
+        near = zone / solver.resolution
+        inside, outside = profile.radius < a - near, profile.radius > a + near
+        assert not profile.pressure[outside].any()
+        assert not profile.gap[inside].any()
+        under = profile.radius <= scene.indenter.edge  # nothing is above the surface beyond a sharp edge
+        scale = float(np.abs(profile.gap).max())
+        assert profile.gap[outside & under].min(initial=0.0) >= -ROUND_OFF * scale
+        assert profile.gap[under].min() >= -solver.declared(scene) * scale
+
+
+def creeps_to_its_relaxed_modulus(solver: Solver, scene: Scene, depth: float) -> None:
+    """A ramp far slower than every relaxation time ends as an elastic contact of ``E0``."""
+    slowest = max((branch.time for branch in scene.material.branches), default=1.0)
+    _same_as_elastic(solver, scene, depth, scene.material.modulus, 1e10 * slowest)
+
+
+def is_glassy_when_fast(solver: Solver, scene: Scene, depth: float) -> None:
+    """A ramp far faster than every relaxation time ends as an elastic contact of ``Einf``."""
+    fastest = min((branch.time for branch in scene.material.branches), default=1.0)
+    _same_as_elastic(solver, scene, depth, scene.material.glassy_modulus, 1e-10 * fastest)
+
+
+def _same_as_elastic(solver: Solver, scene: Scene, depth: float, modulus: float, span: float) -> None:
+    start = scene.loading.penetration
+    ramp = Table((0.0, span), (start, depth))
+    ramped = solver.end(replace(scene, loading=Loading("jump-in", start, (ramp,))))
+    elastic = Material(modulus, scene.material.poisson)
+    still = solver.end(replace(scene, material=elastic, loading=Loading("relaxed", depth)))
+    _agree(ramped, still)
+
+
+def _agree(one: dict[str, tuple[float, float]], two: dict[str, tuple[float, float]]) -> None:
+    for name, (value, error) in one.items():
+        other, its_error = two[name]
+        assert abs(value - other) <= error + its_error, f"{name}: {value} +- {error}, {other} +- {its_error}"
+
+
+def pays_for_a_closed_cycle(solver: Solver, scene: Scene) -> None:
+    """From a relaxed state around and back: the work done is what is lost, and never negative."""
+    trace = answered(solver, scene)
+    if trace is None or trace.outcome.kind is not OutcomeKind.COMPLETED:
+        return
+    assert trace.penetration[-1] == trace.penetration[0]
+    assert trace.external_work[-1] >= -solver.declared(scene) * effort(scene, trace)
+    if not scene.material.is_elastic and np.ptp(trace.penetration) > 0.0:
+        assert trace.extra["branch_dissipation"][-1] > 0.0
+
+
+def does_not_mind_units(solver: Solver, scene: Scene, other: Scene, units: dict[str, float]) -> None:
+    """The same scene in other units: the same rows to 1e-9; energies of the effort.
+
+    At a given moment the half-space is glassy: what an edge is off counts ``Einf/E0``-fold in a soft force.
+    A root is sought to a tolerance, a step chosen by differences that magnify rounding. Where rounding turned
+    such a decision the counters of work or the times of the rows differ: then the same end, as closely as a
+    step is held to.
+    """
+    trace, twin = answered(solver, scene), answered(solver, other)
+    assert (trace is None) == (twin is None)
+    if trace is None or twin is None:
+        return
+    assert twin.outcome.kind is trace.outcome.kind
+    same = len(twin) == len(trace) and twin.counters == trace.counters
+    if same:
+        apart = np.abs(twin.time / units["time"] - trace.time)
+        same = apart.max(initial=0.0) <= 1e-9 * trace.time.max(initial=0.0)
+    exactly = 1e-9 * scene.material.glassy_modulus / scene.material.modulus
+    rows, close = (slice(None), exactly) if same else (slice(-1, None), solver.declared(scene))
+    for name, unit in units.items():
+        column = trace.columns()[name]
+        scale = effort(scene, trace) if name in ENERGIES else np.abs(column).max(initial=0.0)
+        apart = np.abs(twin.columns()[name][rows] / unit - column[rows]).max(initial=0.0)
+        assert apart <= close * scale, name
+
+
+def does_not_mind_a_rest(solver: Solver, scene: Scene, rest: float) -> None:
+    """A relaxed state held before the loading begins changes nothing but the time."""
+    steps = scene.loading.steps
+    held = replace(scene, loading=replace(scene.loading, steps=(Hold(rest), *steps)))
+    _agree(solver.end(scene), solver.end(held))
+
+
+def superposes(solver: Solver, material: Material, histories: tuple, start: str) -> None:
+    """At a fixed contact radius the force is linear in the history of the penetration."""
+    times, first, second, shares = histories
+    both = [shares[0] * a + shares[1] * b for a, b in zip(first, second, strict=True)]
+    forces = []
+    for depths in (first, second, both):
+        loading = Loading(start, depths[0], (Table(times, tuple(depths)),))
+        # held so strongly that it never lets go
+        trace = solver.solve(Scene(material, FlatPunch(0.2), loading, Adhesion(1e6, 0.02)))
+        assert trace.outcome.kind is OutcomeKind.COMPLETED
+        assert np.all(trace.contact_radius == 0.2)
+        rows = [np.flatnonzero(trace.time == time)[-1] for time in times]
+        forces.append(trace.force[rows])
+    sum_of_both = shares[0] * forces[0] + shares[1] * forces[1]
+    scale = max(np.abs(force).max() for force in forces)
+    assert np.abs(forces[2] - sum_of_both).max() <= 1e-9 * scale
+
+
+def ignores_a_branch_of_no_weight(solver: Solver, scene: Scene, time: float, place: int) -> None:
+    """Of no modulus, or of one below rounding: the same bits."""
+    plain = answered(solver, scene)
+    for modulus in (0.0, 1e-32 * scene.material.modulus):
+        branches = list(scene.material.branches)
+        branches.insert(place, Branch(modulus, time))
+        more = answered(solver, replace(scene, material=replace(scene.material, branches=tuple(branches))))
+        assert (plain is None) == (more is None)
+        if plain is None or more is None:
+            return
+        assert more.outcome == plain.outcome
+        for name, column in plain.columns().items():
+            assert np.array_equal(more.columns()[name], column), name

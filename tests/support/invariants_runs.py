@@ -1,0 +1,106 @@
+"""The three solvers behind one call, coarse and cheap, each with the errors it admits itself.
+
+``declared`` is what a run promises of one step: it bounds what may go wrong within one run (a dissipation
+that falls, a balance that does not close). What is compared between two runs is allowed the difference that a
+second, coarser run shows, extrapolated by the order of the method with the safety factor customary for two
+grids. Nothing here is a number chosen to fit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+import bem_solver
+import fem_solver
+import meshes
+from contact_scene import Scene, Trace
+from validation import reference
+from validation.contact_range import largest_contact_radius
+from validation.reference.tracking.step_error import FORCE_SHARE
+
+SAFETY = 3.0
+BUDGET = 20_000
+FEM_TOLERANCE = 4e-3
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A solver at its coarsest that still means something; ``order`` that of its convergence."""
+
+    name: str
+    resolution: int
+    order: int
+
+    def solve(
+        self, scene: Scene, times: tuple[float, ...] = (), budget: int = BUDGET, finer: int = 1
+    ) -> Trace:
+        """Run a scene, ``finer`` times as fine as usual."""
+        divisions = self.resolution * finer
+        asked = {"profile_times": times, "max_steps": budget}
+        if self.name == "bem":
+            return bem_solver.solve(scene, bem_solver.Options(divisions, **asked))
+        if self.name == "reference":
+            return reference.solve(scene, reference.Options(divisions, **asked))
+        options = fem_solver.Options(divisions, FEM_TOLERANCE / finer**2, **asked)
+        return fem_solver.solve(scene, _mesh(scene, divisions, finer), options)
+
+    def declared(self, scene: Scene) -> float:
+        """Relative accuracy that a step is held to."""
+        if self.name == "bem":
+            return bem_solver.Options(self.resolution).step_tolerance
+        if self.name == "fem":
+            return FEM_TOLERANCE
+        return FORCE_SHARE * reference.Options(self.resolution).fineness(scene.is_adhesive).deviation
+
+    def end(self, scene: Scene) -> dict[str, tuple[float, float]]:
+        """Force and radius of the last row, each with its error: from two runs, and what one step may do."""
+        fine, coarse = self.solve(scene, finer=2), self.solve(scene)
+        found = {}
+        for name in ("force", "contact_radius"):
+            one, two = fine.columns()[name], coarse.columns()[name]
+            apart = SAFETY * abs(one[-1] - two[-1]) / (2.0**self.order - 1.0)
+            found[name] = float(one[-1]), float(apart + self.declared(scene) * np.abs(one).max())
+        return found
+
+
+def _mesh(scene: Scene, divisions: int, finer: int) -> meshes.HalfSpaceMesh:
+    """Structured, grading fast; without adhesion a fiftieth of the largest contact takes the zone's place.
+
+    The largest contact is rounded up to ten binary digits, so that it scales exactly with powers of two.
+    """
+    mantissa, exponent = math.frexp(largest_contact_radius(scene))
+    largest = math.ldexp(math.ceil(mantissa * 1024.0) / 1024.0, exponent)
+    edge = scene.indenter.edge if np.isfinite(scene.indenter.edge) else None
+    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.02 * largest
+    grading = 0.4 / finer
+    return meshes.structured_half_space(
+        meshes.fit(edge or 0.0, largest, zone, divisions, grading=grading, family="structured", edge=edge)
+    )
+
+
+SOLVERS: Mapping[str, Solver] = {
+    solver.name: solver for solver in (Solver("bem", 5, 1), Solver("reference", 5, 2), Solver("fem", 2, 2))
+}
+
+
+def effort(scene: Scene, trace: Trace) -> float:
+    """The largest force all along the path of the penetration, and adhesion all along that of the area.
+
+    A force that is off by its tolerance of the largest does that much work; energies are no better.
+    """
+    work = scene.adhesion.work if scene.adhesion is not None else 0.0
+    path = float(np.abs(np.diff(trace.penetration)).sum())
+    swept = np.pi * float(np.abs(np.diff(trace.contact_radius**2)).sum())
+    stored = float(trace.stored_energy.max(initial=0.0))
+    return max(stored, float(np.abs(trace.force).max(initial=0.0)) * path + work * swept)
+
+
+def in_contact(trace: Trace) -> slice:
+    """All rows but those after contact was lost, where the energy set free by the snap is booked."""
+    touching = np.flatnonzero(trace.contact_radius > 0.0)
+    lost = trace.outcome.kind == "detached" and touching.size > 0
+    return slice(0, int(touching[-1]) + 1 if lost else len(trace))

@@ -1,0 +1,214 @@
+"""Random scenes for the invariants: every indenter, step, start and spectrum a scene file can say.
+
+Lengths come from a contact of radius ``WIDTH`` pressed in by ``DEPTH``, forces and the work of adhesion from
+the elastic contact of that size, times from decades about 1. The half-space is linear: heights, penetrations
+and forces may be scaled together without changing the problem, so more sizes would be no other problems;
+units are scaled in a test of their own.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from hypothesis import strategies as st
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Cone,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Indenter,
+    Loading,
+    Material,
+    Oscillate,
+    PowerLaw,
+    Ramp,
+    Scene,
+    Sphere,
+    Step,
+    Sweep,
+    Table,
+    TabulatedProfile,
+)
+
+WIDTH, DEPTH = 0.2, 0.02
+LOAD = 2.0 * WIDTH * DEPTH  # of a flat punch on a half-space of E0* = 1
+HELD = DEPTH**2 / (2.0 * math.pi * WIDTH)  # work of adhesion that holds a contact of WIDTH against DEPTH
+
+
+def shares(low: float, high: float, unit: float = 1.0) -> st.SearchStrategy[float]:
+    """Thousandths of a unit, evenly; nothing that is almost zero and not zero."""
+    return st.integers(round(1e3 * low), round(1e3 * high)).map(lambda n: 1e-3 * n * unit)
+
+
+def decades(low: float, high: float) -> st.SearchStrategy[float]:
+    """Numbers spread evenly over powers of ten."""
+    return shares(low, high).map(lambda k: 10.0**k)
+
+
+def spectra(most: int = 30, times: tuple[float, float] = (-4.0, 4.0)) -> st.SearchStrategy:
+    """Prony branches of a material with ``E0 = 1``: none to many, over decades of time and modulus."""
+    branch = st.builds(Branch, decades(-3.0, 1.0), decades(*times))
+    few = st.lists(branch, max_size=3)
+    many = st.lists(branch, min_size=4, max_size=most) if most > 3 else few
+    return st.one_of(few, few, many).map(tuple)
+
+
+def materials(branches: st.SearchStrategy | None = None) -> st.SearchStrategy[Material]:
+    """``E0* = 1`` for every Poisson's ratio: moduli carry ``1 - nu^2``."""
+    ratios = st.sampled_from([0.0, 0.3, 0.49, 0.4999, 0.5])
+
+    def build(poisson: float, spectrum: tuple[Branch, ...]) -> Material:
+        plane = 1.0 - poisson**2
+        return Material(plane, poisson, tuple(Branch(b.modulus * plane, b.time) for b in spectrum))
+
+    return st.builds(build, ratios, spectra() if branches is None else branches)
+
+
+def rough_tables() -> st.SearchStrategy[TabulatedProfile]:
+    """A paraboloid as measured: scattered heights, kept from falling."""
+
+    def build(scatter: list[float]) -> TabulatedProfile:
+        radii = np.linspace(0.0, 4.0 * WIDTH, len(scatter) + 1)
+        rises = np.diff(DEPTH * (radii / WIDTH) ** 2) * np.array(scatter)
+        heights = np.concatenate(([0.0], np.cumsum(rises)))
+        return TabulatedProfile(tuple(radii.tolist()), tuple(heights.tolist()))
+
+    return st.lists(shares(0.7, 1.3), min_size=6, max_size=24).map(build)
+
+
+def indenters() -> st.SearchStrategy:
+    """All shapes, as wide as ``WIDTH`` at about ``DEPTH``."""
+    angles = shares(0.3, 3.0).map(lambda x: math.degrees(math.atan(x * WIDTH / DEPTH)))
+    powers = shares(1.0, 8.0).map(lambda n: PowerLaw(n, DEPTH / WIDTH**n))
+    return st.one_of(
+        shares(0.3, 3.0, WIDTH**2 / DEPTH).map(Sphere),
+        angles.map(Cone),
+        st.just(FlatPunch(WIDTH)),
+        powers,
+        rough_tables(),
+    )
+
+
+def smooth_indenters() -> st.SearchStrategy:
+    """Shapes with one equilibrium at a penetration: neither a sharp edge nor the bumps of a table."""
+    return indenters().filter(lambda shape: not isinstance(shape, (FlatPunch, TabulatedProfile)))
+
+
+def adhesions(
+    zones: tuple[float, float] = (-1.7, -0.6), strengths: tuple[float, float] = (-4.0, 0.7)
+) -> st.SearchStrategy:
+    """None, of no work, and of ``strengths`` in decades of ``HELD``; ``zones`` in decades of ``WIDTH``."""
+    work = decades(*strengths).map(lambda x: x * HELD)
+    zone = decades(*zones).map(lambda x: x * WIDTH)
+    sticky = st.builds(Adhesion, work, zone)
+    return st.one_of(st.none(), st.builds(Adhesion, st.just(0.0), zone), sticky, sticky, sticky)
+
+
+DEPTHS = shares(-1.0, 1.5, DEPTH)
+FORCES = shares(-0.7, 2.0, LOAD)
+SPANS = decades(-4.0, 4.0)  # times that a step takes
+RESTS = st.one_of(st.just(0.0), decades(-6.0, 6.0))
+SWINGS = decades(-3.0, -0.3).map(lambda x: x * DEPTH)
+
+
+def _oscillation(swing: float, period: float, cycles: float, drift: float) -> Oscillate:
+    frequency = 2.0 * math.pi / period
+    return Oscillate(swing, frequency, cycles * period, drift * DEPTH / (cycles * period))
+
+
+def _sweep(swing: float, duration: float, cycles: float) -> Sweep:
+    return Sweep(swing, 4.0 * math.pi * cycles / duration**2, duration)
+
+
+def _table(rests: list[float], depths: list[float]) -> Table:
+    count = min(len(rests), len(depths))
+    return Table(tuple(np.cumsum(rests[:count]).tolist()), tuple(depths[:count]))
+
+
+STEPS: dict[str, st.SearchStrategy] = {
+    "ramp": st.builds(lambda to, span: Ramp(to, DEPTH / span), DEPTHS, SPANS),
+    "hold": st.builds(Hold, RESTS),
+    "force": st.builds(Force, FORCES, RESTS),
+    "force-ramp": st.builds(lambda to, span: ForceRamp(to, LOAD / span), FORCES, SPANS),
+    "oscillate": st.builds(_oscillation, SWINGS, SPANS, shares(0.1, 3.0), shares(-0.5, 0.5)),
+    "sweep": st.builds(_sweep, SWINGS, SPANS, shares(0.1, 3.0)),
+    "table": st.builds(
+        _table, st.lists(SPANS, min_size=2, max_size=6), st.lists(DEPTHS, min_size=2, max_size=6)
+    ),
+}
+
+
+def loadings(*kinds: str) -> st.SearchStrategy[Loading]:
+    """One to four steps of the given kinds (all, if none is named), from either start."""
+    steps = st.lists(st.one_of(*(STEPS[kind] for kind in kinds or STEPS)), min_size=1, max_size=4)
+    return st.builds(Loading, st.sampled_from(["jump-in", "relaxed"]), shares(-0.3, 1.0, DEPTH), steps)
+
+
+def scenes(**parts: st.SearchStrategy) -> st.SearchStrategy[Scene]:
+    """Whole scenes; parts may be given."""
+    usual = {
+        "material": materials(),
+        "indenter": indenters(),
+        "loading": loadings(),
+        "adhesion": adhesions(),
+    }
+    return st.builds(Scene, **(usual | parts))
+
+
+def in_units(scene: Scene, length: float, modulus: float, time: float) -> tuple[Scene, dict[str, float]]:
+    """The scene in other units (each given in the old ones), and the units of the trace's columns."""
+    force = modulus * length**2
+
+    def step(old: Step) -> Step:
+        match old:
+            case Ramp(to, rate):
+                return Ramp(to * length, rate * length / time)
+            case Hold(duration):
+                return Hold(duration * time)
+            case Force(value, duration):
+                return Force(value * force, duration * time)
+            case ForceRamp(to, rate):
+                return ForceRamp(to * force, rate * force / time)
+            case Oscillate(amplitude, frequency, duration, drift):
+                return Oscillate(amplitude * length, frequency / time, duration * time, drift * length / time)
+            case Sweep(amplitude, chirp, duration):
+                return Sweep(amplitude * length, chirp / time**2, duration * time)
+            case Table(times, depths):
+                return Table(tuple(t * time for t in times), tuple(d * length for d in depths))
+        raise AssertionError(f"no unit for {old}")
+
+    def indenter(old: Indenter) -> Indenter:
+        match old:
+            case Sphere(radius):
+                return Sphere(radius * length)
+            case FlatPunch(radius):
+                return FlatPunch(radius * length)
+            case PowerLaw(exponent, coefficient):
+                return PowerLaw(exponent, coefficient * length ** (1.0 - exponent))
+            case TabulatedProfile(radii, heights):
+                return TabulatedProfile(tuple(r * length for r in radii), tuple(h * length for h in heights))
+        return old
+
+    material, loading, adhesion = scene.material, scene.loading, scene.adhesion
+    branches = tuple(Branch(b.modulus * modulus, b.time * time) for b in material.branches)
+    scaled = Scene(
+        Material(material.modulus * modulus, material.poisson, branches),
+        indenter(scene.indenter),
+        Loading(loading.start, loading.penetration * length, tuple(step(s) for s in loading.steps)),
+        adhesion and Adhesion(adhesion.work * modulus * length, adhesion.zone * length),
+    )
+    energy = force * length
+    return scaled, {
+        "time": time,
+        "penetration": length,
+        "force": force,
+        "contact_radius": length,
+        "stored_energy": energy,
+        "external_work": energy,
+        "dissipated_energy": energy,
+    }

@@ -1,0 +1,131 @@
+"""Every invariant with what it is given and how often it is tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from hypothesis import strategies as st
+from support import invariants as check
+from support.invariants_scenes import (
+    DEPTH,
+    adhesions,
+    decades,
+    in_units,
+    indenters,
+    materials,
+    scenes,
+    shares,
+    smooth_indenters,
+    spectra,
+)
+
+from contact_scene import FlatPunch, Loading, PowerLaw, Scene, Table
+
+
+@dataclass(frozen=True)
+class Invariant:
+    """A check, the strategy of its arguments, and the number of examples by default and in the slow suite."""
+
+    holds: Callable[..., None]
+    given: st.SearchStrategy[tuple]
+    few: int
+    many: int
+
+
+ZONES = (-1.4, -0.7)
+ANY = scenes(adhesion=adhesions(ZONES))
+PRESSED = shares(0.3, 1.5, DEPTH)
+CALM = scenes(
+    material=materials(spectra(6, (-2.0, 2.0))),
+    indenter=smooth_indenters(),
+    adhesion=adhesions(ZONES, (-3.0, 0.0)),
+    loading=st.builds(Loading, st.just("relaxed"), PRESSED),
+)
+
+
+def _cycles() -> st.SearchStrategy[Loading]:
+    """Around and back, through one or two corners."""
+
+    def build(start: float, corners: list[float], span: float) -> Loading:
+        depths = (start, *corners, start)
+        times = tuple(span * i for i in range(len(depths)))
+        return Loading("relaxed", start, (Table(times, depths),))
+
+    return st.builds(build, PRESSED, st.lists(PRESSED, min_size=1, max_size=2), decades(-2.0, 2.0))
+
+
+def _histories() -> st.SearchStrategy[tuple]:
+    """Common times, two rows of penetrations, and the shares they are added with."""
+
+    def build(rises: list[float], rows: list[tuple[float, float]], shares: tuple[float, float]) -> tuple:
+        count = min(len(rises), len(rows))
+        times = [0.0]
+        for rise in rises[1:count]:
+            times.append(times[-1] + rise)
+        return tuple(times), [r[0] for r in rows[:count]], [r[1] for r in rows[:count]], shares
+
+    row = st.tuples(shares(-1.0, 1.5, DEPTH), shares(-1.0, 1.5, DEPTH))
+    size = {"min_size": 2, "max_size": 5}
+    parts = st.tuples(shares(-1.0, 1.0), shares(-1.0, 1.0))
+    return st.builds(build, st.lists(decades(-2.0, 2.0), **size), st.lists(row, **size), parts)
+
+
+def _with_units(scene: Scene, length: float, modulus: float, time: float) -> tuple:
+    return scene, *in_units(scene, length, modulus, time)
+
+
+# Powers of two are exact, powers of a radius are not: with others the last bits differ, and a decision of the
+# step control or a contact that begins (its radius goes as the root of the penetration) makes more of them. A
+# punch that lands does so by rounding.
+UNITS = st.builds(
+    _with_units,
+    scenes(
+        adhesion=adhesions(ZONES),
+        indenter=indenters().filter(lambda shape: not isinstance(shape, (PowerLaw, FlatPunch))),
+    ),
+    st.sampled_from([2.0**-30, 2.0**-10, 2.0**10]),
+    st.sampled_from([2.0**-10, 2.0**20, 2.0**30]),
+    st.sampled_from([2.0**-30, 2.0**-10, 2.0**20]),
+)
+RESTED = scenes(
+    material=materials(spectra(6, (-2.0, 2.0))),
+    indenter=smooth_indenters(),
+    adhesion=adhesions(ZONES, (-3.0, 0.0)),
+    loading=st.builds(
+        lambda start, to, span: Loading("relaxed", start, (Table((0.0, span), (start, to)),)),
+        PRESSED,
+        PRESSED,
+        decades(-2.0, 2.0),
+    ),
+)
+
+INVARIANTS: dict[str, Invariant] = {
+    "clear answer": Invariant(check.is_a_clear_answer, st.tuples(ANY), 3, 16),
+    "budget": Invariant(check.keeps_its_budget, st.tuples(ANY, st.integers(1, 60)), 2, 8),
+    "energy gained": Invariant(check.never_gains_energy, st.tuples(ANY), 2, 16),
+    "energy balance": Invariant(check.balances_its_energy, st.tuples(ANY), 2, 12),
+    "touch": Invariant(check.touches_where_it_presses, st.tuples(ANY), 2, 12),
+    "slow limit": Invariant(check.creeps_to_its_relaxed_modulus, st.tuples(CALM, PRESSED), 1, 6),
+    "fast limit": Invariant(check.is_glassy_when_fast, st.tuples(CALM, PRESSED), 1, 6),
+    "closed cycle": Invariant(
+        check.pays_for_a_closed_cycle,
+        st.tuples(scenes(loading=_cycles(), adhesion=adhesions(ZONES, (-3.0, 0.0)))),
+        1,
+        10,
+    ),
+    "units": Invariant(check.does_not_mind_units, UNITS, 1, 8),
+    "rest": Invariant(check.does_not_mind_a_rest, st.tuples(RESTED, decades(-3.0, 3.0)), 1, 6),
+    "superposition": Invariant(
+        check.superposes,
+        st.tuples(materials(spectra(8)), _histories(), st.sampled_from(["jump-in", "relaxed"])),
+        1,
+        8,
+    ),
+    "no weight": Invariant(
+        check.ignores_a_branch_of_no_weight,
+        st.tuples(ANY, decades(-8.0, 8.0), st.integers(0, 30)),
+        1,
+        6,
+    ),
+}

@@ -1,0 +1,71 @@
+"""A stand-in for the solvers of the matrix: does what the title of the scene says, in worker processes."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import numpy as np
+
+from contact_scene import Counters, Outcome, OutcomeKind, Scene, SceneError, Trace
+from validation.stability import base
+from validation.stability.probe import SOLVERS, Known, Probe, Tolerance, Value
+from validation.stability.work import Answer, Job
+
+FORCE = 2.0
+TIGHT = Tolerance(dict.fromkeys(SOLVERS, 1e-3), "made up")
+TRUTH = Known((Value("final_force", FORCE),), "made up")
+
+
+def scene(title: str) -> Scene:
+    """A scene whose title tells the fake what to do."""
+    plain = base.scene(base.material(), base.to_and_fro(0.02))
+    return Scene(plain.material, plain.indenter, plain.loading, plain.adhesion, title)
+
+
+def probe(title: str, truth=TRUTH, **more) -> Probe:
+    """A probe on that scene."""
+    return Probe("made up", title, scene(title), truth, TIGHT, **{"seconds": 20.0, **more})
+
+
+def trace(force: float = FORCE, kind: OutcomeKind = OutcomeKind.COMPLETED, steps: int = 3) -> Trace:
+    """A press by one radius, without any energy."""
+    time = np.linspace(0.0, 1.0, steps + 1)
+    zero = 0.0 * time
+    radius = np.full_like(time, 0.1)
+    end = Outcome(kind, "as told", 1.0)
+    counters = Counters(steps=steps, rejected_steps=1)
+    return Trace("bem", time, 0.01 * time, force * time, radius, zero, zero, zero, end, counters)
+
+
+def act(job: Job) -> Answer:
+    """What the title says."""
+    title = job.scene.title
+    if title == "refuses":
+        return Answer(refusal=str(SceneError("adhesion.zone", "is too long")))
+    if title == "raises":
+        raise ZeroDivisionError("division by\nzero")
+    if title == "dies":
+        os._exit(7)
+    if title == "waits":
+        time.sleep(600.0)
+    while title == "hangs":
+        pass
+    if title == "gives up":
+        return Answer(trace(kind=OutcomeKind.STEP_BUDGET))
+    if title == "not a number":
+        return Answer(trace(float("nan")))
+    if title == "a little off":
+        return Answer(trace(FORCE * (1.0 + 5e-4)))
+    if title == "wrong":
+        return Answer(trace(FORCE * 1.01))
+    if title == "ends otherwise":
+        return Answer(trace(kind=OutcomeKind.DETACHED))
+    if title == "by resolution":
+        return Answer(trace(FORCE * (1.0 + 0.1 / job.resolution**2)))
+    return Answer(trace())
+
+
+def never(job: Job) -> Answer:
+    """Must not be asked."""
+    raise AssertionError(job.scene.title)

@@ -1,0 +1,1 @@
+"""Solvers against the reference, closed forms and an earlier report."""

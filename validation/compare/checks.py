@@ -1,0 +1,139 @@
+"""Verdicts: what a run was expected to show, what it showed, and whether that is within tolerance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from validation.cases import Case, Expected
+from validation.execution.runs import Run
+from validation.measure.dimensionless import units
+from validation.measure.observables import ROUND_OFF
+
+
+@dataclass(frozen=True)
+class Check:
+    """One verdict.
+
+    Parameters
+    ----------
+    scene, solver, quantity : str
+        What was looked at.
+    source : str
+        Where the expectation comes from.
+    expected, found : str or float or None
+        In ``unit``; ``found`` is ``None`` if the run does not give it.
+    difference : float or None
+        Relative, signed where a sign makes sense.
+    tolerance : float or None
+        Largest magnitude of ``difference``; ``None`` for words and one-sided limits.
+    estimate, base_estimate : float or None
+        Relative error estimates of the solver and of what it is compared with, where there are any. Then
+        their sum is the limit, ``tolerance`` its cap.
+    relation : str
+        ``"="``, ``"<="`` or ``">="``.
+    passed : bool
+    note : str
+        Why, where numbers do not say it.
+    """
+
+    scene: str
+    solver: str
+    quantity: str
+    source: str
+    expected: float | str | None
+    found: float | str | None
+    passed: bool
+    unit: str = ""
+    difference: float | None = None
+    tolerance: float | None = None
+    relation: str = "="
+    note: str = ""
+    estimate: float | None = None
+    base_estimate: float | None = None
+
+    @property
+    def limit(self) -> float | None:
+        """Largest magnitude of ``difference`` that passes."""
+        return None if self.tolerance is None else limit(self.tolerance, self.estimate, self.base_estimate)
+
+
+def limit(tolerance: float, mine: float | None, theirs: float | None) -> float:
+    """Largest difference that counts as agreement: both estimates together, capped by the tolerance.
+
+    The tolerance alone where one side has no estimate.
+    """
+    return tolerance if mine is None or theirs is None else min(tolerance, mine + theirs + ROUND_OFF)
+
+
+def check_run(case: Case, result: Run) -> list[Check]:
+    """The ending of a run, and every check value stated for its scene and solver."""
+    checks = [_ending(case, result)]
+    for expected in case.expected:
+        if expected.value is None or result.solver in expected.tolerance:
+            checks.append(_value(case, result, expected))
+    return checks
+
+
+def _ending(case: Case, result: Run) -> Check:
+    wanted = case.outcome or "completed or detached"
+    found = str(result.trace.outcome.kind) if result.trace else ("refused" if result.refused else "failed")
+    passed = result.finished and (not case.outcome or found == case.outcome)
+    note = "" if passed else result.ending
+    return Check(
+        case.name, result.solver, "outcome", "the run reaches its end", wanted, found, passed, note=note
+    )
+
+
+def _value(case: Case, result: Run, expected: Expected) -> Check:
+    size = units(case.scene)[expected.unit]
+    name = expected.observable
+    if expected.at_time is not None:
+        found = _at_time(result, name, expected.at_time)
+        name = f"{name} at t = {expected.at_time:g}"
+    else:
+        found = result.measures.get(name)
+    shown = None if found is None else found / size
+    if expected.value is None:
+        return _limit(case, result, expected, name, shown)
+    tolerance = expected.tolerance[result.solver]
+    scale = abs(expected.value) if expected.scale is None else expected.scale
+    difference = None if shown is None else (shown - expected.value) / scale
+    return Check(
+        case.name,
+        result.solver,
+        name,
+        expected.source,
+        expected.value,
+        shown,
+        difference is not None and math.isfinite(difference) and abs(difference) <= tolerance,
+        expected.unit,
+        difference,
+        tolerance,
+        note="" if shown is not None else "the run does not give it",
+    )
+
+
+def _limit(case: Case, result: Run, expected: Expected, name: str, shown: float | None) -> Check:
+    if expected.at_most is not None:
+        bound, relation = expected.at_most, "<="
+        passed = shown is not None and shown <= bound
+    else:
+        assert expected.at_least is not None, f"{case.name}: a check of {name} states no number"
+        bound, relation = expected.at_least, ">="
+        passed = shown is not None and shown >= bound
+    note = "" if shown is not None else "the run does not give it"
+    return Check(
+        case.name, result.solver, name, expected.source, bound, shown, passed, expected.unit,
+        relation=relation, note=note,
+    )  # fmt: skip
+
+
+def _at_time(result: Run, column: str, time: float) -> float | None:
+    """A column linearly between rows; ``None`` if the run does not reach that time."""
+    trace = result.trace
+    if trace is None or len(trace) == 0 or not trace.time[0] <= time <= trace.time[-1]:
+        return None
+    return float(np.interp(time, trace.time, trace.columns()[column]))

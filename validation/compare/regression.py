@@ -1,0 +1,205 @@
+"""What moved between two reports: answers, endings, verdicts and the work it took.
+
+Every number of a run is compared with that of an earlier ``report.json``. It *moved* if it differs by more
+than round-off, and it moved *beyond tolerance* if
+
+- an observable differs by more than the scene's tolerance for that solver and observable (the reference:
+  ``REFERENCE_TOLERANCE``), relative to what its check is relative to, or can no longer be given;
+- a work counter grew by more than ``MORE_WORK``;
+- a run ends in another way, a check that passed no longer does or is gone;
+- a scene or a solver is missing from a report of the same suite.
+
+Exit code rule of ``crosscontact report --baseline``: 1 if anything moved beyond tolerance or a check fails.
+Run times are not compared: they belong to the machine.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeGuard
+
+from contact_scene.errors import SceneError
+from validation.cases import Case
+from validation.measure.error_estimate import column_of
+from validation.solvers import REFERENCE
+
+ROUND_OFF = 1e-10
+REFERENCE_TOLERANCE = 5e-4
+MORE_WORK = 0.1
+_NOT_COMPARED = ("wall_seconds", "cpu_seconds", "estimate_seconds")
+_ALLOWED = "a report.json written by `crosscontact report`"
+Run = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Move:
+    """One difference between two reports.
+
+    Parameters
+    ----------
+    scene, solver, what : str
+        Where, and which number, ending or check.
+    before, after : float or str or None
+    change : float or None
+        Relative, where both are numbers.
+    tolerance : float or None
+    beyond : bool
+        Whether it counts.
+    """
+
+    scene: str
+    solver: str
+    what: str
+    before: float | str | None
+    after: float | str | None
+    change: float | None = None
+    tolerance: float | None = None
+    beyond: bool = True
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All differences from an earlier report, those that count first."""
+
+    path: str
+    moves: tuple[Move, ...]
+
+    @property
+    def beyond(self) -> list[Move]:
+        """Differences that count."""
+        return [move for move in self.moves if move.beyond]
+
+    @property
+    def verdict(self) -> str:
+        """In one sentence."""
+        if not self.moves:
+            return f"Nothing moved since {self.path}."
+        return (
+            f"{len(self.moves)} values moved since {self.path}, {len(self.beyond)} of them beyond tolerance."
+        )
+
+
+def read(path: str) -> dict[str, Any]:
+    """An earlier ``report.json``.
+
+    Raises
+    ------
+    SceneError
+        If it is none.
+    """
+    try:
+        data = json.loads(Path(path).read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        said = getattr(error, "strerror", None) or str(error)
+        raise SceneError("--baseline", f"{path} cannot be read: {said}", _ALLOWED) from None
+    scenes = data.get("scenes") if isinstance(data, dict) else None
+    whole = isinstance(scenes, list) and all(
+        isinstance(scene, dict)
+        and isinstance(scene.get("name"), str)
+        and isinstance(scene.get("runs"), dict)
+        and all(isinstance(run, dict) for run in scene["runs"].values())
+        and isinstance(scene.get("checks"), list)
+        and all(isinstance(check, dict) and "passed" in check for check in scene["checks"])
+        for scene in scenes
+    )
+    if not whole:
+        raise SceneError("--baseline", f"{path} is no report", _ALLOWED)
+    return data
+
+
+def compare(path: str, old: Mapping[str, Any], new: Mapping[str, Any], cases: list[Case]) -> Comparison:
+    """Differences of the report ``new`` from ``old``, both as in ``report.json``."""
+    by_name = {case.name: case for case in cases}
+    before = {scene["name"]: scene for scene in old["scenes"]}
+    after = {scene["name"]: scene for scene in new["scenes"]}
+    moves: list[Move] = []
+    for name, scene in after.items():
+        if name not in before:
+            moves.append(Move(name, "", "scene", None, "new", beyond=False))
+            continue
+        moves += _runs(by_name[name], before[name]["runs"], scene["runs"])
+        moves += _verdicts(name, before[name]["checks"], scene["checks"])
+    if old.get("suite") == new.get("suite"):
+        moves += [Move(name, "", "scene", "there", None) for name in before if name not in after]
+    size = {id(move): abs(move.change) if move.change is not None else math.inf for move in moves}
+    return Comparison(path, tuple(sorted(moves, key=lambda move: (not move.beyond, -size[id(move)]))))
+
+
+def _runs(case: Case, before: Mapping[str, Run], after: Mapping[str, Run]) -> Iterator[Move]:
+    for solver in {**before, **after}:
+        if solver not in after:
+            yield Move(case.name, solver, "run", "there", None)
+        elif solver not in before:
+            yield Move(case.name, solver, "run", None, "new", beyond=False)
+        else:
+            old, new = before[solver], after[solver]
+            if old.get("outcome") != new.get("outcome"):
+                yield Move(case.name, solver, "outcome", old.get("outcome"), new.get("outcome"))
+            yield from _observables(case, solver, old, new)
+            yield from _counters(case.name, solver, old, new)
+
+
+def _observables(case: Case, solver: str, old: Run, new: Run) -> Iterator[Move]:
+    for name in {**old, **new}:
+        first, second = old.get(name), new.get(name)
+        if name in _NOT_COMPARED or not (_is_number(first) or _is_number(second)):
+            continue
+        tolerance = REFERENCE_TOLERANCE if solver == REFERENCE else case.tolerance(solver, name)
+        if not (_is_number(first) and _is_number(second)):
+            yield Move(case.name, solver, name, first, second, None, tolerance, beyond=second is None)
+            continue
+        scale = max(abs(first), _largest(name, old))
+        change = (second - first) / scale if scale > 0.0 else math.copysign(math.inf, second - first)
+        if first != second and abs(change) > ROUND_OFF:
+            beyond = tolerance is not None and abs(change) > tolerance
+            yield Move(case.name, solver, name, first, second, change, tolerance, beyond)
+
+
+def _largest(name: str, run: Run) -> float:
+    """What a number that may vanish is relative to: the largest of its kind; a loss: the work done."""
+    column = column_of(name)
+    if column:
+        kind = name.rpartition("_")[2]
+        numbers = [run[other] for other in run if other.endswith(f"_{kind}") and _is_number(run[other])]
+        share = 1.0 if column == "penetration" else 0.05
+        return share * max(map(abs, numbers), default=0.0)
+    if name in ("dissipated_energy", "zone_excess", "branch_dissipation"):
+        numbers = [run.get(other) for other in ("loop_energy", "branch_dissipation")]
+        return max((abs(value) for value in numbers if _is_number(value)), default=0.0)
+    return 0.0
+
+
+def _counters(scene: str, solver: str, old: Run, new: Run) -> Iterator[Move]:
+    first, second = old.get("counters") or {}, new.get("counters") or {}
+    for name in {**first, **second}:
+        before, after = first.get(name, 0), second.get(name, 0)
+        if before == after:
+            continue
+        change = (after - before) / before if before else math.inf
+        yield Move(
+            scene, solver, f"counters.{name}", before, after, change, MORE_WORK, beyond=change > MORE_WORK
+        )
+
+
+def _verdicts(scene: str, old: list[Run], new: list[Run]) -> Iterator[Move]:
+    words = {True: "passed", False: "failed", None: None}
+    before = {_key(check): bool(check["passed"]) for check in old}
+    after = {_key(check): bool(check["passed"]) for check in new}
+    for key in {**before, **after}:
+        first, second = before.get(key), after.get(key)
+        if first == second:
+            continue
+        what = f"check of {key[1]} ({key[2]})"
+        yield Move(scene, key[0], what, words[first], words[second], beyond=second is not True)
+
+
+def _key(check: Run) -> tuple[str, str, str]:
+    return str(check.get("solver")), str(check.get("quantity")), str(check.get("source"))
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -1,0 +1,88 @@
+"""Files that appear whole or not at all, and folders known to be writable before long work starts."""
+
+from __future__ import annotations
+
+import glob
+import json
+import math
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from contact_scene.errors import SceneError
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file beside its place and move it there in one step.
+
+    What a killed program left of the same file goes; two at once on one file are kept apart by ``lock``.
+    """
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    remove_left(path)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with partial.open("wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        partial.replace(path)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+
+
+def remove_left(path: Path) -> None:
+    """Remove what a program that was killed while it wrote this file has left beside it."""
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        left.unlink(missing_ok=True)
+
+
+def move_whole(stage: Path, folder: Path) -> None:
+    """Move all files of a folder to another one on the same disk, each in one step."""
+    for file in sorted(stage.iterdir()):
+        with file.open("rb") as stream:
+            os.fsync(stream.fileno())
+        file.replace(folder / file.name)
+
+
+def to_json(value: Any) -> str:
+    """Strict JSON, two spaces; what is not finite becomes null."""
+    return json.dumps(finite(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def finite(value: Any) -> Any:
+    """The same nested data in plain Python types, with ``None`` for NaN and infinity."""
+    if isinstance(value, dict):
+        return {str(key): finite(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [finite(entry) for entry in value]
+    if value is None or isinstance(value, (bool, str, int)):
+        return value
+    if hasattr(value, "tolist"):
+        return finite(value.tolist())
+    return float(value) if math.isfinite(value) else None
+
+
+def output_folder(path: str | os.PathLike[str], key: str = "--out") -> Path:
+    """Make the folder (and its parents) and try to write into it.
+
+    Raises
+    ------
+    SceneError
+        If it names a file or cannot be written.
+    """
+    folder = Path(path)
+    allowed = "a folder that exists or can be made, and can be written to"
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise SceneError(key, f"{folder} is a file", allowed)
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except (OSError, ValueError) as error:
+        if isinstance(error, SceneError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SceneError(key, f"{folder} cannot be written: {reason}", allowed) from None
+    return folder

@@ -1,0 +1,1 @@
+"""What is measured on a run, and how far two runs are apart."""

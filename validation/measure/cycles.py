@@ -1,0 +1,28 @@
+"""When the cycles of an oscillating load begin and end."""
+
+from __future__ import annotations
+
+import math
+
+from contact_scene import Loading, Oscillate, Sweep
+
+
+def cycle_times(loading: Loading) -> tuple[float, ...]:
+    """Times of phase 0, 2 pi, 4 pi, ... of the first oscillation or sweep; empty without one.
+
+    Steps before it must be controlled by penetration: otherwise its start is known only after the run.
+    """
+    time, depth = 0.0, loading.penetration
+    for step in loading.steps:
+        segment = step.segment(time, depth, math.nan)
+        if segment.control != "penetration":
+            return ()
+        if isinstance(step, Oscillate):
+            period = 2.0 * math.pi / step.angular_frequency
+            whole = math.floor(step.duration / period * (1.0 + 1e-12))
+            return tuple(time + n * period for n in range(whole + 1))
+        if isinstance(step, Sweep):
+            whole = math.floor(0.5 * step.chirp * step.duration**2 / (2.0 * math.pi) * (1.0 + 1e-12))
+            return tuple(time + math.sqrt(4.0 * math.pi * n / step.chirp) for n in range(whole + 1))
+        time, depth = segment.end, segment.value(segment.end)
+    return ()

@@ -1,0 +1,157 @@
+"""What a run says about its own error: the ground on which two solvers may be said to agree.
+
+The reference brings its own estimates (``Trace.errors``). Boundary and finite elements are run a second time,
+everything twice as coarse: half the resolution, four times the step tolerance, and for the finite elements a
+mesh that grades twice as fast. Two runs cannot prove an order, hence the factor 3 customary for two grids
+(Roache 1994):
+
+    ``estimate = 3 |coarse - fine|/(2^p - 1)``.
+
+``p`` is 2 for the finite elements. For the boundary elements it is 1: static states converge faster, but the
+annuli that resolve the layer behind an advancing edge do not double with the resolution, and with 2 the
+estimates of whole cycles fell short of the true error (by up to 1.7 times in the quick suite). What the
+branches dissipate has p = 1 too, because it squares the stress in the layer at a sharp edge.
+
+The difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its
+run. The excess at the edge is a difference, uncertain by what its two terms are. The largest tension is a row
+of the trace: it is also uncertain by half the way to the neighbouring rows. Its place is uncertain by the
+whole way, since it lies anywhere between them, and by the way along which the tension falls by its own error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from contact_scene import Scene, Trace
+from contact_scene.trace import Array
+from validation.measure.norms import distance
+from validation.measure.observables import largest_tension
+
+SAFETY = 3.0
+ORDER = {"bem": 1, "fem": 2}
+IN_LAYERS = ("branch_dissipation", "zone_excess")
+ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
+CURVES = ("force", "contact_radius")
+_COLUMNS = {"force": "force", "radius": "contact_radius", "penetration": "penetration", "time": "time"}
+Measures = Mapping[str, float | None]
+
+
+def column_of(name: str) -> str:
+    """Column of the trace that a scalar is a value of; empty for energies."""
+    return _COLUMNS.get(name.rpartition("_")[2], "")
+
+
+def scale(name: str, value: float, trace: Trace) -> float:
+    """What differences in a scalar are relative to.
+
+    Its value; a penetration: the largest of the run; what nearly vanishes: a twentieth of its column's
+    largest magnitude; a loss, which is what a balance leaves: at least the largest term of that balance.
+    """
+    if name == "penetration" or name.endswith("_penetration"):
+        return float(np.abs(trace.penetration).max())
+    if name in ("dissipated_energy", *IN_LAYERS):
+        return max(abs(value), _turnover(trace))
+    column = column_of(name)
+    if not column:
+        return abs(value)
+    return max(abs(value), 0.05 * float(np.abs(trace.columns()[column]).max()))
+
+
+def _turnover(trace: Trace) -> float:
+    """Largest of the energies that balance: stored, external work, surface."""
+    stored = trace.stored_energy - trace.stored_energy[0]
+    surface = trace.dissipated_energy + stored - trace.external_work
+    terms = (trace.stored_energy, trace.external_work, surface)
+    return max(float(np.abs(term).max()) for term in terms)
+
+
+def coarser(solver: str, scene: Scene, resolution: int | None) -> tuple[int, float | None]:
+    """Resolution and tolerance of the second run."""
+    if solver == "bem":
+        from bem_solver.options import DEFAULT_RESOLUTION
+
+        return max((resolution or DEFAULT_RESOLUTION) // 2, 4), None
+    from fem_solver.options import DEFAULT_TOLERANCE
+    from validation.contact_range import ADHESIONLESS_DIVISIONS, DIVISIONS
+
+    usual = DIVISIONS if scene.is_adhesive else ADHESIONLESS_DIVISIONS
+    return max((resolution or usual) // 2, 1), 4.0 * DEFAULT_TOLERANCE
+
+
+def from_two_runs(fine: Trace, coarse: Trace, measured: Measures, coarsely: Measures) -> dict[str, float]:
+    """Relative errors of the finer run by observable, and of its curves by column."""
+    usual = ORDER.get(fine.solver, 1)
+    errors = {}
+    for column in CURVES:
+        apart = distance(coarse, fine, column)
+        if apart is not None:
+            errors[column] = _extrapolated(apart.rms, usual)
+    floor = max(errors.values(), default=0.0)
+    for name, value in measured.items():
+        other = coarsely.get(name)
+        if value is None or other is None or not (column_of(name) or name in ENERGIES):
+            continue
+        relative_to = scale(name, value, fine)
+        order = 1 if name in IN_LAYERS else usual
+        own = _extrapolated(abs(other - value) / relative_to, order) if relative_to > 0.0 else 0.0
+        errors[name] = max(own, floor)
+    terms = ("branch_dissipation", "dissipated_energy")
+    if "zone_excess" in errors and all(name in errors for name in terms):
+        sizes = [scale(name, measured[name] or 0.0, fine) for name in (*terms, "zone_excess")]
+        both = sum(errors[name] * size for name, size in zip(terms, sizes, strict=False))
+        errors["zone_excess"] = max(errors["zone_excess"], both / sizes[-1] if sizes[-1] > 0.0 else 0.0)
+    return _with_sampling(errors, fine)
+
+
+def from_own(trace: Trace, measured: Measures) -> dict[str, float]:
+    """The estimates of a solver that makes its own; a scalar it does not name has the largest of them."""
+    largest = max(trace.errors.values(), default=0.0)
+    errors = {column: trace.errors[column] for column in CURVES if column in trace.errors}
+    for name, value in measured.items():
+        if value is not None and (column_of(name) or name in ENERGIES):
+            errors[name] = trace.errors.get(name, largest)
+    return _with_sampling(errors, trace)
+
+
+def _extrapolated(difference: float, order: int) -> float:
+    return SAFETY * difference / (2.0**order - 1.0)
+
+
+def _with_sampling(errors: dict[str, float], trace: Trace) -> dict[str, float]:
+    row = largest_tension(trace)
+    if row is None:
+        return errors
+    near = [i for i in (row - 1, row + 1) if 0 <= i < len(trace) and trace.contact_radius[i] > 0.0]
+    for name in ("force", "penetration", "radius", "time"):
+        column = trace.columns()[_COLUMNS[name]]
+        relative_to = scale(f"pull_off_{name}", float(column[row]), trace)
+        if f"pull_off_{name}" in errors and near and relative_to > 0.0:
+            away = max(abs(float(column[i] - column[row])) for i in near)
+            if name == "force":
+                away *= 0.5
+            else:
+                away += _reach(trace, column, row, errors.get("pull_off_force", 0.0))
+            errors[f"pull_off_{name}"] += away / relative_to
+    return errors
+
+
+def _reach(trace: Trace, column: Array, row: int, error: float) -> float:
+    """How far a column goes from the largest tension to where tension is less by a relative error.
+
+    Another peak that is hardly lower counts too: which of the two is larger is more than the run can tell.
+    """
+    least = (1.0 - error) * -trace.force[row]
+    farthest = float(np.abs(column[-trace.force >= least] - column[row]).max())
+    for way in (slice(row, None, -1), slice(row, None)):
+        tension, values = -trace.force[way], column[way]
+        below = np.flatnonzero(tension < least)
+        last = int(below[0]) if below.size else len(tension) - 1
+        if last == 0:
+            continue
+        drop = tension[last - 1] - tension[last]
+        share = min((tension[last - 1] - least) / drop, 1.0) if below.size and drop > 0.0 else 1.0
+        end = values[last - 1] + share * (values[last] - values[last - 1])
+        farthest = max(farthest, abs(float(end - column[row])))
+    return farthest

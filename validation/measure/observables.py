@@ -1,0 +1,224 @@
+"""The only definitions of what is measured on a run, the same for every solver.
+
+Signs: penetration ``D`` positive downwards, force ``F`` positive in compression, tension reported positive.
+Units are the scene's. Values are those of rows of the trace: no parabola is laid through a maximum, nothing
+is extrapolated, so a coarse trace shows as a coarse number. What does not apply is ``None``.
+
+A jump of the load or of the answer is a pair of rows of equal time; it belongs to the curve and counts in
+every integral over the penetration.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact_scene import OutcomeKind, Trace
+
+Array = NDArray[np.float64]
+
+ROUND_OFF = 1e-9  # relative to the largest value: below it two values of a row count as the same
+
+
+@dataclass(frozen=True)
+class Observables:
+    """Scalars of one run.
+
+    Parameters
+    ----------
+    start_force, start_radius : float or None
+        First row.
+    approach_time, approach_penetration, approach_force, approach_radius : float or None
+        End of the approach: the first row at which the largest penetration of the run is reached.
+    pull_off_force : float or None
+        Largest tension ``max(-F)`` over all rows; ``None`` if the run never pulls.
+    pull_off_time, pull_off_penetration, pull_off_radius : float or None
+        There; on a plateau of the force (force control) its last row.
+    detachment_time, detachment_penetration, detachment_radius, detachment_force : float or None
+        Last state in contact of a run that lost contact; where the contact shrinks below the process zone,
+        the last state longer than it. What is shorter lies outside the model, and a solver may stop there.
+    loop_energy : float or None
+        ``integral F dD`` over the run.
+    dissipated_energy : float or None
+        The solver's own loss at the end of the run, or at detachment: what the snap to the free surface sets
+        free then is no viscous loss.
+    final_time, final_penetration, final_force, final_radius : float or None
+        Last row.
+    """
+
+    start_force: float | None = None
+    start_radius: float | None = None
+    approach_time: float | None = None
+    approach_penetration: float | None = None
+    approach_force: float | None = None
+    approach_radius: float | None = None
+    pull_off_force: float | None = None
+    pull_off_time: float | None = None
+    pull_off_penetration: float | None = None
+    pull_off_radius: float | None = None
+    detachment_time: float | None = None
+    detachment_penetration: float | None = None
+    detachment_radius: float | None = None
+    detachment_force: float | None = None
+    loop_energy: float | None = None
+    dissipated_energy: float | None = None
+    final_time: float | None = None
+    final_penetration: float | None = None
+    final_force: float | None = None
+    final_radius: float | None = None
+
+    def as_dict(self) -> dict[str, float | None]:
+        """All observables by name."""
+        return asdict(self)
+
+
+def observe(trace: Trace, zone: float = 0.0) -> Observables:
+    """All observables of a run with the given process zone; of a run without a row, none."""
+    if len(trace) == 0:
+        return Observables()
+    values: dict[str, float] = {
+        "start_force": trace.force[0],
+        "start_radius": trace.contact_radius[0],
+        "loop_energy": loop_energy(trace),
+        "dissipated_energy": trace.dissipated_energy[_last_in_contact(trace, zone)],
+        "final_time": trace.time[-1],
+        "final_penetration": trace.penetration[-1],
+        "final_force": trace.force[-1],
+        "final_radius": trace.contact_radius[-1],
+    }
+    values |= _row(trace, end_of_approach(trace), "approach")
+    pulling = largest_tension(trace)
+    if pulling is not None:
+        at = _row(trace, pulling, "pull_off")
+        values |= at | {"pull_off_force": -at["pull_off_force"]}
+    values |= _detachment(trace, zone)
+    return Observables(**{name: float(value) for name, value in values.items()})
+
+
+def end_of_approach(trace: Trace) -> int:
+    """Index of the first row at the largest penetration."""
+    depth = trace.penetration
+    slack = ROUND_OFF * float(np.ptp(depth))
+    return int(np.flatnonzero(depth >= depth.max() - slack)[0])
+
+
+def largest_tension(trace: Trace) -> int | None:
+    """Index of the last row at the largest tension; ``None`` without tension beyond round-off."""
+    tension = -trace.force
+    slack = ROUND_OFF * float(np.abs(trace.force).max())
+    if tension.max() <= slack:
+        return None
+    return int(np.flatnonzero(tension >= tension.max() - slack)[-1])
+
+
+def at_last_contact(trace: Trace, column: str, zone: float = 0.0) -> float | None:
+    """A column at the row of detachment, or the last; ``None`` if the run has no such column or no row."""
+    values = trace.columns().get(column)
+    return None if values is None or len(trace) == 0 else float(values[_last_in_contact(trace, zone)])
+
+
+def loop_energy(trace: Trace) -> float:
+    """``integral F dD`` over the run: the trace's ``external_work``.
+
+    How a solver integrates between its rows is its own affair; trapezoids through the rows would add an error
+    of their own where the load is curved and the rows are few.
+    """
+    return float(_increments(trace).sum())
+
+
+def _increments(trace: Trace) -> Array:
+    return np.diff(trace.external_work)
+
+
+def _row(trace: Trace, index: int, name: str) -> dict[str, float]:
+    return {
+        f"{name}_time": trace.time[index],
+        f"{name}_penetration": trace.penetration[index],
+        f"{name}_force": trace.force[index],
+        f"{name}_radius": trace.contact_radius[index],
+    }
+
+
+def _detachment(trace: Trace, zone: float) -> dict[str, float]:
+    """The solver's own "pull-off" event where it gives one, else the last row still in contact."""
+    if trace.outcome.kind is not OutcomeKind.DETACHED:
+        return {}
+    for event in reversed(trace.events):
+        if event.kind == "pull-off" and event.contact_radius >= zone:
+            return {
+                "detachment_time": event.time,
+                "detachment_penetration": event.penetration,
+                "detachment_radius": event.contact_radius,
+                "detachment_force": event.force,
+            }
+    last = _last_in_contact(trace, zone)
+    if np.any(trace.contact_radius[last + 1 :] > 0.0):  # it went on below the zone
+        return _row(trace, last, "detachment")
+    return _row(trace, last, "detachment") | {"detachment_time": trace.outcome.time}
+
+
+def _last_in_contact(trace: Trace, zone: float) -> int:
+    """Of a run that lost contact the last row in contact and no shorter than the zone, else the last row."""
+    radius = trace.contact_radius
+    if trace.outcome.kind is OutcomeKind.DETACHED:
+        for touching in (np.flatnonzero((radius > 0.0) & (radius >= zone)), np.flatnonzero(radius > 0.0)):
+            if touching.size:
+                return int(touching[-1])
+    return len(trace) - 1
+
+
+@dataclass(frozen=True)
+class CycleLoss:
+    """Energy lost over one oscillation.
+
+    Parameters
+    ----------
+    start, end : float
+        Times of equal phase, one period apart.
+    angular_frequency : float
+        ``2 pi/(end - start)``, the mean over the cycle.
+    loop : float
+        ``integral F dD`` over the cycle.
+    dissipated : float
+        Increase of the solver's dissipated energy over the cycle.
+    """
+
+    start: float
+    end: float
+    angular_frequency: float
+    loop: float
+    dissipated: float
+
+
+def cycle_losses(trace: Trace, times: ArrayLike) -> tuple[CycleLoss, ...]:
+    """Losses of the cycles between consecutive ``times``, as far as the run went.
+
+    A time that is no row of the trace is interpolated linearly, which costs second order in the row
+    spacing; ask the solver for a profile at these times to have them stepped onto.
+    """
+    if len(trace) < 2:
+        return ()
+    ends = np.asarray(times, float)
+    slack = ROUND_OFF * (trace.time[-1] - trace.time[0])
+    ends = ends[(ends >= trace.time[0] - slack) & (ends <= trace.time[-1] + slack)]
+    work = np.concatenate(([0.0], np.cumsum(_increments(trace))))
+    at = [_until(trace, work, float(time)) for time in ends]
+    return tuple(
+        CycleLoss(float(a), float(b), float(2 * np.pi / (b - a)), right[0] - left[0], right[1] - left[1])
+        for a, b, left, right in zip(ends[:-1], ends[1:], at[:-1], at[1:], strict=True)
+    )
+
+
+def _until(trace: Trace, work: Array, time: float) -> tuple[float, float]:
+    """``integral F dD`` and dissipated energy up to ``time``; ``F`` and ``D`` almost linear between rows."""
+    i = int(np.clip(np.searchsorted(trace.time, time, side="right") - 1, 0, len(trace) - 2))
+    step = trace.time[i + 1] - trace.time[i]
+    part = float(np.clip((time - trace.time[i]) / step, 0.0, 1.0)) if step > 0 else 1.0
+    first, last = trace.force[i], trace.force[i + 1]
+    depth = trace.penetration[i + 1] - trace.penetration[i]
+    straight = (first + 0.5 * part * (last - first)) * part * depth
+    done = straight + part * (work[i + 1] - work[i] - 0.5 * (first + last) * depth)
+    loss = trace.dissipated_energy[i] + part * (trace.dissipated_energy[i + 1] - trace.dissipated_energy[i])
+    return float(work[i] + done), float(loss)

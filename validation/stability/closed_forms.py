@@ -1,0 +1,93 @@
+"""Closed forms as truths: elastic limits, adhesionless cycles, a punch."""
+
+from __future__ import annotations
+
+import math
+
+from scipy.integrate import quad
+
+from contact_scene import Adhesion, Indenter, Material, OutcomeKind, Scene, Sphere
+from validation.reference import prony_integrals, punch
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.jkr import State
+from validation.reference.ting import Ting
+from validation.stability.base import TOP
+from validation.stability.probe import Known, Value
+
+
+def zone_law(scene: Scene, plane_modulus: float) -> FiniteZone:
+    """The elastic closure of finite zone, of this scene's sphere."""
+    assert isinstance(scene.indenter, Sphere)
+    assert isinstance(scene.adhesion, Adhesion)
+    return FiniteZone(scene.indenter.radius, plane_modulus, scene.adhesion.work, scene.adhesion.zone)
+
+
+def elastic_cycle(
+    scene: Scene, plane_modulus: float, which: str, top: float = TOP, at_once: bool = True
+) -> Known:
+    """Press to ``top`` and pull off, elastic with one modulus: ``which`` says why it is.
+
+    Force and radius at the top, the largest tension, where contact is lost, and, where that happens
+    ``at_once``, the loss: that of the model's own process zone, ``int (G - dg) dA`` from the start to where
+    contact is lost, relative to the work of adhesion on the largest contact. A half-space that creeps during
+    the final instability loses energy there that no elastic law knows.
+    """
+    law = zone_law(scene, plane_modulus)
+    pressed = law.at_penetration(top)
+    pulled, lost = law.pull_off_force_control(), law.pull_off_penetration_control()
+    adhering = law.work * math.pi * pressed.contact_radius**2
+    values = [
+        Value("approach_force", pressed.force, max(abs(pressed.force), -pulled.force)),
+        Value("approach_radius", pressed.contact_radius),
+        Value("pull_off_force", -pulled.force),
+        Value("detachment_penetration", lost.penetration, top - lost.penetration),
+    ]
+    if at_once:
+        first = law.at_penetration(scene.loading.penetration)
+        values.append(Value("dissipated_energy", _zone_loss(law, lost, first), adhering))
+    return Known(tuple(values), f"elastic closure of finite zone, {which}", OutcomeKind.DETACHED)
+
+
+def _zone_loss(law: FiniteZone, low: State, high: State) -> float:
+    """``int (G - dg) dA`` over the contact radii between two equilibria."""
+
+    def excess(radius: float) -> float:
+        return 2.0 * math.pi * radius * (law.energy_release_rate(radius) - law.work)
+
+    return float(quad(excess, low.contact_radius, high.contact_radius, epsrel=1e-8)[0])
+
+
+def rest(scene: Scene, penetration: float, plane_modulus: float, which: str) -> Known:
+    """The run ends in an elastic equilibrium at this penetration."""
+    state = zone_law(scene, plane_modulus).at_penetration(penetration)
+    pulled = zone_law(scene, plane_modulus).pull_off_force_control()
+    values = (
+        Value("final_force", state.force, max(abs(state.force), -pulled.force)),
+        Value("final_radius", state.contact_radius),
+    )
+    return Known(values, f"elastic closure of finite zone, {which}")
+
+
+def adhesionless_cycle(material: Material, indenter: Indenter, speed: float, top: float) -> Known:
+    """Press to ``top`` and pull at the same speed, without adhesion, any spectrum and profile."""
+    cycle = Ting(material, indenter, rise=speed, peak=top / speed, fall=speed)
+    peak = cycle.peak
+    values = (
+        Value("approach_force", float(cycle.force(peak))),
+        Value("approach_radius", float(cycle.contact_radius(peak))),
+        Value("detachment_time", cycle.detachment()),
+    )
+    return Known(values, "Lee and Radok, Ting: hereditary integrals", OutcomeKind.DETACHED)
+
+
+def punch_ramp(material: Material, radius: float, speed: float, top: float) -> Known:
+    """A flat punch pressed to ``top``: ``F = 2 a V int E*``."""
+    carried = float(prony_integrals.relaxation_integral(material, top / speed))
+    values = (Value("final_force", 2.0 * radius * speed * carried), Value("final_radius", radius))
+    return Known(values, "Boussinesq's punch under the relaxation integral")
+
+
+def punch_rest(plane_modulus: float, radius: float, penetration: float, which: str) -> Known:
+    """A flat punch at rest."""
+    value = float(punch.force(penetration, radius, plane_modulus))
+    return Known((Value("final_force", value), Value("final_radius", radius)), f"Boussinesq's punch, {which}")

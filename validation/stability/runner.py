@@ -1,0 +1,134 @@
+"""Run the matrix: probes shared out among workers, every cell told and kept as soon as it is judged."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from contact_scene import Scene
+from validation.execution.checkpoints import question
+from validation.execution.store import Store
+from validation.execution.workers import Reply, Worker
+from validation.stability.probe import SOLVERS, Computed, Equivalent, Probe
+from validation.stability.verdict import Cell, Verdict, judge, not_run
+from validation.stability.work import Job, Perform, perform
+
+Tell = Callable[[Cell, list[Cell]], None]
+TRUTH = "reference"
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """All cells, in the order of the probes, and the wall time it took."""
+
+    cells: tuple[Cell, ...]
+    wall_seconds: float
+
+    @property
+    def faults(self) -> tuple[Cell, ...]:
+        """Cells that must not be."""
+        return tuple(cell for cell in self.cells if cell.fault)
+
+
+def run(
+    probes: Sequence[Probe],
+    jobs: int = 1,
+    solvers: Sequence[str] = SOLVERS,
+    tell: Tell = lambda cell, cells: None,
+    work: Perform = perform,
+    store: Store | None = None,
+) -> Matrix:
+    """Run every probe with every solver.
+
+    ``tell`` is given each cell and all cells so far, one call at a time. An interrupt kills the workers.
+    Cells that ``store`` holds are taken over, except for runs that crashed or hung.
+    """
+    store = store or Store()
+    found: dict[str, list[Cell]] = {}
+    telling = threading.Lock()
+    with _workers(jobs) as workers:
+        idle = list(workers)
+
+        def carry_out(probe: Probe) -> None:
+            with telling:
+                known = {solver: store.get(_question(probe, solver)) for solver in solvers}
+            for cell in filter(None, known.values()):
+                add(probe, cell)
+            missing = [solver for solver, cell in known.items() if cell is None]
+            if not missing:
+                return
+            worker = idle.pop()
+            try:
+                for cell in _cells(probe, missing, worker, work):
+                    add(probe, cell)
+                    if cell.verdict not in (Verdict.CRASH, Verdict.HANG):
+                        with telling:
+                            store.put(_question(probe, cell.solver), cell)
+            finally:
+                idle.append(worker)
+
+        def add(probe: Probe, cell: Cell) -> None:
+            with telling:
+                found.setdefault(probe.name, []).append(cell)
+                tell(cell, in_order())
+
+        def in_order() -> list[Cell]:
+            order = list(solvers)
+            return [
+                cell
+                for probe in probes
+                for cell in sorted(found.get(probe.name, []), key=lambda cell: order.index(cell.solver))
+            ]
+
+        threads = ThreadPoolExecutor(jobs)
+        try:
+            longest_first = sorted(probes, key=lambda probe: -probe.seconds)
+            for done in as_completed([threads.submit(carry_out, probe) for probe in longest_first]):
+                done.result()
+        finally:
+            threads.shutdown(wait=False, cancel_futures=True)
+    return Matrix(tuple(in_order()), store.seconds)
+
+
+def _question(probe: Probe, solver: str) -> str:
+    """The sources are part of a question, and the sources are what makes a probe of this name."""
+    return question("stability", probe.name, solver)
+
+
+@contextmanager
+def _workers(count: int) -> Iterator[list[Worker]]:
+    workers = [Worker() for _ in range(count)]
+    try:
+        yield workers
+    finally:
+        for worker in workers:
+            worker.retire()
+
+
+def _cells(probe: Probe, solvers: Sequence[str], worker: Worker, work: Perform) -> Iterator[Cell]:
+    if not isinstance(probe.scene, Scene):
+        for solver in solvers:
+            yield judge(probe, solver, None, ())
+        return
+    common: tuple[Reply, ...] = ()
+    if isinstance(probe.truth, Computed):
+        levels = (probe.truth.fine, probe.truth.coarse)
+        common = tuple(_ask(probe, TRUTH, probe.scene, worker, work, level) for level in levels)
+    for solver in solvers:
+        if solver in probe.too_dear:
+            yield not_run(probe, solver)
+            continue
+        reply, truths = _ask(probe, solver, probe.scene, worker, work), common
+        if isinstance(probe.truth, Equivalent):
+            truths = (_ask(probe, solver, probe.truth.scene, worker, work),)
+        yield judge(probe, solver, reply, truths)
+
+
+def _ask(
+    probe: Probe, solver: str, scene: Scene, worker: Worker, work: Perform, level: int | None = None
+) -> Reply:
+    job = Job(solver, scene, level or probe.resolutions[solver], probe.max_steps)
+    return worker.ask(work, job, probe.seconds)

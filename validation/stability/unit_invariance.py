@@ -1,0 +1,44 @@
+"""Axis of scales: one scene in other units of length, stress and time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
+from validation.stability import base
+from validation.stability.materials import SAME
+from validation.stability.probe import Equivalent, Probe
+
+UNITS = (
+    ("metres to millimetres", 1e3, 1.0, 1.0),
+    ("metres to nanometres", 1e9, 1.0, 1.0),
+    ("nanometres to metres", 1e-9, 1.0, 1.0),
+    ("GPa to Pa", 1.0, 1e9, 1.0),
+    ("Pa to GPa", 1.0, 1e-9, 1.0),
+    ("hours to nanoseconds", 1.0, 1.0, 3.6e12),
+    ("millimetres, GPa, milliseconds", 1e3, 1e-9, 1e3),
+)
+
+
+def scales() -> list[Probe]:
+    """The cycle at ``V tau/R = 0.02``; every row is the same after scaling."""
+    plain = base.scene(base.material(), base.to_and_fro(0.02))
+    return [Probe("scale", label, scaled(plain, *by), Equivalent(plain, *by), SAME) for label, *by in UNITS]
+
+
+def scaled(scene: Scene, length: float, stress: float, time: float) -> Scene:
+    """A sphere's scene in other units."""
+    assert isinstance(scene.indenter, Sphere)
+    assert scene.adhesion is not None
+    branches = tuple(Branch(stress * b.modulus, time * b.time) for b in scene.material.branches)
+    steps = []
+    for step in scene.loading.steps:
+        assert isinstance(step, Ramp)
+        steps.append(Ramp(length * step.to, length / time * step.rate))
+    return replace(
+        scene,
+        material=Material(stress * scene.material.modulus, scene.material.poisson, branches),
+        indenter=Sphere(length * scene.indenter.radius),
+        adhesion=Adhesion(stress * length * scene.adhesion.work, length * scene.adhesion.zone),
+        loading=Loading(scene.loading.start, length * scene.loading.penetration, tuple(steps)),
+    )

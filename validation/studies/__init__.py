@@ -1,0 +1,1 @@
+"""Refinement studies: convergence, work against precision, accuracy of the parts."""

@@ -1,0 +1,209 @@
+"""Refinement ladders run and read: values, signed orders, Richardson value, grid convergence index.
+
+Each observable is judged twice: by its values alone, and against the finest front tracking. A level that
+failed keeps its place.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+
+import numpy as np
+
+from contact_scene import Scene, Trace
+from validation.cases import Case
+from validation.execution.runs import measure
+from validation.measure.cycles import cycle_times
+from validation.measure.norms import distance
+from validation.studies import schemes
+from validation.studies.extrapolation import Extrapolation, extrapolate, fitted_slope, reference_orders
+from validation.studies.ladders import Ladder, Level
+
+SCALARS = (
+    "start_force",
+    "start_radius",
+    "approach_force",
+    "approach_radius",
+    "pull_off_force",
+    "detachment_penetration",
+    "loop_energy",
+    "dissipated_energy",
+    "peak_cycle_loss",
+)
+NORMS = ("force, RMS", "force, mean", "force, largest", "radius, RMS")
+REPEATS = 3
+ENOUGH_SECONDS = 1.0  # a level is not repeated beyond this
+
+
+@dataclass(frozen=True)
+class LevelRun:
+    """One level: what it gave, or why it gave nothing.
+
+    ``wall_seconds`` and ``cpu_seconds`` are the smallest of ``repeats`` runs, imports excluded, meshing and
+    assembly included. ``errors`` are signed and relative (:func:`scales`); norms are relative to the
+    largest magnitude of the reference.
+    """
+
+    level: Level
+    values: dict[str, float | None] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
+    counters: dict[str, int] = field(default_factory=dict)
+    wall_seconds: float | None = None
+    cpu_seconds: float | None = None
+    repeats: int = 0
+    outcome: str = ""
+    failure: str = ""
+    details: str = ""
+
+    @property
+    def failed(self) -> bool:
+        """Whether this level has no full answer."""
+        return bool(self.failure)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One observable on one ladder.
+
+    Parameters
+    ----------
+    values : tuple of float or None
+        By level; ``None`` for norms, which have no value but their error.
+    errors, orders : tuple of float or None
+        Relative errors against the reference, and the signed order of every two neighbouring levels.
+    fitted : float or None
+        Slope of ``log |error|`` over ``log h`` through all levels.
+    scale : float
+        What errors and the index are relative to.
+    alone : Extrapolation or None
+        What the values say without a reference.
+    """
+
+    observable: str
+    values: tuple[float | None, ...]
+    errors: tuple[float | None, ...]
+    orders: tuple[float | None, ...]
+    fitted: float | None
+    scale: float
+    alone: Extrapolation | None
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """A ladder with its runs and what they say."""
+
+    ladder: Ladder
+    nominal: float
+    runs: tuple[LevelRun, ...]
+    rows: tuple[Row, ...]
+
+
+def solve_level(case: Case, scheme: str, level: Level) -> Trace:
+    """One run of one level."""
+    scene = schemes.with_zone(case.scene, level.settings.zone_factor)
+    return schemes.SCHEMES[scheme].load()(scene, level.settings, cycle_times(scene.loading))
+
+
+def run_level(case: Case, scheme: str, level: Level, truth: Trace | None, repeats: int = 1) -> LevelRun:
+    """Run a level, repeatedly while that is cheap; a breakdown becomes part of the answer."""
+    try:
+        schemes.SCHEMES[scheme].load()  # imports are not part of a run
+        scene = schemes.with_zone(case.scene, level.settings.zone_factor)
+        wall, cpu, trace = _timed(lambda: solve_level(case, scheme, level), repeats)
+    except Exception as error:
+        said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        return LevelRun(level, failure=said, details=traceback.format_exc())
+    ran = LevelRun(
+        level,
+        counters=asdict(trace.counters),
+        wall_seconds=min(wall),
+        cpu_seconds=min(cpu),
+        repeats=len(wall),
+        outcome=str(trace.outcome.kind),
+    )
+    if not trace.outcome.finished:
+        return replace(ran, failure=f"{trace.outcome.kind}: {trace.outcome.reason}")
+    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
+    if broken:
+        return replace(ran, failure=f"not finite: {', '.join(broken)}")
+    found = measure(trace, scene, min(wall))
+    values = {name: found.get(name) for name in SCALARS}
+    errors = {} if truth is None else errors_against(trace, values, truth, scene)
+    return replace(ran, values=values, errors=errors)
+
+
+def _timed(call: Callable[[], Trace], repeats: int) -> tuple[list[float], list[float], Trace]:
+    """Wall and processor seconds of up to ``repeats`` runs, and the answer, which is the same each time."""
+    wall: list[float] = []
+    cpu: list[float] = []
+    while True:
+        begin, spent = time.perf_counter(), time.process_time()
+        trace = call()
+        wall.append(time.perf_counter() - begin)
+        cpu.append(time.process_time() - spent)
+        if len(wall) >= repeats or sum(wall) > ENOUGH_SECONDS:
+            return wall, cpu, trace
+
+
+def errors_against(
+    trace: Trace, values: dict[str, float | None], truth: Trace, scene: Scene
+) -> dict[str, float]:
+    """Relative signed errors of scalars, and the norms of the curves, as far as they apply."""
+    exact = measure(truth, scene, 0.0)
+    size = scales(truth, scene)
+    found = {
+        name: (value - wanted) / size[name]
+        for name, value in values.items()
+        if value is not None and (wanted := exact.get(name)) is not None and name in size
+    }
+    force, radius = distance(trace, truth, "force"), distance(trace, truth, "contact_radius")
+    if force is not None and radius is not None:
+        norms = (force.rms, force.mean, force.largest, radius.rms)
+        found |= dict(zip(NORMS, norms, strict=True))
+    return found
+
+
+def scales(truth: Trace, scene: Scene) -> dict[str, float]:
+    """What errors are relative to: the value itself; for penetrations the largest penetration.
+
+    A value below a twentieth of its column's largest magnitude is relative to that twentieth.
+    """
+    column = {"force": "force", "radius": "contact_radius", "penetration": "penetration"}
+    found = {}
+    for name, value in measure(truth, scene, 0.0).items():
+        if name not in SCALARS or value is None:
+            continue
+        if cycle_times(scene.loading) and name.startswith("approach"):
+            continue  # of many crests of one height, which comes first depends on the rows
+        size = abs(value)
+        kind = name.rpartition("_")[2]
+        if kind in column:
+            largest = float(np.abs(truth.columns()[column[kind]]).max())
+            size = largest if kind == "penetration" else max(size, 0.05 * largest)
+        found[name] = size or 1.0
+    return found
+
+
+def read(ladder: Ladder, runs: tuple[LevelRun, ...], truth_scales: dict[str, float]) -> Convergence:
+    """Orders, extrapolations and bounds of every observable of a ladder.
+
+    Without a reference an observable is relative to its own finest value.
+    """
+    nominal = ladder.nominal or schemes.SCHEMES[ladder.scheme].nominal
+    sizes = [run.level.size for run in runs]
+    rows = []
+    for name in (*SCALARS, *NORMS):
+        values = tuple(run.values.get(name) for run in runs)
+        errors = tuple(run.errors.get(name) for run in runs)
+        if all(entry is None for entry in (*values, *errors)):
+            continue
+        known = [abs(value) for value in values if value]
+        size = truth_scales.get(name) or (known[-1] if known else 1.0)
+        alone = None if name in NORMS else extrapolate(sizes, values, nominal, size)
+        relative = [None if error is None else abs(error) for error in errors]
+        orders = reference_orders(sizes, errors, 1.0)
+        rows.append(Row(name, values, errors, orders, fitted_slope(sizes, relative), size, alone))
+    return Convergence(ladder, nominal, runs, tuple(rows))

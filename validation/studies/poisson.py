@@ -1,0 +1,140 @@
+"""How good is a constant Poisson's ratio? A scene with elastic bulk, against bulk and shear alike.
+
+For every ratio ``K/G`` of the relaxed solid the scene keeps its shear relaxation and is run
+
+- in full, with nu(t) from separate bulk and shear, by the finite elements;
+- by the reference with the ``E*(t)`` the surface feels (see ``poisson_material``): the same question, another
+  method, so the two must agree within their error estimates, which is what is judged;
+- under three assumptions of a constant ratio, by the reference: ``shear`` and ``tension``, the relaxed ratio
+  with the modulus measured in shear or in tension, and ``incompressible``, the paper's 0.5.
+
+What an assumption costs is its difference from the second of these, reported beside the estimates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+from validation.cases import Case
+from validation.execution.runs import Run, run
+from validation.measure.error_estimate import scale
+from validation.measure.norms import distance
+from validation.studies import poisson_material as materials
+
+RATIOS = (10.0, 30.0, 100.0, 300.0, 1000.0)
+OBSERVED = ("pull_off_force", "loop_energy", "approach_radius", "approach_force")
+CURVES = ("force", "contact_radius")
+FULL, SURFACE = "full", "surface"
+ASSUMPTIONS = {
+    "shear": materials.constant,
+    "tension": materials.tension,
+    "incompressible": materials.incompressible,
+}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Of one run from the reference on the surface modulus, relative; estimates of both, where there are."""
+
+    value: float
+    estimate: float | None = None
+    base_estimate: float | None = None
+
+    @property
+    def explained(self) -> bool:
+        """Whether the error estimates account for it."""
+        return abs(self.value) <= (self.estimate or 0.0) + (self.base_estimate or 0.0)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One compressibility.
+
+    Parameters
+    ----------
+    ratio : float
+        ``K/G`` of the relaxed solid.
+    initial, final : float
+        Poisson's ratio at first and in the end.
+    runs : dict of str to Run
+        ``full``, ``surface`` and the assumptions by name.
+    """
+
+    ratio: float
+    initial: float
+    final: float
+    runs: dict[str, Run]
+
+    @property
+    def finished(self) -> bool:
+        """Whether every run reached its end."""
+        return all(result.finished for result in self.runs.values())
+
+    def difference(self, name: str, observable: str) -> Difference | None:
+        """Of a run by name, in an observable or (root mean square over time) a column of the trace."""
+        found, base = self.runs[name], self.runs[SURFACE]
+        if found.trace is None or base.trace is None:
+            return None
+        estimates = found.errors.get(observable), base.errors.get(observable)
+        if observable in CURVES:
+            apart = distance(found.trace, base.trace, observable)
+            return None if apart is None else Difference(apart.rms, *estimates)
+        value, expected = found.measures.get(observable), base.measures.get(observable)
+        if value is None or expected is None:
+            return None
+        relative_to = scale(observable, expected, base.trace)
+        return Difference((value - expected) / relative_to if relative_to > 0.0 else 0.0, *estimates)
+
+    @property
+    def disagreements(self) -> list[str]:
+        """Observables in which the full path is not where the surface modulus says, beyond the estimates."""
+        named = {name: self.difference(FULL, name) for name in (*OBSERVED, *CURVES)}
+        return [name for name, found in named.items() if found is not None and not found.explained]
+
+
+def questions(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
+    """What is run for one compressibility: case and solver by name."""
+    separate = materials.with_bulk(case.scene.material, ratio)
+    answers = {FULL: (separate, "fem"), SURFACE: (materials.on_the_surface(separate), "reference")}
+    answers |= {name: (assume(separate), "reference") for name, assume in ASSUMPTIONS.items()}
+    return {
+        name: (replace(case, scene=replace(case.scene, material=material)), solver)
+        for name, (material, solver) in answers.items()
+    }
+
+
+def compare(
+    case: Case,
+    ratios: Iterable[float] = RATIOS,
+    resolution: int | None = None,
+    executor: Executor | None = None,
+    done: Callable[[float, str], None] = lambda share, text: None,
+) -> list[Comparison]:
+    """Run everything; ``resolution`` is that of the finite elements, ``done`` is told the share and the run.
+
+    Raises
+    ------
+    SceneError
+        If a ratio ``K/G`` is not above 2/3 (a negative Poisson's ratio).
+    """
+    asked = {ratio: questions(case, ratio) for ratio in ratios}
+    tasks = [(ratio, name, *task) for ratio, named in asked.items() for name, task in named.items()]
+    pending = {}
+    if executor is not None:  # the finite elements first: they take longest
+        for ratio, name, of, solver in sorted(tasks, key=lambda task: task[3]):
+            finer = resolution if solver == "fem" else None
+            pending[ratio, name] = executor.submit(run, of, solver, finer, estimate=True)
+    found: dict[tuple[float, str], Run] = {}
+    for index, (ratio, name, of, solver) in enumerate(tasks, 1):
+        if executor is not None:
+            found[ratio, name] = pending[ratio, name].result()
+        else:
+            found[ratio, name] = run(of, solver, resolution if solver == "fem" else None, estimate=True)
+        done(index / len(tasks), f"K/G = {ratio:g}: {name}")
+    comparisons = []
+    for ratio, named in asked.items():
+        initial, final = materials.poisson_range(named[FULL][0].scene.material)
+        comparisons.append(Comparison(ratio, initial, final, {name: found[ratio, name] for name in named}))
+    return comparisons

@@ -1,0 +1,172 @@
+"""Cost and convergence of the front tracking: ``python -m validation.studies.reference_accuracy``.
+
+One table a case: resolution, steps, processor time, errors against a run at ``TRUTH``, the order that a
+straight line through the logarithms of all errors has, and the run's own estimates. Force and contact radius
+are compared at ``MOMENTS`` of the run, which all runs step onto: no error of reading between rows is in them.
+The cases are cycles on materials with one to thirty branches, slow and fast, a retraction from the relaxed
+state, and the start of the frequency sweep. ``--quick`` leaves out the expensive ones.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere, Sweep, Trace
+from validation.measure.observables import observe
+from validation.reference import Options, solve
+from validation.studies.extrapolation import fitted_slope
+
+WORK = math.pi * 1.6e-4  # gamma~ = 1.6e-4 with R = 1, E0* = 1
+ZONE = 0.013
+RESOLUTIONS = (4, 8, 16, 32)
+TRUTH = 96
+MOMENTS = np.linspace(0.06, 0.96, 11)  # shares of the run
+COLUMNS = ("pull_off_force", "loop_energy", "force", "contact_radius")
+USUAL = 16  # the default resolution
+
+
+def spectrum(count: int, low: float, high: float) -> tuple[Branch, ...]:
+    """Branches of equal modulus, nine times E0 in all, at times evenly spread over decades."""
+    return tuple(Branch(6.75 / count, float(t)) for t in np.logspace(low, high, count))
+
+
+MATERIALS = {
+    "one": (Branch(6.75, 1.0),),
+    "two": (Branch(3.0, 0.1), Branch(3.75, 10.0)),
+    "seven": spectrum(7, -3, 3),
+    "thirty": spectrum(30, -10, 5),
+}
+
+
+def pulled(loading: Loading, material: str = "one") -> Scene:
+    """The contact of the paper's Fig. 2 under a loading."""
+    return Scene(Material(0.75, 0.5, MATERIALS[material]), Sphere(1.0), loading, Adhesion(WORK, ZONE))
+
+
+def cycle(speed: float, material: str = "one") -> Scene:
+    """Approach to 0.032 R and retraction until contact is lost (paper, Fig. 2)."""
+    return pulled(Loading("jump-in", 0.0, (Ramp(0.032, speed), Ramp(-0.5, speed))), material)
+
+
+def retraction(speed: float) -> Scene:
+    """Pulled off from the relaxed state at 0.032 R."""
+    return pulled(Loading("relaxed", 0.032, (Ramp(-0.5, speed),)))
+
+
+def sweep(duration: float) -> Scene:
+    """The frequency sweep of Fig. 6 as far as ``duration``."""
+    return Scene(
+        Material(0.75, 0.5, MATERIALS["one"]),
+        Sphere(1.0),
+        Loading("relaxed", 5.7e-5, (Sweep(-1.7e-5, 0.006, duration),)),
+        Adhesion(math.pi * 5e-8, 8.5e-4),
+    )
+
+
+CASES = {
+    "cycle, V = 0.02, 1 branch": cycle(0.02),
+    "cycle, V = 0.02, 2 branches": cycle(0.02, "two"),
+    "cycle, V = 0.02, 7 branches over 6 decades": cycle(0.02, "seven"),
+    "cycle, V = 0.02, 30 branches over 15 decades": cycle(0.02, "thirty"),
+    "cycle, V = 0.1": cycle(0.1),
+    "cycle, V = 0.002": cycle(0.002),
+    "cycle, V = 2e-5": cycle(2e-5),
+    "relaxed, then pulled at V = 0.1": retraction(0.1),
+    "sweep, 8 cycles": sweep(132.0),
+}
+QUICK = tuple(name for name in CASES if "V = 0.02, 1" in name or name == "cycle, V = 0.1")
+
+
+@dataclass(frozen=True)
+class Level:
+    """One run: errors are relative, ``estimates`` those the run itself gives."""
+
+    resolution: int
+    steps: int
+    cpu_seconds: float
+    errors: dict[str, float]
+    estimates: dict[str, float]
+
+    @property
+    def worst(self) -> float:
+        """Largest of the errors."""
+        return max(self.errors.values())
+
+
+def measured(trace: Trace, moments: tuple[float, ...]) -> dict[str, NDArray[np.float64]]:
+    """What errors are told of: two numbers of the run, and two courses at the moments, all as arrays."""
+    seen = observe(trace)
+    rows = [int(np.abs(trace.time - moment).argmin()) for moment in moments]
+    return {
+        "pull_off_force": np.array([seen.pull_off_force]),
+        "loop_energy": np.array([seen.loop_energy]),
+        "force": trace.force[rows],
+        "contact_radius": trace.contact_radius[rows],
+    }
+
+
+def levels(
+    scene: Scene, resolutions: tuple[int, ...] = RESOLUTIONS, truth: int = TRUTH, usual: int = USUAL
+) -> list[Level]:
+    """Runs at several resolutions, judged by one at ``truth``; the one at ``usual`` estimates its errors.
+
+    Errors are relative to the largest value in the exact run.
+    """
+    end = solve(scene, Options(resolutions[0])).time[-1]
+    moments = tuple(float(moment) for moment in MOMENTS * end)
+    exact = measured(solve(scene, Options(truth, profile_times=moments)), moments)
+    found = []
+    for resolution in resolutions:
+        began = time.process_time()
+        trace = solve(scene, Options(resolution, profile_times=moments))
+        spent = time.process_time() - began
+        own = solve(scene, Options(resolution, estimate_errors=True)).errors if resolution == usual else {}
+        values = measured(trace, moments)
+        errors = {
+            name: float(np.abs(values[name] - exact[name]).max() / np.abs(exact[name]).max())
+            for name in COLUMNS
+        }
+        found.append(Level(resolution, trace.counters.steps, spent, errors, own))
+    return found
+
+
+def order(found: list[Level], name: str) -> float:
+    """Order in the step: slope of the straight line through the logarithms of the errors of all levels."""
+    steps = [1.0 / level.resolution for level in found]
+    slope = fitted_slope(steps, [level.errors[name] for level in found])
+    return math.nan if slope is None else slope
+
+
+def table(name: str, found: list[Level]) -> list[str]:
+    """The lines of one case."""
+    head = f"{'n':>4}{'steps':>7}{'cpu s':>8}" + "".join(f"{column:>18}" for column in COLUMNS)
+    lines = [name, head]
+    for level in found:
+        cells = "".join(f"{level.errors[column]:>18.1e}" for column in COLUMNS)
+        lines.append(f"{level.resolution:>4}{level.steps:>7}{level.cpu_seconds:>8.2f}{cells}")
+    lines.append(f"{'order':<19}" + "".join(f"{order(found, column):>18.1f}" for column in COLUMNS))
+    own = next(level.estimates for level in found if level.estimates)
+    lines.append(f"{'own estimate, n = ' + str(USUAL):<19}" + "".join(f"{own[c]:>18.1e}" for c in COLUMNS))
+    return lines
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.studies.reference_accuracy", description=__doc__
+    )
+    parser.add_argument("--quick", action="store_true", help="two cases only")
+    quick = parser.parse_args().quick
+    for name in QUICK if quick else CASES:
+        print("\n".join(table(name, levels(CASES[name]))), flush=True)
+        print()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,158 @@
+"""Error against run time: which scheme is cheapest at an error, and how cost grows.
+
+Between the levels of a ladder the cost at an asked error is interpolated on logarithms; nothing is
+extrapolated beyond the finest level.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from validation.measure import skipped_work
+from validation.studies.convergence import Convergence, LevelRun
+from validation.studies.extrapolation import fitted_slope
+
+ASKED = (1e-1, 1e-2, 1e-3, 1e-4)
+MEASURES = ("force, RMS", "force, mean", "force, largest", "radius, RMS", "pull_off_force", "loop_energy")
+WORK = ("wall_seconds", "cpu_seconds", "steps", "linear_solves", "closure_evaluations", "history_updates")
+PRICED = "cpu_seconds"  # on one thread the run time of a quiet machine, and much the same on a busy one
+BUSY = 1.2  # run time over processor time above which a machine had other work
+
+
+@dataclass(frozen=True)
+class Price:
+    """Cost of a scheme at an asked error; ``None`` where no level of its ladder reaches it.
+
+    ``at_most`` marks a cost that its coarsest level, already good enough, only bounds from above.
+    """
+
+    scheme: str
+    seconds: float | None
+    at_most: bool = False
+
+
+@dataclass(frozen=True)
+class Growth:
+    """How a cost grows: exponents of ``cost ~ resolution^a`` and ``cost ~ error^-b``, by least squares."""
+
+    scheme: str
+    work: str
+    with_resolution: float | None
+    with_error: float | None
+
+
+def cost(run: LevelRun, work: str) -> float | None:
+    """Seconds, or a work counter, of a level that has an answer."""
+    if run.failed:
+        return None
+    if work in ("wall_seconds", "cpu_seconds"):
+        return float(getattr(run, work)) if getattr(run, work) is not None else None
+    count = run.counters.get(work)
+    return float(count) if count is not None else None
+
+
+def price(study: Convergence, measure: str, asked: float, work: str = PRICED) -> Price:
+    """Least cost at which the error stays at or below ``asked`` from there on to the finest level."""
+    points = [
+        (abs(run.errors[measure]), spent)
+        for run in study.runs
+        if measure in run.errors and (spent := cost(run, work)) is not None
+    ]
+    good = len(points)
+    while good > 0 and points[good - 1][0] <= asked:
+        good -= 1
+    name = study.ladder.scheme
+    if good == len(points):
+        return Price(name, None)
+    error, spent = points[good]
+    if good == 0:
+        return Price(name, spent, at_most=True)
+    worse, less = points[good - 1]
+    if error <= 0.0 or less <= 0.0 or spent <= 0.0:
+        return Price(name, spent)
+    part = math.log(worse / asked) / math.log(worse / error)
+    return Price(name, math.exp(math.log(less) + part * math.log(spent / less)))
+
+
+def cheapest(studies: list[Convergence], measure: str, asked: float) -> tuple[Price | None, list[Price]]:
+    """The cheapest scheme by processor time, and all prices."""
+    prices = [price(study, measure, asked) for study in studies]
+    able = [entry for entry in prices if entry.seconds is not None]
+    return min(able, key=lambda entry: entry.seconds or 0.0, default=None), prices
+
+
+def growth(study: Convergence, work: str, measure: str = MEASURES[0]) -> Growth:
+    """Fitted exponents of one kind of cost."""
+    spent = [cost(run, work) for run in study.runs]
+    fineness = [1.0 / run.level.size for run in study.runs]
+    inverse = [1.0 / abs(e) if (e := run.errors.get(measure)) else None for run in study.runs]
+    return Growth(study.ladder.scheme, work, fitted_slope(fineness, spent), fitted_slope(inverse, spent))
+
+
+def measures(studies: list[Convergence]) -> list[str]:
+    """What errors are given in: without adhesion, for instance, there is no pull-off force to be wrong."""
+    known = {name for study in studies for run in study.runs for name in run.errors}
+    return [name for name in MEASURES if name in known or not known]
+
+
+def in_words(studies: list[Convergence], measure: str = MEASURES[0]) -> list[str]:
+    """One sentence for each asked error."""
+    if measure not in measures(studies):
+        return ["there is none in this scene."]
+    said = []
+    for asked in ASKED:
+        best, prices = cheapest(studies, measure, asked)
+        if best is None:
+            said.append(f"At {asked:.0e} no scheme reaches the error on its ladder.")
+            continue
+        rest = [entry for entry in prices if entry is not best]
+        others = ", ".join(f"{entry.scheme} {_seconds(entry)}" for entry in rest)
+        said.append(f"At {asked:.0e} {best.scheme} is cheapest: {_seconds(best)} ({others or 'alone'}).")
+    return said
+
+
+def busy(studies: list[Convergence]) -> float:
+    """Largest run time over processor time of the timed runs: 1 on a quiet machine."""
+    ratios = [
+        run.wall_seconds / run.cpu_seconds
+        for study in studies
+        for run in study.runs
+        if run.wall_seconds and run.cpu_seconds
+    ]
+    return max(ratios, default=1.0)
+
+
+def growth_in_words(studies: list[Convergence]) -> list[str]:
+    """How processor time grows, one sentence for each scheme."""
+    said = []
+    for study in studies:
+        fitted = growth(study, PRICED)
+        if fitted.with_resolution is None:
+            said.append(f"{fitted.scheme}: fewer than three levels to fit a cost to.")
+            continue
+        line = f"{fitted.scheme}: processor time grows as resolution^{fitted.with_resolution:.2f}"
+        if fitted.with_error is not None:
+            line += f" and as (1/error)^{fitted.with_error:.2f}"
+        said.append(line + ".")
+    return said
+
+
+def left_out(studies: list[Convergence]) -> list[str]:
+    """What the scene did not need, from the counters of the finest level."""
+    said = []
+    for study in studies:
+        done = [run for run in study.runs if not run.failed]
+        if not done:
+            continue
+        scheme = study.ladder.scheme
+        missing = skipped_work.left_out(scheme, done[-1].counters)
+        if missing:
+            said.append(f"{scheme}: {'; '.join(missing)}.")
+    return said
+
+
+def _seconds(entry: Price) -> str:
+    if entry.seconds is None:
+        return "does not reach it"
+    return f"{'at most ' if entry.at_most else ''}{entry.seconds:.2g} s"
