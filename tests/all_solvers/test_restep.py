@@ -9,8 +9,8 @@ from contextlib import suppress
 from itertools import cycle
 
 import pytest
+from support.resumable_runs import APART, RICH, SHORT, bem, fem, front
 from support.stopped_runs import assert_same_columns
-from test_resume import APART, RICH, SHORT, bem, fem, front
 
 from bem_solver.stepping import Stepper, Unresolvable
 from fem_solver.stepping import Run as FemRun

@@ -10,11 +10,10 @@ import re
 import numpy as np
 import pytest
 from PIL import Image
+from support.browser import CHROMIUM, look
 from support.spring_solver import SCENE as SMALL
 from support.spring_solver import fake, named
-from support.synthetic_fields import SCENE, states, trace
-from test_fields_figures import surfaces
-from test_report_browser import CHROMIUM, look
+from support.synthetic_fields import SCENE, states, surfaces, trace
 
 from crosscontact.cli import SOLVER_NAMES, main
 from validation import solvers

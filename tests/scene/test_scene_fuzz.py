@@ -7,8 +7,8 @@ import tomllib
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from test_scene_file import scenes
-from test_scene_malformed import GOOD
+from support.scene_strategies import scenes
+from support.scene_text import GOOD
 
 from contact_scene import Scene, SceneError, read_scene, scene_from_dict
 

@@ -7,38 +7,10 @@ import os
 from pathlib import Path
 
 import pytest
+from support.scene_text import GOOD
 
 from contact_scene import SceneError, read_scene
 
-GOOD = """\
-title = "good"
-
-[material]
-modulus = 0.75
-poisson = 0.5
-branches = [{ modulus = 6.75, time = 1.0 }, { modulus = 1, time = 10 }]
-
-[indenter]
-shape = "sphere"
-radius = 1.0
-
-[adhesion]
-work = 5.0e-4
-zone = 0.013
-
-[loading]
-start = "jump-in"
-penetration = 0.0
-
-[[loading.steps]]
-kind = "ramp"
-to = 0.032
-rate = 0.002
-
-[[loading.steps]]
-kind = "hold"
-duration = 1
-"""
 POSITIVE = "> 0"
 STEP = '[[loading.steps]]\nkind = "hold"\nduration = 1\n'
 

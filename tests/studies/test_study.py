@@ -7,9 +7,10 @@ import json
 
 import numpy as np
 import pytest
-from support.spring_solver import SCENE, fake
+from support.converging_schemes import ORDERS, converging
+from support.spring_solver import SCENE
 
-from contact_scene import Counters, OutcomeKind, SceneError
+from contact_scene import OutcomeKind, SceneError
 from crosscontact.cli import main
 from validation.cases import load
 from validation.execution.progress import Progress
@@ -17,28 +18,12 @@ from validation.report import study_figures, study_forms
 from validation.studies import schemes, study
 from validation.studies.ladders import ladders
 
-ORDERS = {"bem": 2.0, "baseline": 1.0, "fem": 2.0, "fem-volume": 2.0, "reference": 4.0}
-
 
 @pytest.fixture
 def scene_file(tmp_path):
     file = tmp_path / "small.toml"
     file.write_text(SCENE)
     return str(file)
-
-
-def converging(order: float, resolution_counts: bool = True):
-    """A spring whose stiffness converges to 1 with the resolution, and whose work grows with it."""
-
-    def load_scheme():
-        def call(scene, settings, times):
-            n = settings.resolution if resolution_counts else 1
-            trace = fake(1.0 + n**-order)()(scene, None, None, times, None)
-            return dataclasses.replace(trace, counters=Counters(steps=n, linear_solves=n * n))
-
-        return call
-
-    return load_scheme
 
 
 @pytest.fixture

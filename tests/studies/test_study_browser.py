@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
+from support.browser import CHROMIUM, look
+from support.converging_schemes import ORDERS, converging
 from support.spring_solver import SCENE
-from test_report_browser import CHROMIUM, look
-from test_study import ORDERS, converging
 
 from crosscontact.cli import main
 from validation.studies import schemes

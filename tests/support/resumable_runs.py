@@ -1,0 +1,54 @@
+"""Short runs of every solver that pass through each kind of loading step, with profiles on the way."""
+
+from __future__ import annotations
+
+import bem_solver
+import fem_solver
+from contact_scene import (
+    Adhesion,
+    Branch,
+    BulkRelaxation,
+    Force,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    Ramp,
+    RunMonitor,
+    Scene,
+    Sphere,
+    Trace,
+)
+from validation import reference
+from validation.contact_range import mesh_for
+
+TIMES = (0.0, 0.05, 0.35)  # of profiles: the start, within the approach, within the oscillation
+TWO = Material(0.75, 0.5, (Branch(3.0, 0.1), Branch(3.75, 1.0)))
+APART = Material(0.75, 0.4, (Branch(6.75, 1.0),), BulkRelaxation())
+LOADING = Loading(
+    "jump-in",
+    0.0,
+    (
+        Ramp(0.01, 0.1),
+        Hold(0.1),
+        Oscillate(1e-3, 30.0, 0.2),
+        Force(-5e-4, 0.05),  # jumps
+        Ramp(-0.5, 0.3),
+    ),
+)
+RICH = Scene(TWO, Sphere(1.0), LOADING, Adhesion(5e-4, 0.02))
+SHORT = Scene(APART, Sphere(1.0), Loading("relaxed", 0.02, (Ramp(0.018, 0.05),)), Adhesion(5e-4, 0.02))
+
+
+def bem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:
+    return bem_solver.solve(scene, bem_solver.Options(4, profile_times=TIMES, **options), None, watch)
+
+
+def fem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:
+    fineness = 4 if scene.is_adhesive else 1
+    asked = fem_solver.Options(fineness, 5e-3, TIMES, **options)
+    return fem_solver.solve(scene, mesh_for(scene, fineness), asked, None, watch)
+
+
+def front(scene: Scene, watch: RunMonitor | None = None) -> Trace:
+    return reference.solve(scene, reference.Options(5, profile_times=TIMES), None, watch)
