@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.paper_scenes import ONE as RUBBER
 
 from bem_solver.creep import Chain
 from bem_solver.kernel import disc_displacement
@@ -11,7 +12,6 @@ from bem_solver.paper_scheme.annuli import Instant, Sheet, UniformAnnuli
 from bem_solver.paper_scheme.leading_blocks import LeadingBlocks
 from contact_scene import Branch, Counters, Material, Sphere
 
-RUBBER = Material(0.75, 0.5, (Branch(6.75, 1.0),))
 TWO_BRANCHES = Material(0.75, 0.5, (Branch(2.0, 0.1), Branch(4.75, 1.0)))
 
 

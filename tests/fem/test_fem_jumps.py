@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from support.paper_scenes import ELASTIC as SOFT
+from support.paper_scenes import PULL as JKR
+from support.paper_scenes import WORK, ZONE
 
 from contact_scene import (
     Adhesion,
@@ -17,10 +20,6 @@ from contact_scene import (
 )
 from fem_solver import solve
 from meshes import fit, structured_half_space
-
-WORK, ZONE = 5.026548e-4, 0.013
-JKR = 1.5 * np.pi * WORK
-SOFT = Material(0.75, 0.5)
 
 
 def test_work_of_a_jump_is_that_of_the_path_of_the_edge():

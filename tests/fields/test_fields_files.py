@@ -10,6 +10,8 @@ import meshio
 import numpy as np
 import pytest
 import pyvista
+from support.paper_scenes import STICKY as ADHESION
+from support.paper_scenes import WORK
 
 from contact_scene import (
     Adhesion,
@@ -34,7 +36,6 @@ from validation.fields.balance import balance
 from validation.fields.grid import cell_data, grid, indenter, point_data, surface, triangle_volumes
 from validation.fields.request import Request, answer, check_times, ending
 
-ADHESION = Adhesion(5.026548e-4, 0.013)
 MATERIAL = Material(0.75, 0.4, (Branch(2.0, 0.3),))
 TEXT = """
 title = "Down and up"
@@ -196,7 +197,7 @@ def test_one_run_for_a_constant_ratio_and_two_for_separate_relaxation(monkeypatc
     loading = Loading("jump-in", 0.012, (Ramp(0.0135, 0.05),))
     for bulk, count in ((None, 1), ("elastic", 2)):
         runs.clear()
-        scene = Scene(replace(MATERIAL, bulk=bulk), Sphere(1.0), loading, Adhesion(5.026548e-4, 0.03))
+        scene = Scene(replace(MATERIAL, bulk=bulk), Sphere(1.0), loading, Adhesion(WORK, 0.03))
         found = answer(scene, asked, 4)
         assert len(runs) == count
         assert found.moments[3] == "third"

@@ -6,10 +6,10 @@ import dataclasses
 
 import numpy as np
 import pytest
+from support.paper_scenes import ONE, STICKY, WORK, ZONE
 
 from contact_scene import (
     Adhesion,
-    Branch,
     Cone,
     FlatPunch,
     Force,
@@ -27,11 +27,9 @@ from validation.contact_range import SPARE, largest_contact_radius, mesh_for
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 
-MATERIAL = Material(0.75, 0.5, (Branch(6.75, 1.0),))
-
 
 def scene(*steps, indenter=None, adhesion=None, depth=0.0):
-    return Scene(MATERIAL, indenter or Sphere(1.0), Loading("relaxed", depth, steps), adhesion)
+    return Scene(ONE, indenter or Sphere(1.0), Loading("relaxed", depth, steps), adhesion)
 
 
 def test_hertz_at_the_largest_penetration():
@@ -110,10 +108,8 @@ def test_mesh_resolves_the_zone_and_refuses_the_absurd():
 
 
 def test_a_process_zone_holds_on_where_a_sharp_edge_has_let_go():
-    law = FiniteZone(1.0, 1.0, 5.026548e-4, 0.013)
+    law = FiniteZone(1.0, 1.0, WORK, ZONE)
     limit = law.pull_off_penetration_control().penetration
-    assert limit < JKR(Sphere(1.0), 1.0, 5.026548e-4).pull_off_penetration_control().penetration
-    beyond = dataclasses.replace(
-        scene(adhesion=Adhesion(5.026548e-4, 0.013), depth=0.995 * limit), material=Material(1.0, 0.0)
-    )
+    assert limit < JKR(Sphere(1.0), 1.0, WORK).pull_off_penetration_control().penetration
+    beyond = dataclasses.replace(scene(adhesion=STICKY, depth=0.995 * limit), material=Material(1.0, 0.0))
     assert largest_contact_radius(beyond) > law.at_penetration(0.995 * limit).contact_radius

@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from support.paper_scenes import ONE, PULL, WORK, ZONE
 
-from contact_scene import Branch, Cone, FlatPunch, Material, PowerLaw, Sphere, TabulatedProfile
+from contact_scene import Cone, FlatPunch, Material, PowerLaw, Sphere, TabulatedProfile
 from validation.reference import jkr, punch, sneddon
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
-
-WORK = 1.6e-4 * np.pi
-PULL = 1.5 * np.pi * WORK
-ONE = Material(0.75, 0.5, (Branch(6.75, 1.0),))
 
 
 def test_frozen_check_values():
@@ -80,12 +77,12 @@ def test_frozen_needs_a_relaxed_contact():
 
 @pytest.mark.parametrize(("modulus", "enhancement"), [(1.0, 1.02693), (10.0, 1.05837)])
 def test_finite_zone_check_values(modulus, enhancement):
-    case = FiniteZone(1.0, modulus, WORK, 0.013)
+    case = FiniteZone(1.0, modulus, WORK, ZONE)
     assert_allclose(-case.pull_off_force_control().force / PULL, enhancement, atol=5e-6)
 
 
 def test_finite_zone_relaxed_equilibrium():
-    state = FiniteZone(1.0, 1.0, WORK, 0.013).at_penetration(0.032)
+    state = FiniteZone(1.0, 1.0, WORK, ZONE).at_penetration(0.032)
     assert_allclose(state.contact_radius, 0.245149, atol=5e-7)
     # The force is a function of a and D alone, whatever the closure: 2 E* (a D - a^3/(3R)).
     assert_allclose(state.force / np.pi, 1.86770e-3, atol=5e-9)
@@ -125,4 +122,4 @@ def test_finite_zone_vanishing_is_jkr_at_first_order():
     state = FiniteZone(1.0, 1.0, WORK, 1e-7).at_penetration(0.032)
     assert_allclose(state.contact_radius, law.at_penetration(0.032).contact_radius, rtol=1e-6)
     with pytest.raises(jkr.NoEquilibrium):
-        FiniteZone(1.0, 1.0, WORK, 0.013).at_penetration(-0.02)
+        FiniteZone(1.0, 1.0, WORK, ZONE).at_penetration(-0.02)

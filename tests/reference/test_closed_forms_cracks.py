@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from support.paper_scenes import ONE
 
 from contact_scene import Branch, Material
 from validation.reference import greenwood, persson_brener, prony_integrals, schapery, steady_crack
 
-ONE = Material(0.75, 0.5, (Branch(6.75, 1.0),))
 THREE = Material(1.2, 0.3, (Branch(3.0, 0.05), Branch(2.0, 1.0), Branch(4.0, 8.0)))
 ELASTIC = Material(2.0, 0.4)
 ZONE = 0.01

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from support.paper_scenes import ONE
 
 from contact_scene import (
-    Branch,
     Cone,
     FlatPunch,
-    Material,
     PowerLaw,
     Sphere,
     TabulatedProfile,
@@ -218,7 +217,7 @@ def test_kendall_pull_off_and_its_viscoelastic_bounds():
         np.pi / 2,
     )[0]
     assert_allclose(total, punch.force(depth, a, MODULUS), rtol=1e-10)
-    material = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+    material = ONE
     slow, fast = punch.viscoelastic_bounds(material, a, WORK)
     assert_allclose(slow, punch.pull_off_force(a, 1.0, WORK), rtol=1e-13)
     assert_allclose(fast / slow, np.sqrt(10.0), rtol=1e-13)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad, solve_ivp
+from support.paper_scenes import ONE
 
 from contact_scene import (
     Branch,
@@ -21,7 +22,6 @@ from contact_scene import (
 from validation.reference import hertz, lee_radok, prony_integrals, punch_oscillation, sneddon
 from validation.reference.ting import Ting
 
-ONE = Material(0.75, 0.5, (Branch(6.75, 1.0),))
 WIDE = Material(
     1.2, 0.3, (Branch(3.0, 1e-3), Branch(2.0, 0.1), Branch(0.5, 0.7), Branch(4.0, 30.0), Branch(1.0, 1e5))
 )

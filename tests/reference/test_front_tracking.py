@@ -6,6 +6,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from support.paper_scenes import ONE, STICKY, WORK, ZONE
+from support.paper_scenes import PULL as F_JKR
 
 from contact_scene import Adhesion, Branch, Loading, Material, OutcomeKind, Ramp, Scene, Sphere, Sweep, Trace
 from validation.measure.observables import Observables, observe
@@ -13,11 +15,6 @@ from validation.reference import Options, solve
 from validation.reference.tracking.energy import branch_power
 from validation.reference.tracking.record import Record
 from validation.studies.reference_accuracy import COLUMNS, MATERIALS, cycle, levels, order
-
-WORK = math.pi * 1.6e-4  # gamma~ = 1.6e-4 with R = 1, E0* = 1
-F_JKR = 1.5 * math.pi * WORK
-ZONE = 0.013
-ONE = (Branch(6.75, 1.0),)
 
 
 @cache
@@ -32,7 +29,7 @@ def _seen(trace: Trace) -> Observables:
 
 def _elastic(modulus: float) -> Scene:
     loading = Loading("relaxed", 0.032, (Ramp(-0.5, 0.01),))
-    return Scene(Material(modulus, 0.5), Sphere(1.0), loading, Adhesion(WORK, ZONE))
+    return Scene(Material(modulus, 0.5), Sphere(1.0), loading, STICKY)
 
 
 # Digits of an independent prototype; the tolerance is half a unit of the last, or 1e-5.
@@ -81,8 +78,8 @@ def test_relaxed_equilibrium_and_elastic_pull_off() -> None:
 
 def test_fast_retraction_from_the_relaxed_state() -> None:
     scene = Scene(
-        Material(0.75, 0.5, ONE), Sphere(1.0), Loading("relaxed", 0.032, (Ramp(-0.5, 100.0),)),
-        Adhesion(WORK, ZONE),
+        ONE, Sphere(1.0), Loading("relaxed", 0.032, (Ramp(-0.5, 100.0),)),
+        STICKY,
     )  # fmt: skip
     seen = _seen(solve(scene))
     assert seen.pull_off_force == pytest.approx(9.857 * F_JKR, rel=5e-5)
@@ -218,7 +215,7 @@ def test_any_system_of_units() -> None:
 
 def _sweep(duration: float) -> Scene:
     return Scene(
-        Material(0.75, 0.5, ONE), Sphere(1.0),
+        ONE, Sphere(1.0),
         Loading("relaxed", 5.7e-5, (Sweep(-1.7e-5, 0.006, duration),)), Adhesion(math.pi * 5e-8, 8.5e-4),
     )  # fmt: skip
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.paper_scenes import ONE
 
 from contact_scene import Adhesion, Branch, Force, Loading, Material, Scene, Sphere, Table, TabulatedProfile
 from validation.reference import Options, solve
@@ -14,7 +15,7 @@ from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.surface import Body, Surface
 
-BODY = Body(rheology(Material(0.75, 0.5, (Branch(6.75, 1.0),))), transform(Sphere(1.0)))
+BODY = Body(rheology(ONE), transform(Sphere(1.0)))
 EDGE = 0.2
 
 

@@ -1,11 +1,11 @@
 """Front tracking where something happens in no time: jumps of the load, first contact, loss of contact."""
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.paper_scenes import ELASTIC, STICKY, WORK, ZONE
+from support.paper_scenes import ONE as RUBBER
 
 from contact_scene import (
     Adhesion,
@@ -32,9 +32,6 @@ from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.root import rising_root
 from validation.reference.tracking.stepping import Run
 
-WORK = math.pi * 1.6e-4
-ELASTIC = Material(0.75, 0.5)
-RUBBER = Material(0.75, 0.5, (Branch(6.75, 1.0),))
 COARSE = Options(resolution=4)
 
 
@@ -59,7 +56,7 @@ def test_an_elastic_jump_does_the_stored_work(shape, before) -> None:  # type: i
 def test_dashpots_do_not_move_in_no_time() -> None:
     trace = solve(
         _scene((Hold(1.0), Force(-0.002, 0.1), Ramp(-0.1, 1.0)), 0.02, material=RUBBER,
-               adhesion=Adhesion(WORK, 0.013)), Options(resolution=8),
+               adhesion=STICKY), Options(resolution=8),
     )  # fmt: skip
     stands = np.diff(trace.time) == 0.0
     assert np.count_nonzero(stands) > 10
@@ -210,8 +207,8 @@ def test_a_slow_approach_is_elastic_however_stiff_the_glass(contrast: float) -> 
     """The layer behind the edge, here 1e-10 of the process zone or less, still counts at such contrasts."""
     material = Material(0.75, 0.5, (Branch(0.75 * (contrast - 1.0), 1.0),))
     steps = (Ramp(0.01, 1e-7 / contrast),)
-    trace = solve(_scene(steps, 0.0, "relaxed", material=material, adhesion=Adhesion(WORK, 0.013)), COARSE)
-    exact = FiniteZone(1.0, 1.0, WORK, 0.013).at_penetration(0.01)
+    trace = solve(_scene(steps, 0.0, "relaxed", material=material, adhesion=STICKY), COARSE)
+    exact = FiniteZone(1.0, 1.0, WORK, ZONE).at_penetration(0.01)
     assert trace.contact_radius[-1] == pytest.approx(exact.contact_radius, rel=2e-5)
     assert trace.force[-1] == pytest.approx(exact.force, rel=3e-4)
 

@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from support.paper_scenes import ELASTIC, STICKY, WORK
+from support.paper_scenes import ONE as RUBBER
+from support.paper_scenes import PULL as F_JKR
 
 from contact_scene import (
     Adhesion,
@@ -32,15 +35,10 @@ from contact_scene import (
 from validation.measure.observables import observe
 from validation.reference import Options, solve
 
-WORK = math.pi * 1.6e-4
-F_JKR = 1.5 * math.pi * WORK
-GLUE = Adhesion(WORK, 0.013)
-ELASTIC = Material(0.75, 0.5)
-RUBBER = Material(0.75, 0.5, (Branch(6.75, 1.0),))
 PUNCH = FlatPunch(0.2)
 
 
-def _scene(steps, depth=0.0, start="jump-in", shape=None, material=RUBBER, adhesion=GLUE):  # type: ignore[no-untyped-def]
+def _scene(steps, depth=0.0, start="jump-in", shape=None, material=RUBBER, adhesion=STICKY):  # type: ignore[no-untyped-def]
     return Scene(material, shape or Sphere(1.0), Loading(start, depth, tuple(steps)), adhesion)
 
 

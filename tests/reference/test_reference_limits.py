@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
-from support.paper_scenes import ELASTIC, ONE, PULL, THREE, WORK
+from support.paper_scenes import ELASTIC, ONE, PULL, STICKY, THREE, WORK, ZONE
 
 import bem_solver
 from contact_scene import (
@@ -101,12 +101,12 @@ def dugdale_with_ring(plane_modulus, width):
 )
 def test_elastic_pull_off_is_that_of_the_finite_zone(solver, accuracy, modulus):
     """And a Dugdale ring as long as the process zone has two thirds of its excess over JKR."""
-    exact = FiniteZone(1.0, modulus / 0.75, WORK, 0.013)
+    exact = FiniteZone(1.0, modulus / 0.75, WORK, ZONE)
     scene = Scene(
         Material(modulus, 0.5),
         Sphere(1.0),
         Loading("relaxed", 0.01, (Ramp(-0.05, 0.01),)),
-        Adhesion(WORK, 0.013),
+        STICKY,
     )
     trace = solver.solve(scene)
     assert trace.outcome.kind is OutcomeKind.DETACHED

@@ -9,17 +9,15 @@ Both carry the bias of a finite zone, which an elastic contact has too and at ze
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.paper_scenes import ONE, THREE, WORK
 
 import bem_solver
-from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
+from contact_scene import Adhesion, Loading, Ramp, Scene, Sphere
 from validation import reference
 from validation.reference import greenwood, persson_brener, schapery, steady_crack
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 
-WORK = 1.6e-4 * np.pi
-ONE = Material(0.75, 0.5, (Branch(6.75, 1.0),))
-THREE = Material(0.75, 0.5, (Branch(3.0, 0.1), Branch(2.75, 1.0), Branch(1.0, 8.0)))
 LAW = JKR(Sphere(1.0), 1.0, WORK)
 
 
