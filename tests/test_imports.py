@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
+from support.import_graph import COMPUTED, ImportGraph, Source, imports, read_sources
 
 ROOT = Path(__file__).parents[1]
+TESTS = ROOT / "tests"
 
 # The solvers share the question, never the method: a common helper would be a common error.
-MAY_IMPORT = {
+PACKAGES = {
     "contact_scene": set(),
     "bem_solver": {"contact_scene"},
     "fem_solver": {"contact_scene"},
@@ -20,51 +22,231 @@ MAY_IMPORT = {
     "validation": {"contact_scene", "bem_solver", "fem_solver", "meshes"},
     "crosscontact": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation"},
 }
-HEAVY = ("skfem", "gmsh", "pyvista", "matplotlib", "meshio")
+# Inside ``validation``, upwards only: exact solutions, scenes and solvers; measuring and carrying out runs (which
+# measures a run at its end); drawing; five kinds of evidence beside each other; the report.
+BELOW_RUNS = {"reference", "scenes", "cases", "contact_range", "solvers"}
+BELOW_EVIDENCE = BELOW_RUNS | {"measure", "execution", "drawing"}
+EVIDENCE = {"compare", "studies", "stability", "claims", "fields"}
+ROOMS = {
+    "reference": set(),
+    "scenes": set(),
+    "cases": {"scenes"},
+    "contact_range": {"reference"},
+    "solvers": {"reference", "contact_range"},
+    "measure": BELOW_RUNS,
+    "execution": BELOW_RUNS | {"measure"},
+    "drawing": BELOW_RUNS | {"measure", "execution"},
+    **dict.fromkeys(EVIDENCE, BELOW_EVIDENCE),
+    "report": BELOW_EVIDENCE | EVIDENCE,
+}
+# What one kind of evidence may use of another, module by module: the accuracy of fields is a study of them.
+BESIDE = {
+    ("validation.studies.fields_accuracy", "validation.fields.balance"),
+    ("validation.studies.fields_accuracy", "validation.fields.request"),
+}
+# Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds.
+HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "pandas", "xarray", "dask", "distributed"}
 
 
-def imported(source: str, package: str) -> set[str]:
-    """Top-level names imported anywhere in a source, functions and ``importlib`` calls included."""
-    names = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            names |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            names.add(package if node.level else str(node.module).split(".")[0])
-        elif isinstance(node, ast.Call):
-            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-            if called in ("import_module", "__import__"):
-                first = node.args[0]
-                names.add(
-                    first.value.split(".")[0] if isinstance(first, ast.Constant) else "a computed module name"
-                )
-    return names
+@cache
+def project() -> ImportGraph:
+    """The imports of all packages."""
+    return ImportGraph(read_sources(ROOT, PACKAGES))
 
 
-@pytest.mark.parametrize("package", MAY_IMPORT)
-def test_imports_keep_to_the_table(package):
-    sources = sorted((ROOT / package).rglob("*.py"))
-    assert sources
-    ours = set(MAY_IMPORT) | {"tests", "a computed module name"}
-    for path in sources:
-        found = imported(path.read_text(encoding="utf-8"), package) & ours
-        assert found <= MAY_IMPORT[package] | {package}, path.relative_to(ROOT)
+def room(module: str) -> str:
+    """The part of ``validation`` a module belongs to."""
+    return module.split(".")[1] if module.startswith("validation.") else ""
+
+
+def against_the_table(graph: ImportGraph) -> list[str]:
+    """Imports of a package of ours, of tests, or of a computed name, that ``PACKAGES`` does not allow."""
+    ours = set(PACKAGES) | {"tests", "support", COMPUTED}
+    found = []
+    for one in graph.imports:
+        importer, target = one.importer.split(".")[0], one.module.split(".")[0]
+        if target in ours - PACKAGES[importer] - {importer}:
+            found.append(str(one))
+    return found
+
+
+def against_the_layers(graph: ImportGraph) -> list[str]:
+    """Imports inside ``validation`` that run down again or across the evidence, and rooms without a layer."""
+    found = [
+        f"{module}: no layer for it"
+        for module in sorted(graph.modules)
+        if room(module) and room(module) not in ROOMS
+    ]
+    for one in graph.imports:
+        if not one.module.startswith("validation") or not one.importer.startswith("validation"):
+            continue
+        importer, target = room(one.importer), room(one.module)
+        if target in {"", importer} or (one.importer, one.module) in BESIDE:
+            continue
+        if target not in ROOMS.get(importer, set()):
+            found.append(str(one))
+    return found
+
+
+def deferred_without_need(graph: ImportGraph) -> list[str]:
+    """Imports in functions or under ``TYPE_CHECKING`` that do not keep a heavy package unloaded."""
+    loading = graph.loads(HEAVY)
+    return [
+        str(one)
+        for one in graph.imports
+        if one.deferred and one.module.split(".")[0] not in HEAVY and one.module not in loading
+    ]
+
+
+def report(found: list[str]) -> str:
+    return "\n" + "\n".join(found)
+
+
+def test_imports_keep_to_the_table():
+    assert {module.split(".")[0] for module in project().modules} == set(PACKAGES)
+    found = against_the_table(project())
+    assert not found, report(found)
+
+
+def test_imports_inside_validation_run_upwards():
+    found = against_the_layers(project())
+    assert not found, report(found)
+
+
+def test_every_layer_and_every_allowed_import_across_the_evidence_exists():
+    assert {room(module) for module in project().modules} - {""} == set(ROOMS)
+    seen = {(one.importer, one.module) for one in project().imports}
+    assert seen >= BESIDE
+
+
+def test_there_is_no_cycle_of_imports():
+    found = [" <-> ".join(group) for group in project().cycles()]
+    assert not found, report(found)
+
+
+def test_functions_import_only_what_is_heavy():
+    found = deferred_without_need(project())
+    assert not found, report(found)
 
 
 def test_the_reader_of_imports_sees_every_form():
-    source = (
-        "import a.b, c as d\nfrom e.f import g\nfrom . import h\nfrom .i import j\n"
+    source = Source(
+        "import a.b, c as d\nfrom e.f import g\nfrom . import h\nfrom .i import j\nfrom ..p import q\n"
         "def k():\n    import l\n    importlib.import_module('m.n')\n    __import__('o')\n"
         "    import_module(name)\n"
+        "if TYPE_CHECKING:\n    import r\n"
+        "if typing.TYPE_CHECKING:\n    from s import t\nelse:\n    import u\n"
+        "class V:\n    import w\n    async def x(self):\n        from y import z\n"
     )
-    assert imported(source, "ours") == {"a", "c", "e", "ours", "l", "m", "o", "a computed module name"}
+    found = imports("ours.inner.module", source, {"ours.inner.h"})
+    assert {(one.module, one.name) for one in found if not one.deferred} == {
+        ("a.b", ""), ("c", ""), ("e.f", "g"), ("ours.inner.h", ""), ("ours.inner.i", "j"), ("ours.p", "q"),
+        ("u", ""), ("w", ""),
+    }  # fmt: skip
+    assert {(one.module, one.name) for one in found if one.deferred} == {
+        ("l", ""), ("m.n", ""), ("o", ""), (COMPUTED, ""), ("r", ""), ("s", "t"), ("y", "z"),
+    }  # fmt: skip
 
 
-@pytest.mark.parametrize("package", ["contact_scene", "bem_solver"])
+def made_up(**texts: str) -> ImportGraph:
+    """A project of the given modules (``__`` for the dot); names without a dot are packages."""
+    return ImportGraph(
+        {
+            name.replace("__", "."): Source(text, is_package="__" not in name)
+            for name, text in {"validation": "", "bem_solver": "", **texts}.items()
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "import fem_solver",
+        "from validation.reference import jkr",
+        "def f():\n    import meshes.files",
+        "if TYPE_CHECKING:\n    from crosscontact import Result",
+        "importlib.import_module('validation.cases')",
+        "importlib.import_module(name)",
+        "from support import browser",
+    ],
+)
+def test_a_solver_that_imports_too_much_is_seen(line):
+    assert len(against_the_table(made_up(bem_solver__kernel=line))) == 1
+    assert not against_the_table(made_up(bem_solver__kernel="from contact_scene import Scene"))
+
+
+@pytest.mark.parametrize(
+    ("importer", "line"),
+    [
+        ("reference__jkr", "from validation.studies import ladders"),
+        ("measure__norms", "from validation.execution import runs"),
+        ("execution__runs", "from ..report.build import build"),
+        ("drawing__figures", "def f():\n    from validation.report import html"),
+        ("claims__force", "from validation.compare.checks import check_run"),
+        ("studies__study", "if TYPE_CHECKING:\n    from validation.fields import balance"),
+        ("cases", "from validation import solvers"),
+        ("gadgets", ""),
+    ],
+)
+def test_an_import_down_or_across_is_seen(importer, line):
+    graph = made_up(
+        **{f"validation__{importer}": line, "validation__solvers": "", "validation__fields__balance": ""}
+    )
+    assert len(against_the_layers(graph)) == 1
+
+
+def test_imports_upwards_are_no_violation():
+    graph = made_up(
+        validation__report__html="from validation.claims import force\nfrom ..drawing import figures",
+        validation__claims__force="from validation import cases\nfrom ..measure.norms import distance",
+        validation__studies__fields_accuracy="from validation.fields.balance import balance",
+    )
+    assert not against_the_layers(graph)
+
+
+@pytest.mark.parametrize(
+    "back",
+    ["import bem_solver.one", "def f():\n    from . import one", "if TYPE_CHECKING:\n    from .one import x"],
+)
+def test_a_cycle_is_seen_in_every_form(back):
+    graph = made_up(bem_solver__one="from .two import y", bem_solver__two="import bem_solver.three",
+                    bem_solver__three=back, bem_solver__four="from . import one")  # fmt: skip
+    assert graph.cycles() == [["bem_solver.one", "bem_solver.three", "bem_solver.two"]]
+
+
+def test_a_deferred_import_of_something_light_is_seen():
+    graph = made_up(
+        bem_solver__light="import numpy",
+        bem_solver__drawn="from .figures import line",
+        bem_solver__figures="import matplotlib.pyplot as plt",
+        bem_solver__user="def f():\n    import json\n    from . import light, drawn\n    import matplotlib\n",
+    )
+    assert graph.loads(HEAVY) == {"bem_solver.drawn", "bem_solver.figures"}
+    assert deferred_without_need(graph) == [
+        "bem_solver.user:2 imports json",
+        "bem_solver.user:3 imports bem_solver.light",
+    ]
+
+
+@pytest.mark.parametrize("package", ["contact_scene", "bem_solver", "crosscontact", "validation.solvers"])
 def test_light_packages_load_nothing_heavy(package):
     code = f"import sys, {package}; print(*sorted({{m.split('.')[0] for m in sys.modules}}))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
-    loaded = run.stdout.split()
-    assert package in loaded
-    assert not set(loaded) & set(HEAVY)
-    assert not set(loaded) & (set(MAY_IMPORT) - MAY_IMPORT[package] - {package})
+    loaded = set(run.stdout.split())
+    top = package.partition(".")[0]
+    assert top in loaded
+    assert not loaded & HEAVY
+    assert not loaded & (set(PACKAGES) - PACKAGES[top] - {top})
+
+
+def test_no_test_imports_another_and_no_folder_of_tests_shadows_a_package():
+    files = {path.stem: path for path in TESTS.rglob("test_*.py")}
+    found = [
+        f"{path.relative_to(ROOT)} imports {one.module}"
+        for path in TESTS.rglob("*.py")
+        for one in imports(path.stem, Source(path.read_text(encoding="utf-8")))
+        if one.module.split(".")[0] in files or (one.module.split(".")[0] == "tests")
+    ]
+    assert not found, report(found)
+    folders = {path.name for path in TESTS.rglob("*") if path.is_dir()}
+    assert not folders & set(PACKAGES)
