@@ -1,9 +1,14 @@
-"""Settings of every test: floating-point errors raise, random examples are the same in every run."""
+"""Settings of every test: floating-point errors raise, random examples are the same in every run.
+
+Tests run in parallel, one process a core; in each the linear algebra takes one thread.
+"""
 
 from __future__ import annotations
 
 import os
 import signal
+
+os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")  # read as NumPy loads
 
 import numpy as np
 import pytest

@@ -22,8 +22,8 @@ PACKAGES = {
     "validation": {"contact_scene", "bem_solver", "fem_solver", "meshes"},
     "crosscontact": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation"},
 }
-# Inside ``validation``, upwards only: exact solutions, scenes and solvers; measuring and carrying out runs (which
-# measures a run at its end); drawing; five kinds of evidence beside each other; the report.
+# Inside ``validation``, upwards only: exact solutions, scenes and solvers; measuring, and carrying out runs,
+# which measures each at its end; drawing; five kinds of evidence beside each other; the report.
 BELOW_RUNS = {"reference", "scenes", "cases", "contact_range", "solvers"}
 BELOW_EVIDENCE = BELOW_RUNS | {"measure", "execution", "drawing"}
 EVIDENCE = {"compare", "studies", "stability", "claims", "fields"}
