@@ -6,8 +6,8 @@ import zlib
 
 import pytest
 from hypothesis import given, seed, settings
-from support.invariants_runs import SOLVERS
-from support.invariants_table import INVARIANTS
+from support.invariants.coarse_solvers import SOLVERS
+from support.invariants.table import INVARIANTS
 
 
 def examine(solver: str, name: str, examples: int, start: int) -> None:
@@ -16,9 +16,9 @@ def examine(solver: str, name: str, examples: int, start: int) -> None:
 
     @seed(start + zlib.crc32(name.encode()))
     @settings(max_examples=examples)
-    @given(invariant.given)
+    @given(invariant.arguments)
     def body(case: tuple) -> None:
-        invariant.holds(SOLVERS[solver], *case)
+        invariant.check(SOLVERS[solver], *case)
 
     body()
 
@@ -26,11 +26,11 @@ def examine(solver: str, name: str, examples: int, start: int) -> None:
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", INVARIANTS)
 def test_invariant(solver: str, name: str) -> None:
-    examine(solver, name, INVARIANTS[name].few, 1)
+    examine(solver, name, INVARIANTS[name].examples, 1)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", INVARIANTS)
 def test_invariant_often(solver: str, name: str) -> None:
-    examine(solver, name, INVARIANTS[name].many, 2)
+    examine(solver, name, INVARIANTS[name].slow_examples, 2)

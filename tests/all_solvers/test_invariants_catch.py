@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from support.invariants_runs import SOLVERS, Solver
-from support.invariants_scenes import in_units
-from support.invariants_table import INVARIANTS
+from support.invariants.coarse_solvers import SOLVERS, CoarseSolver
+from support.invariants.random_scenes import in_units
+from support.invariants.table import INVARIANTS
 
 from contact_scene import (
     Adhesion,
@@ -29,7 +29,7 @@ from contact_scene import (
 
 pytestmark = pytest.mark.slow
 
-Spoil = Callable[[Scene, Trace], Trace]
+Alteration = Callable[[Scene, Trace], Trace]
 RUBBER = Material(0.75, 0.5, (Branch(2.0, 1.0), Branch(1.0, 0.05)))
 STICKY = Adhesion(5e-4, 0.02)
 PRESSED = Scene(RUBBER, Sphere(1.0), Loading("jump-in", 0.01, (Ramp(0.02, 0.05), Hold(0.1))), STICKY)
@@ -42,46 +42,46 @@ HISTORIES = ((0.0, 1.0, 3.0), [0.01, 0.02, -0.01], [0.0, 0.02, 0.01], (0.5, -0.7
 
 
 @dataclass(frozen=True)
-class Spoiled(Solver):
+class AlteredSolver(CoarseSolver):
     """Answers of a true solver, changed."""
 
-    spoil: Spoil = lambda scene, trace: trace
+    alter: Alteration = lambda scene, trace: trace
 
     def solve(self, scene: Scene, **asked) -> Trace:  # type: ignore[override]
-        """The true answer, spoiled."""
-        return self.spoil(scene, super().solve(scene, **asked))
+        """The true answer, altered."""
+        return self.alter(scene, super().solve(scene, **asked))
 
 
-class Careless(Spoiled):
-    """Takes no notice of its budget."""
+class UnboundedSolver(AlteredSolver):
+    """Ignores its step budget."""
 
     def solve(self, scene: Scene, budget: int = 0, **asked) -> Trace:  # type: ignore[override]
         """As if there were none."""
         return super().solve(scene, **asked)
 
 
-def changed(name: str, change: Callable[[np.ndarray], np.ndarray]) -> Spoil:
+def changed(name: str, change: Callable[[np.ndarray], np.ndarray]) -> Alteration:
     """One column of every answer changed."""
 
-    def spoil(scene: Scene, trace: Trace) -> Trace:
+    def alter(scene: Scene, trace: Trace) -> Trace:
         column = change(trace.columns()[name].copy())
         if name in trace.extra:
             return replace(trace, extra=trace.extra | {name: column})
         return replace(trace, **{name: column})
 
-    return spoil
+    return alter
 
 
-def profiles(name: str, change: Callable[[np.ndarray], np.ndarray]) -> Spoil:
+def profiles(name: str, change: Callable[[np.ndarray], np.ndarray]) -> Alteration:
     """One array of every profile changed."""
     return lambda scene, trace: replace(
         trace, profiles=tuple(replace(p, **{name: change(getattr(p, name).copy())}) for p in trace.profiles)
     )
 
 
-def when(condition: Callable[[Scene], bool], spoil: Spoil) -> Spoil:
+def when(condition: Callable[[Scene], bool], alter: Alteration) -> Alteration:
     """Only some scenes are answered wrongly."""
-    return lambda scene, trace: spoil(scene, trace) if condition(scene) else trace
+    return lambda scene, trace: alter(scene, trace) if condition(scene) else trace
 
 
 def last_is(value: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -93,7 +93,7 @@ def last_is(value: float) -> Callable[[np.ndarray], np.ndarray]:
 
 
 def underflow(scene: Scene, trace: Trace) -> Trace:
-    return replace(trace, outcome=Outcome(OutcomeKind.STEP_UNDERFLOW, "given up", 0.0))
+    return replace(trace, outcome=Outcome(OutcomeKind.STEP_UNDERFLOW, "arguments up", 0.0))
 
 
 def louder(column: np.ndarray) -> np.ndarray:
@@ -112,7 +112,7 @@ def small(scene: Scene) -> bool:
     return isinstance(scene.indenter, Sphere) and scene.indenter.radius < 1e-3
 
 
-BROKEN: dict[str, list[tuple[Spoil, tuple]]] = {
+BROKEN: dict[str, list[tuple[Alteration, tuple]]] = {
     "clear answer": [
         (changed("energy_release_rate", last_is(np.nan)), (RAMPED,)),
         (changed("time", last_is(-1.0)), (RAMPED,)),
@@ -155,27 +155,27 @@ BROKEN: dict[str, list[tuple[Spoil, tuple]]] = {
 }
 
 
-def with_units(name: str, given: tuple) -> tuple:
-    return (given[0], *in_units(*given)) if name == "units" else given
+def with_units(name: str, arguments: tuple) -> tuple:
+    return (arguments[0], *in_units(*arguments)) if name == "units" else arguments
 
 
 @pytest.mark.parametrize("name", BROKEN)
 def test_invariant_holds_for_the_true_answers_and_not_for_spoiled_ones(name: str) -> None:
     true = SOLVERS["reference"]
-    invariant = INVARIANTS[name].holds
-    for spoil, given in BROKEN[name]:
-        invariant(true, *with_units(name, given))
-        spoiled = Spoiled(true.name, true.resolution, true.order, spoil)
+    invariant = INVARIANTS[name].check
+    for alter, arguments in BROKEN[name]:
+        invariant(true, *with_units(name, arguments))
+        altered = AlteredSolver(true.name, true.resolution, true.order, alter)
         with pytest.raises(AssertionError):
-            invariant(spoiled, *with_units(name, given))
+            invariant(altered, *with_units(name, arguments))
 
 
-def test_budget_that_is_not_kept_is_noticed() -> None:
+def test_a_step_budget_that_is_exceeded_fails() -> None:
     true = SOLVERS["reference"]
-    invariant = INVARIANTS["budget"].holds
+    invariant = INVARIANTS["budget"].check
     invariant(true, PRESSED, 5)
     with pytest.raises(AssertionError):
-        invariant(Careless(true.name, true.resolution, true.order), PRESSED, 5)
+        invariant(UnboundedSolver(true.name, true.resolution, true.order), PRESSED, 5)
 
 
 def test_every_invariant_is_here() -> None:

@@ -19,8 +19,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import faults_bem, faults_fem, faults_reference
-from support.fault_injection import Fault, seeded, time_limit
+from support.faults import bem, fem, reference
+from support.faults.injection import Fault, missing, seeded, time_limit
 
 from validation import cases, solvers
 from validation.compare.against_reference import check_case
@@ -28,16 +28,16 @@ from validation.execution.runs import Run, run
 from validation.measure.error_estimate import ENERGIES, column_of, scale
 from validation.measure.norms import distance
 
-FAULTS = [*faults_reference.FAULTS, *faults_bem.FAULTS, *faults_fem.FAULTS]
+FAULTS = [*reference.FAULTS, *bem.FAULTS, *fem.FAULTS]
 SCENES = ("relaxed-equilibrium", "elastic-relaxed", "cycle-v0.02", "adhesionless-cycle", "three-branches")
 NOTICEABLE = 0.01
-PATIENCE = 10.0  # times the processor time of the true solver; at least SECONDS
-SECONDS = 10.0
+TIME_FACTOR = 10.0  # limit of a run with a fault, times the processor time of the true solver ...
+LEAST_LIMIT = 10.0  # ... and at least so many seconds
 TABLE = Path(__file__).parents[2] / "out" / "faults.md"
 
 
 @dataclass(frozen=True)
-class Finding:
+class Detection:
     """What one fault did: where it was caught first, by how many checks, and how large its effect was."""
 
     solver: str
@@ -74,7 +74,7 @@ def findings(request, tmp_path_factory):
     tabulate([f.result() for f in coming.values() if f not in left and f.exception() is None])
 
 
-def tabulate(found: list[Finding]) -> None:
+def tabulate(found: list[Detection]) -> None:
     """Print the table of all faults, those that slipped through first, and write it."""
     head = ["| solver | fault | caught by | largest effect seen |", "|---|---|---|---|"]
     caught = [f for f in found if f.caught]
@@ -97,7 +97,7 @@ def clean_runs(kept: str) -> dict[str, dict[str, Run]]:
     return pickle.loads(Path(kept).read_bytes())
 
 
-def examined(key: str, kept: str) -> Finding:
+def examined(key: str, kept: str) -> Detection:
     """One fault examined, in a process of its own accord."""
     (fault,) = [fault for fault in FAULTS if fault.key == key]
     with np.errstate(all="ignore"):
@@ -137,12 +137,12 @@ def same(true: Run, wrong: Run) -> bool:
     return all(np.array_equal(mine[name], theirs[name]) for name in mine)
 
 
-def examine(fault: Fault, clean: dict[str, dict[str, Run]]) -> Finding:
+def examine(fault: Fault, clean: dict[str, dict[str, Run]]) -> Detection:
     """Run the scenes with the fault until a check fails."""
     largest, called, changed = (0.0, "nothing"), 0, False
     for name in SCENES:
         case = cases.load(name)
-        limit = max(SECONDS, PATIENCE * clean[name][fault.solver].cpu_seconds)
+        limit = max(LEAST_LIMIT, TIME_FACTOR * clean[name][fault.solver].cpu_seconds)
         with seeded(fault) as calls, time_limit(limit):
             wrong = run(case, fault.solver)
         called += calls.count
@@ -154,16 +154,30 @@ def examine(fault: Fault, clean: dict[str, dict[str, Run]]) -> Finding:
             first = failed[0]
             caught = f"{name}: {first.quantity.replace('_', ' ')} ({len(failed)} of {len(checks)} checks)"
             assert called, "the wrong function is never called: the fault tests nothing"
-            return Finding(fault.solver, fault.name, caught, *largest)
+            return Detection(fault.solver, fault.name, caught, *largest)
     assert called, "the wrong function is never called: the fault tests nothing"
     assert changed, "the wrong function changes nothing: the fault tests nothing"
-    return Finding(fault.solver, fault.name, "", *largest)
+    return Detection(fault.solver, fault.name, "", *largest)
 
 
 def test_there_are_enough_faults_in_every_solver():
     assert len(FAULTS) >= 30
     assert len({fault.key for fault in FAULTS}) == len(FAULTS)
     assert {fault.solver for fault in FAULTS} == set(solvers.SOLVERS)
+
+
+def test_every_fault_names_a_function_that_exists():
+    stale = missing(FAULTS)
+    assert not stale, "\n" + "\n".join(stale)
+
+
+def test_missing_functions_are_listed_together():
+    stale = [
+        Fault("bem", name, target, lambda true: true)
+        for name, target in (("no module", "bem_solver.nowhere:f"), ("no class", "bem_solver.creep:None.f"),
+                             ("no method", "bem_solver.creep:Chain.f"), ("no function", "bem_solver.creep:f"))
+    ]  # fmt: skip
+    assert [line.partition(" ")[0] for line in missing(stale)] == [fault.target for fault in stale]
 
 
 def test_the_scenes_belong_to_the_quick_suite():

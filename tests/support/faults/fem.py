@@ -5,22 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from support.fault_injection import Fault
+from support.faults.injection import registry
 
 from fem_solver.prony import Increment, Prony
 
-
-def fault(name: str, target: str):
-    """Register the decorated function as ``broken`` of a fault."""
-
-    def register(broken):
-        FAULTS.append(Fault("fem", name, f"fem_solver.{target}", broken))
-        return broken
-
-    return register
-
-
-FAULTS: list[Fault] = []
+FAULTS, fault = registry("fem", "fem_solver")
 
 
 @fault("the half of the closure dropped", "release:ContactProblem.closure")
@@ -179,7 +168,7 @@ def _(true):
     return lambda self, s: true(self, s) / (2.0 * np.pi)
 
 
-@fault("surface energy of the wrong sign in the balance", "record:Recorder.add")
+@fault("surface energy of the wrong sign in the balance", "recorder:Recorder.add")
 def _(true):
     def add(self, state):
         self.work_of_adhesion = -abs(self.work_of_adhesion)

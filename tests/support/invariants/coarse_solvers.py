@@ -28,7 +28,7 @@ FEM_TOLERANCE = 4e-3
 
 
 @dataclass(frozen=True)
-class Solver:
+class CoarseSolver:
     """A solver at its coarsest that still means something; ``order`` that of its convergence."""
 
     name: str
@@ -82,8 +82,9 @@ def _mesh(scene: Scene, divisions: int, finer: int) -> meshes.HalfSpaceMesh:
     )
 
 
-SOLVERS: Mapping[str, Solver] = {
-    solver.name: solver for solver in (Solver("bem", 5, 1), Solver("reference", 5, 2), Solver("fem", 2, 2))
+SOLVERS: Mapping[str, CoarseSolver] = {
+    solver.name: solver
+    for solver in (CoarseSolver("bem", 5, 1), CoarseSolver("reference", 5, 2), CoarseSolver("fem", 2, 2))
 }
 
 

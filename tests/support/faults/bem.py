@@ -6,23 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.special import ellipk
-from support.fault_injection import Fault
+from support.faults.injection import registry
 
 from bem_solver.history import Track
 from bem_solver.surface_points import load_inside
 
-
-def fault(name: str, target: str):
-    """Register the decorated function as ``broken`` of a fault."""
-
-    def register(broken):
-        FAULTS.append(Fault("bem", name, f"bem_solver.{target}", broken))
-        return broken
-
-    return register
-
-
-FAULTS: list[Fault] = []
+FAULTS, fault = registry("bem", "bem_solver")
 
 
 @fault("the half of the closure dropped", "closure:ClosureRule.integral")
@@ -125,17 +114,17 @@ def _(true):
     return start
 
 
-@fault("covered points without their glassy jump", "points:covered")
+@fault("covered points without their glassy jump", "surface_points:covered")
 def _(true):
     return lambda chain, points, motion: 0.0 * points.variables
 
 
-@fault("released points forget their relaxation", "points:released")
+@fault("released points forget their relaxation", "surface_points:released")
 def _(true):
     return lambda chain, points, motion, new_load: 0.0 * points.variables
 
 
-@fault("released surface does not creep", "points:free")
+@fault("released surface does not creep", "surface_points:free")
 def _(true):
     return lambda chain, points, motion, new_load: points.variables
 

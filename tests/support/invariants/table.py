@@ -1,4 +1,4 @@
-"""Every invariant with what it is given and how often it is tried."""
+"""Every invariant with the strategy of its arguments and its numbers of examples."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from hypothesis import strategies as st
-from support import invariants as check
-from support.invariants_scenes import (
+from support.invariants import checks
+from support.invariants.random_scenes import (
     DEPTH,
     adhesions,
     decades,
@@ -27,10 +27,10 @@ from contact_scene import FlatPunch, Loading, PowerLaw, Scene, Table
 class Invariant:
     """A check, the strategy of its arguments, and the number of examples by default and in the slow suite."""
 
-    holds: Callable[..., None]
-    given: st.SearchStrategy[tuple]
-    few: int
-    many: int
+    check: Callable[..., None]
+    arguments: st.SearchStrategy[tuple]
+    examples: int
+    slow_examples: int
 
 
 ZONES = (-1.4, -0.7)
@@ -101,29 +101,29 @@ RESTED = scenes(
 )
 
 INVARIANTS: dict[str, Invariant] = {
-    "clear answer": Invariant(check.is_a_clear_answer, st.tuples(ANY), 3, 16),
-    "budget": Invariant(check.keeps_its_budget, st.tuples(ANY, st.integers(1, 60)), 2, 8),
-    "energy gained": Invariant(check.never_gains_energy, st.tuples(ANY), 2, 16),
-    "energy balance": Invariant(check.balances_its_energy, st.tuples(ANY), 2, 12),
-    "touch": Invariant(check.touches_where_it_presses, st.tuples(ANY), 2, 12),
-    "slow limit": Invariant(check.creeps_to_its_relaxed_modulus, st.tuples(CALM, PRESSED), 1, 6),
-    "fast limit": Invariant(check.is_glassy_when_fast, st.tuples(CALM, PRESSED), 1, 6),
+    "clear answer": Invariant(checks.answers_or_refuses, st.tuples(ANY), 3, 16),
+    "budget": Invariant(checks.stays_within_the_step_budget, st.tuples(ANY, st.integers(1, 60)), 2, 8),
+    "energy gained": Invariant(checks.gains_no_energy, st.tuples(ANY), 2, 16),
+    "energy balance": Invariant(checks.closes_the_energy_balance, st.tuples(ANY), 2, 12),
+    "touch": Invariant(checks.separates_contact_from_gap, st.tuples(ANY), 2, 12),
+    "slow limit": Invariant(checks.is_relaxed_when_slow, st.tuples(CALM, PRESSED), 1, 6),
+    "fast limit": Invariant(checks.is_glassy_when_fast, st.tuples(CALM, PRESSED), 1, 6),
     "closed cycle": Invariant(
-        check.pays_for_a_closed_cycle,
+        checks.dissipates_over_a_closed_cycle,
         st.tuples(scenes(loading=_cycles(), adhesion=adhesions(ZONES, (-3.0, 0.0)))),
         1,
         10,
     ),
-    "units": Invariant(check.does_not_mind_units, UNITS, 1, 8),
-    "rest": Invariant(check.does_not_mind_a_rest, st.tuples(RESTED, decades(-3.0, 3.0)), 1, 6),
+    "units": Invariant(checks.is_independent_of_units, UNITS, 1, 8),
+    "rest": Invariant(checks.is_independent_of_a_relaxed_hold, st.tuples(RESTED, decades(-3.0, 3.0)), 1, 6),
     "superposition": Invariant(
-        check.superposes,
+        checks.superposes_at_fixed_radius,
         st.tuples(materials(spectra(8)), _histories(), st.sampled_from(["jump-in", "relaxed"])),
         1,
         8,
     ),
     "no weight": Invariant(
-        check.ignores_a_branch_of_no_weight,
+        checks.ignores_a_branch_without_modulus,
         st.tuples(ANY, decades(-8.0, 8.0), st.integers(0, 30)),
         1,
         6,

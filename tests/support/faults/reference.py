@@ -5,22 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from support.fault_injection import Fault
+from support.faults.injection import registry
 
 from validation.reference.tracking.abel import PowerTransform
 
-
-def fault(name: str, target: str):
-    """Register the decorated function as ``broken`` of a fault."""
-
-    def register(broken):
-        FAULTS.append(Fault("reference", name, f"validation.reference.tracking.{target}", broken))
-        return broken
-
-    return register
-
-
-FAULTS: list[Fault] = []
+FAULTS, fault = registry("reference", "validation.reference.tracking")
 
 
 @fault("the half of the closure dropped", "closure:closure_integral")

@@ -6,7 +6,7 @@ import functools
 import importlib
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -43,6 +43,52 @@ class Fault:
         return f"{self.solver}: {self.name}"
 
 
+def registry(solver: str, package: str) -> tuple[list[Fault], Callable[..., Any]]:
+    """The faults of a solver, empty at first, and the decorator that adds one.
+
+    ``@fault(name, target)`` of a function from the true function to the wrong one; ``target`` is relative to
+    ``package``, as in ``module:Class.method``.
+    """
+    faults: list[Fault] = []
+
+    def fault(name: str, target: str) -> Callable[..., Any]:
+        def register(broken: Callable[..., Any]) -> Callable[..., Any]:
+            faults.append(Fault(solver, name, f"{package}.{target}", broken))
+            return broken
+
+        return register
+
+    return faults, fault
+
+
+def located(target: str) -> tuple[Any, str]:
+    """The module or class that holds the function ``module:function`` or ``module:Class.method``, its name.
+
+    Raises
+    ------
+    ImportError, AttributeError, KeyError
+        If there is no such function.
+    """
+    module, _, path = target.partition(":")
+    owner: Any = importlib.import_module(module)
+    *outer, name = path.split(".")
+    for part in outer:
+        owner = getattr(owner, part)
+    vars(owner)[name]
+    return owner, name
+
+
+def missing(faults: Iterable[Fault]) -> list[str]:
+    """Faults whose function no longer exists under the name they state, one line each."""
+    lines = []
+    for fault in faults:
+        try:
+            located(fault.target)
+        except (ImportError, AttributeError, KeyError) as error:
+            lines.append(f"{fault.target} ({fault.key}): {type(error).__name__}: {error}")
+    return lines
+
+
 @dataclass
 class Calls:
     """How often a wrong function has been called."""
@@ -53,11 +99,7 @@ class Calls:
 @contextmanager
 def seeded(fault: Fault) -> Iterator[Calls]:
     """Put the wrong function wherever the true one is bound, count its calls, and put the true one back."""
-    module, _, path = fault.target.partition(":")
-    owner: Any = importlib.import_module(module)
-    *outer, name = path.split(".")
-    for part in outer:
-        owner = getattr(owner, part)
+    owner, name = located(fault.target)
     true = vars(owner)[name]
     calls = Calls()
 

@@ -1,6 +1,7 @@
 """What must hold for any scene: one body for all solvers.
 
-Each function takes a :class:`~invariants_runs.Solver` and something random, and fails where it does not hold.
+Each function takes a :class:`~support.invariants.coarse_solvers.CoarseSolver` and random arguments, and raises
+``AssertionError`` where it does not hold.
 
 The loss of the energy balance, ``dissipated_energy``, cannot fall without adhesion only: a process zone of
 finite length takes more than the work of adhesion to open and gives as much back as it closes, so that the
@@ -13,7 +14,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from support.invariants_runs import Solver, effort, in_contact
+from support.invariants.coarse_solvers import CoarseSolver, effort, in_contact
 
 from contact_scene import (
     Adhesion,
@@ -38,7 +39,7 @@ ENERGIES = ("stored_energy", "external_work", "dissipated_energy")  # each the d
 CLEAR = (OutcomeKind.NO_EQUILIBRIUM, OutcomeKind.OUT_OF_RANGE)  # no full answer, and no failure either
 
 
-def answered(solver: Solver, scene: Scene, **asked) -> Trace | None:
+def answered(solver: CoarseSolver, scene: Scene, **asked) -> Trace | None:
     """A trace, or ``None`` for a refusal, which has to be one line."""
     try:
         return solver.solve(scene, **asked)
@@ -49,7 +50,7 @@ def answered(solver: Solver, scene: Scene, **asked) -> Trace | None:
     return None
 
 
-def is_a_clear_answer(solver: Solver, scene: Scene) -> None:
+def answers_or_refuses(solver: CoarseSolver, scene: Scene) -> None:
     """Nothing but finite numbers, time that never runs back, a typed outcome, the load reached."""
     trace = answered(solver, scene)
     if trace is None:
@@ -77,7 +78,7 @@ def is_a_clear_answer(solver: Solver, scene: Scene) -> None:
             assert abs(force - to) <= 1e-6 * np.abs(trace.force).max(initial=abs(to))
 
 
-def keeps_its_budget(solver: Solver, scene: Scene, budget: int) -> None:
+def stays_within_the_step_budget(solver: CoarseSolver, scene: Scene, budget: int) -> None:
     """A run stops at its budget of steps and says so."""
     trace = answered(solver, scene, budget=budget)
     if trace is None:
@@ -90,7 +91,7 @@ def keeps_its_budget(solver: Solver, scene: Scene, budget: int) -> None:
     assert all(np.isfinite(column).all() for column in trace.columns().values())
 
 
-def never_gains_energy(solver: Solver, scene: Scene) -> None:
+def gains_no_energy(solver: CoarseSolver, scene: Scene) -> None:
     """Branches only dissipate; no energy is stored that is negative; without adhesion nothing is gained."""
     trace = answered(solver, scene)
     if trace is None or len(trace) == 0:
@@ -103,7 +104,7 @@ def never_gains_energy(solver: Solver, scene: Scene) -> None:
         assert trace.dissipated_energy[rows].min() >= -solver.declared(scene) * energy
 
 
-def balances_its_energy(solver: Solver, scene: Scene) -> None:
+def closes_the_energy_balance(solver: CoarseSolver, scene: Scene) -> None:
     """What the branches dissipate is the work done, less what is stored and the tip takes; it takes time.
 
     A sharp edge takes the glassy ``K^2/(2 Einf*)`` per area; as soon as an edge that rested or receded
@@ -137,7 +138,7 @@ def _tip_work(scene: Scene, columns: dict[str, np.ndarray]) -> np.ndarray:
     return np.where(sets_out, rate[1:], 0.5 * (rate[1:] + rate[:-1])) * swept
 
 
-def touches_where_it_presses(solver: Solver, scene: Scene) -> None:
+def separates_contact_from_gap(solver: CoarseSolver, scene: Scene) -> None:
     """No pressure outside the contact; no gap inside; outside none that is negative beyond one division."""
     first = scene.loading.steps[0].segment(0.0, scene.loading.penetration, 0.0)
     times = (0.0, first.start + 0.4 * (first.end - first.start), first.end)
@@ -163,19 +164,19 @@ def touches_where_it_presses(solver: Solver, scene: Scene) -> None:
         assert profile.gap[under].min() >= -solver.declared(scene) * scale
 
 
-def creeps_to_its_relaxed_modulus(solver: Solver, scene: Scene, depth: float) -> None:
+def is_relaxed_when_slow(solver: CoarseSolver, scene: Scene, depth: float) -> None:
     """A ramp far slower than every relaxation time ends as an elastic contact of ``E0``."""
     slowest = max((branch.time for branch in scene.material.branches), default=1.0)
     _same_as_elastic(solver, scene, depth, scene.material.modulus, 1e10 * slowest)
 
 
-def is_glassy_when_fast(solver: Solver, scene: Scene, depth: float) -> None:
+def is_glassy_when_fast(solver: CoarseSolver, scene: Scene, depth: float) -> None:
     """A ramp far faster than every relaxation time ends as an elastic contact of ``Einf``."""
     fastest = min((branch.time for branch in scene.material.branches), default=1.0)
     _same_as_elastic(solver, scene, depth, scene.material.glassy_modulus, 1e-10 * fastest)
 
 
-def _same_as_elastic(solver: Solver, scene: Scene, depth: float, modulus: float, span: float) -> None:
+def _same_as_elastic(solver: CoarseSolver, scene: Scene, depth: float, modulus: float, span: float) -> None:
     start = scene.loading.penetration
     ramp = Table((0.0, span), (start, depth))
     ramped = solver.end(replace(scene, loading=Loading("jump-in", start, (ramp,))))
@@ -190,7 +191,7 @@ def _agree(one: dict[str, tuple[float, float]], two: dict[str, tuple[float, floa
         assert abs(value - other) <= error + its_error, f"{name}: {value} +- {error}, {other} +- {its_error}"
 
 
-def pays_for_a_closed_cycle(solver: Solver, scene: Scene) -> None:
+def dissipates_over_a_closed_cycle(solver: CoarseSolver, scene: Scene) -> None:
     """From a relaxed state around and back: the work done is what is lost, and never negative."""
     trace = answered(solver, scene)
     if trace is None or trace.outcome.kind is not OutcomeKind.COMPLETED:
@@ -201,7 +202,9 @@ def pays_for_a_closed_cycle(solver: Solver, scene: Scene) -> None:
         assert trace.extra["branch_dissipation"][-1] > 0.0
 
 
-def does_not_mind_units(solver: Solver, scene: Scene, other: Scene, units: dict[str, float]) -> None:
+def is_independent_of_units(
+    solver: CoarseSolver, scene: Scene, other: Scene, units: dict[str, float]
+) -> None:
     """The same scene in other units: the same rows to 1e-9; energies of the effort.
 
     At a given moment the half-space is glassy: what an edge is off counts ``Einf/E0``-fold in a soft force.
@@ -227,14 +230,16 @@ def does_not_mind_units(solver: Solver, scene: Scene, other: Scene, units: dict[
         assert apart <= close * scale, name
 
 
-def does_not_mind_a_rest(solver: Solver, scene: Scene, rest: float) -> None:
+def is_independent_of_a_relaxed_hold(solver: CoarseSolver, scene: Scene, rest: float) -> None:
     """A relaxed state held before the loading begins changes nothing but the time."""
     steps = scene.loading.steps
     held = replace(scene, loading=replace(scene.loading, steps=(Hold(rest), *steps)))
     _agree(solver.end(scene), solver.end(held))
 
 
-def superposes(solver: Solver, material: Material, histories: tuple, start: str) -> None:
+def superposes_at_fixed_radius(
+    solver: CoarseSolver, material: Material, histories: tuple, start: str
+) -> None:
     """At a fixed contact radius the force is linear in the history of the penetration."""
     times, first, second, shares = histories
     both = [shares[0] * a + shares[1] * b for a, b in zip(first, second, strict=True)]
@@ -252,7 +257,7 @@ def superposes(solver: Solver, material: Material, histories: tuple, start: str)
     assert np.abs(forces[2] - sum_of_both).max() <= 1e-9 * scale
 
 
-def ignores_a_branch_of_no_weight(solver: Solver, scene: Scene, time: float, place: int) -> None:
+def ignores_a_branch_without_modulus(solver: CoarseSolver, scene: Scene, time: float, place: int) -> None:
     """Of no modulus, or of one below rounding: the same bits."""
     plain = answered(solver, scene)
     for modulus in (0.0, 1e-32 * scene.material.modulus):
