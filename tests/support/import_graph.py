@@ -104,13 +104,12 @@ class ImportGraph:
 
     def __init__(self, sources: Mapping[str, Source]) -> None:
         self.modules = set(sources)
-        self.imports = [
-            found for name, source in sources.items() for found in imports(name, source, self.modules)
-        ]
+        self.by_importer = {name: imports(name, source, self.modules) for name, source in sources.items()}
+        self.imports = [found for one in self.by_importer.values() for found in one]
 
     def targets(self, module: str, deferred: bool = True) -> set[str]:
         """Modules of ours that ``module`` names in an import; ``deferred``: those of functions too."""
-        named = {i.module for i in self.imports if i.importer == module and (deferred or not i.deferred)}
+        named = {i.module for i in self.by_importer[module] if deferred or not i.deferred}
         return (named & self.modules) - {module}
 
     def cycles(self) -> list[list[str]]:

@@ -1,7 +1,7 @@
 """What must hold for any scene: one body for all solvers.
 
-Each function takes a :class:`~support.invariants.coarse_solvers.CoarseSolver` and random arguments, and raises
-``AssertionError`` where it does not hold.
+Each function takes a solver at its coarsest and random arguments, and raises ``AssertionError`` where it does
+not hold.
 
 The loss of the energy balance, ``dissipated_energy``, cannot fall without adhesion only: a process zone of
 finite length takes more than the work of adhesion to open and gives as much back as it closes, so that the
