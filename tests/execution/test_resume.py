@@ -47,8 +47,8 @@ RICH = Scene(TWO, Sphere(1.0), LOADING, Adhesion(5e-4, 0.02))
 SHORT = Scene(APART, Sphere(1.0), Loading("relaxed", 0.02, (Ramp(0.018, 0.05),)), Adhesion(5e-4, 0.02))
 
 
-def bem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:
-    return bem_solver.solve(scene, bem_solver.Options(4, profile_times=TIMES, **options), None, watch)
+def bem(scene: Scene, monitor: RunMonitor | None = None, **options) -> Trace:
+    return bem_solver.solve(scene, bem_solver.Options(4, profile_times=TIMES, **options), None, monitor)
 
 
 def fem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:

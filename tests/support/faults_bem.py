@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import ellipk
 from support.fault_injection import Fault
 
-from bem_solver.history import Track
+from bem_solver.history import NodalVariables
 from bem_solver.surface_points import load_inside
 
 
@@ -30,7 +30,7 @@ def _(true):
     return lambda *given: 2.0 * true(*given)
 
 
-@fault("tension and compression swapped", "surface:Surface.tension")
+@fault("tension and compression swapped", "surface:ContactSurface.tension")
 def _(true):
     return lambda *given: -true(*given)
 
@@ -116,7 +116,7 @@ def _(true):
     return gap
 
 
-@fault("every start relaxed", "start:start_front")
+@fault("every start relaxed", "start:start_state")
 def _(true):
     def start(problem, scale):
         loading = replace(problem.scene.loading, start="relaxed")
@@ -125,39 +125,39 @@ def _(true):
     return start
 
 
-@fault("covered points without their glassy jump", "points:covered")
+@fault("covered points without their glassy jump", "surface_points:covered")
 def _(true):
     return lambda chain, points, motion: 0.0 * points.variables
 
 
-@fault("released points forget their relaxation", "points:released")
+@fault("released points forget their relaxation", "surface_points:released")
 def _(true):
     return lambda chain, points, motion, new_load: 0.0 * points.variables
 
 
-@fault("released surface does not creep", "points:free")
+@fault("released surface does not creep", "surface_points:free")
 def _(true):
     return lambda chain, points, motion, new_load: points.variables
 
 
-@fault("history read one node off", "history:Track.at")
+@fault("history read one node off", "history:NodalVariables.at")
 def _(true):
     def at(self, radius):
-        return true(Track(self.radius, np.roll(self.state, 1, axis=0), self.kinks), radius)
+        return true(NodalVariables(self.radius, np.roll(self.values, 1, axis=0), self.kinks), radius)
 
     return at
 
 
-@fault("square root at the edge left out of the outer history", "surface:Surface.root_strength")
+@fault("square root at the edge left out of the outer history", "surface:ContactSurface.root_strength")
 def _(true):
     return lambda self, reach: 0.0
 
 
-@fault("surface energy of the wrong sign in the balance", "recorder:Recorder.trace")
+@fault("surface energy of the wrong sign in the balance", "recorder:TraceRecorder.trace")
 def _(true):
-    return lambda self, *given: true(replace(self, work=-self.work), *given)
+    return lambda self, outcome, counters, work: true(self, outcome, counters, -work)
 
 
 @fault("branch energies advanced by half the step", "energy:stepped")
 def _(true):
-    return lambda chain, before, load, work, duration: true(chain, before, load, work, 0.5 * duration)
+    return lambda chain, before, increment, duration: true(chain, before, increment, 0.5 * duration)
