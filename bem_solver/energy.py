@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain, phi
-from bem_solver.surface import Surface
+from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ class Energies:
 
 
 @dataclass(frozen=True)
-class Change:
+class WorkIncrement:
     """What a step does to the forms: Y and X after it, and what it adds to them.
 
     ``across`` is ``int p v`` and ``lag_across`` (K,) ``int p l_k`` with p after the step and v, ``l_k``
@@ -76,12 +76,12 @@ class Change:
 
 def change(
     chain: Chain,
-    before: Surface,
-    after: Surface,
+    before: ContactSurface,
+    after: ContactSurface,
     variables: Array,
     load_before: Array,
     variables_before: Array,
-) -> Change:
+) -> WorkIncrement:
     """From the surfaces around a step and the state at the annuli of the later one, ``v`` (M,) before it and
     variables (M, K) before and after."""
     annuli = after.annuli
@@ -92,7 +92,7 @@ def change(
         return forces @ ((at @ chain.rotation.T) * chain.lag_scale)
 
     intensity = 0.5 * (before.stress_intensity**2 + after.stress_intensity**2)
-    return Change(
+    return WorkIncrement(
         work,
         chain.compliances * work - lag_work(variables),
         float(forces @ load_before),
@@ -107,7 +107,7 @@ def at_start(chain: Chain, load_work: float, relaxed: bool) -> Energies:
     return Energies(load_work, share * load_work, share * chain.compliances * load_work, 0.0)
 
 
-def stepped(chain: Chain, before: Energies, now: Change, duration: float) -> Energies:
+def stepped(chain: Chain, before: Energies, now: WorkIncrement, duration: float) -> Energies:
     """Energies after a step, short or long as each branch sees it.
 
     A step is short, too, if most of what changes in it changes at the tip: all of that is in the states.
@@ -120,7 +120,7 @@ def stepped(chain: Chain, before: Energies, now: Change, duration: float) -> Ene
     return Energies(now.load_work, now.branch_work, energy, before.dissipated + float(np.sum(lost)))
 
 
-def _short(chain: Chain, before: Energies, now: Change, y: Array) -> tuple[Array, Array]:
+def _short(chain: Chain, before: Energies, now: WorkIncrement, y: Array) -> tuple[Array, Array]:
     """W after a step shorter than the branch's time, X linear, and what it turned into heat."""
     decay, spread = np.exp(-2.0 * y), phi(2.0 * y)
     energy = decay * before.branch_energy + chain.compliances * (
@@ -131,7 +131,7 @@ def _short(chain: Chain, before: Energies, now: Change, y: Array) -> tuple[Array
     return energy, 0.5 * y * lag - 0.5 * (energy - before.branch_energy) / chain.compliances
 
 
-def _long(chain: Chain, before: Energies, now: Change, y: Array) -> tuple[Array, Array]:
+def _long(chain: Chain, before: Energies, now: WorkIncrement, y: Array) -> tuple[Array, Array]:
     """The same for a longer step, v linear but for the tip."""
     compliances = chain.compliances
     decay, spread, twice = np.exp(-y), phi(y), phi(2.0 * y)

@@ -1,4 +1,4 @@
-"""What the surface remembers: internal variables on nodes that stay where they are.
+"""History of the surface: internal variables on nodes that stay where they are.
 
 Each side of the edge keeps the variables that are smooth there: scaled Maxwell stresses inside, where ``v``
 has no singularity, and scaled Voigt strains outside, which do not carry the square root that ``v`` has at
@@ -21,16 +21,16 @@ _KINKS = 8  # kept at most, the newest
 
 
 @dataclass(frozen=True)
-class Track:
-    """Nodes at ``radius`` (n,), rising, and their internal variables ``state`` (n, K).
+class NodalVariables:
+    """Nodes at ``radius`` (n,), rising, and their internal variables ``values`` (n, K).
 
-    ``kinks`` are nodes where an edge is or has lingered: each leaves the square root of the distance beyond
+    ``kinks`` are nodes where an edge rests or has rested: each leaves the square root of the distance beyond
     it. From a kink to the next the root of the distance from it is the coordinate of interpolation, in which
     such a state is smooth; before the first, the radius is. No slope is taken across a kink.
     """
 
     radius: Array
-    state: Array
+    values: Array
     kinks: tuple[float, ...] = ()
 
     @cached_property
@@ -50,13 +50,13 @@ class Track:
         return origin
 
     @cached_property
-    def _pieces(self) -> tuple[Array, Array, bool, Array, Array]:
+    def _intervals(self) -> tuple[Array, Array, bool, Array, Array]:
         """Per interval: start, width, whether any has a root, width times the slopes at both ends."""
-        n, branches = self.state.shape
+        n, branches = self.values.shape
         start, end = np.empty(n - 1), np.empty(n - 1)
         first, last = np.empty((n - 1, branches)), np.empty((n - 1, branches))
         for low, high in pairwise(self._bounds):
-            at, values = self.radius[low : high + 1], self.state[low : high + 1]
+            at, values = self.radius[low : high + 1], self.values[low : high + 1]
             if not np.isnan(self._origin[low]):
                 at = np.sqrt(at - at[0])
             slope = _slopes(at, values)
@@ -69,25 +69,25 @@ class Track:
     def at(self, radius: Array) -> Array:
         """Variables (m, K) at any radii (m,), by cubics; constant beyond the ends."""
         if len(self.radius) == 0:
-            return np.zeros((len(radius), self.state.shape[1]))
+            return np.zeros((len(radius), self.values.shape[1]))
         if len(self.radius) == 1:
-            return np.repeat(self.state, len(radius), axis=0)
-        start, width, rooted, first, last = self._pieces
+            return np.repeat(self.values, len(radius), axis=0)
+        start, width, rooted, first, last = self._intervals
         i = self.radius[1:-1].searchsorted(radius)
         x = radius
         if rooted:
             base = self._origin[i]
             x = np.where(np.isnan(base), radius, np.sqrt(np.maximum(radius - base, 0.0)))
         z = np.minimum(np.maximum((x - start[i]) / width[i], 0.0), 1.0)[:, None]
-        y0, rest = self.state[i], 1.0 - z
+        y0, rest = self.values[i], 1.0 - z
         return (
             y0
-            + z * z * (3.0 - 2.0 * z) * (self.state[i + 1] - y0)
+            + z * z * (3.0 - 2.0 * z) * (self.values[i + 1] - y0)
             + z * rest * rest * first[i]
             - z * z * rest * last[i]
         )
 
-    def thinned(self, tolerance: float, spacing: Array, parity: int) -> Track:
+    def coarsened(self, tolerance: float, spacing: Array, parity: int) -> NodalVariables:
         """Without every second node that its neighbours reproduce; both ends stay.
 
         Parameters
@@ -108,13 +108,13 @@ class Track:
             for at in (self.radius[i - 1], self.radius[i], self.radius[i + 1])
         )
         share = ((x - x0) / (x1 - x0))[:, None]
-        change = np.abs(self.state[i - 1] * (1 - share) + self.state[i + 1] * share - self.state[i]).max(
+        change = np.abs(self.values[i - 1] * (1 - share) + self.values[i + 1] * share - self.values[i]).max(
             axis=1
         )
         close = self.radius[i + 1] - self.radius[i - 1] <= spacing[i]
         keep = np.ones(len(self.radius), bool)
         keep[i[(change <= tolerance) & close & ~np.isin(self.radius[i], self.kinks)]] = False
-        return Track(self.radius[keep], self.state[keep], self.kinks)
+        return NodalVariables(self.radius[keep], self.values[keep], self.kinks)
 
 
 def _slopes(at: Array, values: Array) -> Array:
@@ -130,21 +130,21 @@ def _slopes(at: Array, values: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class History:
+class SurfaceHistory:
     """Scaled Maxwell stresses up to the edge, scaled Voigt strains from the edge on.
 
     ``direction`` is the sign of the last motion of the edge; ``turning`` the radius at which that motion
     began, until the edge has left it far enough for it to be a kink.
     """
 
-    inner: Track
-    outer: Track
+    inner: NodalVariables
+    outer: NodalVariables
     direction: int = 0
     turning: float | None = None
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Where an edge is or has lingered, on either side."""
+        """Where an edge rests or has rested, on either side."""
         return tuple(sorted({*self.inner.kinks, *self.outer.kinks}))
 
     @property
@@ -153,9 +153,9 @@ class History:
         return np.union1d(self.inner.radius, self.outer.radius)
 
     @classmethod
-    def blank(cls, branches: int) -> History:
+    def blank(cls, branches: int) -> SurfaceHistory:
         """Nothing has happened yet."""
-        nothing = Track(np.empty(0), np.empty((0, branches)))
+        nothing = NodalVariables(np.empty(0), np.empty((0, branches)))
         return cls(nothing, nothing)
 
 
@@ -177,8 +177,8 @@ def distinct(radius: Array, fixed: tuple[float, ...], smallest: float) -> Array:
     return merged[keep | np.isin(merged, fixed)]
 
 
-def lingered(
-    before: History, edge: float, new_edge: float, apart: float
+def updated_kinks(
+    before: SurfaceHistory, edge: float, new_edge: float, apart: float
 ) -> tuple[tuple[float, ...], int, float | None]:
     """Kinks, direction and turning radius after the edge went from ``edge`` to ``new_edge``.
 

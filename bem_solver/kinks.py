@@ -1,4 +1,4 @@
-"""Square roots inside the contact, where an edge has lingered before it advanced.
+"""Square roots inside the contact, where an edge has rested before it advanced.
 
 Beyond an edge at rest the surface opens as the root of the distance, relaxed. When the contact spreads over
 it, the required ``v`` keeps that root inside the contact, driven by the glassy modulus, and the pressure an

@@ -1,31 +1,38 @@
-"""The loading cut into smooth pieces: between kinks, requested times and sudden jumps."""
+"""The smooth intervals of a load step, and the walk through all of them.
+
+Intervals end at kinks, at requested times and with the load step; a load jump is an interval of its own.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cached_property, partial
+from typing import Protocol
 
-from contact_scene import Segment
+from contact_scene import Outcome, OutcomeKind, Segment
+from contact_scene.loading import Loading
+from contact_scene.run_control import LoadingCursor, stops_within
 
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A smooth stretch of loading, followed with a parameter from 0 to ``length``.
+class LoadingInterval:
+    """A smooth part of a load step, followed with a parameter from 0 to ``length``.
 
-    For ordinary pieces the parameter is time; for a jump it runs from 0 to 1 while time stands still.
-    ``fresh`` pieces start at a kink, so that nothing is known about rates.
+    Usually the parameter is time since ``start``; for a load jump it is the share of the jump, and time
+    stands still. ``after_kink``: rates from before ``start`` say nothing about those after it.
     """
 
     control: str
     start: float
     end: float
     value: Callable[[float], float]
+    rate: Callable[[float], float]
     jump: bool
-    fresh: bool
+    after_kink: bool
 
     @property
     def length(self) -> float:
@@ -42,19 +49,20 @@ class Piece:
         """Penetration or force at a parameter."""
         return self.value(parameter if self.jump else self.time(parameter))
 
-    @property
+    @cached_property
     def span(self) -> float:
-        """By how much the prescribed quantity varies over the piece."""
+        """By how much the prescribed quantity varies over the interval."""
         values = [self.prescribed(self.length * (k * _GOLDEN % 1.0)) for k in range(32)]
         values.append(self.prescribed(self.length))
         return max(values) - min(values)
 
-    def bend(self, parameter: float, step: float, span: float) -> float:
-        """Largest departure of the prescribed quantity from its chord over a step, in spans (0: none).
+    def departure_from_chord(self, parameter: float, step: float) -> float:
+        """Largest departure of the prescribed quantity from its chord over a step, in spans.
 
-        Looked at where no oscillation has equal phases, so that whole periods are not stepped over.
+        Sampled at irrational shares of the step, where an oscillation has no equal phases: whole periods are
+        not stepped over.
         """
-        if span == 0.0:
+        if self.span == 0.0:
             return 0.0
         first, last = self.prescribed(parameter), self.prescribed(parameter + step)
         return (
@@ -62,24 +70,112 @@ class Piece:
                 abs(self.prescribed(parameter + share * step) - first - share * (last - first))
                 for share in (math.sqrt(2.0) - 1.0, _GOLDEN, math.e - 2.0)
             )
-            / span
+            / self.span
         )
 
 
-def pieces(segment: Segment, reached: float, stops: tuple[float, ...]) -> Iterator[Piece]:
-    """Pieces of one segment; ``reached`` is the controlled quantity before it, ``stops`` requested times."""
-    first = segment.value(segment.start)
-    if first != reached:
-        yield Piece(
-            segment.control,
-            segment.start,
-            segment.start,
-            lambda share: reached + share * (first - reached),
-            jump=True,
-            fresh=True,
-        )
-    inner = {t for t in stops if segment.start < t < segment.end}
-    times = sorted({segment.start, *segment.kinks, *inner, segment.end})
-    for start, end in pairwise(times):
-        fresh = start == segment.start or start in segment.kinks
-        yield Piece(segment.control, start, end, segment.value, jump=False, fresh=fresh)
+def next_interval(
+    cursor: LoadingCursor, segment: Segment, requested: Collection[float]
+) -> LoadingInterval | None:
+    """The interval of a load step that the cursor stands at; ``None`` at the end of the load step."""
+    if not cursor.jump_done and cursor.origin is not None:
+        _, penetration, force = cursor.origin
+        before = penetration if segment.control == "penetration" else force
+        after = segment.value(segment.start)
+        if after != before:
+            return LoadingInterval(
+                segment.control,
+                segment.start,
+                segment.start,
+                lambda share: before + share * (after - before),
+                segment.rate,
+                jump=True,
+                after_kink=True,
+            )
+    stops, reached = stops_within(segment, requested), cursor.stops_reached
+    start = stops[reached - 1].time if reached else segment.start
+    if reached == len(stops) or stops[reached].time <= start:
+        return None
+    return LoadingInterval(
+        segment.control,
+        start,
+        stops[reached].time,
+        segment.value,
+        segment.rate,
+        jump=False,
+        after_kink=reached == 0 or stops[reached - 1].kink,
+    )
+
+
+class IntervalFollower(Protocol):
+    """A run that can be taken through one interval of the loading after the other."""
+
+    def reached(self) -> tuple[float, float, float]:
+        """Time, penetration and force of the committed state."""
+        ...
+
+    def follow(self, interval: LoadingInterval, report: Callable[[float], None]) -> Outcome | None:
+        """Go through an interval, reporting times reached; an outcome if the run ends within it."""
+        ...
+
+    def record_profile(self) -> None:
+        """Record the surface in the committed state."""
+        ...
+
+
+def follow_loading(
+    run: IntervalFollower,
+    loading: Loading,
+    cursor: LoadingCursor,
+    stop_times: Collection[float],
+    profile_times: Collection[float],
+    progress: Callable[[float], None] | None,
+) -> Outcome:
+    """Take a run through the loading from where the cursor stands.
+
+    Parameters
+    ----------
+    run : IntervalFollower
+    loading : Loading
+    cursor : LoadingCursor
+        Advanced with the run.
+    stop_times, profile_times : collection of float
+        Times stepped onto exactly; at the latter the surface is recorded.
+    progress : callable or None
+        Called with the share of the loading that is done, 0 to 1.
+
+    Returns
+    -------
+    Outcome
+    """
+    requested = {*stop_times, *profile_times}
+    if 0.0 in profile_times and cursor.at_start:
+        run.record_profile()
+    while not cursor.done(loading):
+        segment = cursor.segment(loading, *run.reached())
+        report = partial(_report, progress, cursor, loading, segment)
+        while (interval := next_interval(cursor, segment, requested)) is not None:
+            outcome = run.follow(interval, report)
+            if run.reached()[0] in profile_times and (
+                outcome is None or outcome.kind is OutcomeKind.DETACHED
+            ):
+                run.record_profile()
+            if outcome is not None:
+                return outcome
+            if interval.jump:
+                cursor.jump_done = True
+            else:
+                cursor.stop_reached()
+        cursor.step_done()
+    return Outcome(OutcomeKind.COMPLETED, "all loading steps done", run.reached()[0])
+
+
+def _report(
+    progress: Callable[[float], None] | None,
+    cursor: LoadingCursor,
+    loading: Loading,
+    segment: Segment,
+    time: float,
+) -> None:
+    if progress is not None:
+        progress(cursor.share(loading, segment, time))

@@ -1,11 +1,11 @@
-"""What may be chosen about a boundary-element run."""
+"""Options of a boundary-element run."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact_scene import SceneError
 from contact_scene.errors import number, one_of, positive
+from contact_scene.run_control import MAX_STEPS, whole_number
 
 ANNULI = ("graded", "uniform")
 SCHEMES = ("exponential", "backward-euler")
@@ -26,43 +26,44 @@ class Options:
         Step tolerance: error of extrapolating the edge over a step, in process zones (in twentieths of the
         contact radius, without adhesion), and of the force relative to its scale. Default
         ``0.64/resolution**2``, so that refining one refines the other.
+    stop_times : tuple of float
+        Times stepped onto exactly; ignored outside the run.
+    profile_times : tuple of float
+        The same, and the trace has a profile of the surface there.
+    max_steps : int
+        Budget of trial steps, accepted and rejected; a run that exhausts it ends with that outcome.
     annuli : "graded" or "uniform"
         Annuli that travel with a continuous edge, or the paper's fixed ones with the edge on their borders.
     scheme : "exponential" or "backward-euler"
         Exact exponential recursion, or the paper's scheme.
-    profile_times : tuple of float
-        Times at which the state of the surface is kept; stepped onto exactly, ignored outside the run.
     step : float, optional
-        Fixed time step of the uniform annuli. Default, for each piece of loading: 1/(4 resolution) of the
+        Fixed time step of the uniform annuli. Default, for each loading interval: 1/(4 resolution) of the
         shortest of the time to travel a process zone at the fastest loading, the time to sweep the range of
-        the loading, and the shortest relaxation time (not less than a thousandth of the piece).
-    max_steps : int
-        Step budget; a run that exceeds it ends with that outcome.
+        the loading, and the shortest relaxation time (not less than a thousandth of the interval).
     """
 
     resolution: int | None = None
     tolerance: float | None = None
+    stop_times: tuple[float, ...] = ()
+    profile_times: tuple[float, ...] = ()
+    max_steps: int = MAX_STEPS
     annuli: str = "graded"
     scheme: str = "exponential"
-    profile_times: tuple[float, ...] = ()
     step: float | None = None
-    max_steps: int = 200_000
 
     def __post_init__(self) -> None:
         if self.resolution is not None:
-            if isinstance(self.resolution, bool) or not isinstance(self.resolution, int):
-                raise SceneError("resolution", f"got {self.resolution!r:.40}", "a whole number >= 4")
-            number(self.resolution, "resolution", "a whole number from 4 to 1000", low=4, high=1000)
+            number(self.resolution, "resolution", "a whole number from 4 to 1000", high=1000)
+            object.__setattr__(self, "resolution", whole_number(self.resolution, "resolution", 4))
         if self.tolerance is not None:
             number(self.tolerance, "tolerance", "0 < tolerance <= 1", low=0.0, high=1.0, open_low=True)
         if self.step is not None:
             positive(self.step, "step")
         one_of(self.annuli, "annuli", ANNULI)
         one_of(self.scheme, "scheme", SCHEMES)
-        for time in self.profile_times:
-            number(time, "profile_times", "finite times")
-        if self.max_steps < 1:
-            raise SceneError("max_steps", f"got {self.max_steps}", "a whole number >= 1")
+        for key, times in (("stop_times", self.stop_times), ("profile_times", self.profile_times)):
+            object.__setattr__(self, key, tuple(number(time, key, "finite times") for time in times))
+        object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
 
     @property
     def divisions(self) -> int:

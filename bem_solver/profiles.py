@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from bem_solver.trial import Front, Problem, points_at
+from bem_solver.trial import ContactState, Problem, points_at
 from contact_scene import Profile
 
 _REACH = 4.0  # contact radii
 
 
-def surface_profile(problem: Problem, front: Front) -> Profile:
+def surface_profile(problem: Problem, state: ContactState) -> Profile:
     """Profile of the committed state, on the annuli inside the contact and graded radii beyond."""
-    edge = front.edge
+    edge = state.edge
     if edge > 0.0:
         inside = edge * problem.annuli.radii
         near = 2.0 * edge - inside[::-1]
@@ -22,15 +22,15 @@ def surface_profile(problem: Problem, front: Front) -> Profile:
     else:
         # without any length to go by, the centre alone
         radius = np.unique(problem.length * np.linspace(0.0, 100.0 * _REACH, 401))
-    points = points_at(problem, front, radius)
-    pressure = front.surface.pressure(radius)
-    gap = points.height - front.penetration + points.displacement
+    points = points_at(problem, state, radius)
+    pressure = state.surface.pressure(radius)
+    gap = points.height - state.penetration + points.displacement
     if edge > 0.0:
         gap[radius <= edge] = 0.0
     return Profile(
-        front.time,
-        front.penetration,
-        front.surface.force,
+        state.time,
+        state.penetration,
+        state.surface.force,
         edge,
         radius,
         pressure,

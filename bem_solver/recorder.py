@@ -1,4 +1,4 @@
-"""Rows of the trace as the run goes on; nothing is computed here that the trace does not hold."""
+"""Records accepted states, events and profiles, and makes the trace of them."""
 
 from __future__ import annotations
 
@@ -8,65 +8,60 @@ import numpy as np
 
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies
-from bem_solver.trial import Front
-from bem_solver.work import external_work
+from bem_solver.external_work import external_work
+from bem_solver.trial import ContactState
 from contact_scene import Counters, Event, Outcome, OutcomeKind, Profile, Trace
 
 
 @dataclass
-class Recorder:
-    """Collects rows; ``work`` is the work of adhesion."""
+class TraceRecorder:
+    """Rows, events and profiles of a run so far; ``kinks`` are the rows after which slopes may jump."""
 
-    chain: Chain
-    work: float
     rows: list[tuple[float, ...]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     profiles: list[Profile] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
 
-    def row(self, front: Front, energies: Energies) -> None:
+    def row(self, chain: Chain, state: ContactState, energies: Energies) -> None:
         """One accepted state."""
+        surface = state.surface
         self.rows.append(
             (
-                front.time,
-                front.penetration,
-                front.surface.force,
-                front.edge,
-                energies.stored(self.chain),
+                state.time,
+                state.penetration,
+                surface.force,
+                state.edge,
+                energies.stored(chain),
                 energies.dissipated,
-                front.surface.stress_intensity,
+                surface.stress_intensity,
             )
         )
 
     def kink(self) -> None:
-        """What follows does not go on smoothly from the last row."""
+        """Slopes may jump at the last row."""
         self.kinks.append(max(len(self.rows) - 1, 0))
 
-    def event(self, kind: str, front: Front) -> None:
-        """An instability at the committed state."""
-        self.events.append(Event(kind, front.time, front.penetration, front.surface.force, front.edge))
+    def event(self, kind: str, state: ContactState) -> None:
+        """An instability of a committed state."""
+        self.events.append(Event(kind, state.time, state.penetration, state.surface.force, state.edge))
 
     def profile(self, profile: Profile) -> None:
         """The surface at a requested time; of two at one time (a jump) the later stays."""
         self.profiles = [p for p in self.profiles if p.time != profile.time] + [profile]
 
-    def nothing(self, penetration: float, reason: str, counters: Counters) -> Trace:
-        """The trace of a scene without a start state: one row without contact."""
-        self.rows = [(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0)]
-        return self.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters)
-
-    def trace(self, outcome: Outcome, counters: Counters) -> Trace:
+    def trace(self, outcome: Outcome, counters: Counters, work: float) -> Trace:
         """The finished trace; the loss is what the energy balance (Eq. energybalance) leaves.
 
-        ``zone_excess`` is what the branches dissipate beyond it: at a sharp edge the whole field moves as if
-        the process zone had no length, and the tip takes only the glassy ``K^2/(2 Einf*)``.
+        ``work`` is the work of adhesion. ``zone_excess`` is what the branches dissipate beyond the loss: at a
+        sharp edge the whole field moves as if the process zone had no length, and the tip takes only the
+        glassy ``K^2/(2 Einf*)``.
         """
         time, penetration, force, radius, stored, branch, intensity = (
             np.array(column) for column in zip(*self.rows, strict=True)
         )
         external = external_work(time, penetration, force, self.kinks)
         area = np.pi * radius**2
-        dissipated = external + self.work * (area - area[0]) - (stored - stored[0])
+        dissipated = external + work * (area - area[0]) - (stored - stored[0])
         return Trace(
             solver="bem",
             time=time,
@@ -82,11 +77,17 @@ class Recorder:
                 "branch_dissipation": branch,
                 "zone_excess": branch - dissipated,
                 "stress_intensity_factor": intensity,
-                "energy_release_rate": release_rate(stored, force, penetration, area, self.work),
+                "energy_release_rate": release_rate(stored, force, penetration, area, work),
             },
             events=tuple(self.events),
             profiles=tuple(self.profiles),
         )
+
+
+def trace_without_contact(penetration: float, reason: str, counters: Counters, work: float) -> Trace:
+    """The trace of a scene without a start state: one row without contact."""
+    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0)])
+    return recorder.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters, work)
 
 
 def release_rate(

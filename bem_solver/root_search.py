@@ -1,4 +1,4 @@
-"""Root of a rising function of the edge: secant steps, kept in a bracket once there is one."""
+"""Root of a rising function of the edge: secant steps, safeguarded by a bracket once there is one."""
 
 from __future__ import annotations
 
@@ -15,18 +15,20 @@ class HasResidual(Protocol):
     def residual(self) -> float: ...
 
 
-_MOST = 200
+_ITERATIONS = 200
+"""Evaluations before the search is given up; bisection alone would need about 60."""
 _ROUNDING = 4e-16
+"""Relative width of a bracket that holds no further floating-point number."""
 
 T = TypeVar("T", bound=HasResidual)
 
 
 @dataclass(frozen=True)
-class Found(Generic[T]):
-    """Last trial and where the root is: here, below ``low``, or above ``high``."""
+class RootSearchResult(Generic[T]):
+    """Last trial at ``x``, and the position of the root: there, below ``low``, or above ``high``."""
 
-    where: Literal["here", "below", "above"]
-    at: float
+    position: Literal["converged", "below", "above"]
+    x: float
     trial: T
     slope: float
 
@@ -39,41 +41,60 @@ def rising_root(
     high: float,
     accuracy: float,
     residual: float = math.inf,
-) -> Found[T]:
+) -> RootSearchResult[T]:
     """Root of ``evaluate(x).residual`` in [low, high], where the residual rises through zero.
 
-    ``slope`` is an estimate of the derivative (<= 0: unknown). The result is accurate to ``accuracy`` in x
-    and to ``residual`` in the residual, or to rounding.
+    Parameters
+    ----------
+    evaluate : callable
+        Trial at a contact radius, with its ``residual``.
+    guess : float
+        Where the search starts.
+    slope : float
+        Estimate of the derivative; <= 0: unknown.
+    low, high : float
+        Interval searched.
+    accuracy, residual : float
+        Tolerances in the radius and in the residual, both met at the root, or rounding.
+
+    Returns
+    -------
+    RootSearchResult
+
+    Raises
+    ------
+    FloatingPointError
+        If a residual is not finite or the search does not converge.
     """
     negative: float | None = None  # largest x known with residual < 0
     positive: float | None = None  # smallest x known with residual > 0
     x = min(max(guess, low), high)
     trial = evaluate(x)
-    for iteration in range(_MOST):
+    for iteration in range(_ITERATIONS):
         r = trial.residual
         if not math.isfinite(r):
             raise FloatingPointError(f"the closure is not finite at contact radius {x:.6g}")
         if r < 0.0:
             if x >= high:
-                return Found("above", x, trial, slope)
+                return RootSearchResult("above", x, trial, slope)
             negative = x if negative is None else max(negative, x)
         elif r > 0.0:
             if x <= low:
-                return Found("below", x, trial, slope)
+                return RootSearchResult("below", x, trial, slope)
             positive = x if positive is None else min(positive, x)
         if r == 0.0 or (iteration > 0 and slope > 0.0 and abs(r) <= min(slope * accuracy, residual)):
-            return Found("here", x, trial, slope)
+            return RootSearchResult("converged", x, trial, slope)
         left = low if negative is None else negative
         right = high if positive is None else positive
         near = abs(r) <= residual or right - left <= _ROUNDING * abs(x)
         if near and right - left <= accuracy:
-            return Found("here", x, trial, slope)
+            return RootSearchResult("converged", x, trial, slope)
         new = min(max(x - r / slope, left), right) if slope > 0.0 else (right if r < 0.0 else left)
         bracketed = negative is not None and positive is not None
         if bracketed and (not left < new < right or iteration % 6 == 5):
             new = 0.5 * (left + right)
         if new == x:
-            return Found("here", x, trial, slope)
+            return RootSearchResult("converged", x, trial, slope)
         new_trial = evaluate(new)
         secant = (new_trial.residual - r) / (new - x)
         slope = secant if secant > 0.0 else 0.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
-from bem_solver.start import contact_scale, elastic_twin, empty_front, equilibrium
+from bem_solver.start import contact_scale, elastic_problem, equilibrium, untouched_state
 from bem_solver.trial import Problem
 from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Sweep
 
@@ -71,7 +71,7 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
 
     It need not be exact: annuli travel with the edge, whatever its radius.
     """
-    twin = elastic_twin(replace(problem, annuli=Annuli(_COARSE)), scene.material.modulus)
+    twin = elastic_problem(replace(problem, annuli=Annuli(_COARSE)), scene.material.modulus)
     radius, penetration, force = 0.0, scene.loading.penetration, 0.0
 
     def settle(control: str, value: float) -> tuple[float, float, float]:
@@ -83,7 +83,7 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
             scale = max(scale, contact_scale(scene, guess / scale if scale > 0 else guess**0.5))
         if scale == 0.0:
             return 0.0, penetration, 0.0
-        found = equilibrium(twin, empty_front(twin, 0.0, 0.0), control, value, scale)
+        found = equilibrium(twin, untouched_state(twin, 0.0, 0.0), control, value, scale)
         if found is None:
             return 0.0, value if control == "penetration" else penetration, 0.0
         return found.surface.edge, found.motion.new_penetration, found.surface.force

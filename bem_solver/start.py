@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem_solver.commit import split
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, at_start
-from bem_solver.history import History, distinct
+from bem_solver.history import SurfaceHistory, distinct
 from bem_solver.root_search import rising_root
-from bem_solver.surface import Surface
+from bem_solver.state_update import split_at_edge
+from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, advanced
-from bem_solver.trial import Front, Problem, Trial, evaluate, points_at
+from bem_solver.trial import ContactState, Problem, Trial, evaluate, points_at
 from contact_scene import Indenter, Material, Scene
 
 Array = NDArray[np.float64]
@@ -24,16 +24,16 @@ _RATIO = 1.04  # between neighbouring edges of a scan
 _TRAVEL = 64.0  # a scan starts this many scales up, and ends a millionfold below
 
 
-def elastic_twin(problem: Problem, modulus: float) -> Problem:
+def elastic_problem(problem: Problem, modulus: float) -> Problem:
     """The same problem on an elastic half-space with the given Young's modulus."""
     material = Material(modulus, problem.scene.material.poisson)
     return replace(problem, chain=Chain(material), scene=replace(problem.scene, material=material))
 
 
-def empty_front(problem: Problem, time: float, penetration: float) -> Front:
+def untouched_state(problem: Problem, time: float, penetration: float) -> ContactState:
     """No contact and no past."""
-    blank = History.blank(len(problem.chain))
-    return Front(time, penetration, Surface.free(problem.annuli), blank)
+    blank = SurfaceHistory.blank(len(problem.chain))
+    return ContactState(time, penetration, ContactSurface.free(problem.annuli), blank)
 
 
 def largest_stable(trial: Callable[[float], Trial], scale: float, limit: float) -> Trial | None:
@@ -55,11 +55,13 @@ def largest_stable(trial: Callable[[float], Trial], scale: float, limit: float) 
     return None
 
 
-def equilibrium(problem: Problem, front: Front, control: str, value: float, scale: float) -> Trial | None:
-    """Instantaneous equilibrium from ``front`` under the given control, or ``None``."""
+def equilibrium(
+    problem: Problem, state: ContactState, control: str, value: float, scale: float
+) -> Trial | None:
+    """Instantaneous equilibrium from ``state`` under the given control, or ``None``."""
 
     def trial(edge: float) -> Trial:
-        return evaluate(problem, front, 0.0, edge, control, value)
+        return evaluate(problem, state, 0.0, edge, control, value)
 
     return largest_stable(trial, scale, problem.scene.indenter.edge)
 
@@ -91,30 +93,32 @@ def contact_scale(scene: Scene, penetration: float) -> float:
     return max(geometric, adhesive)
 
 
-def start_front(problem: Problem, scale: float) -> tuple[Front, Energies] | None:
+def start_state(problem: Problem, scale: float) -> tuple[ContactState, Energies] | None:
     """The start state of the scene, or ``None`` without equilibrium."""
     scene = problem.scene
     relaxed = scene.loading.start == "relaxed"
     material = scene.material
     penetration = scene.loading.penetration
     if problem.work == 0.0 and penetration <= 0.0:
-        return empty_front(problem, 0.0, penetration), at_start(problem.chain, 0.0, relaxed)
-    twin = elastic_twin(problem, material.modulus if relaxed else material.glassy_modulus)
-    found = equilibrium(twin, empty_front(twin, 0.0, penetration), "penetration", penetration, scale)
+        return untouched_state(problem, 0.0, penetration), at_start(problem.chain, 0.0, relaxed)
+    twin = elastic_problem(problem, material.modulus if relaxed else material.glassy_modulus)
+    found = equilibrium(twin, untouched_state(twin, 0.0, penetration), "penetration", penetration, scale)
     if found is None:
         return None
     surface = found.surface
-    front = Front(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
+    state = ContactState(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
     forces = surface.edge * problem.annuli.areas * surface.scaled
     load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
-    return front, at_start(problem.chain, load_work, relaxed)
+    return state, at_start(problem.chain, load_work, relaxed)
 
 
-def _start_history(problem: Problem, surface: Surface, penetration: float, relaxed: bool) -> History:
+def _start_history(
+    problem: Problem, surface: ContactSurface, penetration: float, relaxed: bool
+) -> SurfaceHistory:
     """Nodes over the contact and far beyond; relaxed means no stress in any branch."""
     chain = problem.chain
-    if not problem.remembers:
-        return History.blank(0)
+    if not problem.viscoelastic:
+        return SurfaceHistory.blank(0)
     edge, radii = surface.edge, problem.annuli.radii
     near = edge * radii
     mirrored = 2.0 * edge - near[near > edge - problem.length]
@@ -126,8 +130,8 @@ def _start_history(problem: Problem, surface: Surface, penetration: float, relax
         variables = np.zeros((len(radius), len(chain)))
     else:
         motion = Motion(0.0, 0.0, edge, penetration, penetration)
-        points = points_at(problem, empty_front(problem, 0.0, penetration), radius)
+        points = points_at(problem, untouched_state(problem, 0.0, penetration), radius)
         variables = advanced(chain, points, motion, load)
     at_edge = penetration - float(problem.scene.indenter.height(edge))
-    inner, outer = split(chain, radius, variables, load, edge, at_edge)
-    return History(inner, outer, 0, edge)
+    inner, outer = split_at_edge(chain, radius, variables, load, edge, at_edge)
+    return SurfaceHistory(inner, outer, 0, edge)

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Surface:
+class ContactSurface:
     """Contact of radius ``edge`` under scaled pressures.
 
     Attributes
@@ -50,7 +50,7 @@ class Surface:
     strengths: Array | None = None
 
     @classmethod
-    def under(cls, annuli: Annuli, edge: float, load: Array, kinks: Kinks | None = None) -> Surface:
+    def under(cls, annuli: Annuli, edge: float, load: Array, kinks: Kinks | None = None) -> ContactSurface:
         """From ``v`` (M,) at the collocation radii, followed by ``v`` (3 k,) at the readings of the kinks."""
         if kinks is None:
             scaled = rest = annuli.solve(load)
@@ -68,7 +68,7 @@ class Surface:
         force = edge * (2.0 * kappa + annuli.areas @ (rest - kappa * annuli.punch)) + carried
         return cls(annuli, edge, scaled, density, kappa, field, float(force), kinks, strengths)
 
-    def towards(self, other: Surface, share: float) -> Surface:
+    def towards(self, other: ContactSurface, share: float) -> ContactSurface:
         """The surface a share of the way to another with the same edge and kinks; all is linear in ``v``."""
         names = ("scaled", "density", "kappa", "field", "force")
         mixed = {n: getattr(self, n) + share * (getattr(other, n) - getattr(self, n)) for n in names}
@@ -77,7 +77,7 @@ class Surface:
         return replace(self, **mixed)
 
     @classmethod
-    def free(cls, annuli: Annuli) -> Surface:
+    def free(cls, annuli: Annuli) -> ContactSurface:
         """No contact."""
         zero = np.zeros(annuli.count)
         return cls(annuli, 0.0, zero, zero, 0.0, np.zeros(annuli.count + 3), 0.0)

@@ -44,7 +44,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Points:
+class SurfacePoints:
     """Radii (m,), indenter heights there, and their state at the start of the step.
 
     ``variables`` (m, K) are scaled Maxwell stresses, ``load`` the displacement ``v`` at unit modulus and
@@ -57,8 +57,8 @@ class Points:
     load: Array
     displacement: Array
 
-    def __getitem__(self, chosen: NDArray[np.bool_]) -> Points:
-        return Points(
+    def __getitem__(self, chosen: NDArray[np.bool_]) -> SurfacePoints:
+        return SurfacePoints(
             self.radius[chosen],
             self.height[chosen],
             self.variables[chosen],
@@ -82,7 +82,7 @@ def load_inside(chain: Chain, variables: Array, displacement: Array) -> Array:
     return chain.relaxed * displacement + chain.stress(variables)
 
 
-def covered(chain: Chain, points: Points, motion: Motion) -> Array:
+def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     """Variables of points that the advancing edge passes."""
     share = motion.passing(points.radius)
     y = (share * motion.duration)[:, None] / chain.retardation
@@ -99,7 +99,7 @@ def covered(chain: Chain, points: Points, motion: Motion) -> Array:
     return pressed(chain, lags @ chain.rotation, pushed, (1.0 - share) * motion.duration)
 
 
-def released(chain: Chain, points: Points, motion: Motion, new_load: Array) -> Array:
+def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -> Array:
     """Variables of points that the receding edge passes; ``new_load`` is ``v`` at the end."""
     share = motion.passing(points.radius)
     leaving = motion.penetration_at(share) - points.height
@@ -114,7 +114,7 @@ def released(chain: Chain, points: Points, motion: Motion, new_load: Array) -> A
     return lags @ chain.rotation
 
 
-def free(chain: Chain, points: Points, motion: Motion, new_load: Array) -> Array:
+def free(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -> Array:
     """Variables of points outside all the time."""
     y = motion.duration / chain.retardation
     before, after = points.radius - motion.edge, points.radius - motion.new_edge
@@ -132,7 +132,7 @@ def displacement_outside(chain: Chain, variables: Array, load: Array) -> Array:
     return load / chain.relaxed - chain.lag(variables @ chain.rotation.T)
 
 
-def advanced(chain: Chain, points: Points, motion: Motion, new_load: Array | None) -> Array:
+def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array | None) -> Array:
     """Variables of any points at the end of the step, shape (m, K).
 
     ``new_load`` (m,) is used outside the new edge only; ``None`` when all points are inside it.

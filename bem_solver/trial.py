@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
-from bem_solver.history import History
+from bem_solver.history import SurfaceHistory
 from bem_solver.kinks import Kinks
-from bem_solver.surface import Surface
-from bem_solver.surface_points import Motion, Points, advanced, displacement_outside, load_inside
+from bem_solver.surface import ContactSurface
+from bem_solver.surface_points import Motion, SurfacePoints, advanced, displacement_outside, load_inside
 from contact_scene import Counters, Scene
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ class Problem:
     rule: ClosureRule
 
     @property
-    def remembers(self) -> bool:
+    def viscoelastic(self) -> bool:
         """Whether there is a history at all."""
         return len(self.chain) > 0
 
@@ -50,13 +50,13 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Front:
+class ContactState:
     """Committed state: the surface, its history, time and penetration."""
 
     time: float
     penetration: float
-    surface: Surface
-    history: History
+    surface: ContactSurface
+    history: SurfaceHistory
 
     @property
     def edge(self) -> float:
@@ -69,42 +69,44 @@ class Trial:
     """Surface at the end of a trial step; ``residual`` > 0 where the edge wants to recede."""
 
     motion: Motion
-    surface: Surface
+    surface: ContactSurface
     residual: float
     closure: float
 
 
-def points_at(problem: Problem, front: Front, radius: Array) -> Points:
+def points_at(problem: Problem, state: ContactState, radius: Array) -> SurfacePoints:
     """State of surface points at the start of a step."""
-    chain, history = problem.chain, front.history
+    chain, history = problem.chain, state.history
     height = problem.scene.indenter.height(radius)
-    inside = (radius <= front.edge) & (front.edge > 0.0)
-    displacement = front.penetration - height
+    inside = (radius <= state.edge) & (state.edge > 0.0)
+    displacement = state.penetration - height
     if inside.all():
         variables = history.inner.at(radius)
-        return Points(radius, height, variables, load_inside(chain, variables, displacement), displacement)
+        return SurfacePoints(
+            radius, height, variables, load_inside(chain, variables, displacement), displacement
+        )
     load = np.empty(len(radius))
     variables = np.empty((len(radius), len(chain)))
     variables[inside] = history.inner.at(radius[inside])
     load[inside] = load_inside(chain, variables[inside], displacement[inside])
     outside = ~inside
-    load[outside] = front.surface.outside(radius[outside])
+    load[outside] = state.surface.outside(radius[outside])
     variables[outside] = chain.from_strains(history.outer.at(radius[outside]), load[outside])
     displacement[outside] = displacement_outside(chain, variables[outside], load[outside])
-    return Points(radius, height, variables, load, displacement)
+    return SurfacePoints(radius, height, variables, load, displacement)
 
 
-def _required_load(problem: Problem, points: Points, motion: Motion) -> Array:
+def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> Array:
     """``v`` at radii inside the new edge."""
     wanted = motion.new_penetration - points.height
-    if not problem.remembers:
+    if not problem.viscoelastic:
         return problem.chain.relaxed * wanted
     problem.counters.history_updates += 1
     return load_inside(problem.chain, advanced(problem.chain, points, motion, None), wanted)
 
 
 def evaluate(
-    problem: Problem, front: Front, duration: float, edge: float, control: str, value: float
+    problem: Problem, state: ContactState, duration: float, edge: float, control: str, value: float
 ) -> Trial:
     """The surface with the edge at ``edge`` after ``duration``, and its residual.
 
@@ -114,67 +116,67 @@ def evaluate(
         Which of the two has ``value`` at the end of the step.
     """
     annuli, counters = problem.annuli, problem.counters
-    kinks = _kinks_inside(problem, front, duration, edge)
+    kinks = _kinks_inside(problem, state, duration, edge)
     radii = edge * annuli.radii
-    points = points_at(problem, front, radii if kinks is None else np.append(radii, kinks.readings))
-    singular = front.surface.root_strength(abs(edge - front.edge)) if problem.remembers else 0.0
+    points = points_at(problem, state, radii if kinks is None else np.append(radii, kinks.readings))
+    singular = state.surface.root_strength(abs(edge - state.edge)) if problem.viscoelastic else 0.0
 
-    def under(motion: Motion) -> Surface:
-        return Surface.under(annuli, edge, _required_load(problem, points, motion), kinks)
+    def under(motion: Motion) -> ContactSurface:
+        return ContactSurface.under(annuli, edge, _required_load(problem, points, motion), kinks)
 
     if control == "penetration":
-        motion = Motion(duration, front.edge, edge, front.penetration, value, singular)
+        motion = Motion(duration, state.edge, edge, state.penetration, value, singular)
         surface = under(motion)
     else:
         # everything is affine in the new penetration
-        step = max(abs(front.penetration), 1e-3 * edge)
-        first = Motion(duration, front.edge, edge, front.penetration, front.penetration, singular)
-        one, two = under(first), under(replace(first, new_penetration=front.penetration + step))
+        step = max(abs(state.penetration), 1e-3 * edge)
+        first = Motion(duration, state.edge, edge, state.penetration, state.penetration, singular)
+        one, two = under(first), under(replace(first, new_penetration=state.penetration + step))
         share = (value - one.force) / (two.force - one.force)
-        motion = replace(first, new_penetration=front.penetration + share * step)
+        motion = replace(first, new_penetration=state.penetration + share * step)
         surface = one.towards(two, share)
     counters.linear_solves += 1
     if problem.work == 0.0:
         return Trial(motion, surface, -surface.kappa, 0.0)
     counters.closure_evaluations += 1
-    value_of = _closure(problem, front, motion, surface)
+    value_of = _closure(problem, state, motion, surface)
     if surface.kappa > 0.0:
         value_of = -abs(value_of)
     return Trial(motion, surface, value_of - problem.work, value_of)
 
 
-def _kinks_inside(problem: Problem, front: Front, duration: float, edge: float) -> Kinks | None:
-    """Where an edge has lingered, or turns in this step, inside the new edge.
+def _kinks_inside(problem: Problem, state: ContactState, duration: float, edge: float) -> Kinks | None:
+    """Where an edge has rested, or turns in this step, inside the new edge.
 
     Older ones are read where the history holds them. Beyond an edge that turns now, what is covered first has
     relaxed for the whole step, as the root does; what is covered later has not, and is not looked at.
     """
-    history = front.history
-    if not problem.remembers or edge <= 0.0:
+    history = state.history
+    if not problem.viscoelastic or edge <= 0.0:
         return None
     longest = 0.25 * problem.length_at(edge)
     marks = history.kinks if history.turning is None else (*history.kinks, history.turning)
-    kinks = Kinks.within(marks, min(edge, front.edge), longest)
-    if not history.direction <= 0 < front.edge < edge:
+    kinks = Kinks.within(marks, min(edge, state.edge), longest)
+    if not history.direction <= 0 < state.edge < edge:
         return kinks
     still = 0.1 * float(problem.chain.relaxation[0])
-    reach = min(longest, (edge - front.edge) * still / (still + duration))
+    reach = min(longest, (edge - state.edge) * still / (still + duration))
     nothing = Kinks(np.empty(0), np.empty(0))
-    return (kinks or nothing).and_at(front.edge, reach)
+    return (kinks or nothing).and_at(state.edge, reach)
 
 
-def _closure(problem: Problem, front: Front, motion: Motion, surface: Surface) -> float:
+def _closure(problem: Problem, state: ContactState, motion: Motion, surface: ContactSurface) -> float:
     """``I``, the punches at kinks integrated from their own edges on."""
     rule, zone, edge, kinks = problem.rule, problem.zone, surface.edge, surface.kinks
     inner = rule.inside(zone, edge)
     if kinks is None or surface.strengths is None:
-        gap = gap_outside(problem, front, motion, surface, edge + zone - inner)
+        gap = gap_outside(problem, state, motion, surface, edge + zone - inner)
         return rule.integral(surface.tension(inner), gap, zone, edge)
     depth = edge - kinks.radius
     near = np.flatnonzero(depth < min(zone, edge))
     own = (min(zone, edge) - depth[near, None]) * rule.distance  # distances inside each kink
     offsets = np.concatenate((inner, (depth[near, None] + own).ravel()))
-    gap, *gaps = np.split(gap_outside(problem, front, motion, surface, edge + zone - offsets), 1 + len(near))
+    gap, *gaps = np.split(gap_outside(problem, state, motion, surface, edge + zone - offsets), 1 + len(near))
     value = rule.integral(surface.tension(inner), gap, zone, edge)
     for index, distance, facing in zip(near.tolist(), own, gaps, strict=True):
         tension = surface.strengths[index] * kinks.tension(index, distance)
@@ -182,11 +184,13 @@ def _closure(problem: Problem, front: Front, motion: Motion, surface: Surface) -
     return float(value)
 
 
-def gap_outside(problem: Problem, front: Front, motion: Motion, surface: Surface, radius: Array) -> Array:
+def gap_outside(
+    problem: Problem, state: ContactState, motion: Motion, surface: ContactSurface, radius: Array
+) -> Array:
     """Gap at radii outside the new edge at the end of the step."""
     load = surface.outside(radius)
-    points = points_at(problem, front, radius)
-    if problem.remembers:
+    points = points_at(problem, state, radius)
+    if problem.viscoelastic:
         variables = advanced(problem.chain, points, motion, load)
         displacement = displacement_outside(problem.chain, variables, load)
     else:

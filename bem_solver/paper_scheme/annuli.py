@@ -72,7 +72,7 @@ class UniformAnnuli:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class AnnuliState:
     """Committed state of the surface.
 
     Attributes
@@ -99,7 +99,7 @@ class Sheet:
     stress_intensity: float
 
     @classmethod
-    def untouched(cls, annuli: UniformAnnuli, branches: int, penetration: float) -> Sheet:
+    def untouched(cls, annuli: UniformAnnuli, branches: int, penetration: float) -> AnnuliState:
         """No contact and no past, at time zero."""
         zero = np.zeros(annuli.count)
         return cls(0.0, penetration, 0, zero, np.zeros((annuli.count, branches)), zero[:0], 0.0, 0.0)
@@ -125,7 +125,7 @@ def step_factors(chain: Chain, duration: float) -> StepFactors:
     return StepFactors(decay, chain.compliances * (spread - decay), chain.compliances * (1.0 - spread))
 
 
-class Instant:
+class ContactCandidates:
     """All contacts that are possible at the end of a step, from one triangular solution.
 
     Penetration enters ``v = (D - f - A)/C`` linearly, so ``y = L^-1 v`` is ``base + D rise``, for contacts of
@@ -133,7 +133,7 @@ class Instant:
 
     Parameters
     ----------
-    before : Sheet
+    before : AnnuliState
     duration : float
         Zero for a sudden change of load.
     control : "penetration" or "force"
@@ -144,7 +144,7 @@ class Instant:
         self,
         annuli: UniformAnnuli,
         chain: Chain,
-        before: Sheet,
+        before: AnnuliState,
         duration: float,
         control: str,
         value: float,
@@ -201,7 +201,7 @@ class Instant:
         n = contact - 1
         return float(self._base[n] + self.penetration(contact) * self._rise[n])
 
-    def sheet(self, contact: int, time: float) -> Sheet:
+    def state(self, contact: int, time: float) -> AnnuliState:
         """The state with that many annuli in contact."""
         annuli = self.annuli
         if contact == 0:
@@ -215,10 +215,12 @@ class Instant:
         force = float(annuli.forces(scaled).sum())
         strains = self._kept + np.outer(load, self._new_share)
         intensity = annuli.stress_intensity(y)
-        return Sheet(time, penetration, contact, load, strains, scaled, force, intensity)
+        return AnnuliState(time, penetration, contact, load, strains, scaled, force, intensity)
 
 
-def settled(instant: Instant, start: int, most: int, capped: bool, work: float) -> int | None:
+def equilibrium_contact(
+    instant: ContactCandidates, start: int, most: int, capped: bool, work: float
+) -> int | None:
     """Number of annuli in contact at equilibrium, next to ``start``.
 
     With adhesion, the stable edge lies where the closure rises through the work of adhesion; of the two

@@ -13,17 +13,17 @@ import numpy as np
 
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, at_start
-from bem_solver.paper_scheme.annuli import Sheet, UniformAnnuli, step_factors
+from bem_solver.paper_scheme.annuli import AnnuliState, UniformAnnuli, step_factors
 
 
-def start_energies(chain: Chain, annuli: UniformAnnuli, sheet: Sheet, relaxed: bool) -> Energies:
+def start_energies(chain: Chain, annuli: UniformAnnuli, surface: AnnuliState, relaxed: bool) -> Energies:
     """Energies of the start state."""
-    load_work = float(annuli.forces(sheet.scaled) @ sheet.load[: sheet.contact])
+    load_work = float(annuli.forces(surface.scaled) @ surface.load[: surface.contact])
     return at_start(chain, load_work, relaxed)
 
 
 def step_energies(
-    chain: Chain, annuli: UniformAnnuli, energies: Energies, before: Sheet, after: Sheet
+    chain: Chain, annuli: UniformAnnuli, energies: Energies, before: AnnuliState, after: AnnuliState
 ) -> Energies:
     """Energies after a step."""
     factors = step_factors(chain, after.time - before.time)

@@ -6,13 +6,14 @@ Before every step another one, longer or shorter, is tried and thrown away. Only
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from itertools import cycle
 
 import pytest
 from support.resumable_runs import APART, RICH, SHORT, bem, fem, front
 from support.stopped_runs import assert_same_columns
 
-from bem_solver.stepping import Stepper, Unresolvable
+from bem_solver.step import TrialStep
 from fem_solver.stepping import Run as FemRun
 from validation.reference.tracking.stepping import Run as FrontRun
 
@@ -27,13 +28,14 @@ def twice(monkeypatch):
     """Every step of every solver is preceded by a vain one; counts them."""
     vain = {"bem": 0, "fem": 0, "reference": 0}
     share = shares()
-    attempt, take, advance = Stepper._attempt, FemRun._step, FrontRun.attempt
+    result, take, advance = TrialStep.result, FemRun._step, FrontRun.attempt
 
-    def bem_attempt(self, piece, parameter, step):
-        with suppress(Unresolvable, FloatingPointError):  # it may come to nothing
-            attempt(self, piece, parameter, min(next(share) * step, piece.length - parameter))
+    def bem_result(self):
+        left = self.interval.length - self.state.parameter
+        with suppress(FloatingPointError):  # it may come to nothing
+            result(replace(self, step=min(next(share) * self.step, left)))
         vain["bem"] += 1
-        return attempt(self, piece, parameter, step)
+        return result(self)
 
     def fem_step(self, segment, clock):
         dt = next(share) * clock.dt
@@ -59,7 +61,7 @@ def twice(monkeypatch):
         return advance(self, segment, travel)
 
     def put():
-        monkeypatch.setattr(Stepper, "_attempt", bem_attempt)
+        monkeypatch.setattr(TrialStep, "result", bem_result)
         monkeypatch.setattr(FemRun, "_step", fem_step)
         monkeypatch.setattr(FrontRun, "attempt", front_attempt)
         return vain

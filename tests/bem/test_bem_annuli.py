@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from support.bem_runs import observed_order
 
 from bem_solver.annuli import Annuli, even_cubic
-from bem_solver.surface import Surface
+from bem_solver.surface import ContactSurface
 
 COUNTS = (16, 32, 64)
 OUTSIDE = np.array([1.0 + 1e-9, 1.0001, 1.01, 1.1, 1.5, 3.0, 30.0, 1e4])
@@ -20,7 +20,7 @@ OUTSIDE = np.array([1.0 + 1e-9, 1.0001, 1.01, 1.1, 1.5, 3.0, 30.0, 1e4])
 def pressed(count, depth, edge=1.0):
     """Surface under a sphere of radius ``edge`` at penetration ``depth * edge``: all lengths scale."""
     annuli = Annuli(count)
-    return Surface.under(annuli, edge, edge * (depth - 0.5 * annuli.radii**2))
+    return ContactSurface.under(annuli, edge, edge * (depth - 0.5 * annuli.radii**2))
 
 
 def exact_outside(x, depth):
@@ -32,7 +32,7 @@ def exact_outside(x, depth):
 def test_punch_is_exact(count):
     """Its edge pattern is what the pressures are divided by."""
     annuli = Annuli(count)
-    surface = Surface.under(annuli, 2.0, np.full(count, 0.3))
+    surface = ContactSurface.under(annuli, 2.0, np.full(count, 0.3))
     assert_allclose(surface.force, 2.0 * 2.0 * 0.3, rtol=1e-13)
     assert_allclose(surface.kappa, 0.3, rtol=1e-12)
     assert_allclose(surface.stress_intensity, -0.3 / np.sqrt(2.0 * np.pi), rtol=1e-12)
@@ -104,7 +104,7 @@ def test_solve_takes_one_or_several_displacements():
 
 
 def test_no_contact_is_no_load():
-    surface = Surface.free(Annuli(16))
+    surface = ContactSurface.free(Annuli(16))
     assert surface.force == surface.stress_intensity == surface.root_strength(1.0) == 0.0
     assert_allclose(surface.outside(np.array([0.0, 1.0])), 0.0)
 

@@ -8,7 +8,7 @@ from support.paper_scenes import ONE as RUBBER
 
 from bem_solver.creep import Chain
 from bem_solver.kernel import disc_displacement
-from bem_solver.paper_scheme.annuli import Instant, Sheet, UniformAnnuli
+from bem_solver.paper_scheme.annuli import AnnuliState, ContactCandidates, UniformAnnuli
 from bem_solver.paper_scheme.leading_blocks import LeadingBlocks
 from contact_scene import Branch, Counters, Material, Sphere
 
@@ -72,9 +72,9 @@ def stepped(
 ):
     """Two steps of 0.1 with the given contacts; annuli, chain, sheets, the last instant."""
     annuli, chain = uniform(), Chain(material, scheme == "backward-euler")
-    sheets, instant = [Sheet.untouched(annuli, len(chain), 0.0)], None
+    sheets, instant = [AnnuliState.untouched(annuli, len(chain), 0.0)], None
     for index, (value, contact) in enumerate(zip(values, contacts, strict=True), 1):
-        instant = Instant(annuli, chain, sheets[-1], 0.1, control, value, Counters())
+        instant = ContactCandidates(annuli, chain, sheets[-1], 0.1, control, value, Counters())
         sheets.append(instant.sheet(contact, 0.1 * index))
     return annuli, chain, sheets, instant
 

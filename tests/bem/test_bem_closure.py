@@ -15,7 +15,7 @@ from support.paper_scenes import ELASTIC, SPHERE, STICKY, WORK, ZONE, scene
 from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
-from bem_solver.start import empty_front
+from bem_solver.start import untouched_state
 from bem_solver.trial import Problem, evaluate
 from contact_scene import Adhesion, Counters
 from validation.reference.finite_zone import FiniteZone
@@ -44,7 +44,7 @@ def problem(count=64, divisions=12, material=ELASTIC, adhesion=STICKY):
 
 
 def static(whole, edge, depth):
-    return evaluate(whole, empty_front(whole, 0.0, depth), 0.0, edge, "penetration", depth)
+    return evaluate(whole, untouched_state(whole, 0.0, depth), 0.0, edge, "penetration", depth)
 
 
 @pytest.mark.parametrize("depth", DEPTHS.values(), ids=DEPTHS)
@@ -127,7 +127,7 @@ def test_residual_rises_through_zero_at_the_stable_edge():
 def test_force_control_is_penetration_control_read_backwards():
     whole = problem(material=ELASTIC)
     given = static(whole, EDGE, 0.032)
-    start = empty_front(whole, 0.0, 0.0)
+    start = untouched_state(whole, 0.0, 0.0)
     back = evaluate(whole, start, 0.0, EDGE, "force", given.surface.force)
     assert_allclose(back.motion.new_penetration, 0.032, rtol=1e-11)
     assert_allclose(back.closure, given.closure, rtol=1e-9)

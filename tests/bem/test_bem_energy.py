@@ -7,7 +7,7 @@ from scipy.integrate import cumulative_trapezoid
 from support.bem_runs import STIFFNESS, bem, front, observed_order
 from support.paper_scenes import ELASTIC, PULL, SPHERE, WORK, ZONE, cycle, scene
 
-from bem_solver.work import external_work
+from bem_solver.external_work import external_work
 from contact_scene import Adhesion, Branch, FlatPunch, Force, Hold, Material, Oscillate, Ramp, Table
 from validation.reference import hertz
 from validation.reference.finite_zone import FiniteZone

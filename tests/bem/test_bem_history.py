@@ -1,4 +1,4 @@
-"""What the surface remembers: interpolation on nodes that stay, kinks, and thinning."""
+"""History of the surface: interpolation on nodes that stay, kinks, and coarsening."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,14 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from support.bem_runs import observed_order
 
-from bem_solver.history import History, Track, distinct, gaps_to_halve, graded_nodes, lingered
+from bem_solver.history import (
+    NodalVariables,
+    SurfaceHistory,
+    distinct,
+    gaps_to_halve,
+    graded_nodes,
+    updated_kinks,
+)
 
 UNEVEN = np.cumsum([0.0, 1.0, 0.3, 0.7, 2.0, 0.1, 0.5, 1.4]) / 6.0
 BETWEEN = np.linspace(0.0, 1.0, 203)
@@ -21,7 +28,7 @@ def test_parabolas_are_exact_on_uneven_nodes():
     def state(r):
         return columns(1.0 - 2.0 * r + 3.0 * r**2, r, 0.0 * r + 4.0)
 
-    assert_allclose(Track(UNEVEN, state(UNEVEN)).at(BETWEEN), state(BETWEEN), atol=1e-13)
+    assert_allclose(NodalVariables(UNEVEN, state(UNEVEN)).at(BETWEEN), state(BETWEEN), atol=1e-13)
 
 
 def test_roots_of_the_distance_are_exact_beyond_a_kink():
@@ -34,16 +41,16 @@ def test_roots_of_the_distance_are_exact_beyond_a_kink():
         value = np.where(r <= second, 2.0 + 3.0 * x - x**2, late)
         return columns(np.where(r <= first, 2.0 + (r - first) ** 2, value))
 
-    exact = Track(UNEVEN, state(UNEVEN), (first, second))
+    exact = NodalVariables(UNEVEN, state(UNEVEN), (first, second))
     assert_allclose(exact.at(BETWEEN), state(BETWEEN), atol=1e-13)
-    blind = Track(UNEVEN, state(UNEVEN))
+    blind = NodalVariables(UNEVEN, state(UNEVEN))
     assert np.abs(blind.at(BETWEEN) - state(BETWEEN)).max() > 0.05
 
 
 def test_kink_at_the_first_node_is_the_edge_of_the_outer_track():
     radius = 2.0 + UNEVEN
     state = columns(np.sqrt(radius - 2.0))
-    track = Track(radius, state, (2.0,))
+    track = NodalVariables(radius, state, (2.0,))
     assert_allclose(track.at(2.0 + BETWEEN), columns(np.sqrt(BETWEEN)), atol=1e-13)
     assert_allclose(track.at(np.array([1.0, 9.0])), [[0.0], [1.0]])
 
@@ -52,7 +59,7 @@ def test_order_of_interpolation():
     errors = []
     for count in (20, 40, 80):
         at = np.linspace(0.0, 1.0, count + 1) ** 1.3
-        track = Track(at, columns(np.exp(2.0 * at)))
+        track = NodalVariables(at, columns(np.exp(2.0 * at)))
         errors.append(np.abs(track.at(BETWEEN)[:, 0] - np.exp(2.0 * BETWEEN)).max())
     assert 2.7 < observed_order(errors) < 3.7, errors
     assert errors[-1] < 2e-5
@@ -62,11 +69,13 @@ def test_values_at_nodes_stand_and_few_nodes_do():
     random = np.random.default_rng(0)
     state = random.normal(size=(8, 3))
     for kinks in ((), (UNEVEN[3],), (UNEVEN[0], UNEVEN[3])):
-        assert_allclose(Track(UNEVEN, state, kinks).at(UNEVEN), state, atol=1e-13)
-    assert_array_equal(Track(np.empty(0), np.empty((0, 3))).at(UNEVEN), np.zeros((8, 3)))
-    assert_array_equal(Track(UNEVEN[:1], state[:1]).at(UNEVEN), np.repeat(state[:1], 8, axis=0))
+        assert_allclose(NodalVariables(UNEVEN, state, kinks).at(UNEVEN), state, atol=1e-13)
+    assert_array_equal(NodalVariables(np.empty(0), np.empty((0, 3))).at(UNEVEN), np.zeros((8, 3)))
+    assert_array_equal(NodalVariables(UNEVEN[:1], state[:1]).at(UNEVEN), np.repeat(state[:1], 8, axis=0))
     assert_allclose(
-        Track(np.array([0.0, 1.0]), np.array([[0.0], [2.0]])).at(np.array([0.25])), [[0.5]], rtol=1e-14
+        NodalVariables(np.array([0.0, 1.0]), np.array([[0.0], [2.0]])).at(np.array([0.25])),
+        [[0.5]],
+        rtol=1e-14,
     )
 
 
@@ -74,9 +83,9 @@ def test_values_at_nodes_stand_and_few_nodes_do():
 def test_thinning_keeps_to_its_tolerance(tolerance):
     radius = np.unique(np.random.default_rng(5).uniform(0.0, 1.0, 400))
     state = columns(np.sin(3.0 * radius), np.exp(-10.0 * radius))
-    spacing, track = np.full(len(radius), 0.05), Track(radius, state)
-    thin = track.thinned(tolerance, spacing, 0)
-    straight = columns(*(np.interp(radius, thin.radius, thin.state[:, k]) for k in range(2)))
+    spacing, track = np.full(len(radius), 0.05), NodalVariables(radius, state)
+    thin = track.coarsened(tolerance, spacing, 0)
+    straight = columns(*(np.interp(radius, thin.radius, thin.values[:, k]) for k in range(2)))
     assert np.abs(straight - state).max() <= tolerance * (1.0 + 1e-9)
     assert np.diff(thin.radius).max() <= 0.05
     assert (len(thin.radius) == len(radius)) == (tolerance == 0.0)
@@ -86,20 +95,20 @@ def test_thinning_keeps_to_its_tolerance(tolerance):
 
 def test_thinning_spares_ends_kinks_and_spacing():
     radius = np.linspace(0.0, 1.0, 41)
-    track = Track(radius, np.zeros((41, 2)), (radius[10], radius[23]))
+    track = NodalVariables(radius, np.zeros((41, 2)), (radius[10], radius[23]))
     for parity in (0, 1):
-        bare = track.thinned(1.0, np.full(41, 1.0), parity)
+        bare = track.coarsened(1.0, np.full(41, 1.0), parity)
         assert {0.0, 1.0, radius[10], radius[23]} <= set(bare.radius)
         assert len(bare.radius) < 25
         assert bare.kinks == track.kinks
-        assert len(track.thinned(1.0, np.full(41, 0.049), parity).radius) == 41
+        assert len(track.coarsened(1.0, np.full(41, 0.049), parity).radius) == 41
 
 
 def test_thinning_knows_the_root_of_the_distance():
     radius = np.linspace(0.0, 1.0, 41)
     root = columns(np.sqrt(radius))
-    aware = Track(radius, root, (0.0,)).thinned(1e-9, np.full(41, 1.0), 0)
-    blind = Track(radius, root).thinned(1e-9, np.full(41, 1.0), 0)
+    aware = NodalVariables(radius, root, (0.0,)).coarsened(1e-9, np.full(41, 1.0), 0)
+    blind = NodalVariables(radius, root).coarsened(1e-9, np.full(41, 1.0), 0)
     assert len(aware.radius) == 21
     assert len(blind.radius) == 41
 
@@ -122,30 +131,38 @@ def test_distinct_radii(radii, fixed, smallest):
 
 
 def track_to(edge):
-    return Track(np.array([0.0, edge]), np.zeros((2, 1)))
+    return NodalVariables(np.array([0.0, edge]), np.zeros((2, 1)))
 
 
 def test_edge_that_turned_leaves_a_kink_once_it_is_far():
-    before = History(track_to(0.2), Track(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.2,)), 1, None)
-    kinks, direction, turning = lingered(before, 0.2, 0.199, 0.01)
+    before = SurfaceHistory(
+        track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.2,)), 1, None
+    )
+    kinks, direction, turning = updated_kinks(before, 0.2, 0.199, 0.01)
     assert (kinks, direction, turning) == ((), -1, 0.2)
-    before = History(track_to(0.199), Track(np.array([0.199, 1.0]), np.zeros((2, 1)), (0.199,)), -1, 0.2)
-    kinks, direction, turning = lingered(before, 0.199, 0.18, 0.01)
+    before = SurfaceHistory(
+        track_to(0.199), NodalVariables(np.array([0.199, 1.0]), np.zeros((2, 1)), (0.199,)), -1, 0.2
+    )
+    kinks, direction, turning = updated_kinks(before, 0.199, 0.18, 0.01)
     assert (kinks, direction, turning) == ((0.2,), -1, None)
 
 
 def test_edge_at_rest_keeps_its_direction():
-    before = History(track_to(0.2), Track(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.2,)), 1, 0.15)
-    kinks, direction, turning = lingered(before, 0.2, 0.2, 0.1)
+    before = SurfaceHistory(
+        track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.2,)), 1, 0.15
+    )
+    kinks, direction, turning = updated_kinks(before, 0.2, 0.2, 0.1)
     assert (kinks, direction, turning) == ((), 1, 0.15)
 
 
 def test_kinks_near_the_edge_are_dropped_and_few_are_kept():
     many = tuple(0.01 * k for k in range(1, 20))
-    before = History(track_to(0.5), Track(np.array([0.5, 1.0]), np.zeros((2, 1)), (*many, 0.5)), 1, None)
-    kinks, _, _ = lingered(before, 0.5, 0.51, 1e-4)
+    before = SurfaceHistory(
+        track_to(0.5), NodalVariables(np.array([0.5, 1.0]), np.zeros((2, 1)), (*many, 0.5)), 1, None
+    )
+    kinks, _, _ = updated_kinks(before, 0.5, 0.51, 1e-4)
     assert len(kinks) <= 8
-    kinks, _, _ = lingered(before, 0.5, 0.1501, 1e-3)
+    kinks, _, _ = updated_kinks(before, 0.5, 0.1501, 1e-3)
     assert min(abs(k - 0.1501) for k in kinks) >= 1e-3
 
 
@@ -153,4 +170,4 @@ def test_nodes_around_an_edge():
     radii = np.array([0.1, 0.5, 0.9, 0.99])
     assert_allclose(graded_nodes(radii, 2.0, 0.3), [1.8, 1.98, 2.0, 2.2, 2.02])
     assert_allclose(gaps_to_halve(np.array([0.0, 0.1, 1.0]), np.array([0.2, 0.2])), [0.55])
-    assert_array_equal(History.blank(3).radius, np.empty(0))
+    assert_array_equal(SurfaceHistory.blank(3).radius, np.empty(0))

@@ -9,7 +9,7 @@ from support.paper_scenes import scene
 
 from bem_solver.annuli import Annuli
 from bem_solver.kinks import Kinks
-from bem_solver.surface import Surface
+from bem_solver.surface import ContactSurface
 from contact_scene import Adhesion, Branch, Cone, Force, Material, Ramp, Sphere
 
 TWO = Material(0.75, 0.5, (Branch(0.75, 0.1), Branch(0.75, 1.0)))
@@ -21,7 +21,10 @@ def test_a_kink_alone_is_the_flat_punch_it_came_from():
     kinks = Kinks.within((old,), edge, 0.01)
     radius = np.append(edge * annuli.radii, kinks.readings)
     load = np.where(radius <= old, 1.0, 2.0 / np.pi * np.arcsin(np.minimum(old / radius, 1.0)))
-    aware, blind = Surface.under(annuli, edge, load, kinks), Surface.under(annuli, edge, load[:24])
+    aware, blind = (
+        ContactSurface.under(annuli, edge, load, kinks),
+        ContactSurface.under(annuli, edge, load[:24]),
+    )
     assert_allclose(aware.force, 2.0 * old, rtol=3e-4)
     assert abs(aware.force - 2.0 * old) < 0.1 * abs(blind.force - 2.0 * old)
     assert abs(aware.kappa) < 0.05 * abs(blind.kappa)

@@ -9,7 +9,7 @@ from support.paper_scenes import SPHERE, THREE
 from bem_solver.creep import Chain
 from bem_solver.surface_points import (
     Motion,
-    Points,
+    SurfacePoints,
     advanced,
     covered,
     displacement_outside,
@@ -28,13 +28,13 @@ def points_inside(radius, penetration):
     variables = 0.01 * RANDOM.normal(size=(len(radius), len(CHAIN)))
     height = SPHERE.height(radius)
     displacement = penetration - height
-    return Points(radius, height, variables, load_inside(CHAIN, variables, displacement), displacement)
+    return SurfacePoints(radius, height, variables, load_inside(CHAIN, variables, displacement), displacement)
 
 
 def points_outside(radius):
     """Points under some load, with lags."""
     variables, load = 1e-3 * RANDOM.normal(size=(len(radius), len(CHAIN))), 0.01 / radius
-    return Points(
+    return SurfacePoints(
         radius, SPHERE.height(radius), variables, load, displacement_outside(CHAIN, variables, load)
     )
 
@@ -80,7 +80,7 @@ def test_released_half_way_is_pressed_then_free():
     motion = Motion(0.4, 0.2, 0.19, 0.01, 0.006, singular=0.03)
     load = points.load - 0.004
     half = pressed(CHAIN, points.variables, np.array([-0.002]), 0.2)
-    at_release = Points(
+    at_release = SurfacePoints(
         points.radius,
         points.height,
         half,

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import ellipk
 from support.faults.injection import registry
 
-from bem_solver.history import Track
+from bem_solver.history import NodalVariables
 from bem_solver.surface_points import load_inside
 
 FAULTS, fault = registry("bem", "bem_solver")
@@ -19,7 +19,7 @@ def _(true):
     return lambda *given: 2.0 * true(*given)
 
 
-@fault("tension and compression swapped", "surface:Surface.tension")
+@fault("tension and compression swapped", "surface:ContactSurface.tension")
 def _(true):
     return lambda *given: -true(*given)
 
@@ -105,7 +105,7 @@ def _(true):
     return gap
 
 
-@fault("every start relaxed", "start:start_front")
+@fault("every start relaxed", "start:start_state")
 def _(true):
     def start(problem, scale):
         loading = replace(problem.scene.loading, start="relaxed")
@@ -129,24 +129,24 @@ def _(true):
     return lambda chain, points, motion, new_load: points.variables
 
 
-@fault("history read one node off", "history:Track.at")
+@fault("history read one node off", "history:NodalVariables.at")
 def _(true):
     def at(self, radius):
-        return true(Track(self.radius, np.roll(self.state, 1, axis=0), self.kinks), radius)
+        return true(NodalVariables(self.radius, np.roll(self.values, 1, axis=0), self.kinks), radius)
 
     return at
 
 
-@fault("square root at the edge left out of the outer history", "surface:Surface.root_strength")
+@fault("square root at the edge left out of the outer history", "surface:ContactSurface.root_strength")
 def _(true):
     return lambda self, reach: 0.0
 
 
-@fault("surface energy of the wrong sign in the balance", "recorder:Recorder.trace")
+@fault("surface energy of the wrong sign in the balance", "recorder:TraceRecorder.trace")
 def _(true):
-    return lambda self, *given: true(replace(self, work=-self.work), *given)
+    return lambda self, outcome, counters, work: true(self, outcome, counters, -work)
 
 
 @fault("branch energies advanced by half the step", "energy:stepped")
 def _(true):
-    return lambda chain, before, load, work, duration: true(chain, before, load, work, 0.5 * duration)
+    return lambda chain, before, increment, duration: true(chain, before, increment, 0.5 * duration)

@@ -1,0 +1,185 @@
+"""Instantaneous events: first contact, unstable edge motion, lift-off. Nothing is committed here.
+
+Penetration positive downwards, force positive in compression.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from scipy.optimize import brentq
+
+from bem_solver.energy import Energies
+from bem_solver.history import SurfaceHistory
+from bem_solver.loading_intervals import LoadingInterval
+from bem_solver.root_search import rising_root
+from bem_solver.run_state import GradedState, StepSettings
+from bem_solver.start import contact_scale, equilibrium
+from bem_solver.step import EDGE_ACCURACY
+from bem_solver.surface import ContactSurface
+from bem_solver.trial import ContactState, Problem, Trial, evaluate
+from contact_scene import Outcome, OutcomeKind
+
+SMALLEST_TRAVEL_SHARE = 1.0 / 64.0
+"""Share of the travel limit: an edge that passes even this at constant load moves unstably."""
+LARGEST_TRAVEL_SHARE = 4096.0
+"""Bound on widening the travel limit where time cannot resolve its passage; beyond it motion is unstable."""
+_STEPS_WITHOUT_CONTACT = 64
+"""Steps per interval in which an indenter without contact looks for the first one."""
+_FIRST_CONTACT_STEP = 1e-6
+"""First step into contact, relative to the interval: positive beyond rounding, too short for the history."""
+_SCAN_RATIO = 1.02
+"""Ratio of neighbouring contact radii in the search for the next stable one."""
+_ZERO_RESIDUAL = 1e-9
+"""Residual, relative to the work of adhesion or the mean pressure, below which it may be rounding."""
+_SMALLEST_CONTACT, _LARGEST_CONTACT = 1e-3, 1e3
+"""Radii between which a stable contact is sought, in estimated largest contact radii."""
+_STEP_AFTER_EVENT = 1e-3
+"""First step after an unstable motion, relative to the interval."""
+LOST_FORCE = 1e-9
+"""Contact counts as lost below this fraction of the largest force: steep profiles keep a small radius."""
+LOST_RADIUS = 2e-3
+"""Contact of an adhesionless indenter counts as lost below this fraction of its largest radius."""
+
+
+@dataclass(frozen=True)
+class FreeMotion:
+    """A step without contact: the parameter and state it ends with."""
+
+    parameter: float
+    contact: ContactState
+
+
+@dataclass(frozen=True)
+class EdgeJump:
+    """A new contact radius at unchanged load.
+
+    Attributes
+    ----------
+    parameter : float
+        Parameter of the loading interval.
+    trial : Trial
+        The stable contact reached.
+    next_step : float
+        Step to continue with.
+    event : bool
+        Whether the jump is an event of its own rather than the motion of a step.
+    """
+
+    parameter: float
+    trial: Trial
+    next_step: float
+    event: bool = False
+
+
+def without_contact(
+    problem: Problem, settings: StepSettings, state: GradedState, interval: LoadingInterval
+) -> FreeMotion | EdgeJump | Outcome:
+    """Without contact, move until the load turns positive, then make the first small contact.
+
+    Parameters
+    ----------
+    problem : Problem
+    settings : StepSettings
+    state : GradedState
+    interval : LoadingInterval
+
+    Returns
+    -------
+    FreeMotion, EdgeJump or Outcome
+        The last if the indenter is pulled away, or no first contact is in equilibrium.
+    """
+    contact, parameter, length = state.contact, state.parameter, interval.length
+    if interval.control == "force" and interval.prescribed(length) < 0.0:
+        return Outcome(OutcomeKind.DETACHED, "pulled without contact", contact.time)
+    later = min(parameter + length / _STEPS_WITHOUT_CONTACT, length)
+    if interval.prescribed(later) <= 0.0:
+        penetration = interval.prescribed(later) if interval.control == "penetration" else contact.penetration
+        free = ContactSurface.free(problem.annuli)
+        return FreeMotion(later, ContactState(interval.time(later), penetration, free, contact.history))
+    if interval.prescribed(parameter) < 0.0:
+        parameter = brentq(interval.prescribed, parameter, later, xtol=1e-14 * length)
+    first = min(parameter + _FIRST_CONTACT_STEP * length, length)
+    while interval.prescribed(first) <= 0.0 and first < length:
+        first = min(parameter + 2.0 * (first - parameter), length)
+    load = interval.prescribed(first)
+    scale = contact_scale(problem.scene, load) if interval.control == "penetration" else settings.scale
+    trial = equilibrium(problem, contact, interval.control, load, scale)
+    if trial is None:
+        return Outcome(OutcomeKind.NO_EQUILIBRIUM, "no first contact found", contact.time)
+    return EdgeJump(first, trial, max(first - parameter, _FIRST_CONTACT_STEP * length))
+
+
+def unstable_motion(
+    problem: Problem, settings: StepSettings, state: GradedState, interval: LoadingInterval, receding: bool
+) -> EdgeJump | Outcome:
+    """The next stable contact at the present load, in the direction in which the edge moves unstably.
+
+    Parameters
+    ----------
+    problem : Problem
+    settings : StepSettings
+    state : GradedState
+    interval : LoadingInterval
+    receding : bool
+        Direction of the motion.
+
+    Returns
+    -------
+    EdgeJump or Outcome
+        The latter where there is no stable contact.
+    """
+    contact, parameter = state.contact, state.parameter
+    limit = problem.scene.indenter.edge
+    load = interval.prescribed(parameter)
+
+    def trial(edge: float) -> Trial:
+        return evaluate(problem, contact, 0.0, edge, interval.control, load)
+
+    rounding = _ZERO_RESIDUAL * (problem.work or 0.5 * state.largest_force / contact.edge)
+    reach = problem.length_at(contact.edge) / settings.divisions
+    # Start outside the interval already searched, to avoid an endless loop.
+    start = reach * SMALLEST_TRAVEL_SHARE
+    edge = contact.edge - start if receding else min(contact.edge + start, limit)
+    ratio = 1.0 / _SCAN_RATIO if receding else _SCAN_RATIO
+    smallest = max(_SMALLEST_CONTACT * settings.scale, problem.zone)  # shorter than the zone: no contact
+    while smallest < edge < _LARGEST_CONTACT * settings.scale and (receding or edge < limit):
+        nearer, edge = edge, min(edge * ratio, limit)
+        reached = trial(edge)
+        stable = reached.residual < -rounding if receding else reached.residual > rounding
+        if not stable and edge < limit:
+            continue
+        if stable:
+            low, high = min(edge, nearer), max(edge, nearer)
+            accuracy = EDGE_ACCURACY * settings.tolerance * problem.length_at(edge)
+            reached = rising_root(trial, edge, 0.0, low, high, accuracy).trial
+        far = abs(reached.motion.new_edge - contact.edge) > reach
+        return EdgeJump(parameter, reached, _STEP_AFTER_EVENT * interval.length, far)
+    if receding:
+        reason = f"no stable contact at {interval.control} {load:.6g}"
+        return Outcome(OutcomeKind.DETACHED, reason, contact.time)
+    return Outcome(OutcomeKind.OUT_OF_RANGE, "the contact spreads without bound", contact.time)
+
+
+def contact_lost(problem: Problem, state: GradedState) -> bool:
+    """Whether an adhesionless contact has become too small to follow."""
+    return problem.work == 0.0 and (
+        state.contact.edge < LOST_RADIUS * state.largest_edge
+        or abs(state.contact.surface.force) < LOST_FORCE * state.largest_force
+    )
+
+
+def lift_off(
+    problem: Problem, state: GradedState, interval: LoadingInterval
+) -> tuple[ContactState, Energies]:
+    """State when the last, vanishing contact of an adhesionless indenter is gone.
+
+    Its area is extrapolated to zero linearly; the surface outside keeps its history.
+    """
+    (before, wide, _), (now, narrow, _) = state.accepted.rows[-2:]
+    ahead = narrow**2 * (now - before) / (wide**2 - narrow**2) if wide > narrow else 0.0
+    end, contact = min(now + ahead, interval.length), state.contact
+    penetration = interval.prescribed(end) if interval.control == "penetration" else contact.penetration
+    history = replace(SurfaceHistory.blank(len(problem.chain)), outer=contact.history.outer)
+    free = ContactSurface.free(problem.annuli)
+    return ContactState(interval.time(end), penetration, free, history), state.energies.unloaded()

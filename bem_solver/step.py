@@ -1,0 +1,215 @@
+"""A trial step on graded annuli: a candidate for the next state, or why there is none.
+
+Nothing is committed here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from scipy.optimize import brentq
+
+from bem_solver.loading_intervals import LoadingInterval
+from bem_solver.root_search import RootSearchResult, rising_root
+from bem_solver.run_state import GradedState, StepSettings
+from bem_solver.step_control import departure_from_line, shrunk
+from bem_solver.trial import ContactState, Problem, Trial, evaluate
+
+EDGE_ACCURACY = 4e-3
+"""Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
+_RESIDUAL_ACCURACY = 1e-2
+"""Accuracy of the closure, in step tolerances of the work of adhesion: far below the step error."""
+_LOAD_WEIGHT = 4.0
+"""Weight of the departure of the load from a straight line against that of the edge in the step error."""
+_SCALE_OF_FIRST_LOAD = 0.01
+"""Part of the load to be expected in an interval against which a load that starts from zero is measured."""
+
+
+class StepFailure(Enum):
+    """Why a trial step has no candidate."""
+
+    BEYOND_TRAVEL_LIMIT = auto()
+    """Even at the load of the start, the edge goes beyond its travel limit."""
+    UNRESOLVED = auto()
+    """The edge passes its travel limit after a time below the rounding of the parameter."""
+    UNSTABLE = auto()
+    """The edge at the travel limit is in equilibrium, but not a stable one."""
+
+
+@dataclass(frozen=True)
+class FailedStep:
+    """A trial step without candidate; ``travel`` is how far the edge would have moved."""
+
+    failure: StepFailure
+    receding: bool
+    travel: float = 0.0
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A trial that satisfies the closure, the parameter it was reached at, and its error in tolerances.
+
+    ``slope`` is the derivative of the residual with the edge; zero if unknown.
+    """
+
+    parameter: float
+    trial: Trial
+    error: float
+    slope: float = 0.0
+
+
+def free_load(interval: LoadingInterval, contact: ContactState) -> float:
+    """The quantity that is not prescribed: force under controlled penetration, penetration under force."""
+    return contact.surface.force if interval.control == "penetration" else contact.penetration
+
+
+def limited_step(
+    problem: Problem, settings: StepSettings, state: GradedState, interval: LoadingInterval
+) -> tuple[float, float]:
+    """The step to try.
+
+    Within the travel limit, with no more than a slight departure of the prescribed quantity from its chord,
+    and without leaving a sliver before the end of the interval.
+
+    Parameters
+    ----------
+    problem : Problem
+    settings : StepSettings
+    state : GradedState
+    interval : LoadingInterval
+
+    Returns
+    -------
+    limited, step : float
+        Step size to start from next time, and the step itself.
+    """
+    limit = 0.9 * state.travel_share * problem.length_at(state.contact.edge) / settings.divisions
+    limited, parameter = state.step, state.parameter
+    speed = abs(state.accepted.rates(limited)[0])
+    if speed * limited > limit:
+        limited = limit / speed
+    left = interval.length - parameter
+    limited = min(limited, left)
+    while (departure := interval.departure_from_chord(parameter, limited) / settings.tolerance) > 1.0:
+        limited = shrunk(limited, departure)
+    if limited >= left * (1.0 - 1e-9):
+        return limited, left
+    return limited, min(limited, 0.5 * left) if 2.0 * limited > left else limited
+
+
+@dataclass(frozen=True)
+class TrialStep:
+    """A step of length ``step`` from the committed state along a loading interval.
+
+    Where the edge would go further than its travel limit, the shorter step that takes it just there is
+    sought instead.
+    """
+
+    problem: Problem
+    settings: StepSettings
+    state: GradedState
+    interval: LoadingInterval
+    step: float
+
+    @property
+    def end(self) -> float:
+        """Parameter at the end; that of the interval exactly."""
+        parameter, length = self.state.parameter, self.interval.length
+        return length if self.step == length - parameter else parameter + self.step
+
+    def result(self) -> Candidate | FailedStep:
+        """The candidate, or why there is none."""
+        problem, state, step = self.problem, self.state, self.step
+        edge, limit = state.contact.edge, problem.scene.indenter.edge
+        length, tolerance = problem.length_at(edge), self.settings.tolerance
+        reach = state.travel_share * length / self.settings.divisions
+        low, high = max(edge - reach, 0.25 * edge), min(edge + reach, limit)
+        if edge == limit:
+            resting = self._in_full_contact()
+            if resting is not None:
+                return resting
+        root = rising_root(
+            lambda radius: self._trial(self.end, radius),
+            state.accepted.edge_after(step),
+            state.slope,
+            low,
+            high,
+            EDGE_ACCURACY * tolerance * length,
+            _RESIDUAL_ACCURACY * tolerance * problem.work or math.inf,
+        )
+        if root.position == "converged" or (root.position == "above" and high == limit):
+            return Candidate(self.end, root.trial, self._error(root.trial, step), root.slope)
+        receding = root.position == "below"
+        return self._to_travel_limit(receding, low if receding else high, reach, root)
+
+    def _to_travel_limit(
+        self, receding: bool, edge: float, reach: float, root: RootSearchResult[Trial]
+    ) -> Candidate | FailedStep:
+        """The shorter step that takes the edge to its travel limit ``edge``, if it is stable there."""
+        start, beyond = self.state.parameter, root.trial
+
+        def residual(share: float) -> float:
+            return self._trial(start + share * self.step, edge).residual
+
+        if (residual(0.0) > 0.0) == (beyond.residual > 0.0):
+            return FailedStep(StepFailure.BEYOND_TRAVEL_LIMIT, receding)
+        share = _sign_change(residual, beyond.residual > 0.0)
+        parameter = start + share * self.step
+        if parameter <= start:
+            return FailedStep(StepFailure.UNRESOLVED, receding)
+        trial = self._trial(parameter, edge)
+        inward = self._trial(parameter, edge - 0.01 * reach)
+        if inward.residual > trial.residual:
+            travel = abs(beyond.motion.new_edge - self.state.contact.edge)
+            return FailedStep(StepFailure.UNSTABLE, receding, travel)
+        return Candidate(parameter, trial, 0.0, root.slope)
+
+    def _in_full_contact(self) -> Candidate | None:
+        """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""
+        start, edge = self.state.parameter, self.state.contact.edge
+        trial = self._trial(self.end, edge)
+        if trial.residual <= 0.0:
+            return Candidate(self.end, trial, self._error(trial, self.end - start, self.step))
+        if self._trial(start, edge).residual >= -1e-6 * trial.residual:
+            return None
+        end = brentq(lambda p: self._trial(p, edge).residual, start, self.end, xtol=1e-12 * self.end)
+        if end <= start:
+            return None
+        trial = self._trial(end, edge)
+        return Candidate(end, trial, self._error(trial, end - start))
+
+    def _trial(self, parameter: float, edge: float) -> Trial:
+        interval, contact = self.interval, self.state.contact
+        duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
+        prescribed = interval.prescribed(parameter)
+        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed)
+
+    def _error(self, trial: Trial, step: float, rate_step: float | None = None) -> float:
+        """Departure of edge and load from straight lines, in tolerances.
+
+        ``rate_step`` is the step for which rates are taken, ``step`` itself by default.
+        """
+        problem, interval, contact = self.problem, self.interval, self.state.contact
+        edge_rate, load_rate = self.state.accepted.rates(step if rate_step is None else rate_step)
+        edge = trial.motion.new_edge
+        stiffness = 2.0 * edge * problem.chain.relaxed
+        force = interval.span * (stiffness if interval.control == "penetration" else 1.0)
+        scale = max(self.state.largest_force, abs(trial.surface.force), _SCALE_OF_FIRST_LOAD * force)
+        load = trial.surface.force
+        if interval.control == "force":
+            load = trial.motion.new_penetration
+            scale /= stiffness
+        of_edge = departure_from_line(edge - contact.edge - edge_rate * step, problem.length_at(edge))
+        of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
+        return max(of_edge, _LOAD_WEIGHT * of_load) / self.settings.tolerance
+
+
+def _sign_change(residual: Callable[[float], float], positive: bool) -> float:
+    """Share of the step, however small, at which the residual takes the sign it has at the end."""
+    upper = lower = 1.0
+    while lower > 1e-300 and (residual(lower) > 0.0) == positive:
+        lower, upper = 1e-3 * lower, lower
+    return brentq(residual, lower, upper, xtol=1e-300, rtol=1e-7)
