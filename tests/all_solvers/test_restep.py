@@ -13,7 +13,7 @@ from support.stopped_runs import assert_same_columns
 from test_resume import APART, RICH, SHORT, bem, fem, front
 
 from bem_solver.stepping import Stepper, Unresolvable
-from fem_solver.stepping import Run as FemRun
+from fem_solver.stepping import NodeReleaseRun
 from validation.reference.tracking.stepping import Run as FrontRun
 
 
@@ -27,7 +27,7 @@ def twice(monkeypatch):
     """Every step of every solver is preceded by a vain one; counts them."""
     vain = {"bem": 0, "fem": 0, "reference": 0}
     share = shares()
-    attempt, take, advance = Stepper._attempt, FemRun._step, FrontRun.attempt
+    attempt, trial, advance = Stepper._attempt, NodeReleaseRun.trial_step, FrontRun.attempt
 
     def bem_attempt(self, piece, parameter, step):
         with suppress(Unresolvable, FloatingPointError):  # it may come to nothing
@@ -35,17 +35,11 @@ def twice(monkeypatch):
         vain["bem"] += 1
         return attempt(self, piece, parameter, step)
 
-    def fem_step(self, segment, clock):
-        dt = next(share) * clock.dt
-        ahead = min(clock.time + dt, segment.end)
-        problem, _ = self._problem(dt, segment.control, segment.value(ahead))
-        found = self.law.seek(problem, self.state.s, *self._travel(self.state))
-        slopes, scales = self._slopes(problem, found.s, dt)
-        self.judge.error(slopes, scales, dt)
-        problem.forces(found.s)
-        self._count(problem)
+    def fem_trial(self, segment, dt, end):
+        longer = next(share) * dt
+        trial(self, segment, longer, min(self.time + longer, segment.end))
         vain["fem"] += 1
-        take(self, segment, clock)
+        return trial(self, segment, dt, end)
 
     def front_attempt(self, segment, travel=0.0):
         left = segment.end - self.time
@@ -60,7 +54,7 @@ def twice(monkeypatch):
 
     def put():
         monkeypatch.setattr(Stepper, "_attempt", bem_attempt)
-        monkeypatch.setattr(FemRun, "_step", fem_step)
+        monkeypatch.setattr(NodeReleaseRun, "trial_step", fem_trial)
         monkeypatch.setattr(FrontRun, "attempt", front_attempt)
         return vain
 

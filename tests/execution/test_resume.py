@@ -53,7 +53,7 @@ def bem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:
 
 def fem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:
     fineness = 4 if scene.is_adhesive else 1
-    asked = fem_solver.Options(fineness, 5e-3, TIMES, **options)
+    asked = fem_solver.Options(fineness, 5e-3, profile_times=TIMES, **options)
     return fem_solver.solve(scene, mesh_for(scene, fineness), asked, None, watch)
 
 
