@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Response:
-    """What a step makes of new surface forces: ``u = free + C f/modulus``.
+    """Surface displacement at the end of a step for new surface forces: ``u = free + C f/modulus``.
 
-    ``free`` (n,) is the displacement the surface would have without forces; ``operator`` holds ``C``.
+    ``free`` (n,) is the displacement of the surface without forces; ``operator`` holds ``C``.
     """
 
     operator: SurfaceOperator
@@ -37,21 +37,40 @@ class Response:
 
 @dataclass(frozen=True)
 class CondensedState:
-    """``w`` of shape (n,) and ``branches`` of shape (branches, n)."""
+    """Internal variables on the surface.
+
+    Parameters
+    ----------
+    image : ndarray, shape (n,)
+        ``w``, the forces that cause the present displacement in a solid of unit shear modulus.
+    branches : ndarray, shape (branches, n)
+        ``b_k``.
+    dissipated : float
+        Energy dissipated in the branches so far.
+    updates : int
+        Accepted steps so far.
+    """
 
     image: Array
     branches: Array
+    dissipated: float = 0.0
+    updates: int = 0
 
 
 class CondensedHistory:
-    """Relaxation form on surface vectors."""
+    """Relaxation form on surface vectors; ``state`` is replaced by every accepted step.
+
+    Parameters
+    ----------
+    operator : SurfaceOperator
+        Compliance ``C`` of n surface nodes for unit shear modulus.
+    shear : Prony
+    """
 
     def __init__(self, operator: SurfaceOperator, shear: Prony) -> None:
         nodes = len(operator.unit)
         self.operator, self.shear = operator, shear
         self.state = CondensedState(np.zeros(nodes), np.zeros((len(shear.times), nodes)))
-        self.dissipated = 0.0
-        self.updates = 0
         self.volume_solves = 0
         self.factorisations = 1
 
@@ -62,24 +81,32 @@ class CondensedHistory:
         free = -(self.operator.compliance @ memory) / step.modulus
         return Response(self.operator, step.modulus, free)
 
-    def commit(self, dt: float, response: Response, forces: Array) -> None:
+    def commit(self, dt: float, forces: Array) -> None:
         """Accept the step that ends with these surface forces."""
         step: Increment = self.shear.increment(dt)
         old = self.state
         image = (forces - step.memory(old.branches, old.image)) / step.modulus
-        if 0.0 < dt < np.inf:
-            self.dissipated += self._loss(dt, image - old.image)
-        self.state = CondensedState(image, step.advance(old.branches, image - old.image))
-        self.updates += 1
+        change = image - old.image
+        loss = self._loss(dt, change) if 0.0 < dt < np.inf else 0.0
+        branches = step.advance(old.branches, change)
+        self.state = CondensedState(image, branches, old.dissipated + loss, old.updates + 1)
+
+    def snapshot(self) -> CondensedState:
+        """Serialisable state."""
+        return self.state
+
+    def restore(self, state: CondensedState) -> None:
+        """Continue from a state."""
+        self.state = state
 
     def _loss(self, dt: float, change: Array) -> float:
         weights = self.shear.loss_weights(dt)
-        driven = self.operator.compliance @ change
+        displacement = self.operator.compliance @ change
         total = 0.0
         for k, branch in enumerate(self.state.branches):
             modulus = self.shear.moduli[k]
-            forms = (branch @ (self.operator.compliance @ branch) / modulus, branch @ driven)
-            total += weights[:, k] @ (*forms, modulus * (change @ driven))
+            forms = (branch @ (self.operator.compliance @ branch) / modulus, branch @ displacement)
+            total += weights[:, k] @ (*forms, modulus * (change @ displacement))
         return float(total)
 
     @property

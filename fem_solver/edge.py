@@ -17,28 +17,31 @@ from scipy.optimize import brentq
 from fem_solver.release import ContactProblem, EdgeGeometry
 
 _NODE_TOLERANCE = 1e-10
-_STRIDE, _NARROW = 0.25, 2.0**-12  # elements
+"""Accuracy of the edge position, in node spacings."""
+_STRIDE, _NARROW_STRIDE = 0.25, 2.0**-12
+"""First stride of a search, in node spacings: the usual one, and that next to the last root."""
 NO_CONTACT = -1.0
+"""Edge position at which no node is in contact."""
 
 
-class Fate(Enum):
-    """Result of a search for the edge."""
+class EdgeMotion(Enum):
+    """Result of a search: the edge rests within the range searched, or leaves it inwards or outwards."""
 
-    SETTLED = "settled"
+    RESTING = "resting"
     RECEDING = "receding"
     ADVANCING = "advancing"
 
 
 @dataclass(frozen=True)
 class EdgeSearch:
-    """Edge position ``s`` if settled; otherwise the end of the range, and which way it ran."""
+    """Edge position ``s`` in equilibrium; otherwise the end of the range that was searched."""
 
-    fate: Fate
+    motion: EdgeMotion
     s: float
 
 
 class EdgeLaw(Protocol):
-    """What both laws offer."""
+    """Law of the contact edge; ``lowest`` is the least edge position it resolves."""
 
     lowest: float
 
@@ -60,7 +63,7 @@ class AdhesiveEdge:
 
     def __init__(self, geometry: EdgeGeometry, work: float) -> None:
         self.geometry, self.work = geometry, work
-        #: contact of the first element only cannot be told from none
+        #: contact of less than one element cannot be distinguished from no contact
         self.lowest = 2.0
 
     def _excess(self, problem: ContactProblem, s: float) -> float:
@@ -70,28 +73,30 @@ class AdhesiveEdge:
     def start(self, problem: ContactProblem) -> EdgeSearch:
         """Scan inwards from the largest contact for the first stable root.
 
-        A root below one process zone is returned as well, so that it can be named.
+        A root below one process zone is returned as well: the caller names it in its error.
         """
         last = self.geometry.last
         if self._excess(problem, last) <= 0.0:
             if self.geometry.capped:
-                return EdgeSearch(Fate.SETTLED, float(last))
-            return EdgeSearch(Fate.ADVANCING, float(last))
+                return EdgeSearch(EdgeMotion.RESTING, float(last))
+            return EdgeSearch(EdgeMotion.ADVANCING, float(last))
         for node in range(last - 1, 0, -1):
             if self._excess(problem, node) < 0.0:
-                return EdgeSearch(Fate.SETTLED, self._root(problem, float(node), node + 1.0))
-        if problem.penetration(1.0) >= 0.0:  # pressed, yet smaller than the mesh can tell
-            return EdgeSearch(Fate.SETTLED, 1.0)
-        return EdgeSearch(Fate.RECEDING, self.lowest)
+                return EdgeSearch(EdgeMotion.RESTING, self._root(problem, float(node), node + 1.0))
+        if problem.penetration(1.0) >= 0.0:  # in compression, but smaller than the mesh resolves
+            return EdgeSearch(EdgeMotion.RESTING, 1.0)
+        return EdgeSearch(EdgeMotion.RECEDING, self.lowest)
 
     def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
         """Expand a bracket from ``s`` in the direction the closure asks for.
 
-        Next to the last root the range that holds the edge is narrower than the usual stride, so that an edge
-        is not said to run away before a search with a far shorter one.
+        Next to the last root the interval between two roots is narrower than the usual stride, so a search
+        that ends in a receding edge is repeated with a far shorter one.
         """
-        found = self._expand(problem, s, low, high, _STRIDE)
-        return found if found.fate is not Fate.RECEDING else self._expand(problem, s, low, high, _NARROW)
+        search = self._expand(problem, s, low, high, _STRIDE)
+        if search.motion is EdgeMotion.RECEDING:
+            return self._expand(problem, s, low, high, _NARROW_STRIDE)
+        return search
 
     def _expand(
         self, problem: ContactProblem, s: float, low: float, high: float, stride: float
@@ -107,11 +112,11 @@ class AdhesiveEdge:
                 ahead = limit
             beyond = self._excess(problem, ahead)
             if beyond * way >= 0.0:
-                return EdgeSearch(Fate.SETTLED, self._root(problem, min(here, ahead), max(here, ahead)))
+                return EdgeSearch(EdgeMotion.RESTING, self._root(problem, min(here, ahead), max(here, ahead)))
             here, stride = ahead, 2.0 * stride
         if way > 0.0 and self.geometry.capped and limit == self.geometry.last:
-            return EdgeSearch(Fate.SETTLED, limit)
-        return EdgeSearch(Fate.ADVANCING if way > 0.0 else Fate.RECEDING, limit)
+            return EdgeSearch(EdgeMotion.RESTING, limit)
+        return EdgeSearch(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
 
     def _root(self, problem: ContactProblem, low: float, high: float) -> float:
         return float(brentq(lambda s: self._excess(problem, s), low, high, xtol=_NODE_TOLERANCE, rtol=1e-15))
@@ -141,14 +146,14 @@ class AdhesionlessEdge:
             m += 1
         capped = self.geometry.capped and m == self.geometry.last
         if m == highest and not capped and self._presses(problem, m + 1):
-            return EdgeSearch(Fate.ADVANCING, float(m))
+            return EdgeSearch(EdgeMotion.ADVANCING, float(m))
         if m > s:
-            return EdgeSearch(Fate.SETTLED, float(m))
+            return EdgeSearch(EdgeMotion.RESTING, float(m))
         while m > lowest and not self._presses(problem, m):
             m -= 1
         untouched = m == NO_CONTACT and s == NO_CONTACT and not self._pulls(problem)
         held = m > NO_CONTACT and self._presses(problem, m)
-        return EdgeSearch(Fate.SETTLED if held or untouched else Fate.RECEDING, float(m))
+        return EdgeSearch(EdgeMotion.RESTING if held or untouched else EdgeMotion.RECEDING, float(m))
 
     @staticmethod
     def _presses(problem: ContactProblem, node: int) -> bool:

@@ -1,11 +1,15 @@
-"""What may be asked of the finite-element solver beyond the scene and the mesh."""
+"""Numerical options of the finite-element solver, beside the scene and the mesh."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
+from contact_scene.errors import number, one_of
+from contact_scene.run_control import MAX_STEPS, moments, whole_number
+
 DEFAULT_TOLERANCE = 1e-3
+"""Relative accuracy of the force in time where the options ask for none."""
 
 
 @dataclass(frozen=True)
@@ -15,14 +19,16 @@ class Options:
     Parameters
     ----------
     resolution : int, optional
-        Divisions per process zone that the time steps resolve: in one step the edge moves by at most half a
-        division. Default: the elements of the mesh.
+        Divisions per process zone that the time steps resolve: in one step the edge moves by at most a
+        quarter of a division. Default: the elements of the mesh.
     tolerance : float, optional
-        Asked relative accuracy of the force in time; default 1e-3.
+        Relative accuracy of the force in time, between 0 and 1; default ``DEFAULT_TOLERANCE``.
+    stop_times : tuple of float
+        Times stepped onto exactly.
     profile_times : tuple of float
         Times, stepped onto exactly, at which surface profiles are returned.
     max_steps : int
-        Budget of accepted steps.
+        Trial steps, accepted and rejected together, after which the run ends.
     form : "mixed" or "displacement"
         Displacement and pressure, or displacement alone (which locks towards ``nu = 0.5``).
     path : "auto", "condensed" or "quadrature"
@@ -30,19 +36,25 @@ class Options:
     far_field : bool
         Prescribe the displacement of the total force on the far boundary; otherwise hold it.
     record_times : tuple of float
-        Times, stepped onto exactly, at which the whole history is kept for fields in the body.
+        Times, stepped onto exactly, at which the whole history is recorded for fields in the body.
     record_every : int
-        Keep it at every n-th row as well; 0: no.
+        Record it at every n-th row as well; 0: no.
     record_rows : tuple of int
-        Keep it at these rows as well: a run of the same scene, mesh and options has the same rows.
+        Record it at these rows as well: a run of the same scene, mesh and options has the same rows.
     record_pull_off : bool
-        Keep it where the tension is largest as well.
+        Record it where the tension is largest as well.
+
+    Raises
+    ------
+    SceneError
+        If an option is out of its range.
     """
 
     resolution: int | None = None
     tolerance: float | None = None
+    stop_times: tuple[float, ...] = ()
     profile_times: tuple[float, ...] = ()
-    max_steps: int = 50_000
+    max_steps: int = MAX_STEPS
     form: Literal["mixed", "displacement"] = "mixed"
     path: Literal["auto", "condensed", "quadrature"] = "auto"
     far_field: bool = True
@@ -51,24 +63,30 @@ class Options:
     record_rows: tuple[int, ...] = ()
     record_pull_off: bool = False
 
+    def __post_init__(self) -> None:
+        checked = {
+            "stop_times": moments(self.stop_times),
+            "profile_times": moments(self.profile_times),
+            "record_times": moments(self.record_times),
+            "max_steps": whole_number(self.max_steps, "max_steps", 1),
+            "record_every": whole_number(self.record_every, "record_every", 0),
+        }
+        if self.resolution is not None:
+            checked["resolution"] = whole_number(self.resolution, "resolution", 1)
+        if self.tolerance is not None:
+            allowed = "a number between 0 and 1"
+            number(self.tolerance, "tolerance", allowed, low=0.0, high=1.0, open_low=True, open_high=True)
+        one_of(self.form, "form", ("mixed", "displacement"))
+        one_of(self.path, "path", ("auto", "condensed", "quadrature"))
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
     @property
     def records(self) -> bool:
-        """Whether any history is to be kept."""
-        asked = self.record_times or self.record_rows or self.record_every
-        return bool(asked) or self.record_pull_off
+        """Whether any history is recorded."""
+        return bool(self.record_times or self.record_rows or self.record_every or self.record_pull_off)
 
-    def __post_init__(self) -> None:
-        if self.resolution is not None and self.resolution < 1:
-            raise ValueError(f"resolution = {self.resolution}: must be a whole number >= 1")
-        if self.tolerance is not None and not 0.0 < self.tolerance < 1.0:
-            raise ValueError(f"tolerance = {self.tolerance}: must be between 0 and 1")
-        if self.max_steps < 1:
-            raise ValueError(f"max_steps = {self.max_steps}: must be >= 1")
-        if self.record_every < 0:
-            raise ValueError(f"record_every = {self.record_every}: must be a whole number >= 0")
-        for name, allowed in (
-            ("form", ("mixed", "displacement")),
-            ("path", ("auto", "condensed", "quadrature")),
-        ):
-            if getattr(self, name) not in allowed:
-                raise ValueError(f"{name} = {getattr(self, name)!r}: must be one of {', '.join(allowed)}")
+    @property
+    def requested_times(self) -> frozenset[float]:
+        """All times that are stepped onto."""
+        return frozenset((*self.stop_times, *self.profile_times, *self.record_times))

@@ -31,11 +31,11 @@ def profile(state: SurfaceState, radii: Array, height: Array) -> Profile:
     areas = tributary_areas(radii)
     pressure = np.divide(state.forces, areas, out=np.zeros_like(areas), where=areas > 0.0)
     pressure[0] = pressure[1]
-    full = int(np.floor(state.s))
+    full = int(np.floor(state.edge))
     gap = height - state.penetration + state.displacement
     gap[: full + 1] = 0.0
     keep = np.ones(len(radii), bool)
-    if full + 1 < len(radii) and state.s > full:
+    if full + 1 < len(radii) and state.edge > full:
         keep[full + 1] = False
     return Profile(
         state.time,

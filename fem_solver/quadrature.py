@@ -34,10 +34,15 @@ Form = Callable[[Array, Array], float]
 
 
 @dataclass(frozen=True)
-class Relaxing:
-    """A modulus with its strain-like vector and branch variables.
+class RelaxingField:
+    """A relaxing modulus with the strain it acts on and its branch variables.
 
-    The vector holds a field and, behind it, the two far amplitudes; ``branches`` has shape (branches, m).
+    Parameters
+    ----------
+    modulus : Prony
+    x : ndarray, shape (m,)
+        A strain field and, behind it, the two amplitudes of the far field.
+    branches : ndarray, shape (branches, m)
     """
 
     modulus: Prony
@@ -45,7 +50,7 @@ class Relaxing:
     branches: Array
 
     @classmethod
-    def at_rest(cls, modulus: Prony, size: int) -> Relaxing:
+    def at_rest(cls, modulus: Prony, size: int) -> RelaxingField:
         """Undeformed."""
         return cls(modulus, np.zeros(size), np.zeros((len(modulus.times), size)))
 
@@ -53,14 +58,50 @@ class Relaxing:
         """Stress that the past leaves at the end of a step."""
         return self.modulus.increment(dt).memory(self.branches, self.x)
 
-    def advanced(self, dt: float, x: Array) -> Relaxing:
+    def advanced(self, dt: float, x: Array) -> RelaxingField:
         """State at the end of a step."""
-        return Relaxing(self.modulus, x, self.modulus.increment(dt).advance(self.branches, x - self.x))
+        return RelaxingField(self.modulus, x, self.modulus.increment(dt).advance(self.branches, x - self.x))
 
 
 @dataclass(frozen=True)
-class Pending:
-    """What a step needs again when it is accepted."""
+class QuadratureState:
+    """Internal variables in the volume.
+
+    Parameters
+    ----------
+    unknowns : ndarray, shape (unknowns,)
+        Displacement and, in the mixed form, pressure.
+    shear, volume : RelaxingField
+    far : tuple of RelaxingField
+        The two amplitudes of the far field.
+    dissipated : float
+        Energy dissipated in the branches so far.
+    updates : int
+        Accepted steps so far.
+    """
+
+    unknowns: Array
+    shear: RelaxingField
+    volume: RelaxingField
+    far: tuple[RelaxingField, RelaxingField]
+    dissipated: float = 0.0
+    updates: int = 0
+
+
+@dataclass(frozen=True)
+class QuadratureSnapshot:
+    """Serialisable state of the history, with the work done.
+
+    ``solves`` are the back-substitutions by ratio of moduli, in the order in which these were factorised.
+    """
+
+    state: QuadratureState
+    solves: dict[float, int]
+
+
+@dataclass(frozen=True)
+class LoadOfPast:
+    """Load that the past leaves at the end of a step, used by the trial and again when it is accepted."""
 
     dt: float
     modulus: float
@@ -89,42 +130,39 @@ class QuadratureHistory:
         measure = forms.measure(space.basis)
         self._measure = np.concatenate([weight * measure.ravel() for weight in forms.CONTRACTION])
         self._points = measure.ravel()
-        self.shear = Relaxing.at_rest(shear, self.strain.shape[0] + 2)
         volume_size = space.pressure_basis.N if space.mixed else measure.size
-        # without compression the pressure is a reaction; it is split like the shear, for the energies
-        self.volume = Relaxing.at_rest(bulk or shear, volume_size + 2)
         joined = shear if bulk is None else bulk.scaled(3.0).plus(shear)
-        self.far = (Relaxing.at_rest(shear, 1), Relaxing.at_rest(joined, 1))
-        self.unknowns = np.zeros(space.unknowns)
+        self.state = QuadratureState(
+            unknowns=np.zeros(space.unknowns),
+            shear=RelaxingField.at_rest(shear, self.strain.shape[0] + 2),
+            # without compression the pressure is a reaction; it is split like the shear, for the energies
+            volume=RelaxingField.at_rest(bulk or shear, volume_size + 2),
+            far=(RelaxingField.at_rest(shear, 1), RelaxingField.at_rest(joined, 1)),
+        )
         self._operators: dict[float, tuple[Factorisation, SurfaceOperator]] = {}
         self.weights: Array = np.zeros(0)
-        self._pending: Pending | None = None
+        self._past: LoadOfPast | None = None
         #: of the relaxed solid
         self.factor, self.operator = self._operator(self._ratio(np.inf))
         far_strain = [self._deviator(shape[: space.basis.N]) for shape in space.far_shapes]
         self._far_shear = np.stack([0.5 * self._measure * field for field in far_strain])
         self._far_volume = np.stack([self._volume_force(shape) for shape in space.far_shapes])
-        self.dissipated = 0.0
-        self.updates = 0
-
-    @property
-    def state(self) -> tuple[Array, Relaxing, Relaxing]:
-        """Unknowns, shear and volume history."""
-        return self.unknowns, self.shear, self.volume
 
     @property
     def volume_solves(self) -> int:
         """Back-substitutions in the volume so far."""
         return sum(factor.solves for factor, _ in self._operators.values())
 
-    @property
-    def solves(self) -> dict[float, int]:
-        """Back-substitutions so far, by ratio of moduli."""
-        return {ratio: factor.solves for ratio, (factor, _) in self._operators.items()}
+    def snapshot(self) -> QuadratureSnapshot:
+        """Serialisable state."""
+        return QuadratureSnapshot(
+            self.state, {ratio: factor.solves for ratio, (factor, _) in self._operators.items()}
+        )
 
-    def factorise_again(self, solves: dict[float, int]) -> None:
-        """The factors that a run had made when it was kept, and the work it had done with them."""
-        for ratio, count in solves.items():
+    def restore(self, snapshot: QuadratureSnapshot) -> None:
+        """Continue from a state; the factors are computed again, in the same order."""
+        self.state = snapshot.state
+        for ratio, count in snapshot.solves.items():
             self._operator(ratio)[0].solves = count
 
     @property
@@ -139,41 +177,41 @@ class QuadratureHistory:
 
     def respond(self, dt: float) -> Response:
         """Response to forces at the end of a step; changes nothing."""
-        pending = self._prepare(dt)
-        factor, operator = self._operator(pending.ratio)
-        free = factor.solve(pending.load, pending.far_memory)
-        return Response(operator, pending.modulus, -free[self.space.surface_dofs[: self.count]])
+        past = self._prepare(dt)
+        factor, operator = self._operator(past.ratio)
+        free = factor.solve(past.load, past.far_memory)
+        return Response(operator, past.modulus, -free[self.space.surface_dofs[: self.count]])
 
-    def commit(self, dt: float, response: Response, forces: Array) -> None:
+    def commit(self, dt: float, forces: Array) -> None:
         """Accept the step that ends with these surface forces."""
-        pending = self._prepare(dt)
-        modulus = pending.modulus
-        factor, _ = self._operator(pending.ratio)
-        load = pending.load.copy()
+        past, old = self._prepare(dt), self.state
+        modulus = past.modulus
+        factor, _ = self._operator(past.ratio)
+        load = past.load.copy()
         load[self.space.surface_dofs[: self.count]] -= forces / modulus
         total = float(self.weights @ forces)
-        amplitudes = pending.far_memory + factor.far_mix * total / modulus
+        amplitudes = past.far_memory + factor.far_mix * total / modulus
         unknowns = factor.solve(load, amplitudes)
-        shear = self.shear.advanced(dt, np.append(2.0 * self._deviator(unknowns), amplitudes))
-        volume = self.volume.advanced(dt, np.append(self._volume_strain(dt, unknowns, modulus), amplitudes))
+        shear = old.shear.advanced(dt, np.append(2.0 * self._deviator(unknowns), amplitudes))
+        volume = old.volume.advanced(dt, np.append(self._volume_strain(dt, unknowns, modulus), amplitudes))
+        dissipated = old.dissipated
         if 0.0 < dt < np.inf:
-            self.dissipated += self._loss(dt, self.shear, shear, self._shear_form)
-            self.dissipated += self._loss(dt, self.volume, volume, self._volume_form)
-        self.shear, self.volume, self.unknowns = shear, volume, unknowns
-        first, second = self.far
-        self.far = first.advanced(dt, amplitudes[:1]), second.advanced(dt, amplitudes[1:])
-        self._pending = None
-        self.updates += 1
+            dissipated += self._loss(dt, old.shear, shear, self._shear_form)
+            dissipated += self._loss(dt, old.volume, volume, self._volume_form)
+        far = old.far[0].advanced(dt, amplitudes[:1]), old.far[1].advanced(dt, amplitudes[1:])
+        self.state = QuadratureState(unknowns, shear, volume, far, dissipated, old.updates + 1)
+        self._past = None
 
     @property
     def displacement(self) -> Array:
         """Surface displacement, downwards; shape (count,)."""
-        return -self.unknowns[self.space.surface_dofs[: self.count]]
+        return -self.state.unknowns[self.space.surface_dofs[: self.count]]
 
     @property
     def stored_energy(self) -> float:
         """Energy of all springs, in shear and in volume."""
-        return self._stored(self.shear, self._shear_form) + self._stored(self.volume, self._volume_form)
+        state = self.state
+        return self._stored(state.shear, self._shear_form) + self._stored(state.volume, self._volume_form)
 
     def _ratio(self, dt: float) -> float:
         if self.bulk_modulus is None:
@@ -190,24 +228,24 @@ class QuadratureHistory:
             self._operators[ratio] = factor, SurfaceOperator(compliance)
         return self._operators[ratio]
 
-    def _prepare(self, dt: float) -> Pending:
-        if self._pending is not None and self._pending.dt == dt:
-            return self._pending
+    def _prepare(self, dt: float) -> LoadOfPast:
+        if self._past is not None and self._past.dt == dt:
+            return self._past
         modulus = self.shear_modulus.increment(dt).modulus
         space = self.space
         load = np.zeros(space.unknowns)
-        stress = self.shear.memory(dt)[:-2]
-        volume = self.volume.memory(dt)[:-2]
+        stress = self.state.shear.memory(dt)[:-2]
+        volume = self.state.volume.memory(dt)[:-2]
         if not space.mixed:
             stress = stress + np.concatenate([np.tile(volume, 3), np.zeros_like(volume)])
         elif self.bulk_modulus is not None:
             load[space.basis.N :] = -(space.mass @ volume) / self.bulk_modulus.increment(dt).modulus
         load[: space.basis.N] = -(self.strain.T @ (self._measure * stress)) / modulus
-        far = [-part.memory(dt)[0] / part.modulus.increment(dt).modulus for part in self.far]
+        far = [-part.memory(dt)[0] / part.modulus.increment(dt).modulus for part in self.state.far]
         if self.bulk_modulus is None:
             far[1] = 0.0
-        self._pending = Pending(dt, modulus, self._ratio(dt), load, np.array(far))
-        return self._pending
+        self._past = LoadOfPast(dt, modulus, self._ratio(dt), load, np.array(far))
+        return self._past
 
     def _deviator(self, unknowns: Array) -> Array:
         strains = (self.strain @ unknowns[: self.space.basis.N]).reshape(4, -1)
@@ -219,7 +257,9 @@ class QuadratureHistory:
             strains = (self.strain @ unknowns).reshape(4, -1)
             return strains[:3].sum(axis=0)
         pressure = modulus * unknowns[self.space.basis.N :]
-        return (pressure - self.volume.memory(dt)[:-2]) / self.volume.modulus.increment(dt).modulus
+        return (pressure - self.state.volume.memory(dt)[:-2]) / self.state.volume.modulus.increment(
+            dt
+        ).modulus
 
     def _volume_force(self, shape: Array) -> Array:
         """Work of a unit pressure-like field on a far shape, per entry of the volume field."""
@@ -243,14 +283,14 @@ class QuadratureHistory:
         return inner - 0.5 * float(outer)
 
     @staticmethod
-    def _stored(part: Relaxing, form: Form) -> float:
+    def _stored(part: RelaxingField, form: Form) -> float:
         energy = part.modulus.relaxed * form(part.x, part.x)
         for branch, modulus in zip(part.branches, part.modulus.moduli, strict=True):
             energy += form(branch, branch) / modulus
         return 0.5 * energy
 
     @staticmethod
-    def _loss(dt: float, old: Relaxing, new: Relaxing, form: Form) -> float:
+    def _loss(dt: float, old: RelaxingField, new: RelaxingField, form: Form) -> float:
         weights, change, total = old.modulus.loss_weights(dt), new.x - old.x, 0.0
         for k, (branch, modulus) in enumerate(zip(old.branches, old.modulus.moduli, strict=True)):
             forms_ = form(branch, branch) / modulus, form(branch, change), modulus * form(change, change)

@@ -33,28 +33,38 @@ EXTRA = ("branch_dissipation", "zone_excess", "balance_residual")
 
 @dataclass(frozen=True)
 class SurfaceState:
-    """An accepted state: edge position, controlled and conjugate quantity, nodal vectors, energies.
+    """An accepted state of the surface.
 
-    ``stored`` is the energy of the half-space, ``held`` that of the hold on a partly released node.
+    Parameters
+    ----------
+    time, penetration, force, radius : float
+        ``radius`` is the contact radius.
+    edge : float
+        Edge position in nodes (see ``release``).
+    forces, displacement : ndarray, shape (n,)
+        Nodal forces, compressive positive, and nodal displacements, positive downwards.
+    stored, interface : float
+        Energy of the half-space, and of the springs by which the interface holds a partly released node.
+    branch_dissipation : float
+        Energy dissipated in the branches so far.
     """
 
     time: float
     penetration: float
     force: float
     radius: float
-    s: float
+    edge: float
     forces: Array
     displacement: Array
     stored: float
-    held: float
+    interface: float
     branch_dissipation: float
 
 
 @dataclass
-class Recorder:
-    """Accumulates rows and the work between them; ``kept``, where it is a list, all states."""
+class RecordedRows:
+    """Serialisable content of a recorder: rows, events, profiles and the work between the rows."""
 
-    work_of_adhesion: float
     rows: list[tuple[float, ...]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     profiles: list[Profile] = field(default_factory=list)
@@ -63,51 +73,82 @@ class Recorder:
     largest_force: float = 0.0
     last: SurfaceState | None = None
     first: SurfaceState | None = None
-    kept: list[SurfaceState] | None = None
+
+
+@dataclass
+class Recorder:
+    """Accumulates rows and the work between them.
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+    surfaces : list of SurfaceState, optional
+        If a list, every accepted state is appended to it.
+    content : RecordedRows
+    """
+
+    work_of_adhesion: float
+    surfaces: list[SurfaceState] | None = None
+    content: RecordedRows = field(default_factory=RecordedRows)
+
+    @property
+    def last(self) -> SurfaceState:
+        """The last accepted state."""
+        if self.content.last is None:
+            raise AssertionError("the run has not started")
+        return self.content.last
 
     def add(self, state: SurfaceState) -> None:
         """Append an accepted state."""
-        if self.last is not None:
-            mean = 0.5 * (state.force + self.last.force)
-            self.external_work += mean * (state.penetration - self.last.penetration)
-            forces = 0.5 * (state.forces + self.last.forces)
-            self.surface_work += float(forces @ (state.displacement - self.last.displacement))
+        content = self.content
+        if content.last is not None:
+            mean = 0.5 * (state.force + content.last.force)
+            content.external_work += mean * (state.penetration - content.last.penetration)
+            forces = 0.5 * (state.forces + content.last.forces)
+            content.surface_work += float(forces @ (state.displacement - content.last.displacement))
         else:
-            self.first = state
-        first = self.first or state
+            content.first = state
+        first = content.first or state
         stored = state.stored - first.stored
-        held = state.held - first.held
+        interface = state.interface - first.interface
         adhesion = self.work_of_adhesion * math.pi * (state.radius**2 - first.radius**2)
-        loss = self.external_work + adhesion - stored - held
-        residual = self.surface_work - stored - state.branch_dissipation
-        self.rows.append(
+        loss = content.external_work + adhesion - stored - interface
+        residual = content.surface_work - stored - state.branch_dissipation
+        content.rows.append(
             (
                 state.time,
                 state.penetration,
                 state.force,
                 state.radius,
-                state.stored + state.held,
-                self.external_work,
+                state.stored + state.interface,
+                content.external_work,
                 loss,
                 state.branch_dissipation,
                 state.branch_dissipation - loss,
                 residual,
             )
         )
-        self.last = state
-        if self.kept is not None:
-            self.kept.append(state)
-        self.largest_force = max(self.largest_force, abs(state.force))
+        content.last = state
+        if self.surfaces is not None:
+            self.surfaces.append(state)
+        content.largest_force = max(content.largest_force, abs(state.force))
 
     def event(self, kind: str) -> None:
         """An instability that starts from the last row."""
-        state = self.last
+        state = self.content.last
         if state is not None:
-            self.events.append(Event(kind, state.time, state.penetration, state.force, state.radius))
+            self.content.events.append(Event(kind, state.time, state.penetration, state.force, state.radius))
+
+    def depth_scale(self) -> float:
+        """Range of the penetrations so far, at least a hundredth of the largest (of about 64 rows)."""
+        rows = self.content.rows
+        depths = [row[1] for row in rows[:: max(1, len(rows) // 64)]]
+        return max(max(depths) - min(depths), 1e-2 * max(abs(d) for d in depths))
 
     def trace(self, outcome: Outcome, counters: Counters, wall_seconds: float) -> Trace:
         """All that was recorded."""
-        table = np.array(self.rows, float).reshape(len(self.rows), len(COLUMNS) + len(EXTRA))
+        rows = self.content.rows
+        table = np.array(rows, float).reshape(len(rows), len(COLUMNS) + len(EXTRA))
         columns = dict(zip((*COLUMNS, *EXTRA), table.T.copy(), strict=True))
         return Trace(
             solver="fem",
@@ -121,7 +162,7 @@ class Recorder:
             outcome=outcome,
             counters=counters,
             extra={name: columns[name] for name in EXTRA},
-            events=tuple(self.events),
-            profiles=tuple(self.profiles),
+            events=tuple(self.content.events),
+            profiles=tuple(self.content.profiles),
             wall_seconds=wall_seconds,
         )

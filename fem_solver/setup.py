@@ -1,4 +1,4 @@
-"""From a scene, a mesh and options to the objects the loop works with."""
+"""Discrete problem of a scene on a mesh: half-space, history, edge law and step limits."""
 
 from __future__ import annotations
 
@@ -21,9 +21,12 @@ from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
 
-_MARGIN = 1.2  # surface nodes offered, over the radius the mesh is made for
-_TRAVEL_SHARE = 0.01  # edge travel per step without adhesion, of the radius the mesh is made for
-_ELASTIC_TRAVEL = 4.0  # more of it where there is no history to resolve
+_MARGIN = 1.2
+"""Radius up to which surface nodes enter the surface compliance, relative to that the mesh is made for."""
+_TRAVEL_SHARE = 0.01
+"""Edge travel per step without adhesion, relative to the radius the mesh is made for."""
+_ELASTIC_TRAVEL = 4.0
+"""Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
 
 
 @dataclass(frozen=True)
@@ -66,9 +69,12 @@ def moduli(material: Material) -> Moduli:
     none = np.zeros(0)
     if isinstance(material.bulk, BulkRelaxation):
         relaxed = material.bulk.modulus or material.modulus * factor
-        kept = [branch for branch in material.bulk.branches if branch.modulus > 0.0]
-        branches = np.array([b.modulus for b in kept], float), np.array([b.time for b in kept], float)
-        bulk = Prony(relaxed, *branches)
+        branches = [branch for branch in material.bulk.branches if branch.modulus > 0.0]
+        bulk = Prony(
+            relaxed,
+            np.array([b.modulus for b in branches], float),
+            np.array([b.time for b in branches], float),
+        )
     else:
         bulk = Prony(material.modulus * factor, none, none)
     return Moduli(shear, bulk, shear.times.size == 0 and bulk.times.size == 0)
@@ -78,7 +84,22 @@ def moduli(material: Material) -> Moduli:
 class Setup:
     """Discrete half-space with its history, and the edge law.
 
-    ``factor`` is that of the relaxed solid, ``weights`` (n,) those of nodal forces in the far field.
+    Parameters
+    ----------
+    space : HalfSpace
+    factor : Factorisation
+        Of the relaxed solid.
+    weights : ndarray, shape (n,)
+        Weights of the nodal forces in the far field.
+    history : CondensedHistory or QuadratureHistory
+    geometry : EdgeGeometry
+    law : EdgeLaw
+    radii, height : ndarray, shape (n,)
+        Radii of the surface nodes, and the indenter's height above its lowest point there.
+    travel : float
+        Edge travel allowed per step, a length.
+    shortest_time : float
+        Shortest relaxation time; infinite for an elastic solid.
     """
 
     space: HalfSpace
@@ -88,6 +109,7 @@ class Setup:
     geometry: EdgeGeometry
     law: EdgeLaw
     radii: Array
+    height: Array
     travel: float
     shortest_time: float
 
@@ -108,7 +130,7 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
     Raises
     ------
     UnsupportedScene
-        If the chosen form or path cannot answer the scene.
+        If the chosen form or path does not apply to the scene.
     """
     material = moduli(scene.material)
     mixed = options.form == "mixed"
@@ -127,16 +149,16 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         factor = space.factorise(material.ratio)
         compliance, weights = factor.compliance(count)
         history = CondensedHistory(SurfaceOperator(compliance), material.shear)
-        at_once = history.operator
+        glassy = history.operator
     else:
         history = QuadratureHistory(space, material.shear, material.bulk, count)
         factor, weights = history.factor, history.weights
-        at_once = history.instantaneous
+        glassy = history.instantaneous
     operator = history.operator
     radii = space.radii[:count]
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
-    # the edge moves against the solid as it responds at once
-    effective = at_once.effective_radii(material.unit_plane_modulus)
+    # contact radii are those of the glassy response, in which the edge moves
+    effective = glassy.effective_radii(material.unit_plane_modulus)
     geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge)
     law: EdgeLaw
     if scene.adhesion is not None and zone is not None:
@@ -150,7 +172,18 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         travel *= _ELASTIC_TRAVEL
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)
     shortest = float(times.min()) if times.size else math.inf
-    return Setup(space, factor, weights, history, geometry, law, radii, travel, shortest)
+    return Setup(
+        space=space,
+        factor=factor,
+        weights=weights,
+        history=history,
+        geometry=geometry,
+        law=law,
+        radii=radii,
+        height=scene.indenter.height(radii),
+        travel=travel,
+        shortest_time=shortest,
+    )
 
 
 def _node_count(radii: Array, reach: float) -> int:

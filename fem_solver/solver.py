@@ -1,58 +1,27 @@
-"""From a scene and a mesh to a trace."""
+"""Solution of a scene on a mesh: a trace, or a recording with the history of the body."""
 
 from __future__ import annotations
 
 import math
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Outcome, OutcomeKind, RunMonitor, Scene, Trace
+from contact_scene import Outcome, RunMonitor, Scene, Trace
+from contact_scene.run_control import kept_state
 from contact_scene.scene import zone_too_long
-from fem_solver.checkpoint import put_back, taken
-from fem_solver.fields.history import Log, watch
-from fem_solver.history import Ended, History
+from fem_solver.fields.history import HistoryLog, history_log
+from fem_solver.fields.recording import Recording
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
-from fem_solver.recorder import Recorder, SurfaceState
+from fem_solver.recorder import Recorder
 from fem_solver.setup import Setup, set_up
-from fem_solver.step_control import Judge
-from fem_solver.stepping import Run
+from fem_solver.step_control import SlopeErrorEstimator
+from fem_solver.stepping import SOLVER, NodeReleaseRun
 
 Progress = Callable[[float], None]
-
-
-@dataclass(frozen=True)
-class Recording:
-    """A trace with what is needed to look into the body afterwards (see ``fields``).
-
-    Parameters
-    ----------
-    trace : Trace
-    setup : Setup
-    states : dict of float to object
-        State of the history at each recorded time (see ``condensed`` and ``quadrature``).
-    rows : dict of float to int
-        Row of the trace at each recorded time; where the load jumps, the one before.
-    surfaces : list of SurfaceState
-        By row.
-    height : ndarray, shape (n,)
-        Of the indenter over the surface nodes.
-    log : SurfaceLog, VolumeLog or None
-        The history as far as it was kept; ``None`` if nothing was to be recorded.
-    """
-
-    trace: Trace
-    setup: Setup
-    states: dict[float, object]
-    rows: dict[float, int]
-    surfaces: list[SurfaceState]
-    height: NDArray[np.float64]
-    log: Log | None
 
 
 def solve(
@@ -60,7 +29,7 @@ def solve(
     mesh: Any,
     options: Options | None = None,
     progress: Progress | None = None,
-    watch: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> Trace:
     """Solve a scene on a mesh of the half-space.
 
@@ -72,14 +41,14 @@ def solve(
         (2, k) and ``parameters.fine_to``, the radius up to which it is made for a contact edge.
     options : Options, optional
     progress : callable(float), optional
-        Told the fraction done, from 0 to 1.
-    watch : RunMonitor, optional
-        May keep the run between steps, stop it, and let it go on from where it was kept.
+        Called with the share of the loading that is done, 0 to 1.
+    monitor : RunMonitor, optional
+        May store the run between steps, stop it, and continue it from a stored state.
 
     Returns
     -------
     Trace
-        Extra columns ``branch_dissipation``, ``zone_excess`` and ``balance_residual`` (see ``record``).
+        Extra columns ``branch_dissipation``, ``zone_excess`` and ``balance_residual`` (see ``recorder``).
 
     Raises
     ------
@@ -88,7 +57,7 @@ def solve(
     UnsupportedScene
         If the options exclude what the scene needs.
     """
-    return record(scene, mesh, options, progress, watch).trace
+    return record(scene, mesh, options, progress, monitor).trace
 
 
 def record(
@@ -96,80 +65,94 @@ def record(
     mesh: Any,
     options: Options | None = None,
     progress: Progress | None = None,
-    outside: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> Recording:
-    """As :func:`solve`, and keep the history where the options ask for it.
+    """As :func:`solve`, with the history where the options record it.
 
-    A run that goes on from where ``outside`` kept it has the history from there on.
+    A run that is continued by ``monitor`` has the history from there on.
+
+    Parameters
+    ----------
+    scene, mesh, options, progress, monitor
+        As for :func:`solve`.
+
+    Returns
+    -------
+    Recording
     """
     began = clock.perf_counter()
     options = options or Options()
     setup = set_up(scene, mesh, options)
-    zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else 0.0
-    work = scene.adhesion.work if scene.adhesion else 0.0
-    recorder = Recorder(work)
-    states: dict[float, object] = {}
-    rows: dict[float, int] = {}
-    history: History = setup.history
-    log: Log | None = None
-    if options.records:
-        history, log = watch(setup.history, options)
-        recorder.kept = []
-    height = scene.indenter.height(setup.radii)
-
-    def visit(time: float) -> None:
-        if time in options.profile_times and recorder.last is not None:
-            recorder.profiles.append(profile(recorder.last, setup.radii, height))
-        if time in options.record_times:
-            states[time] = setup.history.state
-            rows[time] = len(recorder.rows) - 1
-            if log is not None:
-                log.keep(rows[time])
-
-    def force_scale(radius: float) -> float:
-        """Largest force so far, at least that of a relaxed adhering punch of this radius."""
-        adhesion = math.sqrt(8.0 * math.pi * scene.material.relaxed_plane_modulus * radius**3 * work)
-        return max(recorder.largest_force, adhesion)
-
-    run = Run(
-        history=history,
-        geometry=setup.geometry,
-        law=setup.law,
-        height=height,
-        judge=Judge(options.tolerance or DEFAULT_TOLERANCE, setup.travel),
+    recorder = Recorder(scene.adhesion.work if scene.adhesion else 0.0, [] if options.records else None)
+    observer = _Observer(options, setup, recorder)
+    run = NodeReleaseRun(
+        setup=setup,
         recorder=recorder,
-        shortest_time=setup.shortest_time,
-        force_scale=force_scale,
+        estimator=SlopeErrorEstimator(options.tolerance or DEFAULT_TOLERANCE),
+        force_scale=_force_scale(scene, recorder),
         max_steps=options.max_steps,
-        visit=visit,
-        goes_on=lambda: outside is None or outside.goes_on(lambda: taken(run, setup.history)),
-        wanted=(*options.profile_times, *options.record_times),
+        requested=options.requested_times,
+        on_stop=observer.on_stop,
+        on_commit=observer.on_commit,
+        monitor=monitor,
+        progress=progress,
     )
-    kind, reason = OutcomeKind.COMPLETED, "all loading steps carried out"
-    steps = scene.loading.steps
-    try:
-        if outside is not None and outside.kept is not None:
-            put_back(outside.kept, run, setup.history)
-        else:
-            run.start(scene.loading.penetration, scene.loading.start == "relaxed")
-            if run.state.radius < zone:
-                raise zone_too_long(zone, run.state.radius)
-        while run.place.step < len(steps):
-            origin = run.place.enter(run.time, run.state.penetration, run.state.force)
-            segment = steps[run.place.step].segment(*origin)
-
-            def tell(part: float, done: int = run.place.step) -> None:
-                if progress is not None:
-                    progress((done + part) / len(steps))
-
-            run.carry_out(segment, tell)
-            run.place.leave()
-    except Ended as end:
-        kind, reason = end.kind, end.reason
+    outcome = _start(scene, run, monitor) or run.carry_out(scene.loading)
     if progress is not None:
         progress(1.0)
-    run.counters.history_updates = setup.history.updates
+    run.counters.history_updates = setup.history.state.updates
     run.counters.factorisations = setup.history.factorisations
     run.counters.volume_solves = setup.history.volume_solves
-    trace = recorder.trace(Outcome(kind, reason, run.time), run.counters, clock.perf_counter() - began)
-    return Recording(trace, setup, states, rows, recorder.kept or [], height, log)
+    trace = recorder.trace(outcome, run.counters, clock.perf_counter() - began)
+    return Recording(setup, trace, observer.states, observer.rows, recorder.surfaces or [], observer.log)
+
+
+def _start(scene: Scene, run: NodeReleaseRun, monitor: RunMonitor | None) -> Outcome | None:
+    """Accept the start state, or continue from a stored one; an outcome if there is no equilibrium."""
+    kept = kept_state(monitor, SOLVER)
+    if kept is not None:
+        run.restore(kept)
+        return None
+    outcome = run.start(scene.loading)
+    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
+    if outcome is None and run.state.radius < zone:
+        raise zone_too_long(zone, run.state.radius)
+    return outcome
+
+
+def _force_scale(scene: Scene, recorder: Recorder) -> Callable[[float], float]:
+    """Largest force so far, at least the pull-off force of a relaxed adhering punch of the contact radius.
+
+    Kendall, J. Phys. D 4 (1971): ``F = sqrt(8 pi E* a^3 w)``.
+    """
+    modulus, work = scene.material.relaxed_plane_modulus, recorder.work_of_adhesion
+
+    def force_scale(radius: float) -> float:
+        adhesion = math.sqrt(8.0 * math.pi * modulus * radius**3 * work)
+        return max(recorder.content.largest_force, adhesion)
+
+    return force_scale
+
+
+class _Observer:
+    """Takes profiles at their times and records the history as the options ask."""
+
+    def __init__(self, options: Options, setup: Setup, recorder: Recorder) -> None:
+        self._options, self._setup, self._recorder = options, setup, recorder
+        self.states: dict[float, Any] = {}
+        self.rows: dict[float, int] = {}
+        self.log: HistoryLog | None = history_log(setup.history, options) if options.records else None
+
+    def on_commit(self, dt: float, forces: NDArray[Any]) -> None:
+        if self.log is not None:
+            self.log.accept(dt, forces)
+
+    def on_stop(self, time: float) -> None:
+        setup, content = self._setup, self._recorder.content
+        if time in self._options.profile_times:
+            content.profiles.append(profile(self._recorder.last, setup.radii, setup.height))
+        if time in self._options.record_times:
+            self.states[time] = setup.history.state
+            self.rows[time] = len(content.rows) - 1
+            if self.log is not None:
+                self.log.store(self.rows[time])

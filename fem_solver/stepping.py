@@ -1,311 +1,383 @@
-"""The loop over loading steps: trial, judgement, and the only place where anything is committed."""
+"""The loop over load steps: it asks for trial steps and is the only place where one is accepted.
+
+A trial (``contact_solver``, ``events``) returns a candidate and changes nothing. Stops and kinks of the
+loading are stepped onto exactly; between them the steps are dyadic (``step_control``). Penetration is
+positive downwards, force positive in compression.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Counters, OutcomeKind, Segment
-from contact_scene.loading import Control
-from fem_solver.checkpoint import Place
-from fem_solver.condensed import Response
-from fem_solver.edge import EdgeLaw, EdgeSearch, Fate
-from fem_solver.history import Ended, History
-from fem_solver.recorder import Recorder, SurfaceState
-from fem_solver.release import ContactProblem, EdgeGeometry
-from fem_solver.step_control import Clock, Judge
+from contact_scene import (
+    Counters,
+    KeptState,
+    Loading,
+    LoadingCursor,
+    Outcome,
+    OutcomeKind,
+    RunMonitor,
+    Segment,
+)
+from contact_scene.run_control import Stop, budget_outcome, interruption, stops_within
+from fem_solver.condensed import CondensedState
+from fem_solver.contact_solver import ContactCandidate, ContactSolver
+from fem_solver.edge import EdgeMotion
+from fem_solver.events import LoadJump, edge_jump
+from fem_solver.quadrature import QuadratureSnapshot
+from fem_solver.recorder import RecordedRows, Recorder, SurfaceState
+from fem_solver.setup import Setup
+from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
 
 Array = NDArray[np.float64]
 
-_REJECT = 2.0  # errors over what is allowed at which a step is taken back
-_SHORTEST = 1e-6  # of the shortest relaxation time or of the interval: below that, an instability
-_FIRST = 1.0 / 64.0  # of the interval, and twice that of the shortest relaxation time: the first step
-_SHORTEST_PART = 2.0**-10  # of a jump of the load, where the answer is curved
-_LAST_PART = 2.0**-24  # of a jump of the load, before contact is lost
-_NOTABLE = 4.0  # jumps of the edge that count as an event, in travels allowed per step
-_BEND_SHARE = 10.0  # departure of the prescribed value from a straight line, allowed per tolerance
-_SAMPLES = (0.273, 0.618, 1.0)  # uneven, so that no oscillation hides between them
+SOLVER = "fem"
+_REJECT = 2.0
+"""A step is rejected if its estimated error exceeds this multiple of the allowed one."""
+_SHORTEST = 1e-6
+"""Shortest step, relative to the shortest relaxation time or the interval: below it the edge is unstable."""
+_FIRST = 1.0 / 64.0
+"""First step, relative to the interval; twice that relative to the shortest relaxation time."""
+_EVENT_TRAVEL = 4.0
+"""An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
+_DEVIATION_PER_TOLERANCE = 10.0
+"""Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its range."""
+_SAMPLES = (0.273, 0.618, 1.0)
+"""Uneven shares of a step at which that deviation is sampled: an oscillation cannot vanish at all of them."""
+
+
+class _RunEnded(Exception):
+    """The run ends before its loading does."""
+
+    def __init__(self, outcome: Outcome) -> None:
+        super().__init__(outcome.reason)
+        self.outcome = outcome
+
+
+@dataclass(frozen=True)
+class NodeReleaseState:
+    """Serialisable state of a run, beside its place in the loading and its counters.
+
+    Half-space, factors and edge law follow from scene, mesh and options: computed again in the same order,
+    they have the same bits.
+
+    Parameters
+    ----------
+    time : float
+        Of the last accepted state.
+    interval : DyadicInterval or None
+        Interval between two stops that the run is in.
+    step : float or None
+        Step with which to begin the next interval; ``None``: the usual first step.
+    slopes : dict of str to float
+        Of the last accepted step (see ``step_control``).
+    recorded : RecordedRows
+    history : CondensedState or QuadratureSnapshot
+    """
+
+    time: float
+    interval: DyadicInterval | None
+    step: float | None
+    slopes: dict[str, float]
+    recorded: RecordedRows
+    history: CondensedState | QuadratureSnapshot
+
+
+@dataclass(frozen=True)
+class StepCandidate:
+    """Result of a trial step; ``error`` is relative to the allowed one, infinite without equilibrium."""
+
+    contact: ContactCandidate
+    slopes: dict[str, float]
+    error: float
 
 
 @dataclass
-class Run:
-    """State of a run: the half-space, the edge and what has been recorded."""
+class NodeReleaseRun:
+    """A run from its start state through its loading.
 
-    history: History
-    geometry: EdgeGeometry
-    law: EdgeLaw
-    height: Array
-    judge: Judge
+    Parameters
+    ----------
+    setup : Setup
+    recorder : Recorder
+    estimator : SlopeErrorEstimator
+    force_scale : callable(float) -> float
+        Force to which errors of the force are relative, at a contact radius.
+    max_steps : int
+        Budget of trial steps.
+    requested : frozenset of float
+        Times stepped onto beside kinks and ends of load steps.
+    on_stop : callable(float)
+        Called at the start and at every stop.
+    on_commit : callable(float, ndarray)
+        Called after every accepted step with its length and nodal forces.
+    monitor : RunMonitor or None
+    progress : callable(float) or None
+    """
+
+    setup: Setup
     recorder: Recorder
-    shortest_time: float
+    estimator: SlopeErrorEstimator
     force_scale: Callable[[float], float]
     max_steps: int
-    visit: Callable[[float], None]
-    goes_on: Callable[[], bool]
-    wanted: tuple[float, ...] = ()
-    place: Place = field(default_factory=Place)
+    requested: frozenset[float]
+    on_stop: Callable[[float], None]
+    on_commit: Callable[[float, Array], None]
+    monitor: RunMonitor | None = None
+    progress: Callable[[float], None] | None = None
+    cursor: LoadingCursor = field(default_factory=LoadingCursor)
     counters: Counters = field(default_factory=Counters)
     time: float = 0.0
-    _range: float = 0.0
+    interval: DyadicInterval | None = None
+    step: float | None = None
+
+    def __post_init__(self) -> None:
+        self.solver = ContactSolver(self.setup, self.counters)
 
     @property
     def state(self) -> SurfaceState:
         """The last accepted state."""
-        if self.recorder.last is None:
-            raise AssertionError("the run has not started")
         return self.recorder.last
 
-    def start(self, penetration: float, relaxed: bool) -> None:
-        """Glassy or relaxed equilibrium, from the undeformed half-space."""
-        dt = math.inf if relaxed else 0.0
-        problem, response = self._problem(dt, "penetration", penetration)
-        found = self.law.start(problem)
-        self._count(problem)
-        if found.fate is Fate.ADVANCING:
-            self._out_of_range(found)
-        if found.fate is Fate.RECEDING:
-            raise Ended(
-                OutcomeKind.NO_EQUILIBRIUM,
-                f"no stable contact at penetration {penetration:.6g}",
-            )
-        self._commit(dt, problem, response, found.s)
-        self.visit(self.time)
+    def snapshot(self) -> KeptState:
+        """Serialisable state; it shares what the run will change."""
+        content = NodeReleaseState(
+            self.time,
+            self.interval,
+            self.step,
+            self.estimator.slopes,
+            self.recorder.content,
+            self.setup.history.snapshot(),
+        )
+        return KeptState(SOLVER, self.cursor, self.counters, content)
 
-    def carry_out(self, segment: Segment, tell: Callable[[float], None]) -> None:
-        """One loading step, from where the run stands in it; ``tell`` hears the fraction done."""
-        place = self.place
-        if place.start is None:
-            self._set_out(segment)
-        inner = [t for t in self.wanted if segment.start < t < segment.end]
-        kinks = set(segment.kinks)
-        for end in sorted({*inner, *kinks, segment.end}):
-            if place.start is None or end <= place.start:
-                continue
-            if place.clock is None:
-                place.clock = Clock(place.start, end)
-                self._begin(place.clock, place.stride)
-            while not place.clock.done:
-                if not self.goes_on():
-                    raise Ended(OutcomeKind.INTERRUPTED, "stopped from outside")
-                self._step(segment, place.clock)
-                tell((self.time - segment.start) / (segment.end - segment.start))
-            self.visit(end)
-            if end in kinks:
-                self.judge.forget()
-            place.reach(end, None if end in kinks else place.clock.dt)
+    def restore(self, kept: KeptState) -> None:
+        """Continue from a state of the same scene, mesh and options."""
+        content: NodeReleaseState = kept.content
+        self.cursor = kept.cursor
+        self.counters = self.solver.counters = kept.counters
+        self.time, self.interval, self.step = content.time, content.interval, content.step
+        self.estimator.slopes = content.slopes
+        self.recorder.content = content.recorded
+        self.setup.history.restore(content.history)  # type: ignore[arg-type]
 
-    def _set_out(self, segment: Segment) -> None:
-        """The jump, if any, with which a loading step begins."""
-        state = self.state
-        before = state.penetration if segment.control == "penetration" else state.force
-        target = segment.value(segment.start)
-        scale = max(abs(before), abs(target))
-        self.judge.forget()
-        if abs(target - before) > 1e-12 * scale:
-            self._jump(segment.control, target)
-        self._range = _range(segment)
-        self.place.reach(segment.start, None)
+    def start(self, loading: Loading) -> Outcome | None:
+        """Accept the start state; an outcome if there is none."""
+        candidate = self.solver.start(loading.penetration, loading.start == "relaxed")
+        try:
+            if candidate.edge.motion is EdgeMotion.RECEDING:
+                reason = f"no stable contact at penetration {loading.penetration:.6g}"
+                self._end(OutcomeKind.NO_EQUILIBRIUM, reason)
+            if not candidate.in_equilibrium:
+                self._contact_lost(candidate)
+            self._commit(candidate)
+        except _RunEnded as ended:
+            return ended.outcome
+        self.on_stop(self.time)
+        return None
 
-    def _begin(self, clock: Clock, stride: float | None) -> None:
-        length = clock.end - clock.start
-        scale = min(self.shortest_time, length)
-        first = stride or min(_FIRST * length, 2.0 * _FIRST * self.shortest_time)
-        clock.limit(first, max(_SHORTEST * scale, 8.0 * np.spacing(abs(clock.end)), length * 2.0**-40))
+    def carry_out(self, loading: Loading) -> Outcome:
+        """The loading, from where the run stands in it."""
+        try:
+            while not self.cursor.done(loading):
+                state = self.state
+                segment = self.cursor.segment(loading, self.time, state.penetration, state.force)
+                self._carry_out_step(loading, segment)
+                self.cursor.step_done()
+        except _RunEnded as ended:
+            return ended.outcome
+        return Outcome(OutcomeKind.COMPLETED, "all loading steps carried out", self.time)
 
-    def _step(self, segment: Segment, clock: Clock) -> None:
-        self._spend()
+    def _carry_out_step(self, loading: Loading, segment: Segment) -> None:
+        """One load step: its jump, if any, then the intervals between its stops."""
+        cursor = self.cursor
+        if not cursor.jump_done:
+            self._load_jump(segment)
+            cursor.jump_done, self.step = True, None
+        span = _range(segment)
+        stops = stops_within(segment, self.requested)
+        while cursor.stops_reached < len(stops):
+            reached = cursor.stops_reached
+            start = stops[reached - 1].time if reached else segment.start
+            if stops[reached].time > start:
+                self._carry_out_interval(loading, segment, start, stops[reached], span)
+            cursor.stop_reached()
+
+    def _carry_out_interval(
+        self, loading: Loading, segment: Segment, start: float, stop: Stop, span: float
+    ) -> None:
+        """From one stop to the next; ``span`` is the range of the prescribed value over the load step."""
+        if self.interval is None:
+            self.interval = self._new_interval(start, stop.time)
+        while not self.interval.done:
+            outcome = interruption(self.monitor, self.snapshot, self.time)
+            if outcome is not None:
+                raise _RunEnded(outcome)
+            self._advance(segment, self.interval, span)
+            if self.progress is not None:
+                self.progress(self.cursor.share(loading, segment, self.time))
+        self.on_stop(stop.time)
+        if stop.kink:
+            self.estimator.reset()
+        self.step = None if stop.kink else self.interval.dt
+        self.interval = None
+
+    def _new_interval(self, start: float, end: float) -> DyadicInterval:
+        interval, length, relaxation = DyadicInterval(start, end), end - start, self.setup.shortest_time
+        first = self.step or min(_FIRST * length, 2.0 * _FIRST * relaxation)
+        shortest = max(_SHORTEST * min(relaxation, length), 8.0 * np.spacing(abs(end)), length * 2.0**-40)
+        interval.limit(first, shortest)
+        return interval
+
+    def _advance(self, segment: Segment, interval: DyadicInterval, span: float) -> None:
+        """One accepted step, after as many trials as it takes."""
         while True:
-            bend = self._bend(segment, clock)
-            if bend > _REJECT and not clock.shortest:
-                clock.halve()
+            deviation = self._deviation(segment, interval, span)
+            if deviation > _REJECT and not interval.shortest:
+                interval.halve()
                 continue
-            dt = clock.dt
-            problem, response = self._problem(dt, segment.control, segment.value(clock.next_time))
-            now = self.state
-            low, high = self._travel(now)
-            found = self.law.seek(problem, now.s, low, high)
-            self._count(problem)
-            if found.fate is Fate.SETTLED:
-                slopes, scales = self._slopes(problem, found.s, dt)
-                error = max(bend, self.judge.error(slopes, scales, dt))
-                if error <= _REJECT or clock.shortest:
-                    break
-            elif clock.shortest:
-                found = self._jump_edge(problem, found)
-                slopes, error = {}, 0.0
+            self._check_budget()
+            candidate = self.trial_step(segment, interval.dt, interval.next_time)
+            error = max(deviation, candidate.error)
+            if error <= _REJECT or interval.shortest:
                 break
             self.counters.rejected_steps += 1
-            clock.halve()
-        self.time = clock.next_time
-        clock.advance()
-        self._commit(dt, problem, response, found.s)
-        self.judge.accept(slopes)
-        moved = abs(self.state.radius - now.radius)
-        if error > 1.0 or moved > 0.9 * self.judge.travel:
-            clock.halve()
-        elif error < 0.25 and moved < 0.4 * self.judge.travel:
-            clock.double()
+            interval.halve()
+        contact, slopes = candidate.contact, candidate.slopes
+        if not contact.in_equilibrium:
+            contact, slopes, error = self._edge_jump(contact), {}, 0.0
+        self.time = interval.next_time
+        interval.advance()
+        radius, travel = self.state.radius, self.setup.travel
+        self._commit(contact)
+        self.estimator.accept(slopes)
+        moved = abs(self.state.radius - radius)
+        if error > 1.0 or moved > 0.9 * travel:
+            interval.halve()
+        elif error < 0.25 and moved < 0.4 * travel:
+            interval.double()
 
-    def _spend(self) -> None:
-        """A step may be taken."""
-        if self.counters.steps >= self.max_steps:
-            raise Ended(OutcomeKind.STEP_BUDGET, f"{self.max_steps} steps did not suffice")
-
-    def _bend(self, segment: Segment, clock: Clock) -> float:
-        """How far the prescribed value departs from a straight line over a step, over what is allowed."""
-        if segment.linear or self._range == 0.0:
-            return 0.0
-        start, value, rate = clock.time, segment.value(clock.time), segment.rate(clock.time)
-        ahead = [(clock.next_time - start) * part for part in _SAMPLES]
-        largest = max(abs(segment.value(start + x) - value - rate * x) for x in ahead)
-        return largest / (_BEND_SHARE * self.judge.tolerance * self._range)
+    def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
+        """A step of length ``dt`` that ends at the time ``end``, its edge within one step's travel."""
+        now = self.state
+        contact = self.solver.trial(dt, segment.control, segment.value(end), now.edge, self._travel(now))
+        if not contact.in_equilibrium:
+            return StepCandidate(contact, {}, math.inf)
+        radius = self.solver.radius(contact)
+        quantities = {
+            "force": (contact.force, now.force, self.force_scale(radius)),
+            "penetration": (contact.penetration, now.penetration, self.recorder.depth_scale()),
+            "radius": (radius, now.radius, 10.0 * radius),
+        }
+        if segment.control == "penetration":
+            del quantities["penetration"]
+        slopes = {name: (new - old) / dt for name, (new, old, _) in quantities.items()}
+        scales = {name: scale for name, (_, _, scale) in quantities.items()}
+        return StepCandidate(contact, slopes, self.estimator.error(slopes, scales, dt))
 
     def _travel(self, now: SurfaceState) -> tuple[float, float]:
         """Edge positions within one step's travel, at least one node either way."""
-        low = self.geometry.position(now.radius - self.judge.travel)
-        high = self.geometry.position(now.radius + self.judge.travel)
-        return min(low, now.s - 1.0), max(high, now.s + 1.0)
+        geometry, travel = self.setup.geometry, self.setup.travel
+        low, high = geometry.position(now.radius - travel), geometry.position(now.radius + travel)
+        return min(low, now.edge - 1.0), max(high, now.edge + 1.0)
 
-    def _slopes(
-        self, problem: ContactProblem, s: float, dt: float
-    ) -> tuple[dict[str, float], dict[str, float]]:
-        now = self.state
-        radius = self.law.radius(problem, s)
-        ends = {
-            "force": (problem.force(s), now.force, self.force_scale(radius)),
-            "penetration": (problem.penetration(s), now.penetration, self._depth_scale()),
-            "radius": (radius, now.radius, 10.0 * radius),
-        }
-        if problem.control == "penetration":
-            del ends["penetration"]
-        slopes = {name: (new - old) / dt for name, (new, old, _) in ends.items()}
-        return slopes, {name: scale for name, (_, _, scale) in ends.items()}
+    def _deviation(self, segment: Segment, interval: DyadicInterval, span: float) -> float:
+        """Deviation of the prescribed value from its tangent over a step, relative to the allowed one."""
+        if segment.linear or span == 0.0:
+            return 0.0
+        start, value, rate = interval.time, segment.value(interval.time), segment.rate(interval.time)
+        ahead = [(interval.next_time - start) * share for share in _SAMPLES]
+        largest = max(abs(segment.value(start + x) - value - rate * x) for x in ahead)
+        return largest / (_DEVIATION_PER_TOLERANCE * self.estimator.tolerance * span)
 
-    def _depth_scale(self) -> float:
-        depths = [row[1] for row in self.recorder.rows[:: max(1, len(self.recorder.rows) // 64)]]
-        return max(max(depths) - min(depths), 1e-2 * max(abs(d) for d in depths))
-
-    def _jump(self, control: Control, target: float) -> None:
-        """A load that changes at once: glassy, as far as it takes the edge.
-
-        Taken in parts over which the answer is nearly straight: the work is that of an edge that moves with
-        the load, and contact is lost where it cannot follow, not where the jump began.
-        """
-        first = self.state.penetration if control == "penetration" else self.state.force
-        done, part, scale = 0.0, 1.0, 0.0
-
-        def at_once(share: float) -> tuple[ContactProblem, Response, EdgeSearch]:
-            value = target if share == 1.0 else first + share * (target - first)
-            problem, response = self._problem(0.0, control, value)
-            found = self.law.seek(problem, self.state.s, self.law.lowest, math.inf)
-            self._count(problem)
-            return problem, response, found
-
-        while done < 1.0:
-            self._spend()
-            part = min(part, 1.0 - done)
-            problem, response, found = at_once(done + part)
-            if found.fate is Fate.SETTLED:
-                middle, _, halfway = at_once(done + 0.5 * part)
-                ends = (_answer(self.state, control), _conjugate(problem, found.s))
-                scale = max(scale, *(abs(end) for end in ends))
-                bulge = abs(_conjugate(middle, halfway.s) - 0.5 * (ends[0] + ends[1]))
-                curved = halfway.fate is not Fate.SETTLED or bulge > self.judge.tolerance * scale
-                too_long = curved and part > _SHORTEST_PART
-            else:
-                too_long = part > _LAST_PART
-            if too_long:
+    def _load_jump(self, segment: Segment) -> None:
+        """The load jump, if any, with which a load step begins."""
+        self.estimator.reset()
+        state, target = self.state, segment.value(segment.start)
+        before = state.penetration if segment.control == "penetration" else state.force
+        if abs(target - before) <= 1e-12 * max(abs(before), abs(target)):
+            return
+        jump = LoadJump(segment.control, before, target)
+        while not jump.complete:
+            self._check_budget()
+            candidate = jump.trial(self.solver, self.state, self.estimator.tolerance)
+            if candidate is None:
                 self.counters.rejected_steps += 1
-                part *= 0.5
+                jump.halve()
                 continue
-            if found.fate is not Fate.SETTLED:
-                self._lost(found)
-            self._commit(0.0, problem, response, found.s)
-            done += part
-            part *= 2.0
+            if not candidate.in_equilibrium:
+                self._contact_lost(candidate)
+            self._commit(candidate)
+            jump.advance()
 
-    def _jump_edge(self, problem: ContactProblem, ran: EdgeSearch) -> EdgeSearch:
-        """The edge outruns the shortest step: follow it to where it is stable again."""
-        advancing = ran.fate is Fate.ADVANCING
-        if not advancing and ran.s <= self.law.lowest:
-            self._lost(ran)
-        low, high = (ran.s, math.inf) if advancing else (self.law.lowest, ran.s)
-        landed = self.law.seek(problem, ran.s, low, high)
-        self._count(problem)
-        if landed.fate is not Fate.SETTLED:
-            self._lost(landed)
-        jump = abs(self.law.radius(problem, landed.s) - self.state.radius)
-        if jump > _NOTABLE * self.judge.travel:
+    def _edge_jump(self, candidate: ContactCandidate) -> ContactCandidate:
+        """The state after an edge jump; it is an event if the edge jumps far."""
+        landed = edge_jump(self.solver, candidate)
+        if not landed.in_equilibrium:
+            self._contact_lost(landed)
+        if abs(self.solver.radius(landed) - self.state.radius) > _EVENT_TRAVEL * self.setup.travel:
+            advancing = candidate.edge.motion is EdgeMotion.ADVANCING
             self.recorder.event("snap-in" if advancing else "pull-off")
         return landed
 
-    def _lost(self, found: EdgeSearch) -> None:
-        if found.fate is Fate.ADVANCING:
-            self._out_of_range(found)
+    def _check_budget(self) -> None:
+        outcome = budget_outcome(self.counters, self.max_steps, self.time)
+        if outcome is not None:
+            raise _RunEnded(outcome)
+
+    def _contact_lost(self, candidate: ContactCandidate) -> NoReturn:
+        """No equilibrium: the contact outgrows the mesh, or is lost."""
+        geometry = self.setup.geometry
+        if candidate.edge.motion is EdgeMotion.ADVANCING:
+            reached = geometry.radius(candidate.edge.s)
+            reason = f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
         self.recorder.event("pull-off")
-        shrunk = self.state.radius < (self.geometry.zone or 0.0)
+        shrunk = self.state.radius < (geometry.zone or 0.0)
         remark = ", having shrunk below the process zone" if shrunk else ""
-        raise Ended(OutcomeKind.DETACHED, f"contact lost at penetration {self.state.penetration:.6g}{remark}")
+        self._end(OutcomeKind.DETACHED, f"contact lost at penetration {self.state.penetration:.6g}{remark}")
 
-    def _out_of_range(self, found: EdgeSearch) -> None:
-        reached = self.geometry.radius(found.s)
-        raise Ended(
-            OutcomeKind.OUT_OF_RANGE,
-            f"the contact grows beyond the radius {reached:.6g} the mesh is made for",
-        )
+    def _end(self, kind: OutcomeKind, reason: str) -> NoReturn:
+        raise _RunEnded(Outcome(kind, reason, self.time))
 
-    def _problem(self, dt: float, control: str, value: float) -> tuple[ContactProblem, Response]:
-        response = self.history.respond(dt)
-        return ContactProblem(self.geometry, response, self.height, control, value), response
-
-    def _count(self, problem: ContactProblem) -> None:
-        self.counters.closure_evaluations += problem.evaluations
-        self.counters.linear_solves += 1
-
-    def _commit(self, dt: float, problem: ContactProblem, response: Response, s: float) -> None:
-        forces = problem.forces(s)
-        values = (problem.penetration(s), problem.force(s), self.law.radius(problem, s))
-        if not (np.isfinite(forces).all() and all(map(math.isfinite, values))):
-            raise Ended(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
-        self.history.commit(dt, response, forces)
-        penetration, force, radius = values
-        history = self.history
+    def _commit(self, candidate: ContactCandidate) -> None:
+        """Accept a contact state: history, row, counters."""
+        forces = candidate.problem.forces(candidate.edge.s)
+        penetration, force, radius = candidate.penetration, candidate.force, self.solver.radius(candidate)
+        if not (np.isfinite(forces).all() and all(map(math.isfinite, (penetration, force, radius)))):
+            self._end(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
+        history = self.setup.history
+        history.commit(candidate.dt, forces)
+        self.on_commit(candidate.dt, forces)
         displacement = history.displacement
-        gap = self.height - penetration + displacement
-        state = SurfaceState(
-            self.time,
-            penetration,
-            force,
-            radius,
-            s,
-            forces,
-            displacement,
-            history.stored_energy,
-            -0.5 * float(forces @ gap),
-            history.dissipated,
+        gap = self.setup.height - penetration + displacement
+        self.counters.steps += self.recorder.content.last is not None
+        self.recorder.add(
+            SurfaceState(
+                time=self.time,
+                penetration=penetration,
+                force=force,
+                radius=radius,
+                edge=candidate.edge.s,
+                forces=forces,
+                displacement=displacement,
+                stored=history.stored_energy,
+                interface=-0.5 * float(forces @ gap),
+                branch_dissipation=history.state.dissipated,
+            )
         )
-        self.recorder.add(state)
-        self.counters.steps += len(self.recorder.rows) > 1
-
-
-def _answer(state: SurfaceState, control: Control) -> float:
-    """The quantity that is not prescribed."""
-    return state.force if control == "penetration" else state.penetration
-
-
-def _conjugate(problem: ContactProblem, s: float) -> float:
-    """The same, of a trial."""
-    return problem.force(s) if problem.control == "penetration" else problem.penetration(s)
 
 
 def _range(segment: Segment) -> float:
-    """Span of a curved control law over its segment, from unevenly spread samples."""
+    """Range of a curved control law over its segment, from unevenly spread samples."""
     if segment.linear:
         return 0.0
-    spread = np.mod(np.arange(256) * 0.5 * (math.sqrt(5.0) - 1.0), 1.0)
-    values = [segment.value(segment.start + (segment.end - segment.start) * x) for x in spread]
+    shares = np.mod(np.arange(256) * 0.5 * (math.sqrt(5.0) - 1.0), 1.0)
+    values = [segment.value(segment.start + (segment.end - segment.start) * x) for x in shares]
     return max(values) - min(values)

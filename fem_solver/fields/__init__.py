@@ -1,1 +1,1 @@
-"""What happens in the body: stresses, energies and losses from the history of the surface."""
+"""Fields in the body: stresses, energies and losses from the history of the surface."""

@@ -12,7 +12,7 @@ per volume dissipated so far is quadratic in the history of ``b_k``,
 
     ``int Q(b_k)/(G_k tau_k) dt = sum_i Q(v_i)``,
 
-with few vectors ``v_i`` (see ``fields_modes``).
+with few vectors ``v_i`` (see ``modes``).
 """
 
 from __future__ import annotations
@@ -23,10 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver import forms
-from fem_solver.condensed import CondensedHistory
 from fem_solver.fields.history import Form, SurfaceLog, VolumeLog, at_points, shear_form, volume_form
 from fem_solver.fields.modes import LossModes
-from fem_solver.quadrature import QuadratureHistory, Relaxing
+from fem_solver.quadrature import RelaxingField
 from fem_solver.setup import Setup
 
 Array = NDArray[np.float64]
@@ -58,19 +57,20 @@ def with_volume(strain: Array, dilatation: Array | float) -> Array:
 class CondensedFields:
     """Fields by back-substitution from the surface history; rows in rising order."""
 
-    def __init__(self, setup: Setup, history: CondensedHistory, log: SurfaceLog) -> None:
-        self._setup, self._log, self._shear = setup, log, log.shear
+    def __init__(self, setup: Setup, log: SurfaceLog) -> None:
+        history = log.history
+        self._setup, self._log, self._shear = setup, log, history.shear
         self._strain = forms.strain_operator(setup.space.basis)
         self._points = self._strain.shape[0] // 4
-        self._modes = [LossModes(history.operator.rows) for _ in log.shear.times]
-        self._lost = np.zeros((len(log.shear.times), self._points))
+        self._modes = [LossModes(history.operator.rows) for _ in history.shear.times]
+        self._lost = np.zeros((len(history.shear.times), self._points))
         self._row = -1
         self._image = np.zeros(len(history.operator.unit))
-        self._branches = np.zeros((len(log.shear.times), len(self._image)))
-        self.names = tuple(f"tau={time:.6g}" for time in log.shear.times)
+        self._branches = np.zeros((len(history.shear.times), len(self._image)))
+        self.names = tuple(f"tau={time:.6g}" for time in history.shear.times)
 
     def at(self, row: int) -> PointFields:
-        """Fields at a row not before the last one asked for."""
+        """Fields at a row, not before the last one requested."""
         self._replay(row)
         shear, image, branches = self._shear, self._image, self._branches
         unknowns = self._setup.body(image)
@@ -87,7 +87,7 @@ class CondensedFields:
 
     def _replay(self, row: int) -> None:
         if row < self._row:
-            raise ValueError(f"row {row} asked for after row {self._row}")
+            raise ValueError(f"row {row} requested after row {self._row}")
         for dt, image in self._log.steps[self._row + 1 : row + 1]:
             step, change = self._shear.increment(dt), image - self._image
             if 0.0 < dt < np.inf:
@@ -126,18 +126,20 @@ class CondensedFields:
 
 
 class VolumeFields:
-    """Fields from internal variables at the quadrature points, for the rows kept."""
+    """Fields from internal variables at the quadrature points, for the stored rows."""
 
-    def __init__(self, setup: Setup, history: QuadratureHistory, log: VolumeLog) -> None:
-        self._space, self._log = setup.space, log
+    def __init__(self, log: VolumeLog) -> None:
+        history = log.history
+        self._space, self._log = history.space, log
         self._strain = history.strain
         self.names = tuple(f"shear tau={time:.6g}" for time in history.shear_modulus.times)
         if history.bulk_modulus is not None:
             self.names += tuple(f"bulk tau={time:.6g}" for time in history.bulk_modulus.times)
 
     def at(self, row: int) -> PointFields:
-        """Fields at a row that was kept."""
-        state, space = self._log[row], self._space
+        """Fields at a stored row."""
+        recorded, space = self._log[row], self._space
+        state = recorded.internal
         total = [
             part.modulus.relaxed * part.x + part.branches.sum(axis=0) for part in (state.shear, state.volume)
         ]
@@ -146,10 +148,10 @@ class VolumeFields:
         stress[:3] += -pressure if space.mixed else pressure
         strain = (self._strain @ state.unknowns[: space.basis.N]).reshape(4, -1)
         if space.mixed:
-            closer = 0.0 if self._log.incompressible else -at_points(space, state.volume.x[:-2])
-            strain = with_volume(strain, closer)
+            dilatation = 0.0 if self._log.incompressible else -at_points(space, state.volume.x[:-2])
+            strain = with_volume(strain, dilatation)
         stored, rates = np.zeros(stress.shape[1]), []
-        parts: list[tuple[Relaxing, Form]] = [(state.shear, shear_form)]
+        parts: list[tuple[RelaxingField, Form]] = [(state.shear, shear_form)]
         if not self._log.incompressible:
             parts.append((state.volume, volume_form(space)))
         for part, form in parts:
@@ -166,5 +168,5 @@ class VolumeFields:
             strain,
             stored,
             np.array(rates).reshape(len(self.names), stored.size),
-            state.dissipated,
+            recorded.dissipated,
         )

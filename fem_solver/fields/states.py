@@ -1,9 +1,9 @@
-"""Stress, strain, energy and dissipation under the surface at requested moments of a run.
+"""Stress, strain, energy and dissipation under the surface at requested rows of a run.
 
 Coordinates ``(r, z)``, the body in ``z <= 0``; displacement along them. Stress and strain are positive in
 tension and have the components ``(rr, zz, tt, rz)``, ``tt`` being the hoop and ``rz`` the tensor shear.
-Surface quantities are those of a :class:`scene.Profile`: displacement downwards, pressure in compression.
-Units are the scene's. Nothing here is computed unless asked for; what it costs is added to the counters.
+Surface quantities are those of :class:`contact_scene.Profile`: displacement downwards, pressure positive.
+Units are the scene's. The work done here is added to the counters of the trace.
 """
 
 from __future__ import annotations
@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Profile
-from fem_solver.condensed import CondensedHistory
-from fem_solver.fields.history import SurfaceLog, VolumeLog
+from fem_solver.fields.history import SurfaceLog
 from fem_solver.fields.points import CondensedFields, PointFields, VolumeFields
+from fem_solver.fields.recording import Recording
 from fem_solver.fields.recovery import Recovery
 from fem_solver.profiles import profile
-from fem_solver.quadrature import QuadratureHistory
-from fem_solver.solver import Recording
 
 Array = NDArray[np.float64]
 
@@ -40,7 +38,7 @@ class FieldState:
         Of the trace.
     time, penetration, force, contact_radius : float
     label : str
-        What the moment is called, "" if it has no name.
+        Name of the moment, "" if it has none.
     branches : tuple of str
         Names of the branches, in the order of the dissipation arrays.
     points : ndarray, shape (n, 2)
@@ -111,15 +109,15 @@ class FieldState:
         return 0.5 * (principal[0] - principal[2])
 
 
-def field_states(recording: Recording, moments: Mapping[int, str]) -> Iterator[FieldState]:
+def field_states(recording: Recording, labels: Mapping[int, str]) -> Iterator[FieldState]:
     """The body at rows of the trace, one after the other in the order of time.
 
     Parameters
     ----------
     recording : Recording
-        Of a run whose options ask for a record. With a constant Poisson's ratio every row of it can be
-        asked for, otherwise those recorded.
-    moments : mapping of int to str
+        Of a run whose options record its history. With a constant Poisson's ratio every row is available,
+        otherwise those recorded.
+    labels : mapping of int to str
         Rows and their labels.
 
     Yields
@@ -135,26 +133,20 @@ def field_states(recording: Recording, moments: Mapping[int, str]) -> Iterator[F
     """
     log = recording.log
     if log is None:
-        raise KeyError("nothing was recorded: the run was not asked for it")
+        raise KeyError("nothing was recorded: the options of the run record nothing")
     if log.rows != len(recording.trace):
-        raise ValueError("the history is not whole: the run went on from where another had been kept")
-    missing = sorted(row for row in moments if row not in log)
+        raise ValueError("the history is incomplete: the run was continued from a checkpoint")
+    missing = sorted(row for row in labels if row not in log)
     if missing:
         raise KeyError(f"rows not recorded: {missing}")
-    setup, history = recording.setup, recording.setup.history
-    source: CondensedFields | VolumeFields
-    if isinstance(history, CondensedHistory) and isinstance(log, SurfaceLog):
-        source = CondensedFields(setup, history, log)
-    elif isinstance(history, QuadratureHistory) and isinstance(log, VolumeLog):
-        source = VolumeFields(setup, history, log)
-    else:
-        raise TypeError("the log does not belong to the history")
+    setup = recording.setup
+    source = CondensedFields(setup, log) if isinstance(log, SurfaceLog) else VolumeFields(log)
     recovery = Recovery(setup.space.basis)
     counters = recording.trace.counters
     counters.factorisations += 1
-    for row in sorted(moments):
+    for row in sorted(labels):
         before = setup.factor.solves, recovery.solves
-        state = _state(recording, recovery, source.names, source.at(row), row, moments[row])
+        state = _state(recording, recovery, source.names, source.at(row), row, labels[row])
         counters.volume_solves += setup.factor.solves - before[0]
         counters.linear_solves += recovery.solves - before[1]
         yield state
@@ -164,12 +156,12 @@ def _state(
     recording: Recording,
     recovery: Recovery,
     branches: tuple[str, ...],
-    found: PointFields,
+    fields: PointFields,
     row: int,
     label: str,
 ) -> FieldState:
     trace, setup = recording.trace, recording.setup
-    nodal = recovery.nodal(np.concatenate([found.stress, found.strain]))
+    nodal = recovery.nodal(np.concatenate([fields.stress, fields.strain]))
     return FieldState(
         row=row,
         time=float(trace.time[row]),
@@ -180,15 +172,15 @@ def _state(
         branches=branches,
         points=recovery.points,
         triangles=recovery.triangles,
-        displacement=recovery.displacement(found.unknowns),
+        displacement=recovery.displacement(fields.unknowns),
         stress=nodal[:4],
         strain=nodal[4:],
-        stored_energy_density=recovery.densities(found.stored[None])[0],
-        dissipation_rate=recovery.densities(found.rates),
-        dissipated=recovery.densities(found.dissipated),
-        surface=profile(recording.surfaces[row], setup.radii, recording.height),
+        stored_energy_density=recovery.densities(fields.stored[None])[0],
+        dissipation_rate=recovery.densities(fields.rates),
+        dissipated=recovery.densities(fields.dissipated),
+        surface=profile(recording.surfaces[row], setup.radii, setup.height),
         element_volumes=recovery.volumes,
-        element_stored=recovery.means(found.stored[None])[0],
-        element_rate=recovery.means(found.rates),
-        element_dissipated=recovery.means(found.dissipated),
+        element_stored=recovery.means(fields.stored[None])[0],
+        element_rate=recovery.means(fields.rates),
+        element_dissipated=recovery.means(fields.dissipated),
     )

@@ -14,7 +14,7 @@ from support.resumable_runs import APART, RICH, SHORT, bem, fem, front
 from support.stopped_runs import assert_same_columns
 
 from bem_solver.step import TrialStep
-from fem_solver.stepping import Run as FemRun
+from fem_solver.stepping import NodeReleaseRun
 from validation.reference.tracking.stepping import Run as FrontRun
 
 
@@ -28,7 +28,7 @@ def twice(monkeypatch):
     """Every step of every solver is preceded by a vain one; counts them."""
     vain = {"bem": 0, "fem": 0, "reference": 0}
     share = shares()
-    result, take, advance = TrialStep.result, FemRun._step, FrontRun.attempt
+    result, trial, advance = TrialStep.result, NodeReleaseRun.trial_step, FrontRun.attempt
 
     def bem_result(self):
         left = self.interval.length - self.state.parameter
@@ -37,17 +37,11 @@ def twice(monkeypatch):
         vain["bem"] += 1
         return result(self)
 
-    def fem_step(self, segment, clock):
-        dt = next(share) * clock.dt
-        ahead = min(clock.time + dt, segment.end)
-        problem, _ = self._problem(dt, segment.control, segment.value(ahead))
-        found = self.law.seek(problem, self.state.s, *self._travel(self.state))
-        slopes, scales = self._slopes(problem, found.s, dt)
-        self.judge.error(slopes, scales, dt)
-        problem.forces(found.s)
-        self._count(problem)
+    def fem_trial(self, segment, dt, end):
+        longer = next(share) * dt
+        trial(self, segment, longer, min(self.time + longer, segment.end))
         vain["fem"] += 1
-        take(self, segment, clock)
+        return trial(self, segment, dt, end)
 
     def front_attempt(self, segment, travel=0.0):
         left = segment.end - self.time
@@ -62,7 +56,7 @@ def twice(monkeypatch):
 
     def put():
         monkeypatch.setattr(TrialStep, "result", bem_result)
-        monkeypatch.setattr(FemRun, "_step", fem_step)
+        monkeypatch.setattr(NodeReleaseRun, "trial_step", fem_trial)
         monkeypatch.setattr(FrontRun, "attempt", front_attempt)
         return vain
 

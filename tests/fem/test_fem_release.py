@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem_solver.condensed import Response
-from fem_solver.edge import AdhesiveEdge, Fate
+from fem_solver.edge import AdhesiveEdge, EdgeMotion
 from fem_solver.halfspace import HalfSpace
 from fem_solver.release import ContactProblem, EdgeGeometry
 from fem_solver.surface import SurfaceOperator
@@ -91,7 +91,7 @@ def test_edge_under_pressure_advances():
     assert contact.closure(geometry.position(0.1)) == -np.inf
     law = AdhesiveEdge(geometry, 1e-4)
     found = law.seek(contact, geometry.position(0.1), 0.0, np.inf)
-    assert found.fate is Fate.SETTLED
+    assert found.motion is EdgeMotion.RESTING
     assert geometry.radius(found.s) > np.sqrt(0.05)
 
 
@@ -109,7 +109,9 @@ def test_search_reports_where_the_edge_ran_off():
     geometry, contact = problem(4, 0.03)
     weak, strong = AdhesiveEdge(geometry, 1e-12), AdhesiveEdge(geometry, 1.0)
     s = geometry.position(0.24)
-    assert weak.seek(contact, s, s - 1.0, s + 1.0).fate is Fate.RECEDING
-    assert strong.seek(contact, s, s - 1.0, s + 1.0) == type(strong.start(contact))(Fate.ADVANCING, s + 1.0)
+    assert weak.seek(contact, s, s - 1.0, s + 1.0).motion is EdgeMotion.RECEDING
+    assert strong.seek(contact, s, s - 1.0, s + 1.0) == type(strong.start(contact))(
+        EdgeMotion.ADVANCING, s + 1.0
+    )
     _, pulled = problem(4, -0.05)
-    assert AdhesiveEdge(geometry, 1e-6).start(pulled).fate is Fate.RECEDING
+    assert AdhesiveEdge(geometry, 1e-6).start(pulled).motion is EdgeMotion.RECEDING

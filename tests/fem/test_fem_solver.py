@@ -319,7 +319,8 @@ def test_step_budget_is_an_outcome():
     trace = run(Ramp(-0.3, 0.02), max_steps=7)
     assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
     assert not trace.outcome.finished
-    assert len(trace) == 8
+    assert trace.counters.steps + trace.counters.rejected_steps == 7
+    assert len(trace) == trace.counters.steps + 1
 
 
 @pytest.mark.parametrize("scale", [(1e-6, 1e6, 1e-3), (1e3, 1e-9, 1e6)])
@@ -371,7 +372,7 @@ def test_progress_and_recorded_states():
 
 def test_options_are_checked():
     for wrong in ({"resolution": 0}, {"tolerance": 2.0}, {"max_steps": 0}, {"form": "mixd"}, {"path": "x"}):
-        with pytest.raises(ValueError, match=next(iter(wrong))):
+        with pytest.raises(SceneError, match=next(iter(wrong))):
             Options(**wrong)
 
 

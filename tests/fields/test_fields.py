@@ -107,7 +107,7 @@ def test_densities_add_up_to_the_energies_of_the_trace():
         sums = balance(state, recording.trace)
         assert sums.dissipated == pytest.approx(sums.branch_dissipation, rel=5e-3)
         assert sums.dissipated == pytest.approx(sums.work_less_stored, rel=2e-2)
-        held = recording.surfaces[state.row].held
+        held = recording.surfaces[state.row].interface
         assert sums.stored == pytest.approx(sums.stored_in_trace - held, rel=5e-3)
         assert sums.loss == pytest.approx(sums.branch_dissipation - sums.zone_excess, rel=1e-12)
         assert list(sums.dissipated_by_branch) == ["tau=0.3", "tau=5"]
@@ -121,7 +121,7 @@ def test_densities_of_separate_relaxation_add_up_too():
         sums = balance(state, recording.trace)
         assert state.branches == ("shear tau=0.3", "shear tau=5")
         assert sums.dissipated == pytest.approx(sums.branch_dissipation, rel=5e-3)
-        held = recording.surfaces[state.row].held
+        held = recording.surfaces[state.row].interface
         assert sums.stored == pytest.approx(sums.stored_in_trace - held, rel=5e-3)
 
 

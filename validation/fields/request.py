@@ -119,8 +119,8 @@ def pull_off(recording: Recording) -> int | None:
     if len(recording.trace) == 0:
         return None
     row, log = largest_tension(recording.trace), recording.log
-    if row is not None and isinstance(log, VolumeLog) and log.best is not None:
-        return log.best[0]  # on a plateau of the force a neighbour of the row, equal to round-off
+    if row is not None and isinstance(log, VolumeLog) and log.largest_tension is not None:
+        return log.largest_tension[0]  # on a plateau of the force a neighbour of the row, equal to round-off
     return row
 
 

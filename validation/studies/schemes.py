@@ -89,7 +89,7 @@ def _fem(path: Literal["auto", "quadrature"] = "auto") -> Scheme:
 
     def call(scene: Scene, s: Settings, times: tuple[float, ...]) -> Trace:
         steps = s.step_resolution or s.resolution
-        options = Options(steps, s.tolerance, times, path=path, far_field=s.far_field)
+        options = Options(steps, s.tolerance, profile_times=times, path=path, far_field=s.far_field)
         return solve(scene, mesh_for(scene, s), options)
 
     return call

@@ -1,0 +1,108 @@
+"""Contact state at the end of a trial step: response of the half-space, then the search for the edge.
+
+A trial changes nothing but the work counters; what it returns is accepted, or dropped, by ``stepping``.
+Penetration is positive downwards, force positive in compression.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from contact_scene import Counters
+from contact_scene.loading import Control
+from fem_solver.edge import EdgeMotion, EdgeSearch
+from fem_solver.release import ContactProblem
+from fem_solver.setup import Setup
+
+
+@dataclass(frozen=True)
+class ContactCandidate:
+    """Contact state at the end of a trial step.
+
+    ``problem`` holds all states that are possible then, ``edge`` selects one.
+    """
+
+    dt: float
+    problem: ContactProblem
+    edge: EdgeSearch
+
+    @property
+    def in_equilibrium(self) -> bool:
+        """Whether the edge rests."""
+        return self.edge.motion is EdgeMotion.RESTING
+
+    @property
+    def penetration(self) -> float:
+        """Penetration."""
+        return self.problem.penetration(self.edge.s)
+
+    @property
+    def force(self) -> float:
+        """Total force."""
+        return self.problem.force(self.edge.s)
+
+    @property
+    def response(self) -> float:
+        """Force or penetration, whichever is not prescribed."""
+        return self.force if self.problem.control == "penetration" else self.penetration
+
+
+@dataclass
+class ContactSolver:
+    """Solves for the contact state at one instant and counts the work."""
+
+    setup: Setup
+    counters: Counters
+
+    def start(self, penetration: float, relaxed: bool) -> ContactCandidate:
+        """Glassy or relaxed equilibrium, from the undeformed half-space."""
+        dt = math.inf if relaxed else 0.0
+        problem = self._problem(dt, "penetration", penetration)
+        return self._counted(ContactCandidate(dt, problem, self.setup.law.start(problem)))
+
+    def trial(
+        self, dt: float, control: Control, value: float, start: float, limits: tuple[float, float]
+    ) -> ContactCandidate:
+        """Equilibrium of the edge at the end of a step.
+
+        Parameters
+        ----------
+        dt : float
+            Length of the step; 0 for a glassy response.
+        control : "penetration" or "force"
+        value : float
+            Of the controlled quantity at the end of the step.
+        start : float
+            Edge position, in nodes, from which the search starts.
+        limits : tuple of float
+            Least and largest edge position searched.
+
+        Returns
+        -------
+        ContactCandidate
+            In equilibrium, or with the limit at which the search ended.
+        """
+        problem = self._problem(dt, control, value)
+        return self._counted(ContactCandidate(dt, problem, self.setup.law.seek(problem, start, *limits)))
+
+    def extended(self, candidate: ContactCandidate) -> ContactCandidate:
+        """The search of a candidate without equilibrium, continued to the end of the mesh."""
+        edge, law = candidate.edge, self.setup.law
+        advancing = edge.motion is EdgeMotion.ADVANCING
+        limits = (edge.s, math.inf) if advancing else (law.lowest, edge.s)
+        further = law.seek(candidate.problem, edge.s, *limits)
+        return self._counted(ContactCandidate(candidate.dt, candidate.problem, further))
+
+    def radius(self, candidate: ContactCandidate) -> float:
+        """Contact radius."""
+        return self.setup.law.radius(candidate.problem, candidate.edge.s)
+
+    def _problem(self, dt: float, control: Control, value: float) -> ContactProblem:
+        setup = self.setup
+        return ContactProblem(setup.geometry, setup.history.respond(dt), setup.height, control, value)
+
+    def _counted(self, candidate: ContactCandidate) -> ContactCandidate:
+        self.counters.closure_evaluations += candidate.problem.evaluations
+        self.counters.linear_solves += 1
+        return candidate

@@ -1,0 +1,96 @@
+"""Instantaneous events: load jumps, and edge jumps where a run of stable states ends.
+
+The half-space answers with its glassy modulus. Nothing is accepted here; see ``stepping``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from contact_scene.loading import Control
+from fem_solver.contact_solver import ContactCandidate, ContactSolver
+from fem_solver.edge import EdgeMotion
+from fem_solver.recorder import SurfaceState
+
+_SHORTEST_PART = 2.0**-10
+"""Least part of a load jump where the response is curved, relative to the jump."""
+_LAST_PART = 2.0**-24
+"""Least part of a load jump before contact counts as lost, relative to the jump."""
+
+
+@dataclass
+class LoadJump:
+    """A load that changes instantaneously, taken in parts over which the response is nearly linear.
+
+    The work is then that of an edge that moves with the load, and contact is lost where the edge has no
+    equilibrium, not where the jump began.
+
+    Parameters
+    ----------
+    control : "penetration" or "force"
+    first, last : float
+        Values of the controlled quantity.
+    done, part : float
+        Share of the jump that is accepted, and of the next part.
+    response_scale : float
+        Largest response so far.
+    """
+
+    control: Control
+    first: float
+    last: float
+    done: float = 0.0
+    part: float = 1.0
+    response_scale: float = 0.0
+
+    @property
+    def complete(self) -> bool:
+        """Whether the whole jump is accepted."""
+        return self.done >= 1.0
+
+    def trial(self, solver: ContactSolver, state: SurfaceState, tolerance: float) -> ContactCandidate | None:
+        """The next part; ``None`` if it has to be shorter. Without equilibrium, contact is lost."""
+        self.part = min(self.part, 1.0 - self.done)
+        end = self._at(solver, state, self.done + self.part)
+        if not end.in_equilibrium:
+            return None if self.part > _LAST_PART else end
+        middle = self._at(solver, state, self.done + 0.5 * self.part)
+        before = state.force if self.control == "penetration" else state.penetration
+        responses = (before, end.response)
+        self.response_scale = max(self.response_scale, *(abs(response) for response in responses))
+        deviation = abs(middle.response - 0.5 * (responses[0] + responses[1]))
+        curved = not middle.in_equilibrium or deviation > tolerance * self.response_scale
+        return None if curved and self.part > _SHORTEST_PART else end
+
+    def halve(self) -> None:
+        """Try again with half the part."""
+        self.part *= 0.5
+
+    def advance(self) -> None:
+        """Accept the part."""
+        self.done += self.part
+        self.part *= 2.0
+
+    def _at(self, solver: ContactSolver, state: SurfaceState, share: float) -> ContactCandidate:
+        value = self.last if share == 1.0 else self.first + share * (self.last - self.first)
+        return solver.trial(0.0, self.control, value, state.edge, (solver.setup.law.lowest, math.inf))
+
+
+def edge_jump(solver: ContactSolver, candidate: ContactCandidate) -> ContactCandidate:
+    """Follow an edge that leaves the range of the shortest step to where it rests again, if it does.
+
+    Parameters
+    ----------
+    solver : ContactSolver
+    candidate : ContactCandidate
+        Out of equilibrium, at the end of the shortest step.
+
+    Returns
+    -------
+    ContactCandidate
+        In equilibrium; otherwise contact is lost or the contact outgrows the mesh.
+    """
+    law = solver.setup.law
+    receded = candidate.edge.motion is not EdgeMotion.ADVANCING and candidate.edge.s <= law.lowest
+    return candidate if receded else solver.extended(candidate)
