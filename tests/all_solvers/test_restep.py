@@ -14,7 +14,7 @@ from test_resume import APART, RICH, SHORT, bem, fem, front
 
 from bem_solver.stepping import Stepper, Unresolvable
 from fem_solver.stepping import Run as FemRun
-from validation.reference.tracking.stepping import Run as FrontRun
+from validation.reference.tracking.problem import FrontProblem
 
 
 def shares():
@@ -27,7 +27,7 @@ def twice(monkeypatch):
     """Every step of every solver is preceded by a vain one; counts them."""
     vain = {"bem": 0, "fem": 0, "reference": 0}
     share = shares()
-    attempt, take, advance = Stepper._attempt, FemRun._step, FrontRun.attempt
+    attempt, take, new_trial = Stepper._attempt, FemRun._step, FrontProblem.trial
 
     def bem_attempt(self, piece, parameter, step):
         with suppress(Unresolvable, FloatingPointError):  # it may come to nothing
@@ -47,21 +47,21 @@ def twice(monkeypatch):
         vain["fem"] += 1
         take(self, segment, clock)
 
-    def front_attempt(self, segment, travel=0.0):
-        left = segment.end - self.time
+    def front_trial(self, state, segment, travel=0.0):
+        left = segment.end - state.time
         duration = min(next(share) * 1e-2 * left, left)
-        trial = advance(self, segment, travel)
-        a0 = self.surface.radius
+        trial = new_trial(self, state, segment, travel)
+        a0 = state.surface.radius
         if a0 > 0.0:
-            found = trial.edge(duration, a0, max(0.9 * a0, self.law.lowest), 1.1 * a0)
-            trial.surface_at(duration, found.radius)
+            edge = trial.stable_edge(duration, a0, max(0.9 * a0, self.condition.smallest_radius), 1.1 * a0)
+            trial.surface_at(duration, edge.radius)
         vain["reference"] += 1
-        return advance(self, segment, travel)
+        return new_trial(self, state, segment, travel)
 
     def put():
         monkeypatch.setattr(Stepper, "_attempt", bem_attempt)
         monkeypatch.setattr(FemRun, "_step", fem_step)
-        monkeypatch.setattr(FrontRun, "attempt", front_attempt)
+        monkeypatch.setattr(FrontProblem, "trial", front_trial)
         return vain
 
     return put
