@@ -15,7 +15,7 @@ from support.stopped_runs import assert_same_columns
 
 from bem_solver.step import TrialStep
 from fem_solver.stepping import NodeReleaseRun
-from validation.reference.tracking.stepping import Run as FrontRun
+from validation.reference.tracking.problem import FrontProblem
 
 
 def shares():
@@ -28,7 +28,7 @@ def twice(monkeypatch):
     """Every step of every solver is preceded by a vain one; counts them."""
     vain = {"bem": 0, "fem": 0, "reference": 0}
     share = shares()
-    result, trial, advance = TrialStep.result, NodeReleaseRun.trial_step, FrontRun.attempt
+    result, trial, new_trial = TrialStep.result, NodeReleaseRun.trial_step, FrontProblem.trial
 
     def bem_result(self):
         left = self.interval.length - self.state.parameter
@@ -43,21 +43,21 @@ def twice(monkeypatch):
         vain["fem"] += 1
         return trial(self, segment, dt, end)
 
-    def front_attempt(self, segment, travel=0.0):
-        left = segment.end - self.time
+    def front_trial(self, state, segment, travel=0.0):
+        left = segment.end - state.time
         duration = min(next(share) * 1e-2 * left, left)
-        trial = advance(self, segment, travel)
-        a0 = self.surface.radius
+        trial = new_trial(self, state, segment, travel)
+        a0 = state.surface.radius
         if a0 > 0.0:
-            found = trial.edge(duration, a0, max(0.9 * a0, self.law.lowest), 1.1 * a0)
-            trial.surface_at(duration, found.radius)
+            edge = trial.stable_edge(duration, a0, max(0.9 * a0, self.condition.smallest_radius), 1.1 * a0)
+            trial.surface_at(duration, edge.radius)
         vain["reference"] += 1
-        return advance(self, segment, travel)
+        return new_trial(self, state, segment, travel)
 
     def put():
         monkeypatch.setattr(TrialStep, "result", bem_result)
         monkeypatch.setattr(NodeReleaseRun, "trial_step", fem_trial)
-        monkeypatch.setattr(FrontRun, "attempt", front_attempt)
+        monkeypatch.setattr(FrontProblem, "trial", front_trial)
         return vain
 
     return put

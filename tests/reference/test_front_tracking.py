@@ -13,7 +13,7 @@ from contact_scene import Adhesion, Branch, Loading, Material, OutcomeKind, Ramp
 from validation.measure.observables import Observables, observe
 from validation.reference import Options, solve
 from validation.reference.tracking.energy import branch_power
-from validation.reference.tracking.record import Record
+from validation.reference.tracking.recorder import Recorder
 from validation.studies.reference_accuracy import COLUMNS, MATERIALS, cycle, levels, order
 
 
@@ -142,13 +142,13 @@ def test_slow_approach_resolves_the_layer_behind_the_edge() -> None:
 def test_branches_dissipate_what_the_balance_says(material: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The branch integral, taken from the fields step by step, against work, energy and tip release."""
     power: list[tuple[float, float]] = []
-    add = Record.add
+    add = Recorder.add
 
     def watched(self, time, surface, force):  # type: ignore[no-untyped-def]
         power.append((time, branch_power(surface, self.body)))
         add(self, time, surface, force)
 
-    monkeypatch.setattr(Record, "add", watched)
+    monkeypatch.setattr(Recorder, "add", watched)
     trace = solve(cycle(0.02, material), Options(resolution=32))
     at, rate = np.array(power[:-1]).T
     direct = np.concatenate(([0.0], np.cumsum(np.diff(at) * 0.5 * (rate[1:] + rate[:-1]))))

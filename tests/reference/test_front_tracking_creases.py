@@ -10,7 +10,7 @@ from contact_scene import Adhesion, Branch, Force, Loading, Material, Scene, Sph
 from validation.reference import Options, solve
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import transform
-from validation.reference.tracking.coarsening import thinned
+from validation.reference.tracking.coarsening import coarsened
 from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.surface import Body, Surface
@@ -49,7 +49,7 @@ def test_between_two_creases_with_nothing_in_between_the_line_is_straight() -> N
 
 def test_a_crease_changes_nothing_but_the_slopes() -> None:
     smooth = _surface(np.linspace(0.0, EDGE, 41), np.linspace(EDGE, 0.3, 31))
-    creased = smooth.creased()
+    creased = smooth.with_edge_nodes_doubled()
     assert len(creased.inside) == 42
     assert len(creased.outside) == 32
     assert creased.radius == smooth.radius
@@ -58,26 +58,26 @@ def test_a_crease_changes_nothing_but_the_slopes() -> None:
     assert creased.force(BODY) == pytest.approx(smooth.force(BODY), rel=1e-6)
     law = Griffith(Adhesion(5e-4, 0.013))
     assert law.residual(creased, BODY) == pytest.approx(law.residual(smooth, BODY), rel=1e-6)
-    again = creased.creased()
+    again = creased.with_edge_nodes_doubled()
     np.testing.assert_array_equal(again.inside, creased.inside)
     np.testing.assert_array_equal(again.outside, creased.outside)
 
 
 def test_without_contact_there_is_nothing_to_crease() -> None:
     free = Surface(0.0, np.zeros(1), np.zeros((1, 1)), np.array([0.0, 0.1, 0.2]), np.zeros((3, 1)))
-    assert len(free.creased().inside) == 1
-    np.testing.assert_array_equal(free.creased().outside, free.outside)
+    assert len(free.with_edge_nodes_doubled().inside) == 1
+    np.testing.assert_array_equal(free.with_edge_nodes_doubled().outside, free.outside)
 
 
 @pytest.mark.parametrize("count", [41, 42])  # every other node may go: which depends on their number
 def test_thinning_leaves_a_crease_and_its_neighbours(count: int) -> None:
-    before = _surface(np.linspace(0.0, EDGE, count), np.linspace(EDGE, 0.3, 31)).creased()
+    before = _surface(np.linspace(0.0, EDGE, count), np.linspace(EDGE, 0.3, 31)).with_edge_nodes_doubled()
     beyond = np.linspace(EDGE, 0.24, 60)[1:]
     inside = np.concatenate((before.inside, beyond))
     advanced = _surface(inside, np.linspace(0.24, 0.3, 31))
     few = advanced
     for _ in range(12):
-        few = thinned(few, 1e-2)
+        few = coarsened(few, 1e-2)
     assert len(few.inside) < 0.8 * len(inside)
     crease = int(np.flatnonzero(inside == EDGE)[0])
     for j in range(crease - 3, crease + 3):

@@ -30,7 +30,7 @@ from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
 from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.root import rising_root
-from validation.reference.tracking.stepping import Run
+from validation.reference.tracking.step_outcome import StepOutcome
 
 COARSE = Options(resolution=4)
 
@@ -228,12 +228,10 @@ def test_fast_retraction_of_a_stiff_glass_tends_to_the_frozen_limit() -> None:
 def test_steps_tried_in_vain_come_to_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """Long before the budget: a run that cannot go on says so."""
 
-    def never(self: Run, segment: object, stop: float, proposed: float) -> float:
-        self.counters.rejected_steps += 1
-        return advance(self, segment, stop, proposed) if self.counters.rejected_steps > 400 else proposed
+    def never(*_: object) -> StepOutcome:
+        return StepOutcome(1e-3, rejected=True)
 
-    advance = Run._advance
-    monkeypatch.setattr(Run, "_advance", never)
+    monkeypatch.setattr("validation.reference.tracking.stepping.trial_step", never)
     trace = solve(_scene((Ramp(0.02, 0.02),), 0.01, "relaxed"), Options(resolution=6))
     assert trace.outcome.kind is OutcomeKind.STEP_UNDERFLOW
     assert "400" in trace.outcome.reason

@@ -10,11 +10,11 @@ from scipy.integrate import quad, solve_ivp
 from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw, Sphere, TabulatedProfile
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import transform
-from validation.reference.tracking.closure import Zone, closure_integral
+from validation.reference.tracking.closure import EdgeFields, closure_integral
 from validation.reference.tracking.penetration_path import cubic, phi
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.root import bracketed, rising_root
-from validation.reference.tracking.surface import Path
+from validation.reference.tracking.surface import EdgePath
 
 RADII = np.linspace(0.0, 1.0, 41)
 SHAPES = [
@@ -85,12 +85,12 @@ def test_phi_functions(y: float) -> None:
         assert float(value[0]) == pytest.approx(exact, rel=1e-9)
 
 
-def test_memory_of_a_cubic_drive() -> None:
-    drive = cubic(2.0, 0.1, 0.4, 0.3, -0.2)
+def test_memory_of_a_cubic_penetration() -> None:
+    depth = cubic(2.0, 0.1, 0.4, 0.3, -0.2)
     times = np.array([1e-3, 0.7, 1e5])
     begin, until = np.array([0.0, 0.5]), np.array([2.0, 1.7])
-    got = drive.memory(begin, until, times)
-    c1, c2, c3 = drive.rates
+    got = depth.memory(begin, until, times)
+    c1, c2, c3 = depth.rates
     for i in range(2):
         for k, tau in enumerate(times):
             nodes = [until[i] - 10.0 * tau] if until[i] - 10.0 * tau > begin[i] else None
@@ -99,10 +99,10 @@ def test_memory_of_a_cubic_drive() -> None:
                 begin[i], until[i], points=nodes, epsabs=1e-15, limit=200,
             )[0]  # fmt: skip
             assert got[i, k] == pytest.approx(exact, rel=1e-8)
-    assert drive.penetration(2.0) == pytest.approx(0.4)
+    assert depth.penetration(2.0) == pytest.approx(0.4)
 
 
-def test_the_two_guises_are_one_material() -> None:
+def test_both_representations_are_one_material() -> None:
     law = rheology(SPREAD)
     rng = np.random.default_rng(7)
     branches, strain = rng.normal(size=(5, 4)) * law.moduli, rng.normal(size=5)
@@ -148,7 +148,7 @@ def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> N
     da = ratio * a
     inside, outside = np.linspace(0.0, a, 300), np.linspace(a, a + 1.5 * da, 40)
     got = closure_integral(
-        Zone(inside, 0.0 * inside, outside, 0.0 * outside, depth), da, 1.0, transform(Sphere(1.0))
+        EdgeFields(inside, 0.0 * inside, outside, 0.0 * outside, depth), da, 1.0, transform(Sphere(1.0))
     )
     nodes, weights = np.polynomial.legendre.leggauss(24)
     nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
@@ -171,7 +171,7 @@ def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> N
 
 
 def test_path_and_its_inverse() -> None:
-    path = Path(0.3, -0.01, 0.004)
+    path = EdgePath(0.3, -0.01, 0.004)
     f = np.linspace(0.0, 1.0, 21)
     np.testing.assert_allclose(path.passing(path(f)), f, atol=1e-12)
     assert path(np.array([1.0]))[0] == pytest.approx(0.29)

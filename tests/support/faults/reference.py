@@ -79,13 +79,13 @@ def _(true):
     return lambda self, branches, strain: true(self, 0.0 * branches, strain)
 
 
-@fault("internal variables in contact not advanced", "surface:step")
+@fault("internal variables in contact not advanced", "surface:field_update")
 def _(true):
-    def step(*given):
+    def update(*given):
         found = true(*given)
         return replace(found, decay=np.ones_like(found.decay), gain=np.zeros_like(found.gain))
 
-    return step
+    return update
 
 
 @fault("start with the other modulus", "equilibrium:elastic_surface")

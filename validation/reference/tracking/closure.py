@@ -35,11 +35,11 @@ _RING = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
 
 
 @dataclass(frozen=True)
-class Zone:
-    """What the closure needs of the surface: the neighbourhood of the edge, known at nodes.
+class EdgeFields:
+    """Fields near the edge, known at nodes.
 
     ``inside`` (m,) rises to the edge and carries ``memory = sum_k b_k``; ``outside`` (l,) rises from the edge
-    and carries the free ``w``. Nodes beyond the zone may be present, and some should be: slopes use them.
+    and carries the free ``w``. A few nodes beyond the zone are needed for the slopes.
     """
 
     inside: Array
@@ -83,10 +83,24 @@ _TABLE = (
 )
 
 
-def closure_integral(edge: Zone, zone: float, relaxed: float, transform: Transform) -> float:
-    """``I(a)``, the energy per area that opening by one zone length would release.
+def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: Transform) -> float:
+    """``I(a)`` (paper, Eq. closure), the energy per area that opening by one zone length would release.
 
-    Negative where the edge is under compression, or overlaps ahead: there the contact grows.
+    Parameters
+    ----------
+    edge : EdgeFields
+        Fields within one zone length of the edge and a few nodes beyond.
+    zone : float
+        Process-zone length.
+    relaxed : float
+        Relaxed plane modulus ``E0*``.
+    transform : Transform
+        Abel transform of the indenter.
+
+    Returns
+    -------
+    float
+        Energy per area; negative where the edge is under compression or overlaps ahead: the contact grows.
     """
     radius = float(edge.inside[-1])
     start = radius - zone
@@ -124,7 +138,7 @@ def closure_integral(edge: Zone, zone: float, relaxed: float, transform: Transfo
     return -abs(value) if pressed and overlapping else float(value)
 
 
-def _near(edge: Zone, zone: float) -> tuple[Array, Array, Array, Array]:
+def _near(edge: EdgeFields, zone: float) -> tuple[Array, Array, Array, Array]:
     """The nodes within the zone and three beyond, on either side."""
     radius = edge.inside[-1]
     first = max(int(edge.inside.searchsorted(radius - zone)) - 3, 0)

@@ -1,4 +1,4 @@
-"""Nodes behind the edge that their neighbours already imply are dropped: long histories stay cheap."""
+"""Coarsening: nodes behind the edge that interpolation between their neighbours reproduces are dropped."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ from numpy.typing import NDArray
 from validation.reference.tracking import hermite
 from validation.reference.tracking.surface import Surface
 
-KEPT = 2  # nodes on either side of a step of the fields
-WIDEST = 0.03  # of the range of nodes: no wider interval is made, however smooth the fields are now
+PROTECTED = 2
+"""Nodes on either side of a discontinuity of the fields that are never dropped."""
+WIDEST = 0.03
+"""Widest interval that coarsening may make, relative to the range of the nodes."""
 
 Array = NDArray[np.float64]
 
 
-def thinned(surface: Surface, deviation: float) -> Surface:
+def coarsened(surface: Surface, deviation: float) -> Surface:
     """Drop every other node that the remaining ones give within ``deviation`` of the largest value.
 
-    Every branch counts by itself: one that is small now may be what is left later.
+    Every branch counts by itself: one that is small now may dominate later.
     """
     inside = _needed(surface.inside, surface.branches, deviation)
     outside = _needed(surface.outside, surface.units, deviation)
@@ -38,7 +40,7 @@ def _needed(x: Array, y: Array, deviation: float) -> NDArray[np.intp]:
     candidate = np.zeros(count, bool)
     candidate[2:-2:2] = x[3:-1:2] - x[1:-3:2] < WIDEST * (x[-1] - x[0])
     steps = hermite.beside_steps(np.diff(x))
-    for beside in range(-KEPT, KEPT + 1):  # neither what marks a step nor what gives the slopes next to it
+    for beside in range(-PROTECTED, PROTECTED + 1):  # the discontinuity and the slopes beside it
         candidate[np.clip(steps + beside, 0, count - 1)] = False
     kept = np.flatnonzero(~candidate)
     dropped = np.flatnonzero(candidate)

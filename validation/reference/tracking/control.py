@@ -1,4 +1,4 @@
-"""What is prescribed during a step: the penetration, or the force, and then the penetration is sought."""
+"""Prescribed penetration during a step, and the penetration that balances a prescribed force."""
 
 from __future__ import annotations
 
@@ -9,17 +9,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Segment
-from validation.reference.tracking.penetration_path import Drive, cubic, straight
-from validation.reference.tracking.step_history import Course
-from validation.reference.tracking.surface import Body, Path, Surface, moved, step
+from validation.reference.tracking.penetration_path import PenetrationPath, cubic, straight
+from validation.reference.tracking.step_history import RowExtrapolation
+from validation.reference.tracking.surface import Body, EdgePath, Surface, after_step, field_update
 
 Array = NDArray[np.float64]
 
-APART = 1e-3  # of the force: two trial penetrations nearer than that lose digits
+TRIAL_SEPARATION = 1e-3
+"""Least difference of two trial forces, relative to the force: closer ones lose digits."""
 
 
-def prescribed(segment: Segment, time: float, duration: float, surface: Surface) -> Drive:
-    """Penetration under penetration control: exact where it is linear, else its Hermite cubic."""
+def prescribed_penetration(
+    segment: Segment, time: float, duration: float, surface: Surface
+) -> PenetrationPath:
+    """Penetration under penetration control: exact where it is linear, otherwise its Hermite cubic.
+
+    Parameters
+    ----------
+    segment : Segment
+        Load step under penetration control.
+    time, duration : float
+        Start and length of the step; of length 0, it is a jump.
+    surface : Surface
+        State at the start, whose penetration may differ from the first prescribed one by a jump.
+
+    Returns
+    -------
+    PenetrationPath
+    """
     first = segment.value(time)
     start, jump = surface.penetration, first - surface.penetration
     if duration == 0.0:
@@ -31,31 +48,56 @@ def prescribed(segment: Segment, time: float, duration: float, surface: Surface)
     return replace(shape, start=start, jump=jump)
 
 
-def balanced(
-    surface: Surface, body: Body, target: float, duration: float, depths: Course, path: Path, marks: Array
+def force_balanced(
+    surface: Surface,
+    body: Body,
+    target: float,
+    duration: float,
+    depths: RowExtrapolation,
+    path: EdgePath,
+    fractions: Array,
 ) -> Surface:
-    """The moved surface that carries the force ``target``.
+    """The surface at the end of a step that carries the force ``target``.
 
-    For a given path every field is affine in the penetration at the end of the step, so that the surfaces for
-    two penetrations give the one that is sought. ``depths`` is how the penetration has run so far.
+    For a given path of the edge every field is affine in the penetration at the end of the step, so that the
+    surfaces for two penetrations give the balanced one.
+
+    Parameters
+    ----------
+    surface : Surface
+        State at the start.
+    body : Body
+    target : float
+        Force at the end of the step.
+    duration : float
+    depths : RowExtrapolation
+        Penetration at the rows before, for the curvature of its path.
+    path : EdgePath
+        Edge radius during the step.
+    fractions : ndarray, shape (m,)
+        Moments at which nodes are left, as fractions of the step.
+
+    Returns
+    -------
+    Surface
     """
 
     def measure(state: Surface) -> float:
         # A contact that ends in a point carries no force; there the stress at the point has to vanish.
         return state.force(body) if state.radius > 0.0 else state.edge_stress(body)
 
-    def attempt(end: float) -> Surface:
-        sag = 0.5 * depths.curvature(duration, end)
-        drive = _parabola(duration, surface.penetration, end, sag)
-        return moved(surface, body, step(surface, body, drive), path, marks)
+    def trial(end: float) -> Surface:
+        bend = 0.5 * depths.curvature(duration, end)
+        depth = _parabola(duration, surface.penetration, end, bend)
+        return after_step(surface, body, field_update(surface, body, depth), path, fractions)
 
     wanted = target if path.start + path.travel > 0.0 else 0.0
-    one = attempt(surface.penetration)
+    one = trial(surface.penetration)
     lacking = wanted - measure(one)
     if lacking == 0.0:
         return one
-    apart = math.copysign(max(abs(lacking), APART * abs(wanted)), lacking)
-    two = attempt(surface.penetration + _first_guess(body, duration, path, apart))
+    difference = math.copysign(max(abs(lacking), TRIAL_SEPARATION * abs(wanted)), lacking)
+    two = trial(surface.penetration + _first_guess(body, duration, path, difference))
     gained = measure(two) - measure(one)
     if gained == 0.0:  # a force too small for its own round-off
         return two
@@ -69,16 +111,16 @@ def balanced(
     )
 
 
-def _first_guess(body: Body, duration: float, path: Path, lacking: float) -> float:
-    """Change of penetration for a change of force, were the edge to stay."""
+def _first_guess(body: Body, duration: float, path: EdgePath, lacking: float) -> float:
+    """Change of penetration for a change of force, with the edge at rest."""
     y = duration / body.rheology.times
     shared = np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
     radius = max(path.start, path.start + path.travel)
     return lacking / (2.0 * radius * (body.rheology.relaxed + float((body.rheology.moduli * shared).sum())))
 
 
-def _parabola(duration: float, start: float, end: float, sag: float) -> Drive:
+def _parabola(duration: float, start: float, end: float, bend: float) -> PenetrationPath:
     if duration == 0.0:
         return straight(0.0, start, end - start, end)
     rate = (end - start) / duration
-    return Drive(duration, start, 0.0, (rate - sag * duration, sag, 0.0))
+    return PenetrationPath(duration, start, 0.0, (rate - bend * duration, bend, 0.0))

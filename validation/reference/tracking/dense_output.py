@@ -1,11 +1,11 @@
-"""Values between the rows of a run: a cubic through four rows nearby, of a smooth stretch.
+"""Dense output: values between the rows of a run, by a cubic through four rows of a smooth stretch.
 
-The four nearest rows, or those one further back or on, wherever the cubic is smoothest: when the edge comes
-within one process zone of where it once turned its speed bends, and a cubic should not go across (essentially
-non-oscillatory interpolation).
+The stencil is the four nearest rows, or the same shifted by one row, whichever cubic is smoothest: the speed
+of the edge has a kink where it comes within one process zone of a former reversal, and a cubic should not be
+laid across it (essentially non-oscillatory interpolation).
 
-Rows that crowd beside a long step make a polynomial of their rounding errors. Where it departs from the
-straight line by more than the four rows differ, the straight line is taken.
+Beside a long step, a polynomial through closely spaced rows amplifies their rounding errors. Where it leaves
+the chord by more than the range of the four rows, the chord is taken.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-CLEARLY = 0.03  # smaller, by which another cubic than that through the nearest rows is the better one: a bend
+SHIFT_RATIO = 0.03
+"""Use a shifted stencil if its third difference is below this share of the centred one (ENO)."""
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -54,7 +55,7 @@ def _smoothest(
     for place in places:
         rows = place[:, None] + np.arange(degree + 1)
         curve, leading = _newton(time[rows], values[rows], at)
-        better = np.abs(leading) < CLEARLY * best
+        better = np.abs(leading) < SHIFT_RATIO * best
         wild = np.abs(curve - chord) > np.ptp(values[rows], axis=1)
         result = np.where(better, np.where(wild, chord, curve), result)
         best = np.where(better, np.abs(leading), best)

@@ -10,17 +10,19 @@ from numpy.typing import NDArray
 
 from contact_scene import Scene, TabulatedProfile
 from contact_scene.scene import zone_too_long
-from validation.reference.tracking.law import Griffith, Law
+from validation.reference.tracking.law import EdgeCondition, Griffith
 from validation.reference.tracking.root import bracketed
 from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
 
-MOST = 800  # radii at which an equilibrium is looked for
-NODES = 160  # of the start state, half of them within a fifth of the radius from the edge
+MOST_RADII = 800
+"""Most evenly spaced radii among which an equilibrium is bracketed."""
+NODES = 160
+"""Nodes of the start state, half of them within a fifth of the radius from the edge."""
 
 
-def start_surface(scene: Scene, body: Body, law: Law) -> Surface | None:
+def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | None:
     """The outermost stable elastic equilibrium; ``None`` if there is none.
 
     Raises
@@ -52,10 +54,10 @@ def start_surface(scene: Scene, body: Body, law: Law) -> Surface | None:
             highest *= 2.0
     elif residual(edge) <= 0.0:
         return elastic_surface(body, depth, edge, glassy)
-    outermost = _outermost(residual, law.lowest, highest)
+    outermost = _outermost(residual, law.smallest_radius, highest)
     if outermost is not None:
         return elastic_surface(body, depth, outermost, glassy)
-    short = _outermost(tip_residual, 1e-6 * zone, law.lowest)
+    short = _outermost(tip_residual, 1e-6 * zone, law.smallest_radius)
     if short is not None:
         raise zone_too_long(zone, short)
     return None
@@ -68,7 +70,7 @@ def _last_ledge(scene: Scene) -> float:
 
 def _outermost(residual: Callable[[float], float], lowest: float, highest: float) -> float | None:
     """Largest radius at which the residual falls through zero on the way inwards."""
-    even = np.linspace(highest, lowest, min(int(highest / lowest) + 2, MOST))
+    even = np.linspace(highest, lowest, min(int(highest / lowest) + 2, MOST_RADII))
     radii = np.unique(np.concatenate((np.geomspace(highest, lowest, 200), even)))[::-1]
     above = radii[0]
     at_above = residual(above)

@@ -1,7 +1,7 @@
 """Error estimates from two runs, one with twice the step of the other: a third of the difference (order two).
 
 A curve that falls through a limit point has an infinite slope there, and the difference of two such curves at
-equal times says nothing; radius and force are therefore compared by the distance of the curves in a plane
+equal times is no error; radius and force are therefore compared by the distance of the curves in a plane
 where time and value both count relative to their ranges. The rows of the coarser run should lie so densely
 that the polygon through them adds nothing.
 """
@@ -17,7 +17,9 @@ Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
 
 RICHARDSON = 1.0 / 3.0
-NEARBY = 48  # sides of the other curve on either hand
+"""Error of the finer of two runs over their difference, for order two and twice the step."""
+NEARBY = 48
+"""Sides of the other polygon, before and after, among which the nearest is sought."""
 
 
 def estimated_errors(fine: Columns, coarse: Columns) -> dict[str, float]:

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-STEP = 1e-4  # two intervals so unequal in width: the long one is interpolated as if the short one were a step
+STEP = 1e-4
+"""Ratio of neighbouring intervals below which the short one is taken for a discontinuity of the data."""
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
-"""What happens in no time: the load jumps, an edge runs, contact begins or ends.
+"""Instantaneous events: load jumps, unstable motion of the edge, first contact.
 
-At a fixed moment the half-space is glassy and its answer reversible, so a jump of the load is a path of
-equilibria, all of them made from the state before it. Its rows share one time; the work is done along them.
+At a fixed time the half-space is glassy and its response reversible, so a jump of the load is a path of
+equilibria, all computed from the state before it. Its rows share one time; the work is done along them.
 """
 
 from __future__ import annotations
@@ -9,68 +9,71 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from contact_scene import Segment
 from validation.reference.tracking.law import Griffith, NoTension
+from validation.reference.tracking.problem import FrontProblem
+from validation.reference.tracking.state import FrontState
+from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, FrontCandidate, StepOutcome
 from validation.reference.tracking.surface import Surface
-from validation.reference.tracking.trial import Attempt
+from validation.reference.tracking.trial import Trial
 
-if TYPE_CHECKING:
-    from validation.reference.tracking.stepping import Run
+Equilibrium = Callable[[float, float], "Surface | None"]
+"""Surface at a share of a load jump, searched from a radius; ``None`` where contact is lost."""
+JUMP_PARTS = 32
+"""Parts of a load jump during which the edge moves."""
+ADHESIVE_STRIDE = 0.15
+"""Search interval for the arrest of an unstable edge, in process zones."""
+ADHESIONLESS_STRIDE = 0.02
+"""The same without adhesion, in radii."""
+TOUCHING_STRESS = 1e-12
+"""Edge stress, relative to the largest, below which two plane faces just touch."""
+LOST_FORCE = 1e-11
+"""Contact that is being lost counts as lost below this fraction of the peak force."""
+BISECTIONS = 24
+"""Bisections of the part of a jump in which contact begins or is lost."""
 
-State = Callable[[float, float], "Surface | None"]
-PARTS = 32  # of a jump during which the edge moves
-STRIDE = 0.15  # of the process zone: how far an edge on the run looks
-PLAIN_STRIDE = 0.02  # of the radius: the same without adhesion
-TOUCHING = 1e-12  # stress relative to the largest: face to face
-NOTHING = 1e-11  # of the largest force: no contact carries as little while it lets go
-HALVINGS = 24  # of the part of a jump in which contact begins or is lost
 
-
-def held(segment: Segment, value: float) -> Segment:
-    """The control of a segment, at rest at a value."""
+def at_rest(segment: Segment, value: float) -> Segment:
+    """The control of a segment, held at a value."""
     return Segment(segment.control, segment.start, segment.end, lambda time: value, lambda time: 0.0)
 
 
-def jump(run: Run, segment: Segment) -> None:
-    """The load goes from where it is to the first value of the segment."""
-    before = run.surface.penetration if segment.control == "penetration" else run.force
+def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> StepOutcome:
+    """The load jumps to the first value of the segment."""
+    start, force_controlled = state.surface, segment.control == "force"
+    before = state.force if force_controlled else start.penetration
     change = segment.value(segment.start) - before
-    whole = run.attempt(segment)
-    if run.surface.radius == 0.0 and segment.control == "force":
-        moves = True
-    else:
-        moves = max(whole.tendencies(0.0)) > run.law.closed
-    if not moves:
-        run.commit(run.time, whole.surface_at(0.0, run.surface.radius))
-        return
-    begins = run.surface.radius == 0.0
+    begins = start.radius == 0.0
+    whole = problem.trial(state, segment)
+    if not (begins and force_controlled) and max(whole.driving_forces(0.0)) <= problem.condition.tolerance:
+        end = problem.candidate(state.time, whole.surface_at(0.0, start.radius))
+        return StepOutcome(candidates=(end,))
 
-    def state(share: float, begin: float) -> Surface | None:
-        attempt = run.attempt(held(segment, before + share * change) if share < 1.0 else segment)
-        radius = settled(run, attempt, begin)
-        return None if radius is None else attempt.surface_at(0.0, radius)
+    def equilibrium(share: float, begin: float) -> Surface | None:
+        load = at_rest(segment, before + share * change) if share < 1.0 else segment
+        trial = problem.trial(state, load)
+        radius = equilibrium_radius(problem, state, trial, begin)
+        return None if radius is None else trial.surface_at(0.0, radius)
 
-    rows, last, end = _march(state, run.surface, _shares(0.0, 1.0, begins, False))
-    if rows and begins and last == 1.0:  # contact begins on the way: from there on the parts are small
-        first = _first_contact(state, run.surface) if segment.control == "penetration" else 0.0
-        rows, last, end = _march(state, run.surface, _shares(first, 1.0, True, False))
+    rows, last, lost = _equilibria(equilibrium, start, _shares(0.0, 1.0, begins, False))
+    if rows and begins and last == 1.0:  # contact begins on the way: the parts are refined from there on
+        first = 0.0 if force_controlled else _first_contact(equilibrium, start)
+        rows, last, lost = _equilibria(equilibrium, start, _shares(first, 1.0, True, False))
     elif last < 1.0:
-        last = _halved(state, rows[-1] if rows else run.surface, last, end)
-        rows, _, _ = _march(state, run.surface, _shares(0.0, last, begins, True))
-    for row in rows[:-1]:
-        run.record.add(run.time, row, row.force(run.body))
-    run.commit(run.time, rows[-1] if rows else run.surface)
-    if last == 1.0:
-        run.kink()
-    else:
-        run.lost()
+        last = _last_contact(equilibrium, rows[-1] if rows else start, last, lost)
+        rows, _, _ = _equilibria(equilibrium, start, _shares(0.0, last, begins, True))
+    return StepOutcome(
+        candidates=(problem.candidate(state.time, rows[-1] if rows else start),),
+        equilibria=tuple(rows[:-1]),
+        kink=last == 1.0,
+        detachment="" if last == 1.0 else NO_STABLE_CONTACT,
+    )
 
 
 def _shares(first: float, last: float, begins: bool, ends: bool) -> list[float]:
-    """Shares of a jump; crowded where a contact begins or ends, for there it is a root of the load."""
-    parts = [part / PARTS for part in range(1, PARTS + 1)]
+    """Shares of a jump; graded where contact begins or ends, for there the radius is a root of the load."""
+    parts = [part / JUMP_PARTS for part in range(1, JUMP_PARTS + 1)]
     if begins:
         parts = [part**2 for part in parts]
     if ends:
@@ -79,106 +82,138 @@ def _shares(first: float, last: float, begins: bool, ends: bool) -> list[float]:
     return ([first] if first > 0.0 else []) + shares[:-1] + [last]
 
 
-def _march(state: State, start: Surface, shares: list[float]) -> tuple[list[Surface], float, float]:
-    """The equilibria at the shares as far as there is contact, the last such share and the one after."""
+def _equilibria(
+    equilibrium: Equilibrium, start: Surface, shares: list[float]
+) -> tuple[list[Surface], float, float]:
+    """Equilibria at the shares as far as there is contact, the last such share and the one after."""
     rows: list[Surface] = []
     last = 0.0
     for share in shares:
-        found = state(share, rows[-1].radius if rows else start.radius)
-        if found is None:
+        surface = equilibrium(share, rows[-1].radius if rows else start.radius)
+        if surface is None:
             return rows, last, share
-        rows.append(found)
+        rows.append(surface)
         last = share
     return rows, last, last
 
 
-def _halved(state: State, reached: Surface, low: float, high: float) -> float:
+def _last_contact(equilibrium: Equilibrium, reached: Surface, low: float, high: float) -> float:
     """The last share with contact, between one with and one without."""
-    for _ in range(HALVINGS):
+    for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        found = state(middle, reached.radius)
-        if found is None:
+        surface = equilibrium(middle, reached.radius)
+        if surface is None:
             high = middle
         else:
-            low, reached = middle, found
+            low, reached = middle, surface
     return low
 
 
-def _first_contact(state: State, start: Surface) -> float:
-    """The last share without contact, of a jump that makes one."""
+def _first_contact(equilibrium: Equilibrium, start: Surface) -> float:
+    """The last share without contact, of a jump during which contact begins."""
     low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
+    for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        found = state(middle, start.radius)
-        if found is not None and found.radius > 0.0:
+        surface = equilibrium(middle, start.radius)
+        if surface is not None and surface.radius > 0.0:
             high = middle
         else:
             low = middle
     return low
 
 
-def settled(run: Run, attempt: Attempt, begin: float) -> float | None:
-    """Where an edge that is at ``begin`` comes to rest at fixed time; ``None`` if contact is lost."""
-    untied = isinstance(run.law, NoTension) and attempt.segment.control == "force"
-    if untied and attempt.segment.value(run.time) <= 0.0:
+def equilibrium_radius(problem: FrontProblem, state: FrontState, trial: Trial, begin: float) -> float | None:
+    """Radius at which an edge that is at ``begin`` comes to rest at fixed time.
+
+    Parameters
+    ----------
+    problem, state : FrontProblem, FrontState
+        Present state.
+    trial : Trial
+        Trial step from it, whose duration will be zero.
+    begin : float
+        Radius from which to search.
+
+    Returns
+    -------
+    float or None
+        ``None`` if contact is lost.
+    """
+    without_adhesion = isinstance(problem.condition, NoTension) and trial.segment.control == "force"
+    if without_adhesion and trial.segment.value(state.time) <= 0.0:
         return None
-    if begin == run.surface.radius:
-        inward, outward = attempt.tendencies(0.0)
+    if begin == state.surface.radius:
+        inward, outward = trial.driving_forces(0.0)
     else:
-        inward = attempt.residual(0.0, begin)
-        outward = -inward if begin < run.scene.indenter.edge else -1.0
-    if max(inward, outward) <= run.law.closed:
+        inward = trial.residual(0.0, begin)
+        outward = -inward if begin < problem.edge_radius else -1.0
+    if max(inward, outward) <= problem.condition.tolerance:
         return begin
-    return runs_to(run, attempt, begin, outward > inward)
+    return _arrest(problem, state, trial, begin, outward > inward)
 
 
-def runs_to(run: Run, attempt: Attempt, begin: float, outward: bool) -> float | None:
-    """The next stable place of an edge that runs at fixed time; ``None`` if contact is lost."""
-    far = 1e3 * max(begin, run.radius_scale)
-    limit = min(run.scene.indenter.edge, far) if outward else min(run.law.rest, begin)
-    adhesive = isinstance(run.law, Griffith)
-    stride = STRIDE * run.law.reach if adhesive else PLAIN_STRIDE * max(begin, run.radius_scale)
-    radius = attempt.run_to_rest(begin, stride, outward, limit)
+def _arrest(
+    problem: FrontProblem, state: FrontState, trial: Trial, begin: float, outward: bool
+) -> float | None:
+    """The next stable radius of an unstable edge at fixed time; ``None`` if contact is lost."""
+    far = 1e3 * max(begin, state.largest_radius)
+    limit = min(problem.edge_radius, far) if outward else min(problem.condition.smallest_arrest, begin)
+    if isinstance(problem.condition, Griffith):
+        stride = ADHESIVE_STRIDE * problem.condition.zone_length
+    else:
+        stride = ADHESIONLESS_STRIDE * max(begin, state.largest_radius)
+    radius = trial.arrest_radius(begin, stride, outward, limit)
     return None if radius is None or radius == 0.0 else radius
 
 
-def run_free(run: Run, attempt: Attempt, outward: bool) -> None:
-    """The edge runs at fixed time and load to the next stable place, or contact is lost."""
-    radius = runs_to(run, attempt, run.surface.radius, outward)
+def unstable_edge(
+    problem: FrontProblem, state: FrontState, trial: Trial, outward: bool
+) -> FrontCandidate | None:
+    """State after unstable motion of the edge at fixed time and load.
+
+    Parameters
+    ----------
+    problem, state : FrontProblem, FrontState
+        Present state.
+    trial : Trial
+        Trial step from it.
+    outward : bool
+        Whether the edge runs outward.
+
+    Returns
+    -------
+    FrontCandidate or None
+        ``None`` if contact is lost.
+    """
+    radius = _arrest(problem, state, trial, state.surface.radius, outward)
     if radius is None:
-        run.lost()
-        return
-    surface = attempt.surface_at(0.0, radius)
-    bears = isinstance(run.law, Griffith) or surface.force(run.body) > NOTHING * run.force_scale
-    if outward or bears:
-        run.commit(run.time, surface)
-    else:  # a face lets go at once; where it seems to hold, it does so by round-off
-        run.lost()
+        return None
+    end = problem.candidate(state.time, trial.surface_at(0.0, radius))
+    bears = isinstance(problem.condition, Griffith) or end.force > LOST_FORCE * state.largest_force
+    return end if outward or bears else None  # a plane face releases at once; else it holds by round-off only
 
 
-def lands_flat(run: Run, segment: Segment) -> None:
-    """A punch that has just come to touch does so on all of its face."""
-    edge = run.scene.indenter.edge
-    if math.isinf(edge) or run.surface.radius > 0.0 or isinstance(run.law, Griffith):
-        return
-    attempt = run.attempt(held(segment, run.surface.penetration if segment.control == "penetration" else 0.0))
-    if abs(attempt.residual(0.0, edge)) <= TOUCHING:
-        run.commit(run.time, attempt.surface_at(0.0, edge))
+def flat_first_contact(problem: FrontProblem, state: FrontState, segment: Segment) -> FrontCandidate | None:
+    """Contact over the whole face of a punch that has just come to touch; ``None`` if it has not."""
+    edge = problem.edge_radius
+    if math.isinf(edge) or state.surface.radius > 0.0 or isinstance(problem.condition, Griffith):
+        return None
+    load = at_rest(segment, state.surface.penetration if segment.control == "penetration" else 0.0)
+    trial = problem.trial(state, load)
+    if abs(trial.residual(0.0, edge)) > TOUCHING_STRESS:
+        return None
+    return problem.candidate(state.time, trial.surface_at(0.0, edge))
 
 
-def hangs_free(run: Run, segment: Segment) -> Segment | None:
-    """What a force does to an indenter that touches nothing: ``None`` if it pulls the indenter away.
+def force_without_contact(segment: Segment, surface: Surface) -> tuple[Segment, Surface] | None:
+    """Load and surface when a force begins to act on an indenter that touches nothing.
 
-    One that presses lowers the indenter until it touches; none at all leaves it where it is.
+    Pressing lowers the indenter until it touches; no force leaves it where it is, at a held penetration.
+    ``None`` if the force pulls.
     """
     force, rate = segment.value(segment.start), segment.rate(segment.start)
     if force < 0.0 or (force == 0.0 and rate < 0.0):
         return None
     if force == rate == 0.0:
-        depth = run.surface.penetration
-        return replace(held(segment, depth), control="penetration")
-    touch = float(run.surface.units[0].sum())
-    if touch != run.surface.penetration:
-        run.commit(run.time, replace(run.surface, penetration=touch))
-    lands_flat(run, segment)
-    return segment
+        return replace(at_rest(segment, surface.penetration), control="penetration"), surface
+    return segment, replace(surface, penetration=float(surface.units[0].sum()))

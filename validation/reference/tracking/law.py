@@ -1,7 +1,7 @@
-"""What decides where the edge is: the closure with adhesion, no tension at the edge without.
+"""The edge condition: the closure integral with adhesion, no tension at the edge without.
 
-The residual rises with the radius through zero at a stable edge. An edge that does not move may be content
-with more than one value; it sets off when one of its tendencies, inward or outward, turns positive.
+The residual rises with the radius through zero at a stable edge. An edge at rest may satisfy the condition
+with an interval of values; it moves when one of its two driving forces, inward or outward, is positive.
 """
 
 from __future__ import annotations
@@ -13,8 +13,10 @@ from contact_scene import Adhesion
 from validation.reference.tracking.closure import closure_integral
 from validation.reference.tracking.surface import Body, Surface
 
-SHORTEST = 1.02  # process zones: at one, the closure reaches the axis
-REST = 2.0  # process zones: an edge that runs free is not looked for in a shorter contact
+SMALLEST_CONTACT = 1.02
+"""Smallest contact radius in process zones: at one, the closure integral reaches the axis."""
+SMALLEST_ARREST = 2.0
+"""Smallest contact radius, in process zones, in which an unstable edge is taken to be arrested."""
 
 
 @dataclass(frozen=True)
@@ -22,31 +24,31 @@ class Griffith:
     """``I(a)/dg - 1`` (paper, Eq. closure)."""
 
     adhesion: Adhesion
-    closed: ClassVar[float] = 1e-10  # residual at an accepted edge
+    tolerance: ClassVar[float] = 1e-10  # residual at an accepted edge
 
     @property
-    def reach(self) -> float:
-        """How far from the edge the law looks."""
+    def zone_length(self) -> float:
+        """Distance from the edge within which the condition looks at the fields."""
         return self.adhesion.zone
 
     @property
-    def lowest(self) -> float:
-        """Smallest contact radius the law is defined for."""
-        return SHORTEST * self.adhesion.zone
+    def smallest_radius(self) -> float:
+        """Smallest contact radius the condition is defined for."""
+        return SMALLEST_CONTACT * self.adhesion.zone
 
     @property
-    def rest(self) -> float:
-        """Smallest contact radius in which a running edge may come to rest."""
-        return REST * self.adhesion.zone
+    def smallest_arrest(self) -> float:
+        """Smallest contact radius in which an unstable edge may be arrested."""
+        return SMALLEST_ARREST * self.adhesion.zone
 
     def residual(self, surface: Surface, body: Body) -> float:
-        """At an edge that has just moved to where it is."""
+        """Residual at an edge that has just moved to its present radius."""
         zone = self.adhesion.zone
-        edge = surface.near(surface.radius - zone, surface.radius + zone).zone()
+        edge = surface.near(surface.radius - zone, surface.radius + zone).edge_fields()
         return closure_integral(edge, zone, body.rheology.relaxed, body.transform) / self.adhesion.work - 1.0
 
-    def tendencies(self, surface: Surface, body: Body) -> tuple[float, float]:
-        """Opposite to each other: the closure integral is continuous as the edge sets off."""
+    def driving_forces(self, surface: Surface, body: Body) -> tuple[float, float]:
+        """Inward and outward; opposite to each other, for the integral is continuous as the edge departs."""
         value = self.residual(surface, body)
         return value, -value
 
@@ -56,19 +58,19 @@ class NoTension:
     """``-q(a)/scale``: released where the edge would pull, covered where the indenter would overlap."""
 
     scale: float
-    closed: ClassVar[float] = 1e-13  # a shrinking contact ends in a point, where the residual is flat
-    reach: ClassVar[float] = 0.0
-    lowest: ClassVar[float] = 0.0
-    rest: ClassVar[float] = 0.0
+    tolerance: ClassVar[float] = 1e-13  # a shrinking contact ends in a point, where the residual is flat
+    zone_length: ClassVar[float] = 0.0
+    smallest_radius: ClassVar[float] = 0.0
+    smallest_arrest: ClassVar[float] = 0.0
 
     def residual(self, surface: Surface, body: Body) -> float:
-        """At an edge that has just moved to where it is."""
+        """Residual at an edge that has just moved to its present radius."""
         return -surface.edge_stress(body) / self.scale
 
-    def tendencies(self, surface: Surface, body: Body) -> tuple[float, float]:
-        """Pull at the edge, and overlap next to it; both negative while the edge dwells."""
+    def driving_forces(self, surface: Surface, body: Body) -> tuple[float, float]:
+        """Tension at the edge, and overlap next to it; both negative while the edge is at rest."""
         inward = -surface.edge_stress(body) / self.scale if surface.radius > 0.0 else -1.0
         return inward, surface.edge_overlap(body) * body.rheology.glassy / self.scale
 
 
-Law = Griffith | NoTension
+EdgeCondition = Griffith | NoTension

@@ -1,112 +1,145 @@
-"""Steps of a prescribed distance, towards and at limit points, where time is no measure.
+"""Steps of prescribed distance, towards and at limit points, where the time step is no measure.
 
-An edge that would travel too far has its distance prescribed and its time sought: loss of contact and snaps
-are approached in distance, where nothing is singular. Where no longer step is stable the edge runs free.
+If the edge would travel too far, its travel is prescribed and the time is the unknown: loss of contact and
+snaps are approached in distance, where nothing is singular. Where not even a short step is stable the edge
+is unstable.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from contact_scene import Event, Segment
-from validation.reference.tracking import instantaneous
+from validation.reference.tracking.instantaneous import unstable_edge
 from validation.reference.tracking.law import Griffith
-from validation.reference.tracking.rounding import few_digits
+from validation.reference.tracking.problem import FrontProblem
+from validation.reference.tracking.rounding import rounded_length
+from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step_history import FORCE, RADIUS
-from validation.reference.tracking.trial import Attempt
+from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, StepOutcome
+from validation.reference.tracking.trial import Trial
 
-if TYPE_CHECKING:
-    from validation.reference.tracking.stepping import Run
+AT_LIMIT_POINT = 1e-4
+"""Travel, in largest travels, below which a limit point counts as reached if the step is not stable."""
+STABILITY_PROBE = 1e-2
+"""Distance beyond the end of a step, in its travel, at which the edge must still be driven on."""
 
-FOLD = 1e-4  # of the largest travel: the limit point counts as reached when no longer step is stable
-AHEAD = 1e-2  # of the distance: how far beyond it the law has to hold the edge
 
+def prescribed_travel(
+    problem: FrontProblem, state: FrontState, trial: Trial, radius: float, longest: float
+) -> StepOutcome:
+    """Step of an edge that would pass ``radius`` within ``longest``: find the time at which it does.
 
-def by_distance(run: Run, attempt: Attempt, radius: float, longest: float) -> float:
-    """The edge wants to go beyond ``radius`` within ``longest``: find when it passes there.
+    Parameters
+    ----------
+    problem, state : FrontProblem, FrontState
+        Present state.
+    trial : Trial
+        Trial step from it.
+    radius : float
+        Radius at the end of the step.
+    longest : float
+        Longest duration of the step.
 
-    Returns the duration to be proposed next.
+    Returns
+    -------
+    StepOutcome
     """
-    a0 = run.surface.radius
+    a0 = state.surface.radius
     if radius == a0:
-        run.lost("the contact has shrunk to the length of the process zone")
-        return longest
-    turn = run.trail.to_extremum(FORCE, RADIUS) / (radius - a0)
-    if 0.1 < turn < 1.0 and radius > 0.0:
-        radius = a0 + few_digits(turn) * (radius - a0)
-    h = attempt.duration_to(radius, longest)
+        return StepOutcome(longest, detachment="the contact has shrunk to the length of the process zone")
+    extremum = state.history.distance_to_extremum(FORCE, RADIUS) / (radius - a0)
+    if 0.1 < extremum < 1.0 and radius > 0.0:
+        radius = a0 + rounded_length(extremum) * (radius - a0)
+    h = trial.duration_to_radius(radius, longest)
     if h is not None and h > 0.0:
-        probe = radius + AHEAD * (radius - a0)
-        onwards = attempt.residual(h, probe) if probe > run.law.lowest else 0.0
+        probe = radius + STABILITY_PROBE * (radius - a0)
+        onwards = trial.residual(h, probe) if probe > problem.condition.smallest_radius else 0.0
         if onwards * (radius - a0) >= 0.0:
-            return _passing(run, attempt, radius, h, longest)
-    run.counters.rejected_steps += 1
-    if abs(radius - a0) > FOLD * run.largest_travel:
-        run.travel = 0.5 * abs(radius - a0)
-        return longest
-    return _at_limit(run, attempt, radius, longest)
+            return _passing(problem, state, trial, radius, h, longest)
+    if abs(radius - a0) > AT_LIMIT_POINT * problem.largest_travel:
+        return StepOutcome(longest, rejected=True, travel=0.5 * abs(radius - a0))
+    return _at_limit_point(problem, state, trial, radius, longest)
 
 
-def _passing(run: Run, attempt: Attempt, radius: float, h: float, longest: float) -> float:
-    """The edge is at ``radius`` after ``h`` and goes on from there: commit that, if it is straight enough."""
-    surface = attempt.surface_at(h, radius)
-    force = surface.force(run.body)
-    row = (run.time + h, radius, force, surface.penetration)
-    deviation = run.judge(attempt.segment, surface, force).along_edge(row)
+def _passing(
+    problem: FrontProblem, state: FrontState, trial: Trial, radius: float, h: float, longest: float
+) -> StepOutcome:
+    """The edge is at ``radius`` after ``h`` and moves on: accepted if the step is straight enough."""
+    end = problem.candidate(state.time + h, trial.surface_at(h, radius))
+    row = (end.time, radius, end.force, end.surface.penetration)
+    deviation = problem.step_error(state, trial.segment, end).along_edge(row)
     change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
-    travel = few_digits(max(change, 0.2) * abs(radius - run.surface.radius), run.largest_travel)
-    run.travel = min(run.largest_travel, travel)
+    travel = rounded_length(max(change, 0.2) * abs(radius - state.surface.radius), problem.largest_travel)
+    travel = min(problem.largest_travel, travel)
     if deviation > 2.0 and radius > 0.0:
-        run.counters.rejected_steps += 1
-        return longest
-    run.commit(run.time + h, surface, force)
-    if radius == 0.0:
-        run.lost()
-    return 1.5 * h
+        return StepOutcome(longest, rejected=True, travel=travel)
+    lost = NO_STABLE_CONTACT if radius == 0.0 else ""
+    return StepOutcome(1.5 * h, (end,), travel=travel, detachment=lost)
 
 
-def _at_limit(run: Run, attempt: Attempt, radius: float, longest: float) -> float:
-    """No step towards ``radius`` is stable, however short: the edge runs."""
-    a0 = run.surface.radius
-    outward = _outward(run, attempt, radius)
-    event = Event("snap-in" if outward else "pull-off", run.time, run.surface.penetration, run.force, a0)
-    instantaneous.run_free(run, attempt, outward)
-    run.travel = run.largest_travel
-    if run.outcome is None and run.surface.radius == a0:  # it holds for now, though not for so long
-        tick = 4.0 * math.ulp(run.time)
+def _at_limit_point(
+    problem: FrontProblem, state: FrontState, trial: Trial, radius: float, longest: float
+) -> StepOutcome:
+    """No step towards ``radius`` is stable, however short: the edge is unstable."""
+    a0 = state.surface.radius
+    outward = _runs_outward(problem, state, trial, radius)
+    end = unstable_edge(problem, state, trial, outward)
+    travel = problem.largest_travel
+    if end is None:
+        return StepOutcome(longest, rejected=True, travel=travel, detachment=NO_STABLE_CONTACT)
+    if end.surface.radius == a0:  # the edge is stable for now, but not for so long
+        tick = 4.0 * math.ulp(state.time)
         if longest > tick:
-            return max(0.25 * longest, tick)
-        run.commit(run.time + longest, attempt.surface_at(longest, a0))
-    far = abs(run.surface.radius - a0) > run.largest_travel
-    if far and isinstance(run.law, Griffith) and run.outcome is None:
-        run.events.append(event)
-    return longest
+            return StepOutcome(max(0.25 * longest, tick), (end,), True, travel)
+        late = problem.candidate(state.time + longest, trial.surface_at(longest, a0))
+        return StepOutcome(longest, (end, late), True, travel)
+    event = None
+    if abs(end.surface.radius - a0) > problem.largest_travel and isinstance(problem.condition, Griffith):
+        kind = "snap-in" if outward else "pull-off"
+        event = Event(kind, state.time, state.surface.penetration, state.force, a0)
+    return StepOutcome(longest, (end,), True, travel, event=event)
 
 
-def _outward(run: Run, attempt: Attempt, radius: float) -> bool:
-    """Whether an edge that cannot stay runs outward: towards ``radius``, or on as before.
+def _runs_outward(problem: FrontProblem, state: FrontState, trial: Trial, radius: float) -> bool:
+    """Whether an unstable edge runs outward: towards ``radius``, or on in its last direction.
 
-    The latter if both ways are open: it has overstepped a limit point by a hair, where a step back may be
-    noise.
+    The latter if both directions are open: the edge is slightly beyond a limit point, where a step back may
+    be noise.
     """
-    a0 = run.surface.radius
+    a0 = state.surface.radius
     opposite = 2.0 * a0 - radius
-    if run.heading != 0.0 and run.law.lowest < opposite < run.scene.indenter.edge:
-        pull = attempt.residual(0.0, opposite)
-        if (pull < -run.law.closed) if opposite > a0 else (pull > run.law.closed):
-            return run.heading > 0.0
+    smallest = problem.condition.smallest_radius
+    if state.last_displacement != 0.0 and smallest < opposite < problem.edge_radius:
+        residual, tolerance = trial.residual(0.0, opposite), problem.condition.tolerance
+        if (residual < -tolerance) if opposite > a0 else (residual > tolerance):
+            return state.last_displacement > 0.0
     return radius > a0
 
 
-def let_go(run: Run, segment: Segment, longest: float) -> float:
-    """Without adhesion the contact shrinks to a point as the force goes to zero, within ``longest``."""
-    ends = [segment.value(run.time), segment.value(run.time + longest)]
+def approach_zero_radius(
+    problem: FrontProblem, state: FrontState, segment: Segment, longest: float
+) -> StepOutcome:
+    """Without adhesion the contact shrinks to a point as the force goes to zero.
+
+    Parameters
+    ----------
+    problem, state : FrontProblem, FrontState
+        Present state.
+    segment : Segment
+        Load under force control.
+    longest : float
+        Duration within which the force becomes zero.
+
+    Returns
+    -------
+    StepOutcome
+    """
+    ends = [segment.value(state.time), segment.value(state.time + longest)]
     h = longest * ends[0] / (ends[0] - ends[1])
-    attempt = run.attempt(segment)
-    a0 = run.surface.radius
-    if a0 > run.travel:
-        return by_distance(run, attempt, a0 - run.travel, h)
-    run.commit(run.time + h, attempt.surface_at(h, 0.0))
-    run.lost()
-    return h
+    trial = problem.trial(state, segment)
+    a0 = state.surface.radius
+    if a0 > state.travel:
+        return prescribed_travel(problem, state, trial, a0 - state.travel, h)
+    end = problem.candidate(state.time + h, trial.surface_at(h, 0.0))
+    return StepOutcome(h, (end,), detachment=NO_STABLE_CONTACT)

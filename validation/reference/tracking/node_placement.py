@@ -10,28 +10,46 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-CROWD = 1.75  # over the divisions: how moments crowd towards the end of a step
-LAYER = 1e-14  # of the process zone: thinner boundary layers do not matter at any ratio of moduli
-THINNEST = 1e-13  # of a step: nearer moments round onto its end
+GRADING = 1.75
+"""Grading of nodes towards the end of a step: distances shrink by the factor ``1 - GRADING/divisions``."""
+LAYER_FRACTION = 0.15
+"""First node before the end of a step, in shortest relaxation times."""
+THINNEST_LAYER = 1e-14
+"""Thinnest resolved boundary layer, in process zones: thinner ones do not matter at any ratio of moduli."""
+CLOSEST_MOMENT = 1e-13
+"""Smallest distance of a moment from the end of the step, in durations: nearer ones round onto the end."""
 
 
 @dataclass(frozen=True)
-class Marks:
-    """Moments crowded towards the end: every short time leaves a layer behind the edge.
+class NodePlacement:
+    """Moments graded towards the end of a step, down to the boundary layer of the shortest relaxation time.
 
-    ``shortest`` relaxation time, ``travel`` expected of the edge, ``reach`` of the law, steps per zone.
+    Parameters
+    ----------
+    shortest : float
+        Shortest relaxation time; infinite if nothing relaxes.
+    travel : float
+        Expected travel of the edge.
+    zone_length : float
+        Process zone; 0 without adhesion.
+    divisions : float
+        Steps per process zone.
     """
 
     shortest: float
     travel: float
-    reach: float
+    zone_length: float
     divisions: float
 
-    def __call__(self, duration: float) -> Array:
+    def fractions(self, duration: float) -> Array:
         """Fractions of the step, rising, within (0, 1)."""
-        if math.isinf(self.shortest) or duration <= 0.0 or self.travel == 0.0 or self.reach == 0.0:
+        if math.isinf(self.shortest) or duration <= 0.0 or self.travel == 0.0 or self.zone_length == 0.0:
             return np.empty(0)
-        ratio = 1.0 - CROWD / self.divisions
-        smallest = max(0.15 * self.shortest / duration, LAYER * self.reach / self.travel, THINNEST)
+        ratio = 1.0 - GRADING / self.divisions
+        smallest = max(
+            LAYER_FRACTION * self.shortest / duration,
+            THINNEST_LAYER * self.zone_length / self.travel,
+            CLOSEST_MOMENT,
+        )
         count = int(math.log(min(smallest, 1.0)) / math.log(ratio))
         return np.asarray(1.0 - ratio ** np.arange(1, count + 1), float)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact_scene.errors import SceneError, number
+from contact_scene.errors import number
+from contact_scene.run_control import MAX_STEPS, moments, whole_number
 
-RESOLUTION = {True: 16.0, False: 4.0}  # with and without adhesion
-TOLERANCE = 1e-5
+DEFAULT_RESOLUTION = {True: 16.0, False: 4.0}
+"""Steps per process zone with adhesion (``True``), per hundredth of the largest radius without."""
+DEFAULT_TOLERANCE = 1e-5
+"""Relative deviation allowed in a step at the default resolution."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How finely to step, what to report.
+    """How finely to step, and what to report.
 
     Parameters
     ----------
@@ -21,49 +24,58 @@ class Options:
         largest contact radius); 4 or more. Default 16 (without adhesion 4) at the default tolerance, and
         otherwise falling with its root.
     tolerance : float, optional
-        How far the radius may be from where the rows before pointed, and about how far force and radius may
-        leave the straight line between rows, relative to the largest value so far. Default 1e-5 at the
-        default resolution, and otherwise falling with its square.
+        How far the radius may be from the extrapolation of the rows before, and about how far force and
+        radius may leave the straight line between rows, relative to the largest value so far. Default 1e-5
+        at the default resolution, and otherwise falling with its square.
+    stop_times : tuple of float
+        Times that are stepped onto exactly; ignored outside the run.
     profile_times : tuple of float
-        Times at which surface profiles are returned; stepped onto exactly, ignored outside the run.
+        Times that are stepped onto exactly and at which surface profiles are returned.
     max_steps : int
         Budget of accepted and rejected steps.
     estimate_errors : bool
         Run a second time at half the resolution and four times the tolerance, and put estimates of the
         relative errors into ``Trace.errors``.
+
+    Raises
+    ------
+    SceneError
+        If an option is not what it has to be.
     """
 
     resolution: int | None = None
     tolerance: float | None = None
+    stop_times: tuple[float, ...] = ()
     profile_times: tuple[float, ...] = ()
-    max_steps: int = 200_000
+    max_steps: int = MAX_STEPS
     estimate_errors: bool = False
 
     def __post_init__(self) -> None:
         if self.resolution is not None:
-            number(self.resolution, "resolution", "a whole number >= 4", low=4)
-            if self.resolution != int(self.resolution):
-                raise SceneError("resolution", f"got {self.resolution}", "a whole number >= 4")
+            object.__setattr__(self, "resolution", whole_number(self.resolution, "resolution", 4))
         if self.tolerance is not None:
             number(self.tolerance, "tolerance", "0 < tolerance < 1", low=0.0, high=1.0, open_low=True)
-        number(self.max_steps, "max_steps", "a whole number >= 1", low=1)
-        object.__setattr__(self, "profile_times", tuple(float(t) for t in self.profile_times))
+        object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
+        object.__setattr__(self, "stop_times", moments(self.stop_times))
+        object.__setattr__(self, "profile_times", moments(self.profile_times))
 
     def fineness(self, adhesive: bool) -> Fineness:
-        """The two numbers the stepping works with."""
-        usual = RESOLUTION[adhesive]
+        """Step sizes and tolerance that these options ask for."""
+        usual = DEFAULT_RESOLUTION[adhesive]
         if self.resolution is not None:
             divisions = float(self.resolution)
         else:
-            divisions = usual * (TOLERANCE / self.tolerance) ** 0.5 if self.tolerance is not None else usual
+            divisions = (
+                usual * (DEFAULT_TOLERANCE / self.tolerance) ** 0.5 if self.tolerance is not None else usual
+            )
         if self.tolerance is not None:
             return Fineness(divisions, self.tolerance)
-        return Fineness(divisions, TOLERANCE * (usual / divisions) ** 2)
+        return Fineness(divisions, DEFAULT_TOLERANCE * (usual / divisions) ** 2)
 
 
 @dataclass(frozen=True)
 class Fineness:
-    """Steps per zone, and largest relative deviation from a straight line within a step."""
+    """Steps per process zone, and the relative deviation allowed in a step."""
 
     divisions: float
     deviation: float

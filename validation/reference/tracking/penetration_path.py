@@ -1,4 +1,4 @@
-"""How the penetration runs during one step, and what that does to a branch in contact.
+"""Penetration during one step, and its convolution with the relaxation of a branch in contact.
 
 ``D(s) = D0 + jump + c1 s + c2 s^2 + c3 s^3`` for ``0 < s <= duration``; the jump happens at the very start,
 against the glassy modulus. A branch in contact from ``s`` to the end of the step gains
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-_SERIES = [(-1.0) ** j / math.factorial(j + 3) for j in range(9, -1, -1)]  # of phi_3, for y < SMALL
 SMALL = 0.2
+"""Argument below which ``phi_3`` is taken from its series: ten terms then reach double precision."""
+_SERIES = [(-1.0) ** j / math.factorial(j + 3) for j in range(9, -1, -1)]
 
 
 def phi(y: Array) -> tuple[Array, Array, Array]:
@@ -48,7 +49,7 @@ def _from_series(y: Array) -> tuple[Array, Array, Array]:
 
 
 @dataclass(frozen=True)
-class Drive:
+class PenetrationPath:
     """Penetration during one step; ``rates = (c1, c2, c3)``."""
 
     duration: float
@@ -81,15 +82,15 @@ class Drive:
         return h * (first * one + h * (second * two + h * 6.0 * c3 * three))
 
 
-def straight(duration: float, start: float, jump: float, end: float) -> Drive:
+def straight(duration: float, start: float, jump: float, end: float) -> PenetrationPath:
     """Constant speed after the jump."""
     rate = (end - start - jump) / duration if duration > 0.0 else 0.0
-    return Drive(duration, start, jump, (rate, 0.0, 0.0))
+    return PenetrationPath(duration, start, jump, (rate, 0.0, 0.0))
 
 
-def cubic(duration: float, start: float, end: float, rate: float, end_rate: float) -> Drive:
+def cubic(duration: float, start: float, end: float, rate: float, end_rate: float) -> PenetrationPath:
     """The Hermite cubic through both ends."""
     mean = (end - start) / duration
     c2 = (3.0 * mean - 2.0 * rate - end_rate) / duration
     c3 = (rate + end_rate - 2.0 * mean) / duration**2
-    return Drive(duration, start, 0.0, (rate, c2, c3))
+    return PenetrationPath(duration, start, 0.0, (rate, c2, c3))

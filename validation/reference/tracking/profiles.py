@@ -18,9 +18,12 @@ from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
 
-POINTS = 160  # on either side of the edge
-AXIS = 1e-6  # of the contact radius: the pressure at r = 0 is taken there (below a cone it is infinite)
-APART = 1e-7  # of the contact radius: nodes nearer than that are one for a second derivative
+POINTS = 160
+"""Points on either side of the edge."""
+AXIS = 1e-6
+"""Radius, in contact radii, that stands for the axis: the pressure at the tip of a cone is infinite."""
+MERGED = 1e-7
+"""Distance, in contact radii, below which two nodes count as one in second derivatives."""
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(4)
 
 
@@ -52,7 +55,7 @@ def pressure(surface: Surface, body: Body, radius: Array) -> Array:
     a = surface.radius
     nodes = surface.inside
     fine = np.unique(np.concatenate((nodes, 0.75 * nodes[:-1] + 0.25 * nodes[1:], np.linspace(0.0, a, 400))))
-    apart = np.append(np.diff(fine) > APART * a, True)
+    apart = np.append(np.diff(fine) > MERGED * a, True)
     fine = fine[apart]
     memory = surface.branches.sum(axis=1)
     q = hermite.evaluate(nodes, memory, hermite.slopes(nodes, memory), fine)

@@ -1,4 +1,4 @@
-"""One Prony element in its two guises: Maxwell branches driven by ``w``, Voigt units driven by ``q``.
+"""One Prony element in two representations: Maxwell branches driven by ``w``, Voigt units driven by ``q``.
 
 Under the Abel transform every radius ``x`` is such an element. In contact ``w(x, t)`` is prescribed and the
 branch forces ``b_k`` relax with the relaxation times ``tau_k``; outside ``q = 0`` and the unit strains
@@ -9,7 +9,7 @@ branch forces ``b_k`` relax with the relaxation times ``tau_k``; outside ``q = 0
     e_j = J_j E0* w + sum_k [J_j tau_k/(tau_k - theta_j)] b_k.
 
 Neither ``b`` changes when ``w`` is held nor ``e`` when ``q`` jumps, so that covering a point (``w`` jumps)
-and releasing it (``q`` jumps) are changes of guise. Moduli are plane moduli ``E/(1 - nu^2)``.
+and releasing it (``q`` jumps) are changes of representation. Moduli are plane moduli ``E/(1 - nu^2)``.
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ from contact_scene import Material
 
 Array = NDArray[np.float64]
 
-NEGLIGIBLE = 1e-13  # of the glassy modulus: such a branch is below the round-off of the others
+NEGLIGIBLE = 1e-13
+"""Branch modulus over the glassy modulus below which a branch is less than the round-off of the others."""
 
 
 @dataclass(frozen=True)
 class Rheology:
-    """Moduli, times and the two changes of guise; arrays over branches have shape (n,)."""
+    """Moduli, times and the two changes of representation; arrays over branches have shape (n,)."""
 
     relaxed: float
     moduli: Array
@@ -61,7 +62,7 @@ class Rheology:
         return 0.5 * (self.relaxed * strain**2 + (branches**2 / self.moduli).sum(axis=1))
 
     def stored_outside(self, units: Array) -> Array:
-        """Energy density ``sum e_j^2/(2 J_j)`` of free points; the same energy in the other guise."""
+        """Energy density ``sum e_j^2/(2 J_j)`` of free points: the same energy, other representation."""
         return 0.5 * (units**2 / self.compliances).sum(axis=1)
 
 

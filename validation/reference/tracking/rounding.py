@@ -1,17 +1,18 @@
-"""Lengths of steps that rounding does not reach.
+"""Step lengths that do not depend on rounding errors.
 
-A step is chosen from differences of rows, which magnify rounding, and moves the next rows by it. Chosen with
-few digits it is the same on every machine and in every system of units.
+A step is chosen from differences of rows, which amplify rounding errors and pass them on to the next rows.
+Rounded to few digits it is the same on every machine and in every system of units.
 """
 
 from __future__ import annotations
 
 import math
 
-KEPT = 2.0**16  # far above what rounding is magnified to, far below what a step does to the result
+MANTISSA = 2.0**16
+"""Sixteen binary digits: coarser than amplified rounding errors, finer than any effect of the step length."""
 
 
-def few_digits(length: float, unit: float = 1.0) -> float:
+def rounded_length(length: float, unit: float = 1.0) -> float:
     """``length`` rounded to sixteen binary digits, counted in a ``unit`` that the scene itself gives."""
     mantissa, exponent = math.frexp(length / unit)
-    return math.ldexp(round(KEPT * mantissa) / KEPT, exponent) * unit
+    return math.ldexp(round(MANTISSA * mantissa) / MANTISSA, exponent) * unit

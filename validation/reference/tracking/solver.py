@@ -24,30 +24,29 @@ from contact_scene import (
     Trace,
     UnsupportedScene,
 )
-from validation.reference.tracking.abel import transform
-from validation.reference.tracking.checkpoint import put_back, taken
-from validation.reference.tracking.equilibrium import pressed_radius, start_surface, touching_radius
+from contact_scene.run_control import LoadingCursor, kept_state
+from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
-from validation.reference.tracking.law import Griffith, Law, NoTension
 from validation.reference.tracking.options import Fineness, Options
-from validation.reference.tracking.profiles import surface_profile
-from validation.reference.tracking.record import Record
-from validation.reference.tracking.rheology import rheology
-from validation.reference.tracking.stepping import Run
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.problem import front_problem
+from validation.reference.tracking.recorder import Recorder
+from validation.reference.tracking.state import FrontState
+from validation.reference.tracking.step import RowTolerances
+from validation.reference.tracking.stepping import NAME, FrontStepper
 
 Array = NDArray[np.float64]
 
-NAME = "reference"
-ROWS = (1.0, 12.0)  # deviations from straight between rows, under a linear and a curved load
-DENSE = (0.25, 0.25)  # the same for a run that another is compared with
+ROW_TOLERANCES = RowTolerances(1.0, 12.0)
+"""Deviations from straight lines between the rows of a trace, in allowed deviations of a step."""
+DENSE_ROW_TOLERANCES = RowTolerances(0.25, 0.25)
+"""The same for the coarser run of an error estimate, whose curves another run is compared with."""
 
 
 def solve(
     scene: Scene,
     options: Options | None = None,
     progress: Callable[[float], None] | None = None,
-    watch: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> Trace:
     """Run a scene.
 
@@ -56,23 +55,23 @@ def solve(
     scene : Scene
     options : Options, optional
     progress : callable(fraction), optional
-        Told now and then how much of the loading is done.
-    watch : RunMonitor, optional
-        May keep the run between steps, stop it, and let it go on from where it was kept. A second run for
-        error estimates is not watched.
+        Called after each step with the share of the loading that is done.
+    monitor : RunMonitor, optional
+        Keeps the state of the run between steps, stops it, or has it continued. Does not see the second run
+        for error estimates.
 
     Returns
     -------
     Trace
-        Extra columns ``stress_intensity_factor``, ``energy_release_rate``, ``branch_dissipation``. Steps
-        that bend have rows in between, by cubics in time, so that straight lines through the rows are true
+        Extra columns ``stress_intensity_factor``, ``energy_release_rate``, ``branch_dissipation``. Curved
+        steps have interpolated rows, by cubics in time, so that straight lines through the rows are accurate
         to the tolerance (to 12 tolerances under a sinusoidal load). If contact is lost the last row is the
         free surface (force and radius 0) at the time of the row before.
 
     Raises
     ------
     UnsupportedScene
-        Separate bulk relaxation: the Abel transform does not make that local.
+        Separate bulk relaxation: the Abel transform does not make local.
     SceneError
         A process zone longer than the contact it starts from.
     """
@@ -85,10 +84,11 @@ def solve(
             "no bulk entry, or the finite-element solver",
         )
     fineness = options.fineness(scene.is_adhesive)
-    result = _run(scene, options, fineness, ROWS, progress, watch)
+    result = _run(scene, options, fineness, ROW_TOLERANCES, progress, monitor)
     errors: dict[str, float] = {}
     if options.estimate_errors and result.outcome.finished:
-        coarser = _run(scene, options, fineness.coarser(), DENSE)
+        stops = replace(options, stop_times=options.stop_times + options.profile_times, profile_times=())
+        coarser = _run(scene, stops, fineness.coarser(), DENSE_ROW_TOLERANCES)
         errors = estimated_errors(result.columns, coarser.columns)
     return Trace(
         solver=NAME,
@@ -116,69 +116,34 @@ def _run(
     scene: Scene,
     options: Options,
     fineness: Fineness,
-    straight: tuple[float, float],
+    row_tolerances: RowTolerances,
     progress: Callable[[float], None] | None = None,
-    watch: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> _Result:
-    body = Body(rheology(scene.material), transform(scene.indenter))
-    depth, load = _largest_load(scene)
-    edge = scene.indenter.edge
-    scale = max(touching_radius(body, depth, edge), pressed_radius(body, load, edge))
-    law: Law
-    if scene.adhesion is not None and scene.is_adhesive:
-        law, work = Griffith(scene.adhesion), scene.adhesion.work
-        travel = scene.adhesion.zone / fineness.divisions
+    problem = front_problem(scene, fineness)
+    kept = kept_state(monitor, NAME)
+    if kept is not None:
+        cursor, state = kept.cursor, kept.content
     else:
-        typical = max(depth, float(body.transform(np.array([scale]))[0])) or 1.0
-        law, work = NoTension(body.rheology.glassy * typical), 0.0
-        travel = 0.01 * scale / fineness.divisions
-    record = Record(body, work)
-    surface = start_surface(scene, body, law)
-    if surface is None:
-        reason = f"no stable contact at penetration {scene.loading.penetration:g}"
-        return _Result(record.columns(), Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0))
-    profiles: list[Profile] = []
-
-    def on_profile(at: float, state: Surface, force: float) -> None:
-        profiles.append(surface_profile(at, state, force, body, scene.indenter))
-
-    weight = 2.0 * body.rheology.relaxed * (depth * scale - body.transform.integral(scale))
-    run = Run(
-        scene=scene,
-        body=body,
-        law=law,
-        options=options,
-        fineness=fineness,
-        surface=surface,
-        largest_travel=travel,
-        radius_scale=scale,
-        force_scale=max(weight, load),
-        depth_scale=max(depth, float(body.transform(np.array([scale]))[0])),
-        record=record,
-        on_profile=on_profile,
-        straight=straight,
-        progress=progress,
-        goes_on=lambda: watch is None or watch.goes_on(lambda: taken(run, profiles)),
-    )
-    if watch is not None and watch.kept is not None:
-        put_back(watch.kept, run, profiles)
-    outcome = run.go()
-    stopped = outcome.kind is OutcomeKind.INTERRUPTED
-    columns = record.columns(whole=not stopped)
-    if stopped:
+        surface = start_surface(scene, problem.body, problem.condition)
+        if surface is None:
+            reason = f"no stable contact at penetration {scene.loading.penetration:g}"
+            columns = Recorder(problem.body, problem.work_of_adhesion).columns()
+            return _Result(columns, Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0))
+        cursor = LoadingCursor()
+        state = FrontState(
+            surface,
+            force=surface.force(problem.body),
+            largest_radius=problem.radius,
+            largest_force=problem.force,
+            largest_depth=problem.depth,
+            travel=problem.largest_travel,
+            displaced_to=surface.radius,
+        )
+    stepper = FrontStepper(problem, options, row_tolerances, state, cursor, progress, monitor)
+    outcome = stepper.run()
+    interrupted = outcome.kind is OutcomeKind.INTERRUPTED
+    columns = stepper.recorder.columns(whole=not interrupted)
+    if interrupted:
         outcome = replace(outcome, time=float(columns["time"][-1]))
-    return _Result(columns, outcome, run.counters, run.events, profiles)
-
-
-def _largest_load(scene: Scene) -> tuple[float, float]:
-    """Largest penetration and largest force that the loading prescribes."""
-    depth = deepest = scene.loading.penetration
-    force = hardest = 0.0
-    for step in scene.loading.steps:
-        segment = step.segment(0.0, depth, force)
-        values = [segment.value(t) for t in np.linspace(0.0, segment.end, 257)]
-        if segment.control == "penetration":
-            deepest, depth = max(deepest, *values), values[-1]
-        else:
-            hardest, force = max(hardest, *values), values[-1]
-    return deepest, hardest
+    return _Result(columns, outcome, state.counters, state.events, state.profiles)

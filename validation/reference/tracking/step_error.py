@@ -1,11 +1,11 @@
-"""How good a step is: how far the new row misses where the rows before it pointed.
+"""Step error estimator: how far a new row is from the extrapolation of the rows before it.
 
-In time the polynomial through the last rows, carried on, is compared with what was found: where the fields
-are smooth that error is of fourth order, and where they are not (the edge turns round, meets its own tracks,
-or frees what it has just covered) it is what tells. Close to a limit point nothing is smooth in time; there
-the step is judged by how straight the force is over the radius.
+In time the polynomial through the last rows is extrapolated and compared with the solution: where the fields
+are smooth that error is of fourth order, and where they are not (the edge reverses, meets nodes it left
+earlier, or releases what it has just covered) it shows the kink. Close to a limit point nothing is smooth in
+time; there the step is accepted by how straight the force is over the radius.
 
-Rows of the trace are read as straight between each other: a step that bends is given rows in between.
+Rows of the trace are read with straight lines between them: a curved step is given interpolated rows.
 """
 
 from __future__ import annotations
@@ -13,51 +13,64 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from validation.reference.tracking.step_history import FORCE, PENETRATION, RADIUS, TIME, Row, Trail
+from validation.reference.tracking.step_history import (
+    FORCE,
+    PENETRATION,
+    RADIUS,
+    TIME,
+    HistoryRow,
+    StepHistory,
+)
 
-RADIUS_SHARE = 1.0  # of the deviation: how far the radius may be from where its course pointed
-FORCE_SHARE = 8.0  # the same for the force, an integral over the fields
-STRAIGHT = 50.0  # times the deviation: how far a step may leave a straight line, however smooth
-MOST = 32  # parts of a step
+RADIUS_SHARE = 1.0
+"""Extrapolation error allowed in the radius, in allowed deviations."""
+FORCE_SHARE = 8.0
+"""The same for force and penetration; larger, because the force is an integral over the fields."""
+CHORD_SHARE = 50.0
+"""Largest distance of a step from its chord, in allowed deviations, however small its extrapolation error."""
+MOST_INTERVALS = 32
+"""Most intervals into which interpolated rows divide one step."""
 
 
 @dataclass(frozen=True)
-class Judge:
-    """Deviations relative to what is allowed, ``deviation`` of the largest values so far.
+class StepErrorEstimator:
+    """Deviations in units of the allowed one, which is ``deviation`` times the largest values so far.
 
-    ``columns`` are the quantities that are not prescribed; ``scales`` go with radius, force, penetration.
+    ``columns`` are the quantities that are not prescribed; ``scales`` the largest radius, force, penetration.
     """
 
-    trail: Trail
+    history: StepHistory
     deviation: float
     columns: tuple[int, ...]
     scales: dict[int, float]
 
-    def in_time(self, row: Row) -> float:
-        """A step to ``row`` judged over time."""
-        if self.trail.fresh:
+    def in_time(self, row: HistoryRow) -> float:
+        """Deviation of a step to ``row`` from the extrapolation in time; acceptable up to about 1."""
+        if self.history.restarted:
             return 0.0
-        sags, duration, worst = self.trail.sag(row), row[TIME] - self.trail.rows[-1][TIME], 0.0
+        chord, duration = self.history.chord_deviation(row), row[TIME] - self.history.rows[-1][TIME]
+        worst = 0.0
         for column in self.columns:
             if self.scales[column] > 0.0:
-                missed = abs(row[column] - self.trail.course(column).ahead(duration))
+                missed = abs(row[column] - self.history.extrapolation(column).value_after(duration))
                 share = RADIUS_SHARE if column == RADIUS else FORCE_SHARE
-                worst = max(worst, max(missed / share, sags[column] / STRAIGHT) / self.scales[column])
+                worst = max(worst, max(missed / share, chord[column] / CHORD_SHARE) / self.scales[column])
         return worst / self.deviation
 
-    def along_edge(self, row: Row) -> float:
-        """A step to ``row`` judged over the radius; 0 if the edge has not been going that way."""
-        sags = self.trail.sag(row, RADIUS)
-        parts = [sags[c] / self.scales[c] for c in self.columns if self.scales[c] > 0.0]
-        return max(parts, default=0.0) / self.deviation
+    def along_edge(self, row: HistoryRow) -> float:
+        """Deviation of a step to ``row`` from a straight line over the radius; 0 if the edge has reversed."""
+        return self._chord(row, RADIUS) / self.deviation
 
-    def parts(self, row: Row, allowed: float) -> int:
-        """In how many parts a step is straight within ``allowed`` deviations."""
-        sags = self.trail.sag(row)
-        bent = max((sags[c] / self.scales[c] for c in self.columns if self.scales[c] > 0.0), default=0.0)
-        return min(math.ceil(math.sqrt(bent / (allowed * self.deviation))), MOST) or 1
+    def intervals(self, row: HistoryRow, allowed: float) -> int:
+        """Number of intervals in which a step is straight within ``allowed`` deviations."""
+        bent = self._chord(row, TIME)
+        return min(math.ceil(math.sqrt(bent / (allowed * self.deviation))), MOST_INTERVALS) or 1
+
+    def _chord(self, row: HistoryRow, along: int) -> float:
+        chord = self.history.chord_deviation(row, along)
+        return max((chord[c] / self.scales[c] for c in self.columns if self.scales[c] > 0.0), default=0.0)
 
 
-def judged(control: str) -> tuple[int, ...]:
-    """What is not prescribed under a control."""
+def free_columns(control: str) -> tuple[int, ...]:
+    """Columns that are not prescribed under a control."""
     return (RADIUS, FORCE, PENETRATION) if control == "force" else (RADIUS, FORCE)

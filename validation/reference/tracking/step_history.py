@@ -1,4 +1,4 @@
-"""The last committed rows: what they say about the step to come."""
+"""The last committed rows, and what they predict for the next step."""
 
 from __future__ import annotations
 
@@ -6,20 +6,21 @@ import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-MEMORY = 4
+LENGTH = 4
+"""Rows in the history: enough for a cubic extrapolation."""
 TIME, RADIUS, FORCE, PENETRATION = range(4)
-Row = tuple[float, float, float, float]
+HistoryRow = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
-class Course:
+class RowExtrapolation:
     """A quantity at the last rows, newest first; ``times`` count from the newest and are not positive."""
 
     times: tuple[float, ...] = (0.0,)
     values: tuple[float, ...] = (0.0,)
 
-    def ahead(self, duration: float) -> float:
-        """Value after ``duration``, by the polynomial through all rows."""
+    def value_after(self, duration: float) -> float:
+        """Value after ``duration``, by the polynomial through all rows (Newton's divided differences)."""
         differences = list(self.values)
         for order in range(1, len(differences)):
             for i in range(len(differences) - 1, order - 1, -1):
@@ -49,89 +50,90 @@ class Course:
 
 
 @dataclass
-class Trail:
-    """Rows since the last kink (time, radius, force, penetration), at most ``MEMORY``."""
+class StepHistory:
+    """Rows since the last kink (time, radius, force, penetration), at most ``LENGTH``."""
 
-    rows: list[Row] = field(default_factory=list)
+    rows: list[HistoryRow] = field(default_factory=list)
 
-    def add(self, row: Row) -> None:
-        """Append a row; rows of an earlier moment at the same time are of no use for rates."""
+    def add(self, row: HistoryRow) -> None:
+        """Append a row; earlier rows at the same time give no rates and are dropped."""
         if self.rows and self.rows[-1][TIME] == row[TIME]:
             self.rows.clear()
         self.rows.append(row)
-        del self.rows[:-MEMORY]
+        del self.rows[:-LENGTH]
 
     def kink(self) -> None:
-        """Forget all but the present row: rates jump here."""
+        """Keep the present row only: rates jump here."""
         del self.rows[:-1]
 
     @property
-    def fresh(self) -> bool:
+    def restarted(self) -> bool:
         """Whether there has been no step since the last kink."""
         return len(self.rows) < 2
 
-    def course(self, column: int) -> Course:
-        """How a column has run so far."""
+    def extrapolation(self, column: int) -> RowExtrapolation:
+        """Polynomial through the rows of a column."""
         now = self.rows[-1][TIME]
-        return Course(
+        return RowExtrapolation(
             tuple(row[TIME] - now for row in reversed(self.rows)),
             tuple(row[column] for row in reversed(self.rows)),
         )
 
     def rate_of_radius(self) -> float:
         """Rate of the radius at the last row."""
-        if self.fresh:
+        if self.restarted:
             return 0.0
         before, now = self.rows[-2:]
         h = now[TIME] - before[TIME]
         rate = (now[RADIUS] - before[RADIUS]) / h
-        return rate + 0.5 * self._second(RADIUS, TIME) * h if len(self.rows) > 2 else rate
+        return rate + 0.5 * self._second_derivative(RADIUS, TIME) * h if len(self.rows) > 2 else rate
 
-    def to_extremum(self, column: int, along: int = TIME) -> float:
-        """Time (or signed distance) from the last row until a column turns, by a parabola; else infinite."""
+    def distance_to_extremum(self, column: int, along: int = TIME) -> float:
+        """Signed distance from the last row to an extremum of a column, by a parabola; or infinite."""
         if len(self.rows) < 3 or not self._monotone(along):
             return math.inf
         before, now = self.rows[-2:]
-        h, second = now[along] - before[along], self._second(column, along)
+        h, second = now[along] - before[along], self._second_derivative(column, along)
         return -(now[column] - before[column]) / h / second - 0.5 * h if second != 0.0 else math.inf
 
-    def up_to_turn(self, h: float, noise: float) -> float:
-        """``h``, but not beyond where the force is largest, nor where the edge turns round.
+    def limited_to_extremum(self, h: float, noise: float) -> float:
+        """A duration ``h`` cut to end at the largest force, or where the motion of the edge reverses.
 
-        A radius that moves by less than ``noise`` until then is at rest.
+        A radius that moves by less than ``noise`` until its extremum counts as being at rest.
         """
-        turn = self.to_extremum(FORCE)
-        if 0.1 * h < turn < h:
-            h = turn
-        turn = self.to_extremum(RADIUS)
-        if not 0.1 * h < turn < h or abs(self.rate_of_radius()) * turn < noise:
+        extremum = self.distance_to_extremum(FORCE)
+        if 0.1 * h < extremum < h:
+            h = extremum
+        extremum = self.distance_to_extremum(RADIUS)
+        if not 0.1 * h < extremum < h or abs(self.rate_of_radius()) * extremum < noise:
             return h
-        return turn
+        return extremum
 
-    def turned(self, column: int) -> tuple[int, float] | None:
-        """When a column was largest or smallest in the last two steps, and in which (-2 or -1), if it was."""
+    def past_extremum(self, column: int) -> tuple[int, float] | None:
+        """The step (-2 or -1) and the time of an extremum within the last two steps; ``None`` if none."""
         if len(self.rows) < 3:
             return None
         one, two, now = self.rows[-3:]
         if (two[column] - one[column]) * (now[column] - two[column]) >= 0.0:
             return None
         h = two[TIME] - one[TIME]
-        at = one[TIME] + 0.5 * h - (two[column] - one[column]) / h / self._second(column, TIME)
+        slope = (two[column] - one[column]) / h
+        at = one[TIME] + 0.5 * h - slope / self._second_derivative(column, TIME)
         return (-2 if at < two[TIME] else -1), at
 
-    def sag(self, row: Row, along: int = TIME) -> dict[int, float]:
-        """How far radius, force and penetration leave a straight line on the way to ``row``."""
+    def chord_deviation(self, row: HistoryRow, along: int = TIME) -> dict[int, float]:
+        """Largest distance of radius, force and penetration from the straight line on the way to ``row``."""
         columns = (RADIUS, FORCE, PENETRATION)
-        if not self.heads_for(row, along):
+        if not self.continues_monotonically(row, along):
             return dict.fromkeys(columns, 0.0)
         before, now = self.rows[-2:]
         h, last = row[along] - now[along], now[along] - before[along]
         share = 0.25 * h / (h + last)
         return {c: share * abs(row[c] - now[c] - (now[c] - before[c]) * h / last) for c in columns}
 
-    def heads_for(self, row: Row, along: int) -> bool:
-        """Whether a column has been going, and goes on, one way."""
-        if self.fresh or not self._monotone(along):
+    def continues_monotonically(self, row: HistoryRow, along: int) -> bool:
+        """Whether a column has risen, or fallen, throughout and goes on to do so in the step to ``row``."""
+        if self.restarted or not self._monotone(along):
             return False
         before, now = self.rows[-2:]
         return (row[along] - now[along]) * (now[along] - before[along]) > 0.0
@@ -140,6 +142,6 @@ class Trail:
         steps = [later[along] - earlier[along] for earlier, later in pairwise(self.rows[-3:])]
         return min(steps) > 0.0 or max(steps) < 0.0
 
-    def _second(self, column: int, along: int) -> float:
+    def _second_derivative(self, column: int, along: int) -> float:
         (t0, t1, t2), (y0, y1, y2) = ([row[i] for row in self.rows[-3:]] for i in (along, column))
         return 2.0 * ((y2 - y1) / (t2 - t1) - (y1 - y0) / (t1 - t0)) / (t2 - t0)

@@ -15,25 +15,28 @@ from numpy.typing import NDArray
 
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import Transform
-from validation.reference.tracking.closure import Zone
-from validation.reference.tracking.penetration_path import Drive
+from validation.reference.tracking.closure import EdgeFields
+from validation.reference.tracking.penetration_path import PenetrationPath
 from validation.reference.tracking.rheology import Rheology
 
 Array = NDArray[np.float64]
 
-COINCIDENT = 1e-14  # of the radius: nodes on the two sides of a step or a crease of the fields
+COINCIDENT = 1e-14
+"""Distance of the two nodes on either side of a discontinuity of the fields or their slopes, in radii."""
+DIFFERENT_STATES = 1e-9
+"""Relative difference above which the states on the two sides of the edge are not one state."""
 
 
 @dataclass(frozen=True)
 class Body:
-    """What does not change in a run: material and indenter, both in Abel space."""
+    """Material and indenter in Abel space, constant during a run."""
 
     rheology: Rheology
     transform: Transform
 
 
 @dataclass(frozen=True)
-class Path:
+class EdgePath:
     """Edge radius during a step at the fraction ``f`` of its duration: ``a0 + travel f + bend f (f - 1)``."""
 
     start: float
@@ -70,9 +73,9 @@ class Surface:
         """Contact radius."""
         return float(self.inside[-1])
 
-    def zone(self) -> Zone:
-        """The fields the closure looks at."""
-        return Zone(
+    def edge_fields(self) -> EdgeFields:
+        """The fields in the closure integral."""
+        return EdgeFields(
             self.inside, self.branches.sum(axis=1), self.outside, self.units.sum(axis=1), self.penetration
         )
 
@@ -92,12 +95,12 @@ class Surface:
         strain = self.penetration - float(body.transform(self.outside[:1])[0])
         return strain - float(self.units[0].sum())
 
-    def freed(self, body: Body) -> Surface:
+    def after_detachment(self, body: Body) -> Surface:
         """The surface right after all contact is lost."""
         strain = self.penetration - body.transform(self.inside)
         units = body.rheology.release(self.branches, strain)
         inner = self.inside.copy()
-        _draw_in(inner)
+        _shift_last_inwards(inner)
         return Surface(
             self.penetration,
             np.zeros(1),
@@ -106,10 +109,10 @@ class Surface:
             np.concatenate((units, self.units)),
         )
 
-    def creased(self) -> Surface:
+    def with_edge_nodes_doubled(self) -> Surface:
         """The same with a second node beside the edge on either side, for an edge whose speed jumps now.
 
-        Slopes of the fields will differ across it; each side then takes them from its own nodes.
+        Slopes of the fields jump there; each side then takes them from its own nodes.
         """
         radius, apart = self.radius, COINCIDENT * self.radius
         if radius == 0.0:
@@ -137,40 +140,54 @@ class Surface:
 
 
 @dataclass(frozen=True)
-class Step:
-    """What a step does to points that the edge does not pass; the same for every path.
+class FieldUpdate:
+    """Update of the points that the edge does not pass in a step; the same for every path of the edge.
 
-    ``b -> decay b + gain`` in contact, ``e -> recovery e`` outside. ``dwelt``: the edge has been at rest, and
-    its two sides are no longer one state in two guises.
+    ``b -> decay b + gain`` in contact, ``e -> recovery e`` outside. ``was_at_rest``: the edge has been at
+    rest, and the states on its two sides are no longer one state in two representations.
     """
 
-    drive: Drive
+    depth: PenetrationPath
     decay: Array
     gain: Array
     recovery: Array
-    dwelt: bool
+    was_at_rest: bool
 
 
-def step(surface: Surface, body: Body, drive: Drive) -> Step:
-    """The step of a surface under a drive."""
-    rheology, h = body.rheology, drive.duration
+def field_update(surface: Surface, body: Body, depth: PenetrationPath) -> FieldUpdate:
+    """Update of a surface under a penetration that follows ``depth``."""
+    rheology, h = body.rheology, depth.duration
     decay = np.exp(-h / rheology.times)
-    memory = drive.memory(np.zeros(1), np.array([h]), rheology.times)[0]
-    gain = (memory + decay * drive.jump) * rheology.moduli
-    return Step(drive, decay, gain, np.exp(-h / rheology.retardation), _differ(surface, body))
+    memory = depth.memory(np.zeros(1), np.array([h]), rheology.times)[0]
+    gain = (memory + decay * depth.jump) * rheology.moduli
+    return FieldUpdate(depth, decay, gain, np.exp(-h / rheology.retardation), _sides_differ(surface, body))
 
 
-def moved(surface: Surface, body: Body, by: Step, path: Path, fractions: Array) -> Surface:
-    """The surface at the end of a step whose edge follows ``path``.
+def after_step(surface: Surface, body: Body, by: FieldUpdate, path: EdgePath, fractions: Array) -> Surface:
+    """The surface at the end of a step.
 
-    ``fractions`` (rising, within (0, 1)) are further moments of the step at which nodes are left.
+    Parameters
+    ----------
+    surface : Surface
+        State at the start.
+    body : Body
+    by : FieldUpdate
+        Update of the points that the edge does not pass.
+    path : EdgePath
+        Edge radius during the step.
+    fractions : ndarray, shape (m,)
+        Further moments at which nodes are left, as fractions of the step; rising, within (0, 1).
+
+    Returns
+    -------
+    Surface
     """
     if path.travel > 0.0:
         return _advanced(surface, body, by, path, fractions)
     if path.travel < 0.0:
         return _receded(surface, body, by, path, fractions)
     return Surface(
-        by.drive.end,
+        by.depth.end,
         surface.inside,
         surface.branches * by.decay + by.gain,
         surface.outside,
@@ -178,8 +195,8 @@ def moved(surface: Surface, body: Body, by: Step, path: Path, fractions: Array) 
     )
 
 
-def _advanced(surface: Surface, body: Body, by: Step, path: Path, fractions: Array) -> Surface:
-    rheology, drive, h = body.rheology, by.drive, by.drive.duration
+def _advanced(surface: Surface, body: Body, by: FieldUpdate, path: EdgePath, fractions: Array) -> Surface:
+    rheology, depth, h = body.rheology, by.depth, by.depth.duration
     radius = path.start + path.travel
     beyond = int(surface.outside.searchsorted(radius, side="right"))
     old = surface.outside[1:beyond]
@@ -191,18 +208,18 @@ def _advanced(surface: Surface, body: Body, by: Step, path: Path, fractions: Arr
     near, free = surface.outside[: beyond + 3], surface.units[: beyond + 3]
     units = hermite.evaluate(near, free, hermite.slopes(near, free), x)
     beside = path.start + min(COINCIDENT * radius, 0.5 * (float(x[0]) - path.start))
-    if by.dwelt and path.start < beside < x[0]:  # the free side of the edge is covered now
+    if by.was_at_rest and path.start < beside < x[0]:  # the free side of the edge is covered now
         x = np.concatenate(([beside], x))
         units = np.concatenate((surface.units[:1], units))
     at = h * path.passing(x)
     covered = rheology.cover(
-        units * np.exp(-at[:, None] / rheology.retardation), drive.penetration(at) - body.transform(x)
+        units * np.exp(-at[:, None] / rheology.retardation), depth.penetration(at) - body.transform(x)
     )
     left = np.full_like(at, h)
     covered = covered * np.exp(-(left - at)[:, None] / rheology.times)
-    covered = covered + drive.memory(at, left, rheology.times) * rheology.moduli
+    covered = covered + depth.memory(at, left, rheology.times) * rheology.moduli
     return Surface(
-        drive.end,
+        depth.end,
         np.concatenate((surface.inside, x)),
         np.concatenate((surface.branches * by.decay + by.gain, covered)),
         np.concatenate(([radius], surface.outside[beyond:])),
@@ -210,8 +227,8 @@ def _advanced(surface: Surface, body: Body, by: Step, path: Path, fractions: Arr
     )
 
 
-def _receded(surface: Surface, body: Body, by: Step, path: Path, fractions: Array) -> Surface:
-    rheology, drive, h = body.rheology, by.drive, by.drive.duration
+def _receded(surface: Surface, body: Body, by: FieldUpdate, path: EdgePath, fractions: Array) -> Surface:
+    rheology, depth, h = body.rheology, by.depth, by.depth.duration
     radius = path.start + path.travel
     kept = int(surface.inside.searchsorted(radius, side="left"))
     passed = int(surface.inside.searchsorted(radius, side="right"))
@@ -221,29 +238,29 @@ def _receded(surface: Surface, body: Body, by: Step, path: Path, fractions: Arra
     first = max(kept - 3, 0)
     near = surface.inside[first:]
     slope = hermite.slopes(near, surface.branches[first:])
-    start = hermite.evaluate(near, surface.branches[first:], slope, x) + drive.jump * rheology.moduli
+    start = hermite.evaluate(near, surface.branches[first:], slope, x) + depth.jump * rheology.moduli
     at = h * path.passing(x)
     at[0] = h
     branches = start * np.exp(-at[:, None] / rheology.times)
-    branches = branches + drive.memory(np.zeros_like(at), at, rheology.times) * rheology.moduli
-    units = rheology.release(branches, drive.penetration(at) - body.transform(x))
+    branches = branches + depth.memory(np.zeros_like(at), at, rheology.times) * rheology.moduli
+    units = rheology.release(branches, depth.penetration(at) - body.transform(x))
     units = units * np.exp(-(h - at)[:, None] / rheology.retardation)
     outside = surface.units * by.recovery
-    if by.dwelt:  # a step of the fields is left behind
-        _draw_in(x)
+    if by.was_at_rest:  # the fields are discontinuous there
+        _shift_last_inwards(x)
         rest = 0
     else:
         rest = 1
     return Surface(
-        drive.end,
+        depth.end,
         np.concatenate((surface.inside[:kept], [radius])),
         np.concatenate((surface.branches[:kept] * by.decay + by.gain, branches[:1])),
         *_distinct(np.concatenate((x, surface.outside[rest:])), np.concatenate((units, outside[rest:]))),
     )
 
 
-def _draw_in(x: Array) -> None:
-    """Move the last of the nodes, at the edge, onto its inner side."""
+def _shift_last_inwards(x: Array) -> None:
+    """Shift the last of the nodes, at the edge, to its inner side."""
     x[-1] -= min(COINCIDENT * x[-1], 0.5 * (x[-1] - x[-2]))
 
 
@@ -256,9 +273,9 @@ def _distinct(x: Array, values: Array) -> tuple[Array, Array]:
     return x[kept], values[kept]
 
 
-def _differ(surface: Surface, body: Body) -> bool:
+def _sides_differ(surface: Surface, body: Body) -> bool:
     """Whether releasing the edge from inside would leave another state than the one just outside."""
     strain = surface.penetration - body.transform(surface.inside[-1:])
     released = body.rheology.release(surface.branches[-1:], strain)[0]
     gap = np.abs(released - surface.units[0]).sum()
-    return bool(gap > 1e-9 * (np.abs(released).sum() + np.abs(strain[0])))
+    return bool(gap > DIFFERENT_STATES * (np.abs(released).sum() + np.abs(strain[0])))

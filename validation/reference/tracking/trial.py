@@ -1,4 +1,4 @@
-"""One trial step: the edge that satisfies the law after a given time, or the time for a given edge."""
+"""One trial: the radius that satisfies the edge condition after a given time, or the time for a radius."""
 
 from __future__ import annotations
 
@@ -9,131 +9,178 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Counters, Segment
-from validation.reference.tracking.control import balanced, prescribed
-from validation.reference.tracking.law import Law
-from validation.reference.tracking.node_placement import Marks
+from validation.reference.tracking.control import force_balanced, prescribed_penetration
+from validation.reference.tracking.law import EdgeCondition
+from validation.reference.tracking.node_placement import NodePlacement
+from validation.reference.tracking.penetration_path import PenetrationPath
 from validation.reference.tracking.root import bracketed, rising_root
-from validation.reference.tracking.step_history import Course
-from validation.reference.tracking.surface import Body, Path, Step, Surface, moved, step
+from validation.reference.tracking.step_history import RowExtrapolation
+from validation.reference.tracking.surface import (
+    Body,
+    EdgePath,
+    FieldUpdate,
+    Surface,
+    after_step,
+    field_update,
+)
 
 Array = NDArray[np.float64]
 
-MOST = 400  # nodes left by an edge that runs
-GROWTH = 1.1  # of the strides in which an edge on the run is looked for
-BENT = 0.99  # of the travel: short of turning round within the step
-FIRST = np.arange(1, 16) / 16.0  # where a contact that begins has nodes
-NARROW = 1e-14  # relative: two radii or two times that are the same
+MOST_NODES = 400
+"""Most nodes left behind by an unstable edge in one step."""
+SEARCH_GROWTH = 1.1
+"""Ratio of successive search intervals for the arrest of an unstable edge."""
+LARGEST_BEND = 0.99
+"""Bend of the path of the edge over its travel: below 1 the edge does not reverse within a step."""
+FIRST_CONTACT_NODES = np.arange(1, 16) / 16.0
+"""Nodes of a contact that has just begun, as fractions of the step."""
+NARROW = 1e-14
+"""Relative difference below which two radii or two times are the same."""
 
 
 @dataclass(frozen=True)
-class Found:
-    """Where the search for the edge ended: at a root (``reached``) or at a limit of the search."""
+class EdgeSearch:
+    """End of a search for the edge: a stable radius (``stable``) or a limit of the search interval."""
 
     radius: float
-    reached: bool
+    stable: bool
     steepness: float = 0.0
 
 
 @dataclass(frozen=True)
-class Attempt:
-    """A step of any duration from one state, under one loading segment.
+class Trial:
+    """A step of any duration from one state, under one load segment.
 
-    ``marks(duration)`` are the fractions of the step at which nodes are left besides its end; ``cap`` is the
-    largest possible radius, ``spacing`` the distance of nodes left behind.
+    Parameters
+    ----------
+    body : Body
+    condition : EdgeCondition
+    surface : Surface
+        State at the start; never changed.
+    segment : Segment
+        Load during the step.
+    time : float
+        Start of the step.
+    radii, depths : RowExtrapolation
+        Radius and penetration at the rows before.
+    nodes : NodePlacement
+        Where the edge leaves nodes behind, besides the end of the step.
+    counters : Counters
+        Counts the evaluations of the edge condition.
+    largest_radius : float
+        Radius of the indenter's edge; infinite without one.
+    spacing : float
+        Distance of the nodes that an unstable edge leaves behind.
     """
 
     body: Body
-    law: Law
+    condition: EdgeCondition
     surface: Surface
     segment: Segment
     time: float
-    radii: Course
-    depths: Course
-    marks: Marks
+    radii: RowExtrapolation
+    depths: RowExtrapolation
+    nodes: NodePlacement
     counters: Counters
-    cap: float
+    largest_radius: float
     spacing: float
-    _steps: dict[float, Step] = field(default_factory=dict)
+    _updates: dict[float, FieldUpdate] = field(default_factory=dict)
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
-        """The surface when the edge has arrived at ``radius``; if not ``whole``, what the law looks at."""
+        """The surface when the edge is at ``radius``; if not ``whole``, only the fields near the edge."""
         start = self.surface
-        travel = radius - start.radius
-        limit = BENT * abs(travel)
-        bend = 0.5 * self.radii.curvature(duration, radius) * duration**2
-        bend = min(max(bend, -limit), limit)
-        path = Path(start.radius, travel, bend)
-        marks = self.marks(duration) if travel != 0.0 else np.empty(0)
-        if start.radius == 0.0 < travel:  # a contact is not left to its centre and its edge
-            marks = np.union1d(marks, FIRST)
-        if abs(travel) > 2.0 * self.spacing:  # an edge that runs leaves nodes on its way, too
-            count = min(int(abs(travel) / self.spacing), MOST)
-            marks = np.union1d(marks, np.arange(1, count + 1) / (count + 1))
+        path = self._edge_path(duration, radius)
+        fractions = self._node_fractions(duration, path.travel)
         if self.segment.control == "force":
             target = self.segment.value(self.time + duration)
-            return balanced(start, self.body, target, duration, self.depths, path, marks)
-        by = self._steps.get(duration)
-        if by is None:
-            drive = prescribed(self.segment, self.time, duration, start)
-            by = self._steps[duration] = step(start, self.body, drive)
+            return force_balanced(start, self.body, target, duration, self.depths, path, fractions)
+        update = self._updates.get(duration)
+        if update is None:
+            depth: PenetrationPath = prescribed_penetration(self.segment, self.time, duration, start)
+            update = self._updates[duration] = field_update(start, self.body, depth)
         if not whole:
-            reach = self.law.reach
-            start = start.near(min(radius, start.radius) - reach, max(radius, start.radius) + reach)
-        return moved(start, self.body, by, path, marks)
+            zone = self.condition.zone_length
+            start = start.near(min(radius, start.radius) - zone, max(radius, start.radius) + zone)
+        return after_step(start, self.body, update, path, fractions)
+
+    def _edge_path(self, duration: float, radius: float) -> EdgePath:
+        """Parabola in time with the curvature of the rows before."""
+        travel = radius - self.surface.radius
+        limit = LARGEST_BEND * abs(travel)
+        bend = 0.5 * self.radii.curvature(duration, radius) * duration**2
+        return EdgePath(self.surface.radius, travel, min(max(bend, -limit), limit))
+
+    def _node_fractions(self, duration: float, travel: float) -> Array:
+        fractions = self.nodes.fractions(duration) if travel != 0.0 else np.empty(0)
+        if self.surface.radius == 0.0 < travel:  # centre and edge alone do not resolve a new contact
+            fractions = np.union1d(fractions, FIRST_CONTACT_NODES)
+        if abs(travel) > 2.0 * self.spacing:  # an unstable edge leaves nodes all along its travel
+            count = min(int(abs(travel) / self.spacing), MOST_NODES)
+            fractions = np.union1d(fractions, np.arange(1, count + 1) / (count + 1))
+        return fractions
 
     def residual(self, duration: float, radius: float) -> float:
-        """Residual of the law at an edge that moves there."""
+        """Residual of the edge condition with the edge moved to ``radius``."""
         self.counters.closure_evaluations += 1
-        return self.law.residual(self.surface_at(duration, radius, False), self.body)
+        return self.condition.residual(self.surface_at(duration, radius, False), self.body)
 
-    def tendencies(self, duration: float) -> tuple[float, float]:
-        """How much the edge, at rest so far, wants to go inward and outward after ``duration``."""
+    def driving_forces(self, duration: float) -> tuple[float, float]:
+        """Inward and outward driving force on the edge, still at rest, after ``duration``."""
         self.counters.closure_evaluations += 1
         if self.surface.radius == 0.0 and self.segment.control == "force":
             target = self.segment.value(self.time + duration)
             return -1.0, math.copysign(1.0, target) if target != 0.0 else 0.0
-        inward, outward = self.law.tendencies(
+        inward, outward = self.condition.driving_forces(
             self.surface_at(duration, self.surface.radius, False), self.body
         )
-        return inward, -1.0 if self.surface.radius >= self.cap else outward
+        return inward, -1.0 if self.surface.radius >= self.largest_radius else outward
 
-    def edge(
+    def stable_edge(
         self, duration: float, guess: float, lowest: float, highest: float, steepness: float = 0.0
-    ) -> Found:
-        """Stable edge nearest to the present one after ``duration``, sought between two limits.
+    ) -> EdgeSearch:
+        """Stable edge nearest to the present one after ``duration``, within an interval.
 
-        ``guess`` and ``steepness`` (of the residual over the radius, 0 if unknown) only save work.
+        Parameters
+        ----------
+        duration : float
+        guess : float
+            Extrapolated radius; saves evaluations.
+        lowest, highest : float
+            Radii between which to search.
+        steepness : float
+            Slope of the residual over the radius, 0 if unknown; saves evaluations.
+
+        Returns
+        -------
+        EdgeSearch
         """
-        a0 = self.surface.radius
+        a0, tolerance = self.surface.radius, self.condition.tolerance
 
         def function(radius: float) -> float:
             return self.residual(duration, radius)
 
         if guess != a0 and lowest < guess < highest:
-            quick = rising_root(
-                function, guess, 0.01 * (guess - a0), steepness, (lowest, highest), self.law.closed
-            )
+            quick = rising_root(function, guess, 0.01 * (guess - a0), steepness, (lowest, highest), tolerance)
             if quick is not None and (quick[0] - a0) * (guess - a0) > 0.0:
-                return Found(quick[0], True, quick[1])
-        inward, outward = self.tendencies(duration)
-        if inward <= self.law.closed and outward <= self.law.closed:
-            return Found(a0, True)
+                return EdgeSearch(quick[0], True, quick[1])
+        inward, outward = self.driving_forces(duration)
+        if inward <= tolerance and outward <= tolerance:
+            return EdgeSearch(a0, True)
         up = outward > inward
-        limit = min(highest, self.cap) if up else lowest
+        limit = min(highest, self.largest_radius) if up else lowest
         near, at_near = a0, -outward if up else inward
         stride = abs(guess - a0) if (guess > a0) == up and guess != a0 else 1e-3 * abs(limit - a0)
         while near != limit:
             far = min(near + stride, limit) if up else max(near - stride, limit)
             at_far = function(far)
-            if (at_far >= 0.0) == up or abs(at_far) <= self.law.closed:
-                return Found(
-                    bracketed(function, near, at_near, far, at_far, self.law.closed, NARROW * a0), True
-                )
+            if (at_far >= 0.0) == up or abs(at_far) <= tolerance:
+                root = bracketed(function, near, at_near, far, at_far, tolerance, NARROW * a0)
+                return EdgeSearch(root, True)
             near, at_near, stride = far, at_far, 3.0 * stride
-        return Found(limit, up and limit >= self.cap)
+        return EdgeSearch(limit, up and limit >= self.largest_radius)
 
-    def duration_to(self, radius: float, longest: float) -> float | None:
-        """Time at which the edge arrives at ``radius``; ``None`` if it would be there at once."""
+    def duration_to_radius(self, radius: float, longest: float) -> float | None:
+        """Duration after which the edge arrives at ``radius``; ``None`` if it would be beyond at once."""
         outward = radius > self.surface.radius
 
         def function(duration: float) -> float:
@@ -144,47 +191,66 @@ class Attempt:
             return None
         if (late >= 0.0) if outward else (late <= 0.0):
             return longest
-        return bracketed(function, 0.0, at_once, longest, late, self.law.closed, NARROW * longest)
+        return bracketed(function, 0.0, at_once, longest, late, self.condition.tolerance, NARROW * longest)
 
-    def departure(self, longest: float) -> float | None:
-        """Time within ``longest`` at which an edge at rest sets off; ``None`` if it stays or is under way."""
-        late = self.tendencies(longest)
+    def departure_time(self, longest: float) -> float | None:
+        """Duration after which an edge at rest starts to move; ``None`` if it stays or moves already."""
+        tolerance = self.condition.tolerance
+        late = self.driving_forces(longest)
         for side in (0, 1):
-            if late[side] > self.law.closed:
-                now = self.tendencies(0.0)[side]
-                if now >= -self.law.closed:
+            if late[side] > tolerance:
+                now = self.driving_forces(0.0)[side]
+                if now >= -tolerance:
                     return None
                 return bracketed(
-                    lambda t, side=side: self.tendencies(t)[side],  # type: ignore[misc]
+                    lambda t, side=side: self.driving_forces(t)[side],  # type: ignore[misc]
                     0.0,
                     now,
                     longest,
                     late[side],
-                    self.law.closed,
+                    tolerance,
                     NARROW * longest,
                 )
         return None
 
-    def run_to_rest(self, begin: float, stride: float, outward: bool, limit: float) -> float | None:
-        """The next stable edge at fixed time for one on the run from ``begin``, up to ``limit``, if any.
+    def arrest_radius(self, begin: float, stride: float, outward: bool, limit: float) -> float | None:
+        """The next stable radius at fixed time for an unstable edge.
 
-        Looked for in strides, outward in growing ones: there the residual ends up positive on any profile.
+        Searched in intervals, outward in growing ones: there the residual is positive in the end on any
+        profile.
+
+        Parameters
+        ----------
+        begin : float
+            Radius at which the edge is unstable.
+        stride : float
+            First search interval.
+        outward : bool
+            Whether the edge runs outward.
+        limit : float
+            Radius up to which to search.
+
+        Returns
+        -------
+        float or None
+            ``None`` if the edge is not arrested within ``limit``.
         """
+        tolerance = self.condition.tolerance
         radius = begin
-        value = -self.law.closed if outward else self.law.closed
+        value = -tolerance if outward else tolerance
         while radius != limit:
             before, at_before = radius, value
             radius = min(radius + stride, limit) if outward else max(radius - stride, limit)
             value = self.residual(0.0, radius)
-            if value > self.law.closed if outward else value < -self.law.closed:
+            if value > tolerance if outward else value < -tolerance:
                 return bracketed(
                     lambda a: self.residual(0.0, a),
                     before,
                     at_before,
                     radius,
                     value,
-                    self.law.closed,
+                    tolerance,
                     NARROW * radius,
                 )
-            stride *= GROWTH if outward else 1.0
-        return limit if outward and limit >= self.cap else None
+            stride *= SEARCH_GROWTH if outward else 1.0
+        return limit if outward and limit >= self.largest_radius else None

@@ -23,47 +23,61 @@ Array = NDArray[np.float64]
 
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(3)
 _GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
-HARDLY = 1e-6  # of the largest area: a change below it says nothing about the energy release rate
-APART = 1e-9  # of a step: rows in between that are nearer to another add nothing
+LEAST_AREA_CHANGE = 1e-6
+"""Change of the contact area, relative to the largest area, below which no energy release rate is formed."""
+LEAST_DISTANCE = 1e-9
+"""Distance in time from another row, in step lengths, below which an interpolated row is left out."""
 DEPTH = 1
+"""Column of the penetration, after the time."""
 
 
 @dataclass
-class Record:
-    """Time series of a run; ``work`` is the work of adhesion (0 without)."""
+class RecordedRows:
+    """Rows of a run (time, penetration, force, radius, stored energy, edge stress).
+
+    ``kinks``: rows at which rates jump. ``interpolated``: rows to be added by interpolation, as the step they
+    lie in, their time, and the penetration if it is prescribed.
+    """
+
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    kinks: list[int] = field(default_factory=list)
+    interpolated: list[tuple[int, float, float | None]] = field(default_factory=list)
+
+
+@dataclass
+class Recorder:
+    """Records the rows of a run; ``work`` is the work of adhesion (0 without)."""
 
     body: Body
     work: float
-    rows: list[tuple[float, ...]] = field(default_factory=list)
-    kinks: list[int] = field(default_factory=list)
-    inner: list[tuple[int, float, float | None]] = field(default_factory=list)
+    recorded: RecordedRows = field(default_factory=RecordedRows)
 
     def add(self, time: float, surface: Surface, force: float) -> None:
         """One row for a surface in contact, or free where its radius is 0."""
         radius = surface.radius
         stress = surface.edge_stress(self.body) if radius > 0.0 else 0.0
         energy = stored_energy(surface, self.body)
-        self.rows.append((time, surface.penetration, force, radius, energy, stress))
+        self.recorded.rows.append((time, surface.penetration, force, radius, energy, stress))
 
-    def between(self, time: float, depth: float | None, back: int) -> None:
-        """A time that shall be a row, too, by interpolation, in the ``back``-th step from the last.
+    def interpolate(self, time: float, depth: float | None, back: int) -> None:
+        """Add a row by interpolation, in the ``back``-th step from the last.
 
         ``depth`` is the penetration there if it is prescribed.
         """
-        self.inner.append((len(self.rows) - 1 - back, time, depth))
+        self.recorded.interpolated.append((len(self.recorded.rows) - 1 - back, time, depth))
 
     def kink(self) -> None:
         """Rates jump at the last row."""
-        self.kinks.append(len(self.rows) - 1)
+        self.recorded.kinks.append(len(self.recorded.rows) - 1)
 
     def columns(self, whole: bool = True) -> dict[str, Array]:
         """All columns by name: the contract's seven, then ``stress_intensity_factor`` (``-q(a)/sqrt(pi a)``,
         0 without contact), ``energy_release_rate`` (between a row and the one before; repeated where the
-        area hardly moved) and ``branch_dissipation``. If not ``whole``, without the last two steps: what
-        lies between their rows depends on steps to come."""
+        area hardly changed) and ``branch_dissipation``. If not ``whole``, without the last two steps: their
+        interpolated rows depend on later steps."""
         rows, ends = self._dense()
         if not whole:
-            last = float(self.rows[max(len(self.rows) - 3, 0)][0])
+            last = float(self.recorded.rows[max(len(self.recorded.rows) - 3, 0)][0])
             rows = rows[: int(np.searchsorted(rows[:, 0], last, side="right"))]
             ends = [*(end for end in ends if end < len(rows) - 1), len(rows) - 1]
         time, depth, force, radius, energy, stress = rows.T
@@ -89,18 +103,18 @@ class Record:
         }
 
     def _dense(self) -> tuple[Array, list[int]]:
-        """All rows with those in between, and the rows at which smooth stretches end."""
-        rows = np.array(self.rows).reshape(-1, 6)
+        """All rows with the interpolated ones, and the rows at which smooth stretches end."""
+        rows = np.array(self.recorded.rows).reshape(-1, 6)
         stands = np.diff(rows[:, 0]) <= 0.0
         turns = np.flatnonzero(stands[1:] != stands[:-1]) + 1
-        given = np.array([0, *self.kinks, max(len(rows) - 1, 0)], dtype=int)
+        given = np.array([0, *self.recorded.kinks, max(len(rows) - 1, 0)], dtype=int)
         ends = np.unique(np.concatenate((given, turns)))
-        if not self.inner:
+        if not self.recorded.interpolated:
             return rows, ends.tolist()
-        inner = sorted(self.inner, key=lambda entry: entry[:2])
+        inner = sorted(self.recorded.interpolated, key=lambda entry: entry[:2])
         index = np.array([entry[0] for entry in inner])
         times = np.array([entry[1] for entry in inner])
-        apart = APART * (rows[index + 1, 0] - rows[index, 0])
+        apart = LEAST_DISTANCE * (rows[index + 1, 0] - rows[index, 0])
         before = np.maximum(rows[index, 0], np.concatenate(([-math.inf], times[:-1])))
         distinct = (times - before > apart) & (rows[index + 1, 0] - times > apart)
         inner = [entry for entry, is_one in zip(inner, distinct, strict=True) if is_one]
@@ -124,7 +138,7 @@ class Record:
         if len(area) < 2:
             return rate
         step = np.diff(area)
-        moves = np.abs(step) > HARDLY * area.max()
+        moves = np.abs(step) > LEAST_AREA_CHANGE * area.max()
         last = np.maximum.accumulate(np.where(moves, np.arange(len(step)), -1))
         each = np.divide(np.diff(potential), step, out=np.zeros_like(step), where=moves)
         rate[1:] = np.where(last >= 0, each[last], self.work)

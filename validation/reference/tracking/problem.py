@@ -1,0 +1,122 @@
+"""The problem of a run: what its steps need besides the state."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact_scene import Scene, Segment
+from validation.reference.tracking.abel import transform
+from validation.reference.tracking.equilibrium import pressed_radius, touching_radius
+from validation.reference.tracking.law import EdgeCondition, Griffith, NoTension
+from validation.reference.tracking.node_placement import NodePlacement
+from validation.reference.tracking.options import Fineness
+from validation.reference.tracking.rheology import rheology
+from validation.reference.tracking.state import FrontState
+from validation.reference.tracking.step_error import StepErrorEstimator, free_columns
+from validation.reference.tracking.step_history import FORCE, PENETRATION, RADIUS
+from validation.reference.tracking.step_outcome import FrontCandidate
+from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.trial import Trial
+
+
+@dataclass(frozen=True)
+class FrontProblem:
+    """Scene and step sizes; constant during a run.
+
+    Attributes
+    ----------
+    largest_travel : float
+        Largest distance that the edge may travel in one step.
+    radius, force, depth : float
+        Scales of the scene: contact radius under the largest load, largest force, largest penetration.
+    """
+
+    scene: Scene
+    body: Body
+    condition: EdgeCondition
+    fineness: Fineness
+    largest_travel: float
+    radius: float
+    force: float
+    depth: float
+
+    @property
+    def edge_radius(self) -> float:
+        """Radius of the indenter's edge; infinite without one."""
+        return self.scene.indenter.edge
+
+    @property
+    def shortest_time(self) -> float:
+        """Shortest relaxation time; infinite if nothing relaxes."""
+        return float(self.body.rheology.times.min(initial=math.inf))
+
+    @property
+    def work_of_adhesion(self) -> float:
+        """Work of adhesion; 0 without adhesion."""
+        return self.condition.adhesion.work if isinstance(self.condition, Griffith) else 0.0
+
+    def trial(self, state: FrontState, segment: Segment, travel: float = 0.0) -> Trial:
+        """A trial step from the present state; ``travel`` is expected of its edge."""
+        return Trial(
+            self.body,
+            self.condition,
+            state.surface,
+            segment,
+            state.time,
+            state.history.extrapolation(RADIUS),
+            state.history.extrapolation(PENETRATION),
+            NodePlacement(self.shortest_time, travel, self.condition.zone_length, self.fineness.divisions),
+            state.counters,
+            self.edge_radius,
+            self.largest_travel,
+        )
+
+    def candidate(self, time: float, surface: Surface, intervals: int = 0) -> FrontCandidate:
+        """A candidate with its force."""
+        return FrontCandidate(time, surface, surface.force(self.body), intervals)
+
+    def step_error(self, state: FrontState, segment: Segment, to: FrontCandidate) -> StepErrorEstimator:
+        """Error estimator of a step to a candidate."""
+        scales = {
+            RADIUS: state.largest_radius,
+            FORCE: max(state.largest_force, abs(to.force)),
+            PENETRATION: max(state.largest_depth, abs(to.surface.penetration)),
+        }
+        return StepErrorEstimator(
+            state.history, self.fineness.deviation, free_columns(segment.control), scales
+        )
+
+
+def front_problem(scene: Scene, fineness: Fineness) -> FrontProblem:
+    """Material and indenter in Abel space, the edge condition, and the scales of a scene."""
+    body = Body(rheology(scene.material), transform(scene.indenter))
+    depth, load = _largest_load(scene)
+    edge = scene.indenter.edge
+    radius = max(touching_radius(body, depth, edge), pressed_radius(body, load, edge))
+    deepest = max(depth, float(body.transform(np.array([radius]))[0]))
+    condition: EdgeCondition
+    if scene.adhesion is not None and scene.is_adhesive:
+        condition = Griffith(scene.adhesion)
+        travel = scene.adhesion.zone / fineness.divisions
+    else:
+        condition = NoTension(body.rheology.glassy * (deepest or 1.0))
+        travel = 0.01 * radius / fineness.divisions
+    weight = 2.0 * body.rheology.relaxed * (depth * radius - body.transform.integral(radius))
+    return FrontProblem(scene, body, condition, fineness, travel, radius, max(weight, load), deepest)
+
+
+def _largest_load(scene: Scene) -> tuple[float, float]:
+    """Largest penetration and largest force that the loading prescribes."""
+    depth = deepest = scene.loading.penetration
+    force = hardest = 0.0
+    for step in scene.loading.steps:
+        segment = step.segment(0.0, depth, force)
+        values = [segment.value(t) for t in np.linspace(0.0, segment.end, 257)]
+        if segment.control == "penetration":
+            deepest, depth = max(deepest, *values), values[-1]
+        else:
+            hardest, force = max(hardest, *values), values[-1]
+    return deepest, hardest

@@ -1,0 +1,144 @@
+"""One trial step: choose its duration, find the edge, estimate the error. Nothing is committed here."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from contact_scene import Segment
+from validation.reference.tracking.law import NoTension
+from validation.reference.tracking.limit_points import approach_zero_radius, prescribed_travel
+from validation.reference.tracking.problem import FrontProblem
+from validation.reference.tracking.rounding import rounded_length
+from validation.reference.tracking.state import FrontState
+from validation.reference.tracking.step_history import RADIUS
+from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, FrontCandidate, StepOutcome
+from validation.reference.tracking.trial import EdgeSearch, Trial
+
+FLAT_RESIDUAL = 0.2
+"""Rise of the edge residual over one process zone below which a limit point may be near."""
+REJECTED_ABOVE = 2.0
+"""Step error, in allowed deviations, above which a step is rejected."""
+FIRST_STEP = 100.0
+"""First step after a kink, in allowed deviations times the shortest time: it has no error estimate."""
+
+
+@dataclass(frozen=True)
+class RowTolerances:
+    """Deviations by which rows may leave a straight line, under a linear and under a curved load."""
+
+    linear: float
+    curved: float
+
+
+def trial_step(
+    problem: FrontProblem, state: FrontState, segment: Segment, stop: float, rows: RowTolerances
+) -> StepOutcome:
+    """One step towards ``stop``, of about the proposed duration.
+
+    Parameters
+    ----------
+    problem, state : FrontProblem, FrontState
+        Present state; only its work counters change.
+    segment : Segment
+        Load step.
+    stop : float
+        Time that must not be passed.
+    rows : RowTolerances
+        How straight the rows of the trace have to be.
+
+    Returns
+    -------
+    StepOutcome
+    """
+    a0 = state.surface.radius
+    left, tick = stop - state.time, 4.0 * math.ulp(state.time)
+    h = _duration(problem, state, segment, left, tick)
+    if isinstance(problem.condition, NoTension) and a0 > 0.0:
+        vanishing = _vanishing_contact(problem, state, segment, h, left)
+        if vanishing is not None:
+            return vanishing
+    guess = state.history.extrapolation(RADIUS).value_after(h)
+    trial = problem.trial(state, segment, abs(guess - a0))
+    reach = state.travel if a0 > 0.0 else state.largest_radius  # the radius of a new contact grows at once
+    lowest = max(a0 - state.travel, problem.condition.smallest_radius)
+    edge = trial.stable_edge(h, guess, lowest, min(a0 + reach, problem.edge_radius), state.steepness)
+    if edge.radius != a0 and state.history.rate_of_radius() == 0.0:
+        departure = trial.departure_time(h)
+        if departure is not None and departure > tick:
+            end = problem.candidate(state.time + departure, trial.surface_at(departure, a0))
+            return StepOutcome(candidates=(end,), first_contact=True, kink=True)
+    if not edge.stable:
+        return prescribed_travel(problem, state, trial, edge.radius, h)
+    end = problem.candidate(state.time + h, trial.surface_at(h, edge.radius))
+    deviation, intervals = _step_error(problem, state, trial, end, edge, rows)
+    if deviation > REJECTED_ABOVE:
+        if h <= tick:  # a jump within the resolution of time
+            return StepOutcome(candidates=(end,), rejected=True, kink=True)
+        return StepOutcome(h * max(0.2, 0.9 / math.sqrt(deviation)), rejected=True)
+    return StepOutcome(
+        h * min(2.0, 0.95 / max(deviation, 1e-6) ** (1.0 / 3.0)),
+        (FrontCandidate(end.time if h < left else stop, end.surface, end.force, intervals),),
+        travel=min(problem.largest_travel, 2.0 * state.travel),
+        steepness=edge.steepness,
+        detachment=NO_STABLE_CONTACT if edge.radius == 0.0 < a0 else "",
+    )
+
+
+def _duration(problem: FrontProblem, state: FrontState, segment: Segment, left: float, tick: float) -> float:
+    """The proposed duration, limited by the next stop, the travel of the edge and extrema of the rows."""
+    slope, proposal = state.history.rate_of_radius(), state.proposal
+    if proposal is None:
+        proposal = _first_duration(problem, state, segment, left)
+    h = left if proposal >= 0.999 * left else max(min(proposal, 0.5 * left), tick)
+    if abs(slope) * h > 0.95 * state.travel:
+        h = 0.9 * state.travel / abs(slope)
+    h = state.history.limited_to_extremum(h, problem.fineness.deviation * state.largest_radius)
+    if tick < h < left:
+        h = max(rounded_length(h, segment.end - segment.start), tick)
+    return h
+
+
+def _vanishing_contact(
+    problem: FrontProblem, state: FrontState, segment: Segment, h: float, left: float
+) -> StepOutcome | None:
+    """Step of a contact without adhesion that is about to vanish; ``None`` if it is not."""
+    if segment.control == "force":
+        if segment.value(state.time + h) <= 0.0:
+            return approach_zero_radius(problem, state, segment, h)
+    elif state.history.rate_of_radius() < 0.0 and state.surface.radius <= problem.largest_travel:
+        trial = problem.trial(state, segment)
+        if trial.residual(left, 0.0) > 0.0:
+            return prescribed_travel(problem, state, trial, 0.0, left)
+    return None
+
+
+def _step_error(
+    problem: FrontProblem,
+    state: FrontState,
+    trial: Trial,
+    end: FrontCandidate,
+    edge: EdgeSearch,
+    rows: RowTolerances,
+) -> tuple[float, int]:
+    """Step error in allowed deviations, and the number of intervals for interpolated rows."""
+    row = (end.time, end.surface.radius, end.force, end.surface.penetration)
+    estimator = problem.step_error(state, trial.segment, end)
+    deviation, smooth = estimator.in_time(row), True
+    near_limit = 0.0 < edge.steepness * problem.condition.zone_length < FLAT_RESIDUAL
+    if deviation > 1.0 and near_limit and state.history.continues_monotonically(row, RADIUS):
+        along = estimator.along_edge(row)
+        deviation, smooth = min(deviation, along), deviation <= along
+    allowed = rows.linear if trial.segment.linear else rows.curved
+    return deviation, estimator.intervals(row, allowed) if smooth else 1
+
+
+def _first_duration(problem: FrontProblem, state: FrontState, segment: Segment, left: float) -> float:
+    """Duration of the first step after a kink: a small part of every time scale."""
+    part = FIRST_STEP * problem.fineness.deviation
+    quick = min(part * problem.shortest_time, 1e-2 * left)
+    scale = state.largest_depth if segment.control == "penetration" else state.largest_force
+    rate = abs(segment.rate(state.time))
+    if rate > 0.0 and scale > 0.0:
+        quick = min(quick, part * scale / rate)
+    return max(quick, 1e-12 * left)

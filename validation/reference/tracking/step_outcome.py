@@ -1,0 +1,64 @@
+"""What a trial step returns: nothing of it is committed yet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from contact_scene import Event
+from validation.reference.tracking.surface import Surface
+
+
+@dataclass(frozen=True)
+class FrontCandidate:
+    """A state that a step arrives at.
+
+    ``intervals``: number of intervals into which interpolated rows divide the step, 0 for a step that is not
+    interpolated at all.
+    """
+
+    time: float
+    surface: Surface
+    force: float
+    intervals: int = 0
+
+
+@dataclass(frozen=True)
+class StepOutcome:
+    """Result of a trial step.
+
+    Attributes
+    ----------
+    proposal : float or None
+        Duration to be proposed for the next step; ``None``: the first step after a kink.
+    candidates : tuple of FrontCandidate
+        States to commit, one after the other; none if the step is rejected.
+    rejected : bool
+        Whether a trial was rejected on the way.
+    travel : float or None
+        New limit of the travel of the edge; ``None``: as before.
+    steepness : float or None
+        Slope of the residual over the radius; ``None``: as before.
+    equilibria : tuple of Surface
+        Rows at the present time before the candidate, recorded without being steps.
+    event : Event or None
+    kink : bool
+        Whether rates jump at the last candidate.
+    first_contact : bool
+        Whether contact may begin at the candidate with a whole face.
+    detachment : str
+        Why contact is lost after the last candidate; empty if it is not.
+    """
+
+    proposal: float | None = None
+    candidates: tuple[FrontCandidate, ...] = ()
+    rejected: bool = False
+    travel: float | None = None
+    steepness: float | None = None
+    equilibria: tuple[Surface, ...] = ()
+    event: Event | None = None
+    kink: bool = False
+    first_contact: bool = False
+    detachment: str = ""
+
+
+NO_STABLE_CONTACT = "no stable contact is left"
