@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bem_solver.recorder import Recorder
     from bem_solver.stepping import Stepper
 
-_MADE_ANEW = ("problem", "recorder", "progress", "watch")
+_MADE_ANEW = ("problem", "recorder", "progress", "monitor")
 _RECORDED = ("rows", "kinks", "events", "profiles")
 
 
@@ -91,6 +91,6 @@ def of_stepper(stepper: Stepper) -> State:
     return taken({name: getattr(stepper, name) for name in names}, stepper.recorder, stepper.problem.counters)
 
 
-def goes_on(watch: RunMonitor | None, state: Callable[[], State]) -> bool:
+def goes_on(monitor: RunMonitor | None, state: Callable[[], State]) -> bool:
     """Whether nobody outside wants the run to end."""
-    return watch is None or watch.goes_on(state)
+    return monitor is None or monitor.goes_on(state)

@@ -30,6 +30,8 @@ class Options:
         Annuli that travel with a continuous edge, or the paper's fixed ones with the edge on their borders.
     scheme : "exponential" or "backward-euler"
         Exact exponential recursion, or the paper's scheme.
+    stop_times : tuple of float
+        Times stepped onto exactly, ignored outside the run.
     profile_times : tuple of float
         Times at which the state of the surface is kept; stepped onto exactly, ignored outside the run.
     step : float, optional
@@ -44,6 +46,7 @@ class Options:
     tolerance: float | None = None
     annuli: str = "graded"
     scheme: str = "exponential"
+    stop_times: tuple[float, ...] = ()
     profile_times: tuple[float, ...] = ()
     step: float | None = None
     max_steps: int = 200_000
@@ -59,7 +62,7 @@ class Options:
             positive(self.step, "step")
         one_of(self.annuli, "annuli", ANNULI)
         one_of(self.scheme, "scheme", SCHEMES)
-        for time in self.profile_times:
+        for time in (*self.stop_times, *self.profile_times):
             number(time, "profile_times", "finite times")
         if self.max_steps < 1:
             raise SceneError("max_steps", f"got {self.max_steps}", "a whole number >= 1")

@@ -29,7 +29,7 @@ def solve(
     scene: Scene,
     options: Options | None = None,
     progress: Callable[[float], None] | None = None,
-    watch: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> Trace:
     """Solve a scene with the boundary-element method of the paper.
 
@@ -39,7 +39,7 @@ def solve(
     options : Options, optional
     progress : callable, optional
         Called with the share of the run that is done, 0 to 1.
-    watch : RunMonitor, optional
+    monitor : RunMonitor, optional
         May keep the run between steps, stop it, and let it go on from where it was kept.
 
     Returns
@@ -67,14 +67,14 @@ def solve(
         if options.annuli == "uniform":
             from bem_solver.paper_scheme.solver import solve_uniform
 
-            trace = solve_uniform(scene, options, progress, watch)
+            trace = solve_uniform(scene, options, progress, monitor)
         else:
-            trace = _solve_graded(scene, options, progress, watch)
+            trace = _solve_graded(scene, options, progress, monitor)
     return replace(trace, wall_seconds=clock.perf_counter() - began)
 
 
 def _solve_graded(
-    scene: Scene, options: Options, progress: Callable[[float], None] | None, watch: RunMonitor | None
+    scene: Scene, options: Options, progress: Callable[[float], None] | None, monitor: RunMonitor | None
 ) -> Trace:
     chain = Chain(scene.material, options.scheme == "backward-euler")
     zone, work = (scene.adhesion.zone, scene.adhesion.work) if scene.adhesion else (0.0, 0.0)
@@ -93,7 +93,7 @@ def _solve_graded(
     problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     recorder = Recorder(chain, work)
     scale = max(largest, contact_scale(scene, scene.loading.penetration))
-    kept = None if watch is None else watch.kept
+    kept = None if monitor is None else monitor.kept
     if kept is not None:
         moving = put_back(kept, recorder, counters)
         front, energies = moving["front"], moving["energies"]
@@ -116,23 +116,24 @@ def _solve_graded(
         options.divisions,
         options.max_steps,
         scale,
-        watch=watch,
+        monitor=monitor,
     )
     for name, value in moving.items():
         setattr(stepper, name, value)
     try:
-        outcome = _run(scene, stepper, options.profile_times, progress)
+        outcome = _run(scene, stepper, options, progress)
     except FloatingPointError as error:
         outcome = Outcome(OutcomeKind.NOT_FINITE, str(error), stepper.front.time)
     return recorder.trace(outcome, counters)
 
 
 def _run(
-    scene: Scene, stepper: Stepper, stops: tuple[float, ...], progress: Callable[[float], None] | None
+    scene: Scene, stepper: Stepper, options: Options, progress: Callable[[float], None] | None
 ) -> Outcome:
     recorder, problem, place = stepper.recorder, stepper.problem, stepper.place
     count = len(scene.loading.steps)
-    if 0.0 in stops and place.fresh:
+    profiles, stops = options.profile_times, (*options.stop_times, *options.profile_times)
+    if 0.0 in profiles and place.fresh:
         recorder.profile(surface_profile(problem, stepper.front))
     while place.step < count:
         front = stepper.front
@@ -150,7 +151,7 @@ def _run(
         reached = penetration if segment.control == "penetration" else force
         for piece in islice(pieces(segment, reached, stops), place.piece, None):
             outcome = stepper.follow(piece)
-            if stepper.front.time in stops and (outcome is None or outcome.kind is OutcomeKind.DETACHED):
+            if stepper.front.time in profiles and (outcome is None or outcome.kind is OutcomeKind.DETACHED):
                 recorder.profile(surface_profile(problem, stepper.front))
             if outcome is not None:
                 return outcome

@@ -50,7 +50,7 @@ class Stepper:
     max_steps: int
     scale: float
     progress: Callable[[float], None] | None = None
-    watch: RunMonitor | None = None
+    monitor: RunMonitor | None = None
     place: Place = field(default_factory=Place)
     slope: float = 0.0  # of the residual with the edge, from the last accepted search
     travel: float = 1.0  # share of the travel limit in force
@@ -68,7 +68,7 @@ class Stepper:
         parameter, rejected = self.place.parameter, self.place.rejected
         while parameter < piece.length:
             self.place.reach(parameter, rejected)
-            if not goes_on(self.watch, lambda: of_stepper(self)):
+            if not goes_on(self.monitor, lambda: of_stepper(self)):
                 return Outcome(OutcomeKind.INTERRUPTED, "stopped from outside", self.front.time)
             counters = self.problem.counters
             if counters.steps + counters.rejected_steps >= self.max_steps:

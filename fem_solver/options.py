@@ -19,6 +19,8 @@ class Options:
         division. Default: the elements of the mesh.
     tolerance : float, optional
         Asked relative accuracy of the force in time; default 1e-3.
+    stop_times : tuple of float
+        Times stepped onto exactly.
     profile_times : tuple of float
         Times, stepped onto exactly, at which surface profiles are returned.
     max_steps : int
@@ -41,6 +43,7 @@ class Options:
 
     resolution: int | None = None
     tolerance: float | None = None
+    stop_times: tuple[float, ...] = ()
     profile_times: tuple[float, ...] = ()
     max_steps: int = 50_000
     form: Literal["mixed", "displacement"] = "mixed"

@@ -60,7 +60,7 @@ def solve(
     mesh: Any,
     options: Options | None = None,
     progress: Progress | None = None,
-    watch: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> Trace:
     """Solve a scene on a mesh of the half-space.
 
@@ -73,7 +73,7 @@ def solve(
     options : Options, optional
     progress : callable(float), optional
         Told the fraction done, from 0 to 1.
-    watch : RunMonitor, optional
+    monitor : RunMonitor, optional
         May keep the run between steps, stop it, and let it go on from where it was kept.
 
     Returns
@@ -88,7 +88,7 @@ def solve(
     UnsupportedScene
         If the options exclude what the scene needs.
     """
-    return record(scene, mesh, options, progress, watch).trace
+    return record(scene, mesh, options, progress, monitor).trace
 
 
 def record(
@@ -96,11 +96,11 @@ def record(
     mesh: Any,
     options: Options | None = None,
     progress: Progress | None = None,
-    outside: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> Recording:
     """As :func:`solve`, and keep the history where the options ask for it.
 
-    A run that goes on from where ``outside`` kept it has the history from there on.
+    A run that goes on from where ``monitor`` kept it has the history from there on.
     """
     began = clock.perf_counter()
     options = options or Options()
@@ -142,14 +142,14 @@ def record(
         force_scale=force_scale,
         max_steps=options.max_steps,
         visit=visit,
-        goes_on=lambda: outside is None or outside.goes_on(lambda: taken(run, setup.history)),
-        wanted=(*options.profile_times, *options.record_times),
+        goes_on=lambda: monitor is None or monitor.goes_on(lambda: taken(run, setup.history)),
+        wanted=(*options.stop_times, *options.profile_times, *options.record_times),
     )
     kind, reason = OutcomeKind.COMPLETED, "all loading steps carried out"
     steps = scene.loading.steps
     try:
-        if outside is not None and outside.kept is not None:
-            put_back(outside.kept, run, setup.history)
+        if monitor is not None and monitor.kept is not None:
+            put_back(monitor.kept, run, setup.history)
         else:
             run.start(scene.loading.penetration, scene.loading.start == "relaxed")
             if run.state.radius < zone:

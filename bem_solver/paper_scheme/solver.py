@@ -46,7 +46,10 @@ _PER_RADIUS = 10  # annuli in the largest contact without adhesion, in resolutio
 
 
 def solve_uniform(
-    scene: Scene, options: Options, progress: Callable[[float], None] | None, watch: RunMonitor | None = None
+    scene: Scene,
+    options: Options,
+    progress: Callable[[float], None] | None,
+    monitor: RunMonitor | None = None,
 ) -> Trace:
     """Solve a scene on uniform annuli; parameters and result as for :func:`bem_solver.solve`.
 
@@ -57,11 +60,11 @@ def solve_uniform(
     SceneError
         If the process zone does not fit into the contact at the start.
     """
-    run = _Run(scene, options, watch)
+    run = _Run(scene, options, monitor)
     counters, recorder, penetration = run.counters, run.recorder, scene.loading.penetration
     try:
-        if watch is not None and watch.kept is not None:
-            run.go_on(watch.kept)
+        if monitor is not None and monitor.kept is not None:
+            run.go_on(monitor.kept)
         elif not run.start():
             reason = f"no stable contact at penetration {penetration:.6g}"
             return recorder.nothing(penetration, reason, counters)
@@ -110,8 +113,8 @@ def _annuli(scene: Scene, divisions: int, largest: float) -> tuple[UniformAnnuli
 class _Run:
     """A run: what stays, and the committed sheet and energies."""
 
-    def __init__(self, scene: Scene, options: Options, watch: RunMonitor | None) -> None:
-        self.scene, self.options, self.watch = scene, options, watch
+    def __init__(self, scene: Scene, options: Options, monitor: RunMonitor | None) -> None:
+        self.scene, self.options, self.monitor = scene, options, monitor
         self.place = Place()
         self.chain = Chain(scene.material, options.scheme == "backward-euler")
         self.work = scene.adhesion.work if scene.adhesion else 0.0
@@ -153,9 +156,10 @@ class _Run:
 
     def through(self, progress: Callable[[float], None] | None) -> Outcome:
         """Carry out the loading."""
-        stops, steps = self.options.profile_times, self.scene.loading.steps
+        profiles, steps = self.options.profile_times, self.scene.loading.steps
+        stops = (*self.options.stop_times, *profiles)
         place = self.place
-        if 0.0 in stops and place.fresh:
+        if 0.0 in profiles and place.fresh:
             self.recorder.profile(self._profile())
         while place.step < len(steps):
             sheet = self.sheet
@@ -172,7 +176,7 @@ class _Run:
             for piece in islice(pieces(segment, reached, stops), place.piece, None):
                 count = step_count(self.scene, piece, segment.rate, self.options, self.largest, self.length)
                 outcome = self._follow(piece, count, report)
-                if self.sheet.time in stops and (outcome is None or outcome.kind is OutcomeKind.DETACHED):
+                if self.sheet.time in profiles and (outcome is None or outcome.kind is OutcomeKind.DETACHED):
                     self.recorder.profile(self._profile())
                 if outcome is not None:
                     return outcome
@@ -186,7 +190,7 @@ class _Run:
             self.recorder.kink()
         for index in range(self.place.taken + 1, count + 1):
             self.place.taken = index - 1
-            if not goes_on(self.watch, self.state):
+            if not goes_on(self.monitor, self.state):
                 return Outcome(OutcomeKind.INTERRUPTED, "stopped from outside", self.sheet.time)
             if self.counters.steps >= self.options.max_steps:
                 reason = f"{self.options.max_steps} steps were not enough"

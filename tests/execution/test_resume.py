@@ -26,8 +26,8 @@ from contact_scene import (
     Trace,
 )
 from validation import cases, reference
-from validation.contact_range import mesh_for
 from validation.execution import checked_pickle
+from validation.solvers.finite_elements import mesh_for
 
 TIMES = (0.0, 0.05, 0.35)  # of profiles: the start, within the approach, within the oscillation
 TWO = Material(0.75, 0.5, (Branch(3.0, 0.1), Branch(3.75, 1.0)))
@@ -53,7 +53,7 @@ def bem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:
 
 def fem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:
     fineness = 4 if scene.is_adhesive else 1
-    asked = fem_solver.Options(fineness, 5e-3, TIMES, **options)
+    asked = fem_solver.Options(fineness, 5e-3, profile_times=TIMES, **options)
     return fem_solver.solve(scene, mesh_for(scene, fineness), asked, None, watch)
 
 

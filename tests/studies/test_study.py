@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from support.spring_solver import SCENE, fake
+from support.spring_solver import SCENE, spring
 
 from contact_scene import Counters, OutcomeKind, SceneError
 from crosscontact.cli import main
@@ -33,7 +33,7 @@ def converging(order: float, resolution_counts: bool = True):
     def load_scheme():
         def call(scene, settings, times):
             n = settings.resolution if resolution_counts else 1
-            trace = fake(1.0 + n**-order)()(scene, None, None, times, None)
+            trace = spring(1.0 + n**-order)(scene)
             return dataclasses.replace(trace, counters=Counters(steps=n, linear_solves=n * n))
 
         return call

@@ -24,13 +24,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contact_scene import Scene, Trace
+from contact_scene import Trace
 from contact_scene.trace import Array
 from validation.measure.norms import distance
 from validation.measure.observables import largest_tension
+from validation.solvers import solver
 
 SAFETY = 3.0
-ORDER = {"bem": 1, "fem": 2}
 IN_LAYERS = ("branch_dissipation", "zone_excess")
 ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
 CURVES = ("force", "contact_radius")
@@ -67,22 +67,9 @@ def _turnover(trace: Trace) -> float:
     return max(float(np.abs(term).max()) for term in terms)
 
 
-def coarser(solver: str, scene: Scene, resolution: int | None) -> tuple[int, float | None]:
-    """Resolution and tolerance of the second run."""
-    if solver == "bem":
-        from bem_solver.options import DEFAULT_RESOLUTION
-
-        return max((resolution or DEFAULT_RESOLUTION) // 2, 4), None
-    from fem_solver.options import DEFAULT_TOLERANCE
-    from validation.contact_range import ADHESIONLESS_DIVISIONS, DIVISIONS
-
-    usual = DIVISIONS if scene.is_adhesive else ADHESIONLESS_DIVISIONS
-    return max((resolution or usual) // 2, 1), 4.0 * DEFAULT_TOLERANCE
-
-
 def from_two_runs(fine: Trace, coarse: Trace, measured: Measures, coarsely: Measures) -> dict[str, float]:
     """Relative errors of the finer run by observable, and of its curves by column."""
-    usual = ORDER.get(fine.solver, 1)
+    usual = solver(fine.solver).order
     errors = {}
     for column in CURVES:
         apart = distance(coarse, fine, column)
@@ -94,7 +81,7 @@ def from_two_runs(fine: Trace, coarse: Trace, measured: Measures, coarsely: Meas
         if value is None or other is None or not (column_of(name) or name in ENERGIES):
             continue
         relative_to = scale(name, value, fine)
-        order = 1 if name in IN_LAYERS else usual
+        order = 1.0 if name in IN_LAYERS else usual
         own = _extrapolated(abs(other - value) / relative_to, order) if relative_to > 0.0 else 0.0
         errors[name] = max(own, floor)
     terms = ("branch_dissipation", "dissipated_energy")
@@ -115,7 +102,7 @@ def from_own(trace: Trace, measured: Measures) -> dict[str, float]:
     return _with_sampling(errors, trace)
 
 
-def _extrapolated(difference: float, order: int) -> float:
+def _extrapolated(difference: float, order: float) -> float:
     return SAFETY * difference / (2.0**order - 1.0)
 
 

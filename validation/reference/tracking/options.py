@@ -24,6 +24,8 @@ class Options:
         How far the radius may be from where the rows before pointed, and about how far force and radius may
         leave the straight line between rows, relative to the largest value so far. Default 1e-5 at the
         default resolution, and otherwise falling with its square.
+    stop_times : tuple of float
+        Times stepped onto exactly.
     profile_times : tuple of float
         Times at which surface profiles are returned; stepped onto exactly, ignored outside the run.
     max_steps : int
@@ -35,6 +37,7 @@ class Options:
 
     resolution: int | None = None
     tolerance: float | None = None
+    stop_times: tuple[float, ...] = ()
     profile_times: tuple[float, ...] = ()
     max_steps: int = 200_000
     estimate_errors: bool = False
@@ -47,7 +50,8 @@ class Options:
         if self.tolerance is not None:
             number(self.tolerance, "tolerance", "0 < tolerance < 1", low=0.0, high=1.0, open_low=True)
         number(self.max_steps, "max_steps", "a whole number >= 1", low=1)
-        object.__setattr__(self, "profile_times", tuple(float(t) for t in self.profile_times))
+        for name in ("stop_times", "profile_times"):
+            object.__setattr__(self, name, tuple(float(t) for t in getattr(self, name)))
 
     def fineness(self, adhesive: bool) -> Fineness:
         """The two numbers the stepping works with."""

@@ -47,7 +47,7 @@ def solve(
     scene: Scene,
     options: Options | None = None,
     progress: Callable[[float], None] | None = None,
-    watch: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> Trace:
     """Run a scene.
 
@@ -57,7 +57,7 @@ def solve(
     options : Options, optional
     progress : callable(fraction), optional
         Told now and then how much of the loading is done.
-    watch : RunMonitor, optional
+    monitor : RunMonitor, optional
         May keep the run between steps, stop it, and let it go on from where it was kept. A second run for
         error estimates is not watched.
 
@@ -85,7 +85,7 @@ def solve(
             "no bulk entry, or the finite-element solver",
         )
     fineness = options.fineness(scene.is_adhesive)
-    result = _run(scene, options, fineness, ROWS, progress, watch)
+    result = _run(scene, options, fineness, ROWS, progress, monitor)
     errors: dict[str, float] = {}
     if options.estimate_errors and result.outcome.finished:
         coarser = _run(scene, options, fineness.coarser(), DENSE)
@@ -118,7 +118,7 @@ def _run(
     fineness: Fineness,
     straight: tuple[float, float],
     progress: Callable[[float], None] | None = None,
-    watch: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> _Result:
     body = Body(rheology(scene.material), transform(scene.indenter))
     depth, load = _largest_load(scene)
@@ -158,10 +158,10 @@ def _run(
         on_profile=on_profile,
         straight=straight,
         progress=progress,
-        goes_on=lambda: watch is None or watch.goes_on(lambda: taken(run, profiles)),
+        goes_on=lambda: monitor is None or monitor.goes_on(lambda: taken(run, profiles)),
     )
-    if watch is not None and watch.kept is not None:
-        put_back(watch.kept, run, profiles)
+    if monitor is not None and monitor.kept is not None:
+        put_back(monitor.kept, run, profiles)
     outcome = run.go()
     stopped = outcome.kind is OutcomeKind.INTERRUPTED
     columns = record.columns(whole=not stopped)

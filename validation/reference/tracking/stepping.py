@@ -102,7 +102,14 @@ class Run:
         if self.outcome is not None:
             return
         kinks = {segment.end, *segment.kinks}
-        stops = sorted(kinks | {t for t in self.options.profile_times if segment.start < t < segment.end})
+        stops = sorted(
+            kinks
+            | {
+                t
+                for t in (*self.options.stop_times, *self.options.profile_times)
+                if segment.start < t < segment.end
+            }
+        )
         step = place.proposed
         for stop in stops[place.stop :]:
             if self.trail.fresh and not place.under_way:
