@@ -66,8 +66,8 @@ class Case:
         """Largest relative difference of ``solver`` from the reference in a scalar or in ``curves``.
 
         The place of a maximum is known to the root of what its height is known to, and the branch integral
-        squares a stress that is singular at the edge: both have wider tolerances, unless the scene states one.
-        Where the scene states none for this solver, the solver's defaults hold; ``None``: no such solver.
+        squares a stress that is singular at the edge: both have wider tolerances, unless the scene says so.
+        Where the scene has no tolerances for this solver, its defaults hold; ``None``: no such solver.
         """
         method = SOLVERS.get(solver)
         if method is None:

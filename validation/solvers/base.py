@@ -1,4 +1,4 @@
-"""What the validation needs to know about a solver: how to run it, what it takes, how accurate it is, how it looks."""
+"""What is known about a solver: how it is run, how accurate it is, how its curves are drawn."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 from contact_scene import Oscillate, RunMonitor, Scene, Sweep, Trace
 
@@ -49,18 +49,22 @@ class Solver(ABC):
         CSS variable that takes the place of the colour on a page.
     """
 
-    name: str
-    title: str
-    order: float = 1.0
-    tolerance: float = 5e-3
-    curve_tolerance: float = 5e-3
-    quantity_tolerances: Mapping[str, float] = {}
-    coarse_tolerance: float = 2e-2
-    estimates_errors: bool = False
-    skipped_work: Mapping[str, str] = SKIPPED_WORK
-    curve_style: Mapping[str, Any] = {"color": "#cc79a7", "linestyle": (0, (3, 1, 1, 1)), "linewidth": 1.4}
-    marker: str = "x"
-    css_variable: str = "other"
+    name: ClassVar[str]
+    title: ClassVar[str]
+    order: ClassVar[float] = 1.0
+    tolerance: ClassVar[float] = 5e-3
+    curve_tolerance: ClassVar[float] = 5e-3
+    quantity_tolerances: ClassVar[Mapping[str, float]] = {}
+    coarse_tolerance: ClassVar[float] = 2e-2
+    estimates_errors: ClassVar[bool] = False
+    skipped_work: ClassVar[Mapping[str, str]] = SKIPPED_WORK
+    curve_style: ClassVar[Mapping[str, Any]] = {
+        "color": "#cc79a7",
+        "linestyle": (0, (3, 1, 1, 1)),
+        "linewidth": 1.4,
+    }
+    marker: ClassVar[str] = "x"
+    css_variable: ClassVar[str] = "other"
 
     @abstractmethod
     def solve(
@@ -108,7 +112,7 @@ class Solver(ABC):
             If the solver does not take the scene or an option.
         """
 
-    def load(self) -> None:
+    def load(self) -> None:  # noqa: B027 - a solver without imports of its own has nothing to do
         """Import what :meth:`solve` needs, so that the run time does not contain it."""
 
     def refusal(self, scene: Scene) -> str:
@@ -124,7 +128,7 @@ class Solver(ABC):
         return 4
 
     def coarser(self, scene: Scene, resolution: int | None = None) -> Callable[..., Trace]:
-        """The run twice as coarse in every respect, to estimate errors from; takes the keywords of ``solve``."""
+        """The run twice as coarse, to estimate errors from: to be called with the keywords of ``solve``."""
         return partial(self.solve, scene, max((resolution or self.default_resolution(scene)) // 2, 4))
 
     def expected_seconds(self, scene: Scene) -> float:

@@ -16,7 +16,7 @@ from contact_scene import ForceRamp, Scene, SceneError
 from validation.reference import sneddon
 
 SPARE = 1.02
-"""Factor on the largest contact radius of a sharp edge: a finite process zone lets the contact grow beyond it."""
+"""Factor on the largest contact radius of a sharp edge, which a finite process zone exceeds a little."""
 DECADES = np.geomspace(1e-18, 1e18, 1441)
 """Radii between which the largest contact radius is searched, in any unit of length."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Literal
 
 from contact_scene import RunMonitor, Scene, SceneError, Trace
 from validation.solvers.base import SKIPPED_WORK, Progress, Solver, cycle_count, specified
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""
 ADHESIONLESS_DIVISIONS = 2
-"""Elements per hundredth of the largest contact radius where there is no adhesion and no resolution specified."""
+"""Elements per hundredth of the largest contact radius, without adhesion and with no resolution specified."""
 GRADING = 0.2
 """Growth of the element size with the distance from the contact edge, where none is specified."""
 
@@ -48,26 +48,30 @@ class FiniteElements(Solver):
     step_resolution: int | None = None
     cached_mesh: bool = True
 
-    name: ClassVar[str] = "fem"
-    title: ClassVar[str] = "finite elements"
-    order: ClassVar[float] = 2.0
-    tolerance: ClassVar[float] = 2e-2
-    curve_tolerance: ClassVar[float] = 1e-2
-    quantity_tolerances: ClassVar[dict[str, float]] = {
+    name = "fem"
+    title = "finite elements"
+    order = 2.0
+    tolerance = 2e-2
+    curve_tolerance = 1e-2
+    quantity_tolerances: ClassVar[Mapping[str, float]] = {
         "pull_off_penetration": 0.02,
         "pull_off_radius": 0.02,
         "pull_off_time": 0.02,
         "branch_dissipation": 0.08,
         "zone_excess": 0.08,
     }
-    coarse_tolerance: ClassVar[float] = 2e-2
-    skipped_work: ClassVar[dict[str, str]] = {
+    coarse_tolerance = 2e-2
+    skipped_work: ClassVar[Mapping[str, str]] = {
         **SKIPPED_WORK,
         "volume_solves": "no solution in the volume within the time loop",
     }
-    curve_style: ClassVar[dict[str, Any]] = {"color": "#d55e00", "linestyle": (0, (4, 2)), "linewidth": 1.4}
-    marker: ClassVar[str] = "s"
-    css_variable: ClassVar[str] = "fem"
+    curve_style: ClassVar[Mapping[str, Any]] = {
+        "color": "#d55e00",
+        "linestyle": (0, (4, 2)),
+        "linewidth": 1.4,
+    }
+    marker = "s"
+    css_variable = "fem"
 
     def solve(
         self,
@@ -139,7 +143,8 @@ def mesh_for(
     resolution : int, optional
         Elements per process zone.
     grading, domain_ratio : float, optional
-        Growth of the element size with the distance from the edge; domain radius over the largest contact radius.
+        Growth of the element size with the distance from the edge; domain radius over the largest contact
+        radius.
     cached : bool
         Take the mesh from the cache if it is there.
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
 
 from contact_scene import RunMonitor, Scene, Trace
 from validation.solvers.base import Progress, Solver, cycle_count, specified
@@ -13,18 +13,18 @@ REFERENCE = "reference"
 
 @dataclass(frozen=True)
 class FrontTracking(Solver):
-    """Front tracking, which estimates its errors itself; its tolerances are what it may change between reports."""
+    """Front tracking, which estimates its own errors; its tolerances are for changes between two reports."""
 
-    name: ClassVar[str] = REFERENCE
-    title: ClassVar[str] = "front tracking"
-    order: ClassVar[float] = 2.0
-    tolerance: ClassVar[float] = 5e-4
-    curve_tolerance: ClassVar[float] = 5e-4
-    coarse_tolerance: ClassVar[float] = 2e-3
-    estimates_errors: ClassVar[bool] = True
-    curve_style: ClassVar[dict[str, Any]] = {"color": "#999999", "linestyle": "-", "linewidth": 3.6}
-    marker: ClassVar[str] = "D"
-    css_variable: ClassVar[str] = "reference"
+    name = REFERENCE
+    title = "front tracking"
+    order = 2.0
+    tolerance = 5e-4
+    curve_tolerance = 5e-4
+    coarse_tolerance = 2e-3
+    estimates_errors = True
+    curve_style: ClassVar[Mapping[str, Any]] = {"color": "#999999", "linestyle": "-", "linewidth": 3.6}
+    marker = "D"
+    css_variable = "reference"
 
     def solve(
         self,
