@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from contact_scene import RunMonitor, Scene, SceneError, Trace
 from validation.solvers.base import SKIPPED_WORK, Progress, Solver, cycle_count, specified

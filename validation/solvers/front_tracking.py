@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from contact_scene import RunMonitor, Scene, Trace
 from validation.solvers.base import Progress, Solver, cycle_count, specified
