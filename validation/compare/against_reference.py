@@ -6,8 +6,9 @@ import math
 
 from contact_scene import Trace
 from validation.cases import Case
-from validation.compare.checks import Check, check_run, limit
+from validation.compare.checks import check_run
 from validation.execution.runs import Run
+from validation.measure.check import Check, agreement_limit
 from validation.measure.cycles import cycle_times
 from validation.measure.dimensionless import units
 from validation.measure.error_estimate import column_of, scale
@@ -134,7 +135,7 @@ def _limit(
 ) -> tuple[float, tuple[float | None, float | None]]:
     """Largest difference that counts as agreement, and the two estimates it comes from."""
     mine, theirs = result.errors.get(name), base.errors.get(name)
-    return limit(tolerance, mine, theirs), (mine, theirs)
+    return agreement_limit(tolerance, mine, theirs), (mine, theirs)
 
 
 def _parting(result: Run, base: Trace, column: str, limit: float) -> str:
