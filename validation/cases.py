@@ -23,24 +23,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from validation.solvers import SOLVERS
+
 if TYPE_CHECKING:
     from contact_scene import Scene
 
 SCENES = Path(__file__).parent / "scenes"
 SUITES = ("quick", "paper", "full")
 _CHECKS = ".checks.toml"
-
-DEFAULT_TOLERANCES: dict[str, dict[str, float]] = {
-    "bem": {"values": 5e-3, "curves": 5e-3},
-    "fem": {"values": 2e-2, "curves": 1e-2},
-}
-WIDER = {  # boundary, finite elements
-    "pull_off_penetration": (0.02, 0.02),
-    "pull_off_radius": (0.02, 0.02),
-    "pull_off_time": (0.02, 0.02),
-    "branch_dissipation": (0.01, 0.08),
-    "zone_excess": (0.01, 0.08),
-}
 
 
 @dataclass(frozen=True)
@@ -69,7 +59,7 @@ class Case:
     suites: tuple[str, ...] = ()
     outcome: str = ""
     expected: tuple[Expected, ...] = ()
-    tolerances: dict[str, dict[str, float]] = field(default_factory=lambda: DEFAULT_TOLERANCES)
+    tolerances: dict[str, dict[str, float]] = field(default_factory=dict)
     profile_times: tuple[float, ...] = ()
 
     def tolerance(self, solver: str, quantity: str) -> float | None:
@@ -77,13 +67,18 @@ class Case:
 
         The place of a maximum is known to the root of what its height is known to, and the branch integral
         squares a stress that is singular at the edge: both have wider tolerances, unless the scene says so.
+        Where the scene has no tolerances for this solver, its defaults hold; ``None``: no such solver.
         """
-        table = self.tolerances.get(solver, {})
+        method = SOLVERS.get(solver)
+        if method is None:
+            return None
+        usual_values = {"values": method.tolerance, "curves": method.curve_tolerance}
+        table = self.tolerances.get(solver, usual_values)
         if quantity == "curves":
             return table.get("curves")
         usual = table.get("values")
-        if usual is not None and quantity in WIDER:
-            usual = max(usual, WIDER[quantity][solver == "fem"])
+        if usual is not None:
+            usual = max(usual, method.quantity_tolerances.get(quantity, 0.0))
         if quantity == "dissipated_energy":
             usual = table.get("loop_energy", usual)
         return table.get(quantity, usual)

@@ -25,8 +25,9 @@ from support.faults.injection import Fault, missing, seeded, time_limit
 from validation import cases, solvers
 from validation.compare.against_reference import check_case
 from validation.execution.runs import Run, run
-from validation.measure.error_estimate import ENERGIES, column_of, scale
+from validation.measure.error_estimate import ENERGIES
 from validation.measure.norms import distance
+from validation.measure.scaling import column_of, scale
 
 FAULTS = [*reference.FAULTS, *bem.FAULTS, *fem.FAULTS]
 SCENES = ("relaxed-equilibrium", "elastic-relaxed", "cycle-v0.02", "adhesionless-cycle", "three-branches")

@@ -14,18 +14,19 @@ from support.synthetic_traces import follow, half_ellipse, profile, trace
 from contact_scene import OutcomeKind
 from validation.cases import Case, load
 from validation.claims import cycles, measures, model, oscillations, relaxed
-from validation.claims.all import CLAIMS, judge
+from validation.claims.all import CLAIMS
+from validation.claims.all import findings as all_findings
 from validation.claims.claim import FAILS, HOLDS, IN_PART, Finding, Part, Verdict, claim
 from validation.claims.evidence import (
     Evidence,
-    Missing,
+    MissingRun,
     collect,
     cycle,
     gather,
-    key,
-    outstanding,
-    questions,
+    missing_runs,
+    required_runs,
     retraction,
+    without_title,
 )
 from validation.execution.runs import Run, measure
 from validation.report import claims_section
@@ -55,7 +56,7 @@ def test_a_missing_run_leaves_a_claim_unjudged():
     def it_holds(found):
         return [Part("never reached", bool(found.trace(cycle(0.1))))]
 
-    finding = it_holds.judged(Evidence({}))
+    finding = it_holds.finding(Evidence({}))
     assert finding.verdict is Verdict.NOT_JUDGED
     assert finding.changed
     assert "not run" in finding.shown
@@ -70,9 +71,9 @@ def test_claims_are_stated_once_and_in_full():
 
 def test_claims_on_closed_forms_need_no_run():
     for one in (model.closure_is_griffith, model.creep_belongs_to_relaxation):
-        assert one.judged(Evidence({})).verdict is HOLDS
+        assert one.finding(Evidence({})).verdict is HOLDS
     for one in (model.appendix_uses_the_same_time, model.plane_modulus_is_multiplied):
-        assert one.judged(Evidence({})).verdict is FAILS
+        assert one.finding(Evidence({})).verdict is FAILS
 
 
 def test_rising_and_bell():
@@ -138,7 +139,7 @@ def evidence_of(*given):
     """Evidence of ``(scene, trace)`` as if the boundary elements had answered."""
     runs = {}
     for scene, found in given:
-        runs[key(scene), "bem"] = Run("made up", "bem", found, measures=measure(found, scene, 0.0))
+        runs[without_title(scene), "bem"] = Run("made up", "bem", found, measures=measure(found, scene, 0.0))
     return Evidence(runs)
 
 
@@ -153,21 +154,21 @@ def springs(strength):
 
 def test_both_verdicts_on_intermediate_speeds():
     statement = cycles.intermediate_cycles_lose_and_hold
-    assert statement.judged(springs(lambda v: 4.0 if 1e-3 < v < 0.1 else 1.0)).verdict is HOLDS
-    assert statement.judged(springs(lambda v: 1.0 + 0.03 * v)).verdict is FAILS
+    assert statement.finding(springs(lambda v: 4.0 if 1e-3 < v < 0.1 else 1.0)).verdict is HOLDS
+    assert statement.finding(springs(lambda v: 1.0 + 0.03 * v)).verdict is FAILS
 
 
 def test_both_verdicts_on_the_elastic_limits():
     statement = cycles.limits_share_the_pull_off_force
-    assert statement.judged(springs(lambda v: 1.0)).verdict is HOLDS
-    assert statement.judged(springs(lambda v: 2.0 if v > 1.0 else 1.0)).verdict is FAILS
+    assert statement.finding(springs(lambda v: 1.0)).verdict is HOLDS
+    assert statement.finding(springs(lambda v: 2.0 if v > 1.0 else 1.0)).verdict is FAILS
 
 
 def test_both_verdicts_on_where_the_sweep_starts():
     scene = load("sweep").scene
     for force, verdict in ((0.0, HOLDS), (1e-6, FAILS)):
         start = trace(depth=[5.7e-5, 5.7e-5], force=[force, force])
-        assert oscillations.starts_without_load.judged(evidence_of((scene, start))).verdict is verdict
+        assert oscillations.starts_without_load.finding(evidence_of((scene, start))).verdict is verdict
 
 
 def test_a_partial_run_is_no_evidence():
@@ -175,18 +176,18 @@ def test_a_partial_run_is_no_evidence():
     part = dataclasses.replace(
         follow(scene, 1.0), outcome=trace().outcome.__class__(OutcomeKind.STEP_BUDGET, "x", 1.0)
     )
-    with pytest.raises(Missing, match="step budget"):
+    with pytest.raises(MissingRun, match="step budget"):
         evidence_of((scene, part)).trace(scene)
-    with pytest.raises(Missing, match="no peak_cycle_loss"):
+    with pytest.raises(MissingRun, match="no peak_cycle_loss"):
         evidence_of((scene, follow(scene, 1.0))).measure(scene, "peak_cycle_loss")
 
 
 def test_questions_are_asked_once():
-    asked = questions()
+    asked = required_runs()
     assert len({(case.name, solver) for case, solver in asked}) == len(asked)
-    assert len({(key(case.scene), solver) for case, solver in asked}) == len(asked)
+    assert len({(without_title(case.scene), solver) for case, solver in asked}) == len(asked)
     suite = [(load(name), solver) for name in ("cycle-v0.02", "cycle-v0.002") for solver in SOLVERS]
-    left = outstanding(suite)
+    left = missing_runs(suite)
     assert len(left) == len(asked) - 3  # one cycle by bem, the other with its surfaces by bem and reference
     assert all(task in asked for task in left)
 
@@ -195,7 +196,7 @@ def test_evidence_through_any_executor():
     case = Case("slow", cycle(0.1))
     with ThreadPoolExecutor(1) as executor:
         found = gather([(case, "nobody")], executor)
-    with pytest.raises(Missing, match="KeyError"):
+    with pytest.raises(MissingRun, match="KeyError"):
         found.trace(cycle(0.1), "nobody")
     assert collect([], {}).runs == {}
 
@@ -220,11 +221,11 @@ def test_a_real_claim():
     scene = retraction(10.0)
     found = gather([(Case("fast", scene), solver) for solver in ("bem", "reference")])
     for statement in (relaxed.point_b, relaxed.fast_pull_off_is_large, relaxed.fast_edge_is_griffith):
-        finding = statement.judged(found)
+        finding = statement.finding(found)
         assert finding.verdict is HOLDS, finding.shown
     values = {
         name: value
-        for part in relaxed.fast_edge_is_griffith.judged(found).parts
+        for part in relaxed.fast_edge_is_griffith.finding(found).parts
         for name, value in part.values.items()
     }
     assert values["tip_bem"] == pytest.approx(values["tip_reference"], rel=5e-3)
@@ -233,7 +234,7 @@ def test_a_real_claim():
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     """A report of nothing but claims, most of them unjudged."""
-    findings = judge(springs(lambda v: 1.0))
+    findings = all_findings(springs(lambda v: 1.0))
     claims = claims_section.Claims(findings, springs(lambda v: 1.0))
     folder = tmp_path_factory.mktemp("claims")
     environment = {"python": "3", "processor": "none"}

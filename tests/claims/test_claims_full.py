@@ -8,16 +8,16 @@ from multiprocessing import get_context
 
 import pytest
 
-from validation.claims.all import CLAIMS, judge
-from validation.claims.evidence import gather, questions
+from validation.claims.all import CLAIMS, findings
+from validation.claims.evidence import gather, required_runs
 from validation.report.paper_figures import FIGURES, drawn
 
 
 @pytest.mark.slow
 def test_every_statement_has_its_recorded_verdict():
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
-        found = gather(questions(), executor)
-    findings = judge(found)
-    assert len(findings) == len(CLAIMS)
-    assert {one.name: (str(one.verdict), one.shown) for one in findings if one.changed} == {}
-    assert [paper.name for paper in FIGURES if drawn(paper, found) is None] == []
+        evidence = gather(required_runs(), executor)
+    results = findings(evidence)
+    assert len(results) == len(CLAIMS)
+    assert {one.name: (str(one.verdict), one.shown) for one in results if one.changed} == {}
+    assert [paper.name for paper in FIGURES if drawn(paper, evidence) is None] == []

@@ -118,7 +118,7 @@ def test_a_lost_value_counts_a_new_one_does_not(data):
 
 def test_the_reference_has_a_tolerance_of_its_own(data):
     new = copy.deepcopy(data)
-    run_of(new, "reference")["pull_off_force"] *= 1.0 + 2.0 * regression.REFERENCE_TOLERANCE
+    run_of(new, "reference")["pull_off_force"] *= 1.0 + 2.0 * solvers.solver("reference").tolerance
     assert moved(data, new)["reference", "pull_off_force"].beyond
 
 

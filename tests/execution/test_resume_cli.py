@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from support.interruptible_command import VERSION
-from support.spring_solver import SCENE, fake, named
+from support.spring_solver import SCENE, FunctionSolver, spring
 
 from contact_scene import read_columns
 from crosscontact.cli import main
@@ -155,11 +155,11 @@ def test_a_checkpoint_of_no_use_is_one_line(capsys, tmp_path, scene_file, uninte
 
 
 def test_a_breakdown_keeps_the_checkpoint(tmp_path, scene_file, monkeypatch):
-    def fall(*given):
-        assert given[-1].kept == "half-way"
+    def fall(*given, monitor, **options):
+        assert monitor.kept == "half-way"
         raise MemoryError("no memory left")
 
-    monkeypatch.setitem(solvers.SOLVERS, "bem", lambda: fall)
+    monkeypatch.setitem(solvers.SOLVERS, "bem", FunctionSolver(fall))
     kept = tmp_path / checkpoints.CHECKPOINT
     monkeypatch.setattr(checkpoints, "question", lambda *parts: "q")
     checked_pickle.write(kept, "q", ("half-way", 1.0), 2.0)
@@ -179,15 +179,15 @@ class Counting:
         self.runs: list[str] = []
         self.stops = ""
         for name in ("bem", "fem", "reference"):
-            monkeypatch.setitem(solvers.SOLVERS, name, named(name, lambda name=name: self.solver(name)))
+            monkeypatch.setitem(solvers.SOLVERS, name, FunctionSolver(self.solver(name), name))
 
     def solver(self, name: str):
-        def call(*given):
+        def call(*given, **options):
             if name == self.stops:
                 self.stops = ""
                 raise KeyboardInterrupt
             self.runs.append(name)
-            return fake()()(*given)
+            return spring()(*given, **options)
 
         return call
 

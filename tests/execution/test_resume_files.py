@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.spring_solver import fake
+from support.spring_solver import spring
 
 from contact_scene import SceneError, Sphere, read_columns
 from crosscontact.commands.all_commands import write_run
@@ -203,7 +203,7 @@ def test_a_lock_goes_with_its_holder(tmp_path):
 
 
 def run_of(stiffness: float) -> Run:
-    trace = fake(stiffness)()(CASE.scene, None, None, (), None)
+    trace = spring(stiffness)(CASE.scene)
     return Run(CASE.name, "bem", trace, measures={"pull_off_force": 0.01})
 
 

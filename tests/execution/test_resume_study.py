@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-from support.spring_solver import SCENE, fake
+from support.spring_solver import SCENE, spring
 
 from validation.cases import load
 from validation.execution.progress import Progress
@@ -37,9 +37,7 @@ def levels(monkeypatch):
         return run_level(case, scheme, level, *others)
 
     def load_scheme():
-        return lambda scene, settings, times: fake(1.0 + 1.0 / settings.resolution)()(
-            scene, None, None, times, None
-        )
+        return lambda scene, settings, times: spring(1.0 + 1.0 / settings.resolution)(scene)
 
     for name, scheme in list(schemes.SCHEMES.items()):
         monkeypatch.setitem(schemes.SCHEMES, name, dataclasses.replace(scheme, load=load_scheme))

@@ -6,7 +6,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from support.spring_solver import SCENE, fake, named
+from support.spring_solver import SCENE, FunctionSolver, fake, named
+from support.spring_solver import spring as spring_solve
 
 from contact_scene import Counters, Outcome, OutcomeKind, Trace
 from crosscontact.cli import SOLVER_NAMES, main
@@ -14,7 +15,8 @@ from validation import solvers
 from validation.cases import load
 from validation.compare.against_reference import against_reference, check_case
 from validation.execution.runs import Run, measure, run
-from validation.measure.error_estimate import SAFETY, coarser, from_own, from_two_runs, scale
+from validation.measure.error_estimate import SAFETY, from_own, from_two_runs
+from validation.measure.scaling import scale
 
 CASE = load("cycle-v0.1")
 
@@ -103,9 +105,16 @@ def test_scales():
 
 
 def test_coarser_runs_are_coarser():
-    assert coarser("bem", CASE.scene, None) == (6, None)
+    def coarser(name, scene, resolution):
+        """Resolution and step tolerance of the coarser run, and the solver that carries it out."""
+        call = solvers.solver(name).coarser(scene, resolution)
+        assert call.args[0] is scene
+        return call.args[1], call.keywords.get("step_tolerance"), call.func.__self__
+
+    assert coarser("bem", CASE.scene, None)[:2] == (6, None)
     assert coarser("bem", CASE.scene, 40)[0] == 20
-    assert coarser("fem", CASE.scene, None) == (5, 4e-3)
+    assert coarser("fem", CASE.scene, None)[:2] == (5, 4e-3)
+    assert coarser("fem", CASE.scene, None)[2].grading == 0.4
     assert coarser("fem", load("adhesionless-cycle").scene, None)[0] == 1
 
 
@@ -147,11 +156,10 @@ def test_compare_prints_estimates_and_names_a_disagreement(capsys, tmp_path, mon
     assert "estimates" in capsys.readouterr().out
     monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", fake(1.001)))
 
-    def estimating():
-        call = fake()()
-        return lambda *given: dataclasses.replace(call(*given), solver="reference", errors={"force": 1e-5})
+    def estimating(*given, **options):
+        return dataclasses.replace(spring_solve()(*given, **options), errors={"force": 1e-5})
 
-    monkeypatch.setitem(solvers.SOLVERS, "reference", estimating)
+    monkeypatch.setitem(solvers.SOLVERS, "reference", FunctionSolver(estimating, "reference"))
     assert main(["compare", str(scene), "--jobs", "1"]) == 1
     out, err = capsys.readouterr()
     assert "0.0e+00 + 1.0e-05" in out
@@ -175,17 +183,12 @@ def test_real_solvers_estimate_what_they_miss():
 
 
 def test_a_run_without_its_coarser_run_has_no_estimate(monkeypatch):
-    def picky():
-        call = fake()()
+    def refuse_twice(scene, resolution, **options):
+        if resolution is not None:
+            raise ValueError("too coarse")
+        return spring_solve()(scene, resolution, **options)
 
-        def refuse_twice(scene, resolution, *rest):
-            if resolution is not None:
-                raise ValueError("too coarse")
-            return call(scene, resolution, *rest)
-
-        return refuse_twice
-
-    monkeypatch.setitem(solvers.SOLVERS, "bem", picky)
+    monkeypatch.setitem(solvers.SOLVERS, "bem", FunctionSolver(refuse_twice))
     result = run(CASE, "bem", estimate=True)
     assert result.finished
     assert result.errors == {}

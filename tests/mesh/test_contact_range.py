@@ -23,9 +23,10 @@ from contact_scene import (
     SceneError,
     Sphere,
 )
-from validation.contact_range import SPARE, largest_contact_radius, mesh_for
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
+from validation.solvers.contact_range import SPARE, largest_contact_radius
+from validation.solvers.finite_elements import mesh_for
 
 
 def scene(*steps, indenter=None, adhesion=None, depth=0.0):

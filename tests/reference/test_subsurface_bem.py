@@ -25,8 +25,8 @@ from contact_scene import (
 from fem_solver.fields.states import field_states
 from fem_solver.solver import record
 from validation import cases
-from validation.contact_range import mesh_for
 from validation.reference import subsurface
+from validation.solvers.finite_elements import mesh_for
 
 MODULUS, POISSON, WORK = 3.0, 0.3, 2e-3
 PLANE = MODULUS / (1.0 - POISSON**2)

@@ -9,7 +9,7 @@ from concurrent.futures import Executor, Future
 from html.parser import HTMLParser
 
 import pytest
-from support.spring_solver import SCENE, fake, named
+from support.spring_solver import SCENE, FunctionSolver, fake, named
 
 from contact_scene import OutcomeKind
 from crosscontact.cli import SOLVER_NAMES, main
@@ -20,7 +20,7 @@ from validation.execution.runs import Run, run_all
 from validation.report.build import build, write
 
 
-def refuse(*arguments):
+def refuse(*arguments, **options):
     raise FloatingPointError("broke <b>down</b> & more")
 
 
@@ -145,7 +145,7 @@ def test_tables_are_rectangular_and_hold_every_check(built):
 
 
 def test_a_run_without_an_answer_is_shown(tmp_path, monkeypatch):
-    monkeypatch.setitem(solvers.SOLVERS, "bem", lambda: refuse)
+    monkeypatch.setitem(solvers.SOLVERS, "bem", FunctionSolver(refuse))
     monkeypatch.setitem(solvers.SOLVERS, "reference", named("reference", fake(kind=OutcomeKind.STEP_BUDGET)))
     report = build("quick", [load("cycle-v0.1")], 1, Progress("test"))
     write(report, tmp_path)
@@ -161,7 +161,7 @@ def test_a_run_without_an_answer_is_shown(tmp_path, monkeypatch):
 
 def test_no_curve_at_all(tmp_path, monkeypatch):
     for name in SOLVER_NAMES:
-        monkeypatch.setitem(solvers.SOLVERS, name, lambda: refuse)
+        monkeypatch.setitem(solvers.SOLVERS, name, FunctionSolver(refuse, name))
     report = build("quick", [load("cycle-v0.1")], 1, Progress("test"))
     write(report, tmp_path)
     assert "No run gave a curve" in (tmp_path / "index.html").read_text()

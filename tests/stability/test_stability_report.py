@@ -12,6 +12,7 @@ import crosscontact.commands.stability as command
 from crosscontact.cli import main
 from validation.report import stability_map
 from validation.report import stability_section as section
+from validation.stability.checks import checks
 from validation.stability.runner import Matrix
 from validation.stability.verdict import FAULTS, Cell, Verdict
 
@@ -61,10 +62,10 @@ def test_json_is_strict_and_whole():
 
 
 def test_checks_and_junit_fail_where_a_cell_is_at_fault():
-    checks = {check.solver: check for check in section.checks(MATRIX)}
-    assert [(checks[s].found, checks[s].passed) for s in ("bem", "fem")] == [(1.0, False), (1.0, False)]
-    assert "10: SILENTLY WRONG" in checks["bem"].note
-    assert section.checks(Matrix(CELLS[:2], 0.0))[0].passed
+    by_solver = {check.solver: check for check in checks(CELLS)}
+    assert [(by_solver[s].found, by_solver[s].passed) for s in ("bem", "fem")] == [(1.0, False), (1.0, False)]
+    assert "10: SILENTLY WRONG" in by_solver["bem"].note
+    assert checks(CELLS[:2])[0].passed
     suite = section.junit(MATRIX)
     assert suite.attrib["failures"] == "2"
     assert len(tree.tostring(suite)) > 100

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from support.spring_solver import fake
+from support.spring_solver import spring
 
 from contact_scene import Counters
 
@@ -17,7 +17,7 @@ def converging(order: float, resolution_counts: bool = True):
     def load_scheme():
         def call(scene, settings, times):
             n = settings.resolution if resolution_counts else 1
-            trace = fake(1.0 + n**-order)()(scene, None, None, times, None)
+            trace = spring(1.0 + n**-order)(scene)
             return dataclasses.replace(trace, counters=Counters(steps=n, linear_solves=n * n))
 
         return call

@@ -1,10 +1,13 @@
-"""All statements of the paper, in its order, and their judgement."""
+"""All statements of the paper, in its order, and their evaluation."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from validation.claims import cycles, dwell, force, model, oscillations, preload, relaxed, release, surface
-from validation.claims.claim import Claim, Finding
-from validation.claims.evidence import Evidence
+from validation.claims.claim import Claim, Finding, Verdict
+from validation.claims.evidence import SOLVER, Evidence
+from validation.measure.check import Check
 
 CLAIMS: tuple[Claim, ...] = (
     *model.CLAIMS,
@@ -19,6 +22,23 @@ CLAIMS: tuple[Claim, ...] = (
 )
 
 
-def judge(found: Evidence) -> tuple[Finding, ...]:
-    """Every claim judged on the same runs."""
-    return tuple(one.judged(found) for one in CLAIMS)
+def findings(evidence: Evidence) -> tuple[Finding, ...]:
+    """Every claim evaluated on the same runs."""
+    return tuple(statement.finding(evidence) for statement in CLAIMS)
+
+
+def checks(results: Iterable[Finding]) -> list[Check]:
+    """One check a statement: that its verdict is the recorded one."""
+    return [
+        Check(
+            "claims",
+            SOLVER,
+            result.name,
+            result.place,
+            str(result.recorded),
+            None if result.verdict is Verdict.NOT_JUDGED else str(result.verdict),
+            not result.changed,
+            note=result.shown if result.changed else "",
+        )
+        for result in results
+    ]

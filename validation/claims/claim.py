@@ -1,14 +1,12 @@
-"""A statement of the paper, and what a judgement of it consists of."""
+"""A statement of the paper, and the finding on it: parts, each with its numbers, and a verdict."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from validation.claims.evidence import Evidence
+from validation.claims.evidence import Evidence, MissingRun
 
 
 class Verdict(StrEnum):
@@ -25,7 +23,7 @@ HOLDS, IN_PART, FAILS = Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS
 
 @dataclass(frozen=True)
 class Part:
-    """One thing a statement says, as found: ``shown`` has the numbers; ``values`` the same by name."""
+    """One thing a statement says, with its result: ``shown`` has the numbers; ``values`` the same by name."""
 
     shown: str
     holds: bool
@@ -34,7 +32,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Finding:
-    """A statement judged.
+    """The result on one statement.
 
     Parameters
     ----------
@@ -43,7 +41,7 @@ class Finding:
     place, wording : str
         Where in the paper, and what it says there, paraphrased.
     recorded : Verdict
-        The verdict found before; another one now is a change that somebody has to look at.
+        The verdict of an earlier evaluation; another one now fails a check.
     parts : tuple of Part
     failure : str
         Why it could not be judged.
@@ -71,35 +69,33 @@ class Finding:
 
     @property
     def shown(self) -> str:
-        """What was found, in one line; what does not hold is marked."""
+        """The results of all parts, in one line; what does not hold is marked."""
         return self.failure or "; ".join(("" if p.holds else "NOT: ") + p.shown for p in self.parts)
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper and how it is judged from runs."""
+    """A statement of the paper and the function that evaluates it on runs."""
 
     name: str
     place: str
     wording: str
     recorded: Verdict
-    judge: Callable[[Evidence], list[Part]]
+    evaluate: Callable[[Evidence], list[Part]]
 
-    def judged(self, found: Evidence) -> Finding:
-        """The statement judged; a run that is missing leaves it unjudged, with the reason."""
-        from validation.claims.evidence import Missing
-
+    def finding(self, evidence: Evidence) -> Finding:
+        """Evaluate the statement; where a run is missing the verdict is open, with the reason."""
         try:
-            parts, failure = tuple(self.judge(found)), ""
-        except Missing as error:
+            parts, failure = tuple(self.evaluate(evidence)), ""
+        except MissingRun as error:
             parts, failure = (), str(error)
         return Finding(self.name, self.place, self.wording, self.recorded, parts, failure)
 
 
 def claim(place: str, wording: str, recorded: Verdict) -> Callable[[Callable[[Evidence], list[Part]]], Claim]:
-    """Turn a function that judges into a claim named like it."""
+    """Turn a function that evaluates a statement into a claim named like it."""
 
-    def named(judge: Callable[[Evidence], list[Part]]) -> Claim:
-        return Claim(judge.__name__.replace("_", " "), place, wording, recorded, judge)
+    def named(evaluate: Callable[[Evidence], list[Part]]) -> Claim:
+        return Claim(evaluate.__name__.replace("_", " "), place, wording, recorded, evaluate)
 
     return named

@@ -30,9 +30,9 @@ PLACE = "Sec. III, Fig. 2"
     "speed.",
     HOLDS,
 )
-def jump_in_is_glassy(found: Evidence) -> list[Part]:
+def jump_in_is_glassy(evidence: Evidence) -> list[Part]:
     """Radius of the first row at every speed, against JKR with and without the finite process zone."""
-    starts = [found.trace(cycle(speed)) for speed in CYCLE_SPEEDS]
+    starts = [evidence.trace(cycle(speed)) for speed in CYCLE_SPEEDS]
     radii = np.array([trace.contact_radius[0] for trace in starts])
     exact = elastic.vanishing(glassy=True).at_penetration(0.0).contact_radius
     finite = elastic.finite(glassy=True).at_penetration(0.0).contact_radius
@@ -52,14 +52,14 @@ def jump_in_is_glassy(found: Evidence) -> list[Part]:
     "At V = 2e-5 the soft elastic JKR response is recovered in approach and retraction, without hysteresis.",
     IN_PART,
 )
-def slow_cycle_is_soft(found: Evidence) -> list[Part]:
+def slow_cycle_is_soft(evidence: Evidence) -> list[Part]:
     """Force, radius and pull-off against the relaxed elastic contact, hysteresis against its largest."""
-    trace, soft = found.trace(cycle(QUOTED_SLOW)), elastic.finite(glassy=False)
+    trace, soft = evidence.trace(cycle(QUOTED_SLOW)), elastic.finite(glassy=False)
     row, known = end_of_approach(trace), soft.at_penetration(DEPTH)
     force, radius = trace.force[row] / known.force, trace.contact_radius[row] / known.contact_radius
-    pull = found.pull_off(cycle(QUOTED_SLOW)) / elastic.pull_off(glassy=False)
-    slower = found.pull_off(cycle(SLOWEST)) / elastic.pull_off(glassy=False)
-    lost = _hysteresis(found, QUOTED_SLOW)
+    pull = evidence.pull_off(cycle(QUOTED_SLOW)) / elastic.pull_off(glassy=False)
+    slower = evidence.pull_off(cycle(SLOWEST)) / elastic.pull_off(glassy=False)
+    lost = _hysteresis(evidence, QUOTED_SLOW)
     return [
         Part(f"force at the end of approach {force:.4f} of the soft value", abs(force - 1) <= RECOVERED),
         Part(f"contact radius there {radius:.4f} of it", abs(radius - 1) <= RECOVERED),
@@ -75,16 +75,16 @@ def slow_cycle_is_soft(found: Evidence) -> list[Part]:
 @claim(
     PLACE, "At V >> 1 the glassy elastic JKR response is recovered, with vanishing hysteresis.", HOLDS
 )  # fmt: skip
-def fast_cycle_is_glassy(found: Evidence) -> list[Part]:
+def fast_cycle_is_glassy(evidence: Evidence) -> list[Part]:
     """Force, pull-off and hysteresis against the glassy elastic contact with the same process zone."""
     parts = []
     stiff = elastic.finite(glassy=True)
     for speed in (10.0, FASTEST):
-        trace, known = found.trace(cycle(speed)), stiff.at_penetration(DEPTH)
+        trace, known = evidence.trace(cycle(speed)), stiff.at_penetration(DEPTH)
         row = end_of_approach(trace)
         force = trace.force[row] / known.force
-        pull = found.pull_off(cycle(speed)) / elastic.pull_off(glassy=True)
-        lost = _hysteresis(found, speed)
+        pull = evidence.pull_off(cycle(speed)) / elastic.pull_off(glassy=True)
+        lost = _hysteresis(evidence, speed)
         parts += [
             Part(f"V = {speed:g}: force at the end of approach {force:.4f} of the stiff value",
                  abs(force - 1) <= RECOVERED, {f"force_{speed:g}": force}),
@@ -97,9 +97,9 @@ def fast_cycle_is_glassy(found: Evidence) -> list[Part]:
 
 
 @claim(PLACE, "In both elastic limits the pull-off force is the same, independent of the modulus.", HOLDS)
-def limits_share_the_pull_off_force(found: Evidence) -> list[Part]:
+def limits_share_the_pull_off_force(evidence: Evidence) -> list[Part]:
     """The slowest cycle against the fastest; the finite process zone alone sets them 3 % apart."""
-    slow, fast = found.pull_off(cycle(SLOWEST)), found.pull_off(cycle(FASTEST))
+    slow, fast = evidence.pull_off(cycle(SLOWEST)), evidence.pull_off(cycle(FASTEST))
     zone = [elastic.pull_off(glassy) for glassy in (False, True)]
     return [
         Part(
@@ -118,10 +118,10 @@ def limits_share_the_pull_off_force(found: Evidence) -> list[Part]:
     "significantly larger than elastic ones.",
     HOLDS,
 )
-def intermediate_cycles_lose_and_hold(found: Evidence) -> list[Part]:
+def intermediate_cycles_lose_and_hold(evidence: Evidence) -> list[Part]:
     """Where over the speeds hysteresis and largest tension peak, and how far they fall to both ends."""
-    losses = [hysteresis(found.trace(cycle(speed))) for speed in CYCLE_SPEEDS]
-    pulls = [found.pull_off(cycle(speed)) for speed in CYCLE_SPEEDS]
+    losses = [hysteresis(evidence.trace(cycle(speed))) for speed in CYCLE_SPEEDS]
+    pulls = [evidence.pull_off(cycle(speed)) for speed in CYCLE_SPEEDS]
     loud, strong = int(np.argmax(losses)), int(np.argmax(pulls))
     ends = max(losses[0], losses[-1]) / losses[loud]
     return [
@@ -145,10 +145,10 @@ def intermediate_cycles_lose_and_hold(found: Evidence) -> list[Part]:
     "penetration.",
     HOLDS,
 )
-def where_pull_off_occurs(found: Evidence) -> list[Part]:
+def where_pull_off_occurs(evidence: Evidence) -> list[Part]:
     """Penetration at the largest tension, against JKR's under force control."""
     soft = elastic.vanishing(glassy=False).pull_off_force_control().penetration
-    at = {v: found.measure(cycle(v), "pull_off_penetration") for v in CYCLE_SPEEDS}
+    at = {v: evidence.measure(cycle(v), "pull_off_penetration") for v in CYCLE_SPEEDS}
     farther = [v for v, depth in at.items() if depth < LARGER * soft]
     inside = [v for v, depth in at.items() if depth > 0.0]
     return [
@@ -168,13 +168,13 @@ def where_pull_off_occurs(found: Evidence) -> list[Part]:
     "reversal triggers the glassy modulus.",
     HOLDS,
 )
-def reversal_triggers_glass(found: Evidence) -> list[Part]:
+def reversal_triggers_glass(evidence: Evidence) -> list[Part]:
     """Force and tangent about the reversal; 2 a E* is the tangent of a still edge."""
     parts = []
     soft, stiff = (elastic.finite(glassy).at_penetration(DEPTH).force for glassy in (False, True))
     soft_slope = elastic.modulus(glassy=False) / elastic.modulus(glassy=True)
     for speed in (0.02, 0.05, 0.1):
-        trace = found.trace(cycle(speed))
+        trace = evidence.trace(cycle(speed))
         row = end_of_approach(trace)
         share = (trace.force[row] - soft) / (stiff - soft)
         glass = 2.0 * trace.contact_radius[row] * elastic.modulus(glassy=True)
@@ -195,17 +195,17 @@ def reversal_triggers_glass(found: Evidence) -> list[Part]:
     "Pull-off at positive penetration comes with a contact area and a tension much larger than elastic ones.",
     IN_PART,
 )
-def pull_off_inside_is_large(found: Evidence) -> list[Part]:
+def pull_off_inside_is_large(evidence: Evidence) -> list[Part]:
     """Area and tension against JKR's pull-off at every speed that pulls off at positive penetration."""
     exact = elastic.vanishing(glassy=False).pull_off_force_control()
     parts = []
     for speed in CYCLE_SPEEDS:
-        trace = found.trace(cycle(speed))
+        trace = evidence.trace(cycle(speed))
         row = tension_row(trace)
         if trace.penetration[row] <= 0.0:
             continue
         area = (trace.contact_radius[row] / exact.contact_radius) ** 2
-        force = found.pull_off(cycle(speed))
+        force = evidence.pull_off(cycle(speed))
         parts.append(
             Part(
                 f"V = {speed:g}: area {area:.2f}, tension {force:.2f} times JKR's with E₀",
@@ -216,9 +216,9 @@ def pull_off_inside_is_large(found: Evidence) -> list[Part]:
     return parts
 
 
-def _hysteresis(found: Evidence, speed: float) -> float:
-    largest = max(hysteresis(found.trace(cycle(v))) for v in CYCLE_SPEEDS)
-    return hysteresis(found.trace(cycle(speed))) / largest
+def _hysteresis(evidence: Evidence, speed: float) -> float:
+    largest = max(hysteresis(evidence.trace(cycle(v))) for v in CYCLE_SPEEDS)
+    return hysteresis(evidence.trace(cycle(speed))) / largest
 
 
 def _list(speeds: list[float]) -> str:

@@ -19,18 +19,18 @@ SAME = 5e-4
 
 
 @claim(PLACE, "The approach is not affected by the rest that follows.", HOLDS)
-def approach_does_not_know(found: Evidence) -> list[Part]:
+def approach_does_not_know(evidence: Evidence) -> list[Part]:
     """Force at the end of the approach, rest by rest."""
-    traces = [found.trace(cycle(SPEED, dwell=dwell)) for dwell in DWELLS]
+    traces = [evidence.trace(cycle(SPEED, dwell=dwell)) for dwell in DWELLS]
     force = np.array([trace.force[end_of_approach(trace)] for trace in traces])
     spread = float(np.ptp(force) / force.mean())
     return [Part(f"force at its end the same to {spread:.1e} for {len(DWELLS)} rests", spread < SAME)]
 
 
 @claim(PLACE, "At V = 0.1 a rest longer than τ raises the pull-off force, the more the longer.", HOLDS)
-def longer_rest_holds_more(found: Evidence) -> list[Part]:
+def longer_rest_holds_more(evidence: Evidence) -> list[Part]:
     """Pull-off over the rest at one speed."""
-    values = dict(zip(DWELLS, (found.pull_off(cycle(SPEED, dwell=d)) for d in DWELLS), strict=True))
+    values = dict(zip(DWELLS, (evidence.pull_off(cycle(SPEED, dwell=d)) for d in DWELLS), strict=True))
     beyond = [value for dwell, value in values.items() if dwell >= 1.0]
     shown = ", ".join(f"{value:.3f} at {dwell:g}" for dwell, value in values.items())
     return [
@@ -49,10 +49,10 @@ def longer_rest_holds_more(found: Evidence) -> list[Part]:
     "large pull-off force.",
     HOLDS,
 )
-def long_rest_is_relaxed(found: Evidence) -> list[Part]:
+def long_rest_is_relaxed(evidence: Evidence) -> list[Part]:
     """Pull-off after the longest rest against that from the relaxed contact."""
-    last, limit = found.pull_off(cycle(SPEED, dwell=DWELLS[-1])), found.pull_off(retraction(SPEED))
-    none = found.pull_off(cycle(SPEED))
+    last, limit = evidence.pull_off(cycle(SPEED, dwell=DWELLS[-1])), evidence.pull_off(retraction(SPEED))
+    none = evidence.pull_off(cycle(SPEED))
     return [
         Part(f"{last:.3f} F_JKR after {DWELLS[-1]:g} τ; {limit:.3f} from the relaxed contact",
              abs(last / limit - 1) <= RECOVERED, {"last": last, "limit": limit}),
@@ -67,9 +67,9 @@ def long_rest_is_relaxed(found: Evidence) -> list[Part]:
     "regime.",
     IN_PART,
 )
-def faster_needs_longer_rest(found: Evidence) -> list[Part]:
+def faster_needs_longer_rest(evidence: Evidence) -> list[Part]:
     """Rest after which pull-off reaches nine tenths of the relaxed contact's, speed by speed."""
-    needed = {speed: _rest_needed(found, speed) for speed in DWELL_SPEEDS}
+    needed = {speed: _rest_needed(evidence, speed) for speed in DWELL_SPEEDS}
     parts = []
     for slow, fast in pairwise(DWELL_SPEEDS):
         a, b = needed[slow], needed[fast]
@@ -84,10 +84,10 @@ def faster_needs_longer_rest(found: Evidence) -> list[Part]:
     return parts
 
 
-def _rest_needed(found: Evidence, speed: float) -> float | None:
+def _rest_needed(evidence: Evidence, speed: float) -> float | None:
     """Rest after which pull-off has reached its share of the relaxed contact's."""
-    limit = found.pull_off(retraction(speed, DEPTH))
-    reached = [found.pull_off(cycle(speed, dwell=d)) / limit for d in DWELLS[1:]]
+    limit = evidence.pull_off(retraction(speed, DEPTH))
+    reached = [evidence.pull_off(cycle(speed, dwell=d)) / limit for d in DWELLS[1:]]
     return crossing(DWELLS[1:], reached, RELAXED)
 
 

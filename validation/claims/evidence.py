@@ -16,6 +16,10 @@ from validation.cases import Case, load
 from validation.execution.runs import Run, run_all
 from validation.measure.dimensionless import units
 from validation.solvers import REFERENCE
+from validation.solvers.boundary_elements import BoundaryElements
+
+SOLVER = BoundaryElements.name
+"""The solver whose runs the statements are evaluated on: the paper's own method."""
 
 DEPTH = 0.032  # R: point B of Fig. 4; also the largest penetration of Fig. 2, which the paper leaves out
 BELOW = -0.5  # R: contact is lost long before
@@ -36,7 +40,7 @@ MATCHED = {
 }  # speed of the retraction whose pull-off force is that many F_JKR
 
 
-class Missing(LookupError):
+class MissingRun(LookupError):
     """A run that a claim needs gave no full answer."""
 
 
@@ -58,13 +62,13 @@ def retraction(speed: float, depth: float = DEPTH) -> Scene:
     return replace(scene, title=title, loading=Loading("relaxed", depth, (Ramp(BELOW, speed),)))
 
 
-def key(scene: Scene) -> Scene:
-    """What makes two scenes the same question."""
+def without_title(scene: Scene) -> Scene:
+    """The scene without its title: equal for two scenes that ask for the same run."""
     return replace(scene, title="")
 
 
-def questions() -> list[tuple[Case, str]]:
-    """All runs, as scene and solver; a question that comes up twice is asked once."""
+def required_runs() -> list[tuple[Case, str]]:
+    """All runs that claims rest on, as scene and solver, each once."""
     scenes = [cycle(speed) for speed in CYCLE_SPEEDS]
     scenes += [cycle(speed, zone=0.0065) for speed in HALF_ZONE_SPEEDS]
     scenes += [cycle(speed, dwell=dwell) for speed in DWELL_SPEEDS for dwell in DWELLS]
@@ -73,59 +77,63 @@ def questions() -> list[tuple[Case, str]]:
     scenes += [retraction(speed, depth) for depth in PRELOADS for speed in PRELOAD_SPEEDS]
     names = ["cycle-v0.002", "sweep", "retraction-steady"]
     names += [f"force-{force}" for force in FORCES] + [f"oscillation-w{w}" for w in FREQUENCIES]
-    asked: dict[Scene, Case] = {key(case.scene): case for case in map(load, names)}
+    cases: dict[Scene, Case] = {without_title(case.scene): case for case in map(load, names)}
     for scene in scenes:
-        asked.setdefault(key(scene), Case(scene.title, scene))
-    tasks = [(case, "bem") for case in asked.values()]
+        cases.setdefault(without_title(scene), Case(scene.title, scene))
+    tasks = [(case, SOLVER) for case in cases.values()]
     checked = [load("cycle-v0.002"), *(Case(s.title, s) for s in map(retraction, (2e-4, 10.0)))]
     return tasks + [(case, REFERENCE) for case in checked]
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Runs by what was asked and who answered."""
+    """Runs by scene (without its title) and solver."""
 
     runs: dict[tuple[Scene, str], Run]
 
-    def run(self, scene: Scene | str, solver: str = "bem") -> Run:
+    def run(self, scene: Scene | str, solver: str = SOLVER) -> Run:
         """A finished run of a scene or a built-in name.
 
         Raises
         ------
-        Missing
+        MissingRun
             If there is none.
         """
-        asked = load(scene).scene if isinstance(scene, str) else scene
-        found = self.runs.get((key(asked), solver))
-        if found is None or not found.finished:
-            why = "not run" if found is None else found.ending
-            raise Missing(f"{asked.title} by {solver}: {why}")
-        return found
+        wanted = load(scene).scene if isinstance(scene, str) else scene
+        result = self.runs.get((without_title(wanted), solver))
+        if result is None or not result.finished:
+            why = "not run" if result is None else result.ending
+            raise MissingRun(f"{wanted.title} by {solver}: {why}")
+        return result
 
-    def trace(self, scene: Scene | str, solver: str = "bem") -> Trace:
+    def trace(self, scene: Scene | str, solver: str = SOLVER) -> Trace:
         """Its time series."""
         trace = self.run(scene, solver).trace
         assert trace is not None
         return trace
 
-    def measure(self, scene: Scene | str, name: str, solver: str = "bem") -> float:
+    def measure(self, scene: Scene | str, name: str, solver: str = SOLVER) -> float:
         """One of its scalars, in the scene's units."""
-        found = self.run(scene, solver)
-        value = found.measures.get(name)
+        result = self.run(scene, solver)
+        value = result.measures.get(name)
         if value is None:
-            raise Missing(f"{found.scene} by {solver}: no {name}")
+            raise MissingRun(f"{result.scene} by {solver}: no {name}")
         return value
 
-    def pull_off(self, scene: Scene | str, solver: str = "bem") -> float:
+    def pull_off(self, scene: Scene | str, solver: str = SOLVER) -> float:
         """Pull-off force over ``F_JKR``."""
-        asked = load(scene).scene if isinstance(scene, str) else scene
-        return self.measure(asked, "pull_off_force", solver) / units(asked)["jkr-force"]
+        wanted = load(scene).scene if isinstance(scene, str) else scene
+        return self.measure(wanted, "pull_off_force", solver) / units(wanted)["jkr-force"]
 
 
-def outstanding(planned: Iterable[tuple[Case, str]]) -> list[tuple[Case, str]]:
-    """The questions that ``planned`` runs do not answer."""
-    answered = {(key(case.scene), solver, case.profile_times) for case, solver in planned}
-    return [(case, s) for case, s in questions() if (key(case.scene), s, case.profile_times) not in answered]
+def missing_runs(planned: Iterable[tuple[Case, str]]) -> list[tuple[Case, str]]:
+    """The runs that claims need and that are not among the ``planned``."""
+    answered = {(without_title(case.scene), solver, case.profile_times) for case, solver in planned}
+    return [
+        (case, s)
+        for case, s in required_runs()
+        if (without_title(case.scene), s, case.profile_times) not in answered
+    ]
 
 
 def gather(
@@ -140,4 +148,6 @@ def gather(
 
 def collect(tasks: Iterable[tuple[Case, str]], results: Mapping[tuple[str, str], Run]) -> Evidence:
     """Runs keyed by name and solver, turned into evidence."""
-    return Evidence({(key(case.scene), solver): results[case.name, solver] for case, solver in tasks})
+    return Evidence(
+        {(without_title(case.scene), solver): results[case.name, solver] for case, solver in tasks}
+    )

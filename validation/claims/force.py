@@ -20,7 +20,7 @@ PLACE = "Sec. III, Fig. 5"
     "The jump of the load is answered by the glassy flat punch: F0 = F_B - 2 a_B E∞* (Δ_B - Δ0).",
     IN_PART,
 )
-def jump_is_a_flat_punch(found: Evidence) -> list[Part]:
+def jump_is_a_flat_punch(evidence: Evidence) -> list[Part]:
     """Change of penetration across the jump over that of a frozen edge, and the radius after it."""
     scene = load("force-2").scene
     assert scene.adhesion is not None
@@ -34,7 +34,7 @@ def jump_is_a_flat_punch(found: Evidence) -> list[Part]:
         )
     ]
     for force in FORCES:
-        trace = found.trace(f"force-{force}")
+        trace = evidence.trace(f"force-{force}")
         jump = int(np.flatnonzero(trace.time <= 0.0)[-1])
         line = (trace.force[0] - trace.force[jump]) / (
             2.0 * trace.contact_radius[0] * elastic.modulus(glassy=True)
@@ -60,11 +60,11 @@ def jump_is_a_flat_punch(found: Evidence) -> list[Part]:
     "unstable and detaches.",
     IN_PART,
 )
-def everything_falls_until_detachment(found: Evidence) -> list[Part]:
+def everything_falls_until_detachment(evidence: Evidence) -> list[Part]:
     """Monotony of area, penetration and speed from the jump to the detachment."""
     parts = []
     for force in FORCES:
-        trace = found.trace(f"force-{force}")
+        trace = evidence.trace(f"force-{force}")
         first = int(np.flatnonzero(trace.time <= 0.0)[-1])
         rows = slice(first, int(np.flatnonzero(trace.contact_radius > 0.0)[-1]) + 1)
         t, depth, a = trace.time[rows], trace.penetration[rows], trace.contact_radius[rows]
@@ -94,15 +94,15 @@ def everything_falls_until_detachment(found: Evidence) -> list[Part]:
     "pull-off force.",
     IN_PART,
 )
-def farther_than_at_constant_speed(found: Evidence) -> list[Part]:
+def farther_than_at_constant_speed(evidence: Evidence) -> list[Part]:
     """Withdrawal under constant force against the retraction matched to its pull-off force."""
     parts = []
     for force, speed in MATCHED.items():
         same = retraction(speed)
-        drawn = DEPTH - found.measure(f"force-{force}", "detachment_penetration")
+        drawn = DEPTH - evidence.measure(f"force-{force}", "detachment_penetration")
         parts += [
             Part(
-                f"{force} F_JKR ({found.pull_off(same):.3f} at V = {speed:g}): withdrawn by {drawn:.4f} "
+                f"{force} F_JKR ({evidence.pull_off(same):.3f} at V = {speed:g}): withdrawn by {drawn:.4f} "
                 "R when contact is "
                 f"lost, by {DEPTH - depth:.4f} R at constant speed {where}",
                 drawn > LARGER * (DEPTH - depth),
@@ -112,7 +112,7 @@ def farther_than_at_constant_speed(found: Evidence) -> list[Part]:
                 ("pull_off", "at the largest tension"),
                 ("detachment", "when contact is lost"),
             )
-            for depth in (found.measure(same, f"{name}_penetration"),)
+            for depth in (evidence.measure(same, f"{name}_penetration"),)
         ]
     return parts
 

@@ -1,4 +1,4 @@
-"""What claims measure on traces and profiles beyond the observables; pure functions of what they are given.
+"""Quantities of traces and profiles that claims need beyond the observables; pure functions.
 
 Signs as everywhere: penetration ``D`` downwards, force ``F`` and pressure compressive, gap opening.
 """
@@ -22,16 +22,16 @@ STEADY = 1e-3  # relative: a change below it is none
 
 def rising(values: ArrayLike, slack: float = STEADY) -> bool:
     """Whether no value falls below an earlier one by more than ``slack`` of the largest magnitude."""
-    found = np.asarray(values, float)
-    return bool(np.all(found >= np.maximum.accumulate(found) - slack * np.abs(found).max()))
+    y = np.asarray(values, float)
+    return bool(np.all(y >= np.maximum.accumulate(y) - slack * np.abs(y).max()))
 
 
 def bell(values: ArrayLike, factor: float = LARGER) -> bool:
     """Whether the values rise to one inner maximum and fall again, ``factor`` above both ends."""
-    found = np.asarray(values, float)
-    top = int(found.argmax())
-    one = rising(found[: top + 1], 0.01) and rising(found[top:][::-1], 0.01)
-    return one and bool(found[top] >= factor * max(found[0], found[-1]))
+    y = np.asarray(values, float)
+    top = int(y.argmax())
+    single = rising(y[: top + 1], 0.01) and rising(y[top:][::-1], 0.01)
+    return single and bool(y[top] >= factor * max(y[0], y[-1]))
 
 
 def approach(trace: Trace) -> slice:

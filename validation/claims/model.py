@@ -20,7 +20,7 @@ SCENE = "cycle-v0.02"
     "The closure generalises Griffith's criterion; in the elastic case it is JKR.",
     HOLDS,
 )
-def closure_is_griffith(found: Evidence) -> list[Part]:
+def closure_is_griffith(evidence: Evidence) -> list[Part]:
     """Pull-off of the elastic contact under the closure as its zone shrinks, against JKR's."""
     finite = elastic.finite(glassy=False)
     size = units(load(SCENE).scene)["jkr-force"]
@@ -43,7 +43,7 @@ def closure_is_griffith(found: Evidence) -> list[Part]:
     "Relaxation function with time τ and creep function with time τ E∞/E₀ describe the same material.",
     HOLDS,
 )
-def creep_belongs_to_relaxation(found: Evidence) -> list[Part]:
+def creep_belongs_to_relaxation(evidence: Evidence) -> list[Part]:
     """Retardation time by its root, and the complex modulus times the stated compliance."""
     material = load(SCENE).scene.material
     ratio = material.glassy_modulus / material.modulus
@@ -64,7 +64,7 @@ def creep_belongs_to_relaxation(found: Evidence) -> list[Part]:
     "The differential equation solved has the time τ of the relaxation function.",
     FAILS,
 )
-def appendix_uses_the_same_time(found: Evidence) -> list[Part]:
+def appendix_uses_the_same_time(evidence: Evidence) -> list[Part]:
     """Complex compliance of the equation with either time, against that of the material."""
     material = load(SCENE).scene.material
     stiff, soft = material.glassy_modulus, material.modulus
@@ -88,7 +88,7 @@ def appendix_uses_the_same_time(found: Evidence) -> list[Part]:
 
 
 @claim("Sec. III, before Eq. (energybalance)", "The plane modulus is E∞* = E∞ (1 - ν²).", FAILS)
-def plane_modulus_is_multiplied(found: Evidence) -> list[Part]:
+def plane_modulus_is_multiplied(evidence: Evidence) -> list[Part]:
     """Point B of the paper tells which: its dimensionless numbers follow only from E/(1 - nu^2)."""
     law = elastic.vanishing(glassy=False)
     poisson = load(SCENE).scene.material.poisson
@@ -111,10 +111,10 @@ def plane_modulus_is_multiplied(found: Evidence) -> list[Part]:
     "which the edge is excited.",
     IN_PART,
 )
-def process_zone_only_shifts(found: Evidence) -> list[Part]:
+def process_zone_only_shifts(evidence: Evidence) -> list[Part]:
     """Pull-off with half the zone, against the whole zone at twice the speed."""
-    half = [found.pull_off(cycle(v, zone=0.0065)) for v in HALF_ZONE_SPEEDS]
-    whole = np.log([found.pull_off(cycle(v)) for v in CYCLE_SPEEDS])
+    half = [evidence.pull_off(cycle(v, zone=0.0065)) for v in HALF_ZONE_SPEEDS]
+    whole = np.log([evidence.pull_off(cycle(v)) for v in CYCLE_SPEEDS])
     shifted = [float(np.exp(np.interp(np.log(2 * v), np.log(CYCLE_SPEEDS), whole))) for v in HALF_ZONE_SPEEDS]
     parts = [
         Part(

@@ -17,9 +17,9 @@ PLACE = "Sec. III, Fig. 6"
 
 
 @claim(PLACE, "The initial penetration 5.7e-5 is that of the relaxed JKR contact without load.", HOLDS)
-def starts_without_load(found: Evidence) -> list[Part]:
+def starts_without_load(evidence: Evidence) -> list[Part]:
     """Force of the first row, and the penetration at which JKR carries none."""
-    trace, size = found.trace("sweep"), units(load("sweep").scene)["jkr-force"]
+    trace, size = evidence.trace("sweep"), units(load("sweep").scene)["jkr-force"]
     free = elastic.vanishing(False, "sweep").at_force(0.0).penetration
     force = float(trace.force[0] / size)
     return [
@@ -31,16 +31,16 @@ def starts_without_load(found: Evidence) -> list[Part]:
     ]
 
 
-def losses(found: Evidence) -> tuple[CycleLoss, ...]:
+def losses(evidence: Evidence) -> tuple[CycleLoss, ...]:
     """Loss of every cycle of the sweep."""
-    return cycle_losses(found.trace("sweep"), cycle_times(load("sweep").scene.loading))
+    return cycle_losses(evidence.trace("sweep"), cycle_times(load("sweep").scene.loading))
 
 
-def stiffness(found: Evidence) -> list[float]:
+def stiffness(evidence: Evidence) -> list[float]:
     """Slope of force over penetration in every cycle of the sweep: regression, ``cov(F, D)/var(D)``."""
-    trace = found.trace("sweep")
+    trace = evidence.trace("sweep")
     slopes = []
-    for one in losses(found):
+    for one in losses(evidence):
         rows = (trace.time >= one.start) & (trace.time <= one.end)
         depth, force = trace.penetration[rows], trace.force[rows]
         slopes.append(float(np.polyfit(depth - depth.mean(), force, 1)[0]))
@@ -50,9 +50,9 @@ def stiffness(found: Evidence) -> list[float]:
 @claim(
     PLACE, "As the frequency rises the slope of force over penetration rises: the material stiffens.", HOLDS
 )
-def stiffens_with_frequency(found: Evidence) -> list[Part]:
+def stiffens_with_frequency(evidence: Evidence) -> list[Part]:
     """Regression slopes of force over penetration, averaged over six stretches of the sweep."""
-    slopes = stiffness(found)
+    slopes = stiffness(evidence)
     smooth = [float(np.mean(group)) for group in np.array_split(slopes, 6)]
     shown = ", ".join(f"{s / smooth[0]:.2f}" for s in smooth)
     return [
@@ -67,9 +67,9 @@ def stiffens_with_frequency(found: Evidence) -> list[Part]:
 
 
 @claim(PLACE, "Energy lost per cycle is roughly the area of the loop.", HOLDS)
-def loss_is_the_loop(found: Evidence) -> list[Part]:
+def loss_is_the_loop(evidence: Evidence) -> list[Part]:
     """Loop integral and loss from the balance, cycle by cycle."""
-    cycles = losses(found)[1:]  # the first one starts from rest
+    cycles = losses(evidence)[1:]  # the first one starts from rest
     top = max(one.loop for one in cycles)
     apart = max(abs(one.dissipated - one.loop) for one in cycles) / top
     return [
@@ -86,9 +86,9 @@ def loss_is_the_loop(found: Evidence) -> list[Part]:
     "ωτ of about 1.",
     HOLDS,
 )
-def loss_peaks_at_one(found: Evidence) -> list[Part]:
+def loss_peaks_at_one(evidence: Evidence) -> list[Part]:
     """Loop integral over the mean frequency of each cycle; beyond the sweep the loss modulus."""
-    cycles = losses(found)[1:]
+    cycles = losses(evidence)[1:]
     loop = np.array([one.loop for one in cycles])
     size = units(load("sweep").scene)["energy"]
     top = int(loop.argmax())
@@ -121,12 +121,12 @@ def loss_peaks_at_one(found: Evidence) -> list[Part]:
     "steady one.",
     HOLDS,
 )
-def oscillation_holds_more(found: Evidence) -> list[Part]:
+def oscillation_holds_more(evidence: Evidence) -> list[Part]:
     """Largest tension with the oscillation and without."""
-    steady = found.pull_off("retraction-steady")
+    steady = evidence.pull_off("retraction-steady")
     parts = []
     for frequency in FREQUENCIES:
-        value = found.pull_off(f"oscillation-w{frequency}")
+        value = evidence.pull_off(f"oscillation-w{frequency}")
         parts.append(
             Part(
                 f"ωτ = {frequency}: {value:.3f} F_JKR, steady {steady:.3f}",

@@ -15,10 +15,10 @@ MOST = 10.0  # Einf/E0
     "high speed.",
     HOLDS,
 )
-def preload_plateau(found: Evidence) -> list[Part]:
+def preload_plateau(evidence: Evidence) -> list[Part]:
     """Pull-off over the initial penetration at the highest speed of the sweep."""
     speed = PRELOAD_SPEEDS[-1]
-    values = [found.pull_off(retraction(speed, depth)) for depth in PRELOADS]
+    values = [evidence.pull_off(retraction(speed, depth)) for depth in PRELOADS]
     shown = ", ".join(f"{v:.2f} at {d:g}" for d, v in zip(PRELOADS, values, strict=True))
     return [
         Part(f"F_off/F_JKR at V = {speed:g}: {shown}: never falls", rising(values, 0.01)),
@@ -35,11 +35,11 @@ def preload_plateau(found: Evidence) -> list[Part]:
 
 
 @claim("Sec. III, Fig. 4(c)", "At every preload a lower speed gives a lower pull-off force.", HOLDS)
-def preload_lower_speed_is_weaker(found: Evidence) -> list[Part]:
+def preload_lower_speed_is_weaker(evidence: Evidence) -> list[Part]:
     """Pull-off over the speed at every initial penetration."""
     parts = []
     for depth in PRELOADS:
-        values = [found.pull_off(retraction(speed, depth)) for speed in PRELOAD_SPEEDS]
+        values = [evidence.pull_off(retraction(speed, depth)) for speed in PRELOAD_SPEEDS]
         shown = ", ".join(f"{v:.2f}" for v in values)
         parts.append(Part(f"Δ_B = {depth:g}: {shown} F_JKR with rising speed", rising(values, 1e-3)))
     return parts
@@ -51,11 +51,11 @@ def preload_lower_speed_is_weaker(found: Evidence) -> list[Part]:
     "cycles do.",
     HOLDS,
 )
-def relaxing_first_holds_more(found: Evidence) -> list[Part]:
+def relaxing_first_holds_more(evidence: Evidence) -> list[Part]:
     """Pull-off from the relaxed contact and of the cycle, speed by speed."""
     parts = []
     for speed in (2e-3, 6e-3, 2e-2, 0.1, 10.0):
-        with_rest, without = found.pull_off(retraction(speed)), found.pull_off(cycle(speed))
+        with_rest, without = evidence.pull_off(retraction(speed)), evidence.pull_off(cycle(speed))
         parts.append(
             Part(f"V = {speed:g}: {with_rest:.3f} against {without:.3f} F_JKR", with_rest > without * 1.001)
         )

@@ -30,9 +30,9 @@ PLACE = "Sec. III, Fig. 4"
 
 
 @claim(PLACE, "Point B, Δ = 0.032: soft elastic JKR gives a = 0.245 and F = 1.87e-3.", HOLDS)
-def point_b(found: Evidence) -> list[Part]:
+def point_b(evidence: Evidence) -> list[Part]:
     """First row of a retraction from the relaxed contact, against the paper's digits."""
-    row = found.trace(retraction(FAST))
+    row = evidence.trace(retraction(FAST))
     force = float(row.force[0] / np.pi)
     exact, finite = (law(False).at_penetration(DEPTH) for law in (elastic.vanishing, elastic.finite))
     return [
@@ -57,11 +57,11 @@ def point_b(found: Evidence) -> list[Part]:
     "linearly with penetration like a flat punch's, whatever the speed.",
     IN_PART,
 )
-def flat_punch_line_at_any_speed(found: Evidence) -> list[Part]:
+def flat_punch_line_at_any_speed(evidence: Evidence) -> list[Part]:
     """First slope over that of the glassy punch, and how far towards pull-off the line is kept."""
     parts = []
     for speed in RETRACTION_SPEEDS:
-        trace = found.trace(retraction(speed))
+        trace = evidence.trace(retraction(speed))
         slope = first_slope(trace, 1e-3)
         ratio = slope / (2.0 * trace.contact_radius[0] * elastic.modulus(glassy=True))
         share = on_line(trace, slope)
@@ -78,9 +78,9 @@ def flat_punch_line_at_any_speed(found: Evidence) -> list[Part]:
 
 
 @claim(PLACE, "At high speed the pull-off force is much larger than the JKR value.", HOLDS)
-def fast_pull_off_is_large(found: Evidence) -> list[Part]:
+def fast_pull_off_is_large(evidence: Evidence) -> list[Part]:
     """Pull-off force of one fast retraction."""
-    value = found.pull_off(retraction(FAST))
+    value = evidence.pull_off(retraction(FAST))
     return [Part(f"{value:.3f} F_JKR at V = {FAST:g}", value > 2.0, {"pull_off": value})]
 
 
@@ -89,11 +89,11 @@ def fast_pull_off_is_large(found: Evidence) -> list[Part]:
     "At fast pull-off the material is glassy: G = K²/(2E∞*) equals the work of adhesion; nothing is tougher.",
     HOLDS,
 )
-def fast_edge_is_griffith(found: Evidence) -> list[Part]:
+def fast_edge_is_griffith(evidence: Evidence) -> list[Part]:
     """At the largest tension: stress intensity, and slope of the loss over the area, both solvers."""
     parts = []
     for solver in ("bem", REFERENCE):
-        trace = found.trace(retraction(FAST), solver)
+        trace = evidence.trace(retraction(FAST), solver)
         row = tension_row(trace)
         work = elastic.vanishing(True).work
         tip = trace.extra["stress_intensity_factor"][row] ** 2 / (2.0 * elastic.modulus(True) * work)
@@ -114,9 +114,9 @@ def fast_edge_is_griffith(found: Evidence) -> list[Part]:
     "predict the pull-off force.",
     HOLDS,
 )
-def fast_curves_are_not_jkr(found: Evidence) -> list[Part]:
+def fast_curves_are_not_jkr(evidence: Evidence) -> list[Part]:
     """Largest distance of F(a) from JKR with either modulus, over the largest force."""
-    trace = found.trace(retraction(FAST))
+    trace = evidence.trace(retraction(FAST))
     rows = withdrawal(trace)
     a, force = trace.contact_radius[rows], trace.force[rows]
     parts = []
@@ -125,7 +125,7 @@ def fast_curves_are_not_jkr(found: Evidence) -> list[Part]:
         parts.append(
             Part(f"F(a) up to {apart:.2f} of the largest force off JKR with {name}", apart > LARGER - 1)
         )
-    value = found.pull_off(retraction(FAST))
+    value = evidence.pull_off(retraction(FAST))
     return [*parts, Part(f"pull-off {value:.2f} F_JKR", value > LARGER, {"pull_off": value})]
 
 
@@ -135,9 +135,9 @@ def fast_curves_are_not_jkr(found: Evidence) -> list[Part]:
     "retraction.",
     HOLDS,
 )
-def pull_off_falls_with_speed(found: Evidence) -> list[Part]:
+def pull_off_falls_with_speed(evidence: Evidence) -> list[Part]:
     """Pull-off over all speeds of the sweep, and its lowest against the elastic value."""
-    values = [found.pull_off(retraction(speed)) for speed in RETRACTION_SPEEDS]
+    values = [evidence.pull_off(retraction(speed)) for speed in RETRACTION_SPEEDS]
     bottom = values[0] / elastic.pull_off(glassy=False)
     return [
         Part(f"from {values[-1]:.3f} F_JKR monotonically to {values[0]:.4f}", rising(values)),
@@ -156,10 +156,10 @@ def pull_off_falls_with_speed(found: Evidence) -> list[Part]:
     "larger.",
     HOLDS,
 )
-def elongation_is_largest_between(found: Evidence) -> list[Part]:
+def elongation_is_largest_between(evidence: Evidence) -> list[Part]:
     """Penetration where contact is lost, over all speeds, against the elastic one."""
     soft = elastic.finite(False).pull_off_penetration_control().penetration
-    least = [found.measure(retraction(v), "detachment_penetration") for v in RETRACTION_SPEEDS]
+    least = [evidence.measure(retraction(v), "detachment_penetration") for v in RETRACTION_SPEEDS]
     far = int(np.argmin(least))
     return [
         Part(
@@ -183,12 +183,12 @@ def elongation_is_largest_between(found: Evidence) -> list[Part]:
     "JKR with the work of adhesion replaced by G.",
     IN_PART,
 )
-def small_scale_is_effective_jkr(found: Evidence) -> list[Part]:
+def small_scale_is_effective_jkr(evidence: Evidence) -> list[Part]:
     """About pull-off: radii from 0.8 to 1.25 of that there, with G as it is there."""
     parts = []
     law = elastic.vanishing(False)
     for speed in (5e-5, SLOW, 5e-4):
-        trace = found.trace(retraction(speed))
+        trace = evidence.trace(retraction(speed))
         row = tension_row(trace)
         effective = release_rate(trace, row, law.work)
         adapted = type(law)(law.indenter, law.plane_modulus, effective)
@@ -222,7 +222,7 @@ def small_scale_is_effective_jkr(found: Evidence) -> list[Part]:
     "pull-off.",
     IN_PART,
 )
-def detachment_at_constant_area(found: Evidence) -> list[Part]:
+def detachment_at_constant_area(evidence: Evidence) -> list[Part]:
     """Area left at the largest tension: frozen limit without a zone, then runs with the paper's."""
     scene = retraction(FAST).adhesion
     assert scene is not None
@@ -238,7 +238,7 @@ def detachment_at_constant_area(found: Evidence) -> list[Part]:
         )
     ]
     for speed in (FAST, RETRACTION_SPEEDS[-1]):
-        trace = found.trace(retraction(speed))
+        trace = evidence.trace(retraction(speed))
         kept = float((trace.contact_radius[tension_row(trace)] / trace.contact_radius[0]) ** 2)
         parts.append(
             Part(

@@ -25,15 +25,15 @@ DEPTHS = (0.008, 0.016, 0.024)  # of Fig. 7(b); the paper does not state them in
 QUOTED = 5e-4
 
 
-def at_pull_off(found: Evidence, speed: float, solver: str = "bem") -> float:
+def at_pull_off(evidence: Evidence, speed: float, solver: str = "bem") -> float:
     """``G/dg`` at the largest tension of the retraction from the relaxed contact."""
-    trace, work = found.trace(retraction(speed), solver), elastic.vanishing(False).work
+    trace, work = evidence.trace(retraction(speed), solver), elastic.vanishing(False).work
     return release_rate(trace, tension_row(trace), work) / work
 
 
-def approaching(found: Evidence, speed: float, depth: float) -> float:
+def approaching(evidence: Evidence, speed: float, depth: float) -> float:
     """``G/dg`` at a penetration of the approach."""
-    trace, work = found.trace(cycle(speed)), elastic.vanishing(False).work
+    trace, work = evidence.trace(cycle(speed)), elastic.vanishing(False).work
     return release_rate(trace, approach_row(trace, depth), work) / work
 
 
@@ -43,10 +43,10 @@ def approaching(found: Evidence, speed: float, depth: float) -> float:
     "shrinks.",
     IN_PART,
 )
-def release_rate_lies_on_the_right_side(found: Evidence) -> list[Part]:
+def release_rate_lies_on_the_right_side(evidence: Evidence) -> list[Part]:
     """G at pull-off over all retractions, and at three depths over all approaches."""
-    pulled = [at_pull_off(found, v) for v in RETRACTION_SPEEDS]
-    pushed = [approaching(found, v, d) for v in CYCLE_SPEEDS for d in DEPTHS]
+    pulled = [at_pull_off(evidence, v) for v in RETRACTION_SPEEDS]
+    pushed = [approaching(evidence, v, d) for v in CYCLE_SPEEDS for d in DEPTHS]
     least, most = min(pulled), max(pushed)
     elastic_bias = elastic.finite(True).energy_release_rate(0.15) / elastic.finite(True).work
     return [
@@ -67,17 +67,17 @@ def release_rate_lies_on_the_right_side(found: Evidence) -> list[Part]:
     "approaching.",
     HOLDS,
 )
-def release_rate_at_the_ends(found: Evidence) -> list[Part]:
+def release_rate_at_the_ends(evidence: Evidence) -> list[Part]:
     """G at the slowest and the fastest speed of both sweeps."""
     parts = []
     for speed in (RETRACTION_SPEEDS[0], RETRACTION_SPEEDS[-1]):
-        value = at_pull_off(found, speed)
+        value = at_pull_off(evidence, speed)
         parts.append(
             Part(f"pull-off at V = {speed:g}: G/Δγ = {value:.3f}", abs(value - 1) <= 2 * RECOVERED,
                  {f"pull_off_{speed:g}": value})
         )  # fmt: skip
     for speed in (CYCLE_SPEEDS[0], CYCLE_SPEEDS[-1]):
-        value = approaching(found, speed, DEPTHS[1])
+        value = approaching(evidence, speed, DEPTHS[1])
         parts.append(
             Part(f"approach at V = {speed:g}: G/Δγ = {value:.3f}", abs(value - 1) <= 2 * RECOVERED,
                  {f"approach_{speed:g}": value})
@@ -86,9 +86,9 @@ def release_rate_at_the_ends(found: Evidence) -> list[Part]:
 
 
 @claim(PLACE, "Between, G at pull-off rises to a maximum and falls again: bell-shaped over speed.", HOLDS)
-def release_rate_is_a_bell(found: Evidence) -> list[Part]:
+def release_rate_is_a_bell(evidence: Evidence) -> list[Part]:
     """G at pull-off over the speed."""
-    values = [at_pull_off(found, v) for v in RETRACTION_SPEEDS]
+    values = [at_pull_off(evidence, v) for v in RETRACTION_SPEEDS]
     top = int(np.argmax(values))
     return [
         Part(
@@ -104,11 +104,11 @@ def release_rate_is_a_bell(found: Evidence) -> list[Part]:
     "Pressed in at intermediate speed, G can be negative: the loss exceeds the work of adhesion.",
     HOLDS,
 )
-def release_rate_can_be_negative(found: Evidence) -> list[Part]:
+def release_rate_can_be_negative(evidence: Evidence) -> list[Part]:
     """Least G over the speed at three depths of the approach."""
     parts = []
     for depth in DEPTHS:
-        values = [approaching(found, v, depth) for v in CYCLE_SPEEDS]
+        values = [approaching(evidence, v, depth) for v in CYCLE_SPEEDS]
         low = int(np.argmin(values))
         parts.append(
             Part(
@@ -123,7 +123,7 @@ def release_rate_can_be_negative(found: Evidence) -> list[Part]:
 @claim(
     PLACE, "Opening a semi-infinite crack, the loss rises monotonically with speed to a plateau.", HOLDS
 )  # fmt: skip
-def infinite_crack_has_a_plateau(found: Evidence) -> list[Part]:
+def infinite_crack_has_a_plateau(evidence: Evidence) -> list[Part]:
     """Exact steady crack under the same closure, over ten decades of speed."""
     scene = load("cycle-v0.02").scene
     assert scene.adhesion is not None
@@ -140,9 +140,9 @@ def infinite_crack_has_a_plateau(found: Evidence) -> list[Part]:
 @claim(
     PLACE, "Though G is bell-shaped, the pull-off force rises with speed throughout, to about E∞/E₀.", HOLDS
 )  # fmt: skip
-def pull_off_rises_to_its_limit(found: Evidence) -> list[Part]:
+def pull_off_rises_to_its_limit(evidence: Evidence) -> list[Part]:
     """Pull-off over the speed, and its end against E∞/E₀."""
-    values = [found.pull_off(retraction(v)) for v in RETRACTION_SPEEDS]
+    values = [evidence.pull_off(retraction(v)) for v in RETRACTION_SPEEDS]
     return [
         Part("never falls with rising speed", rising(values)),
         Part(
@@ -160,9 +160,9 @@ def pull_off_rises_to_its_limit(found: Evidence) -> list[Part]:
     "gives G.",
     HOLDS,
 )
-def jkr_gives_the_release_rate_only_when_slow(found: Evidence) -> list[Part]:
+def jkr_gives_the_release_rate_only_when_slow(evidence: Evidence) -> list[Part]:
     """Pull-off force over G, both over their elastic values, speed by speed."""
-    ratio = {v: found.pull_off(retraction(v)) / at_pull_off(found, v) for v in RETRACTION_SPEEDS}
+    ratio = {v: evidence.pull_off(retraction(v)) / at_pull_off(evidence, v) for v in RETRACTION_SPEEDS}
     slow = {v: r for v, r in ratio.items() if v <= QUOTED}
     beyond = {v: r for v, r in ratio.items() if v >= 10 * QUOTED}
     worst = max(abs(r - 1.0) for r in slow.values())
@@ -180,11 +180,11 @@ def jkr_gives_the_release_rate_only_when_slow(found: Evidence) -> list[Part]:
     "adhesion.",
     HOLDS,
 )
-def jkr_overestimates_when_fast(found: Evidence) -> list[Part]:
+def jkr_overestimates_when_fast(evidence: Evidence) -> list[Part]:
     """Pull-off force and G of one fast retraction, both solvers."""
     parts = []
     for solver in ("bem", REFERENCE):
-        force, rate = found.pull_off(retraction(10.0), solver), at_pull_off(found, 10.0, solver)
+        force, rate = evidence.pull_off(retraction(10.0), solver), at_pull_off(evidence, 10.0, solver)
         parts.append(
             Part(
                 f"{solver}, V = 10: F_off = {force:.3f} F_JKR, G = {rate:.3f} Δγ",
@@ -202,14 +202,14 @@ def jkr_overestimates_when_fast(found: Evidence) -> list[Part]:
     "force.",
     IN_PART,
 )
-def cycles_gain_by_release_rate(found: Evidence) -> list[Part]:
+def cycles_gain_by_release_rate(evidence: Evidence) -> list[Part]:
     """G at the largest tension of cycles beside their pull-off force."""
     work = elastic.vanishing(False).work
     parts = []
     for speed in (5e-4, 2e-3, 6e-3, 2e-2):
-        trace = found.trace(cycle(speed))
+        trace = evidence.trace(cycle(speed))
         rate = release_rate(trace, tension_row(trace), work) / work
-        force = found.pull_off(cycle(speed))
+        force = evidence.pull_off(cycle(speed))
         parts.append(
             Part(
                 f"V = {speed:g}: G = {rate:.2f} Δγ at pull-off, F_off = {force:.2f} F_JKR",
@@ -225,11 +225,11 @@ def cycles_gain_by_release_rate(found: Evidence) -> list[Part]:
     "The loss of the energy balance is the integral of the branches' dissipation over the surface.",
     FAILS,
 )
-def loss_is_the_branch_integral(found: Evidence) -> list[Part]:
+def loss_is_the_branch_integral(evidence: Evidence) -> list[Part]:
     """A sharp edge sets free only ``K^2/(2 Einf*)`` of ``dg`` at its tip; the integral holds the rest."""
     parts = []
     for speed in (2e-4, 10.0):
-        trace = found.trace(retraction(speed), REFERENCE)
+        trace = evidence.trace(retraction(speed), REFERENCE)
         row = int(np.flatnonzero(trace.contact_radius > 0.0)[-1])
         area = np.pi * (trace.contact_radius[0] ** 2 - trace.contact_radius[row] ** 2)
         loss, branches = trace.dissipated_energy[row], trace.extra["branch_dissipation"][row]

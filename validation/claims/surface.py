@@ -8,7 +8,7 @@ from contact_scene import Profile
 from validation.cases import load
 from validation.claims import elastic
 from validation.claims.claim import HOLDS, IN_PART, Part, claim
-from validation.claims.evidence import Evidence, Missing
+from validation.claims.evidence import Evidence, MissingRun
 from validation.claims.measures import (
     RECOVERED,
     annular_peak,
@@ -26,16 +26,16 @@ REVERSAL = 16.0  # time
 NEGLIGIBLE = 0.05  # change of contact area
 
 
-def profiles(found: Evidence, solver: str = "bem") -> list[Profile]:
+def profiles(evidence: Evidence, solver: str = "bem") -> list[Profile]:
     """Surface at the times the scene names, in order."""
-    kept = found.trace(SCENE, solver).profiles
+    kept = evidence.trace(SCENE, solver).profiles
     if len(kept) < len(load(SCENE).profile_times):
-        raise Missing(f"{SCENE} by {solver}: no surface at some of the times it names")
+        raise MissingRun(f"{SCENE} by {solver}: no surface at some of the times it names")
     return sorted(kept, key=lambda profile: profile.time)
 
 
 @claim(PLACE, "At the contact edge adhesion makes a square-root singularity of the pressure.", HOLDS)
-def square_root_at_the_edge(found: Evidence) -> list[Part]:
+def square_root_at_the_edge(evidence: Evidence) -> list[Part]:
     """By the reference: on approach the singularity is so narrow that only its points reach into it."""
     return [
         Part(
@@ -44,28 +44,28 @@ def square_root_at_the_edge(found: Evidence) -> list[Part]:
             abs(edge_exponent(profile) + 0.5) <= RECOVERED,
             {f"exponent_{profile.time:g}": edge_exponent(profile)},
         )
-        for profile in profiles(found, REFERENCE)
+        for profile in profiles(evidence, REFERENCE)
     ]
 
 
 @claim(PLACE, "While approaching, the pressure has a positive annular peak near the advancing edge.", HOLDS)
-def approach_has_an_annular_peak(found: Evidence) -> list[Part]:
+def approach_has_an_annular_peak(evidence: Evidence) -> list[Part]:
     """Largest pressure inside the edge in all surfaces kept before the reversal, both solvers."""
     return [
         _peak(profile, solver, wanted=True)
         for solver in ("bem", REFERENCE)
-        for profile in profiles(found, solver)
+        for profile in profiles(evidence, solver)
         if profile.time <= REVERSAL
     ]
 
 
 @claim(PLACE, "While withdrawing, the annular peak is gone.", HOLDS)
-def withdrawal_has_none(found: Evidence) -> list[Part]:
+def withdrawal_has_none(evidence: Evidence) -> list[Part]:
     """The same in all surfaces kept after the reversal."""
     return [
         _peak(profile, solver, wanted=False)
         for solver in ("bem", REFERENCE)
-        for profile in profiles(found, solver)
+        for profile in profiles(evidence, solver)
         if profile.time > REVERSAL
     ]
 
@@ -84,11 +84,11 @@ def _peak(profile: Profile, solver: str, wanted: bool) -> Part:
     "reached.",
     IN_PART,
 )
-def area_waits_for_the_largest_tension(found: Evidence) -> list[Part]:
+def area_waits_for_the_largest_tension(evidence: Evidence) -> list[Part]:
     """Share of the area lost until the force is zero, and until it is the largest tension."""
     parts = []
     for solver in ("bem", REFERENCE):
-        trace = found.trace(SCENE, solver)
+        trace = evidence.trace(SCENE, solver)
         rows = withdrawal(trace)
         force, area = trace.force[rows], trace.contact_radius[rows] ** 2 / trace.contact_radius[rows][0] ** 2
         free = int(np.argmax(force <= 0.0))
@@ -110,10 +110,10 @@ def area_waits_for_the_largest_tension(found: Evidence) -> list[Part]:
 
 
 @claim(PLACE, "While withdrawing, the opening crack has the trumpet shape of de Gennes.", HOLDS)
-def crack_is_a_trumpet(found: Evidence) -> list[Part]:
+def crack_is_a_trumpet(evidence: Evidence) -> list[Part]:
     """Local exponents of the gap over the distance from the edge, beside those of an elastic edge."""
     parts, sphere = [], elastic.vanishing(glassy=False)
-    for profile in profiles(found, REFERENCE):
+    for profile in profiles(evidence, REFERENCE):
         if profile.time <= REVERSAL:
             continue
         a = profile.contact_radius

@@ -6,12 +6,13 @@ import math
 
 from contact_scene import Trace
 from validation.cases import Case
-from validation.compare.checks import Check, check_run, limit
+from validation.compare.checks import check_run
 from validation.execution.runs import Run
+from validation.measure.check import Check, agreement_limit
 from validation.measure.cycles import cycle_times
 from validation.measure.dimensionless import units
-from validation.measure.error_estimate import column_of, scale
 from validation.measure.norms import distance, parting_time
+from validation.measure.scaling import column_of, scale
 from validation.solvers import REFERENCE
 
 SCALARS = {  # observable: unit
@@ -49,7 +50,8 @@ def against_reference(case: Case, result: Run, base: Run) -> list[Check]:
     """Differences from the reference, each beside its limit.
 
     Where both runs estimate their errors, the limit is the sum of the two estimates, at most the scene's
-    tolerance; otherwise it is the tolerance. What differences are relative to: see ``error_estimate.scale``.
+    tolerance; otherwise it is the tolerance. What differences are relative to is stated in
+    :mod:`validation.measure.scaling`.
     """
     if result.trace is None or base.trace is None:
         missing = "no run" if result.trace is None else "no reference run"
@@ -134,7 +136,7 @@ def _limit(
 ) -> tuple[float, tuple[float | None, float | None]]:
     """Largest difference that counts as agreement, and the two estimates it comes from."""
     mine, theirs = result.errors.get(name), base.errors.get(name)
-    return limit(tolerance, mine, theirs), (mine, theirs)
+    return agreement_limit(tolerance, mine, theirs), (mine, theirs)
 
 
 def _parting(result: Run, base: Trace, column: str, limit: float) -> str:

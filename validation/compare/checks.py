@@ -1,71 +1,15 @@
-"""Verdicts: what a run was expected to show, what it showed, and whether that is within tolerance."""
+"""The ending of a run and the check values stated for its scene, each as a check."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from validation.cases import Case, Expected
 from validation.execution.runs import Run
+from validation.measure.check import Check
 from validation.measure.dimensionless import units
-from validation.measure.observables import ROUND_OFF
-
-
-@dataclass(frozen=True)
-class Check:
-    """One verdict.
-
-    Parameters
-    ----------
-    scene, solver, quantity : str
-        What was looked at.
-    source : str
-        Where the expectation comes from.
-    expected, found : str or float or None
-        In ``unit``; ``found`` is ``None`` if the run does not give it.
-    difference : float or None
-        Relative, signed where a sign makes sense.
-    tolerance : float or None
-        Largest magnitude of ``difference``; ``None`` for words and one-sided limits.
-    estimate, base_estimate : float or None
-        Relative error estimates of the solver and of what it is compared with, where there are any. Then
-        their sum is the limit, ``tolerance`` its cap.
-    relation : str
-        ``"="``, ``"<="`` or ``">="``.
-    passed : bool
-    note : str
-        Why, where numbers do not say it.
-    """
-
-    scene: str
-    solver: str
-    quantity: str
-    source: str
-    expected: float | str | None
-    found: float | str | None
-    passed: bool
-    unit: str = ""
-    difference: float | None = None
-    tolerance: float | None = None
-    relation: str = "="
-    note: str = ""
-    estimate: float | None = None
-    base_estimate: float | None = None
-
-    @property
-    def limit(self) -> float | None:
-        """Largest magnitude of ``difference`` that passes."""
-        return None if self.tolerance is None else limit(self.tolerance, self.estimate, self.base_estimate)
-
-
-def limit(tolerance: float, mine: float | None, theirs: float | None) -> float:
-    """Largest difference that counts as agreement: both estimates together, capped by the tolerance.
-
-    The tolerance alone where one side has no estimate.
-    """
-    return tolerance if mine is None or theirs is None else min(tolerance, mine + theirs + ROUND_OFF)
 
 
 def check_run(case: Case, result: Run) -> list[Check]:

@@ -3,8 +3,8 @@
 Every number of a run is compared with that of an earlier ``report.json``. It *moved* if it differs by more
 than round-off, and it moved *beyond tolerance* if
 
-- an observable differs by more than the scene's tolerance for that solver and observable (the reference:
-  ``REFERENCE_TOLERANCE``), relative to what its check is relative to, or can no longer be given;
+- an observable differs by more than the tolerance for that scene, solver and observable, relative to what its
+  check is relative to (see :mod:`validation.measure.scaling`), or can no longer be given;
 - a work counter grew by more than ``MORE_WORK``;
 - a run ends in another way, a check that passed no longer does or is gone;
 - a scene or a solver is missing from a report of the same suite.
@@ -24,11 +24,9 @@ from typing import Any, TypeGuard
 
 from contact_scene.errors import SceneError
 from validation.cases import Case
-from validation.measure.error_estimate import column_of
-from validation.solvers import REFERENCE
+from validation.measure.scaling import Magnitudes
 
 ROUND_OFF = 1e-10
-REFERENCE_TOLERANCE = 5e-4
 MORE_WORK = 0.1
 _NOT_COMPARED = ("wall_seconds", "cpu_seconds", "estimate_seconds")
 _ALLOWED = "a report.json written by `crosscontact report`"
@@ -144,33 +142,20 @@ def _runs(case: Case, before: Mapping[str, Run], after: Mapping[str, Run]) -> It
 
 
 def _observables(case: Case, solver: str, old: Run, new: Run) -> Iterator[Move]:
+    largest = Magnitudes.of_measures(old)
     for name in {**old, **new}:
         first, second = old.get(name), new.get(name)
         if name in _NOT_COMPARED or not (_is_number(first) or _is_number(second)):
             continue
-        tolerance = REFERENCE_TOLERANCE if solver == REFERENCE else case.tolerance(solver, name)
+        tolerance = case.tolerance(solver, name)
         if not (_is_number(first) and _is_number(second)):
             yield Move(case.name, solver, name, first, second, None, tolerance, beyond=second is None)
             continue
-        scale = max(abs(first), _largest(name, old))
+        scale = largest.scale(name, first)
         change = (second - first) / scale if scale > 0.0 else math.copysign(math.inf, second - first)
         if first != second and abs(change) > ROUND_OFF:
             beyond = tolerance is not None and abs(change) > tolerance
             yield Move(case.name, solver, name, first, second, change, tolerance, beyond)
-
-
-def _largest(name: str, run: Run) -> float:
-    """What a number that may vanish is relative to: the largest of its kind; a loss: the work done."""
-    column = column_of(name)
-    if column:
-        kind = name.rpartition("_")[2]
-        numbers = [run[other] for other in run if other.endswith(f"_{kind}") and _is_number(run[other])]
-        share = 1.0 if column == "penetration" else 0.05
-        return share * max(map(abs, numbers), default=0.0)
-    if name in ("dissipated_energy", "zone_excess", "branch_dissipation"):
-        numbers = [run.get(other) for other in ("loop_energy", "branch_dissipation")]
-        return max((abs(value) for value in numbers if _is_number(value)), default=0.0)
-    return 0.0
 
 
 def _counters(scene: str, solver: str, old: Run, new: Run) -> Iterator[Move]:

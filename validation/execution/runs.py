@@ -21,8 +21,6 @@ from validation.measure import error_estimate
 from validation.measure.cycles import cycle_times
 from validation.measure.observables import Observables, at_last_contact, cycle_losses, observe
 
-SECONDS = {"bem": (1.5, 0.3), "fem": (2.5, 0.1), solvers.REFERENCE: (1.2, 0.3)}  # a run; one cycle of it
-
 
 @dataclass(frozen=True)
 class Run:
@@ -91,13 +89,18 @@ def run(
     """
     begin, spent = time.perf_counter(), time.process_time()
     try:
-        function = solvers.SOLVERS[solver]()
-        if estimate:
-            function = getattr(function, "estimating", function)
+        method = solvers.solver(solver)
+        method.load()
         begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
-        times = output_times(case)
-        watched = () if watch is None else (watch,)
-        trace = function(case.scene, resolution, None, times, progress, *watched)
+        trace = method.solve(
+            case.scene,
+            resolution,
+            stop_times=cycle_times(case.scene.loading),
+            profile_times=case.profile_times,
+            progress=progress,
+            monitor=watch,
+            estimate_errors=estimate,
+        )
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
@@ -118,7 +121,7 @@ def run(
     result = replace(result, measures=measure(trace, case.scene, wall))
     if estimate and result.finished:
         spent = time.process_time()
-        errors = _errors(case, result, function, times, resolution)
+        errors = _errors(case, result, method, resolution)
         return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
     return result
 
@@ -128,20 +131,16 @@ def output_times(case: Case) -> tuple[float, ...]:
     return tuple(sorted({*cycle_times(case.scene.loading), *case.profile_times}))
 
 
-def _errors(
-    case: Case, result: Run, function: solvers.Solver, times: tuple[float, ...], resolution: int | None
-) -> dict[str, float]:
+def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | None) -> dict[str, float]:
     """Error estimates of a finished run; none if the coarser run ends otherwise."""
     trace = result.trace
     if trace is None:
         return {}
-    if result.solver == solvers.REFERENCE:
+    if method.estimates_errors:
         return error_estimate.from_own(trace, result.measures)
-    twice = getattr(function, "coarser", function)
     try:
-        coarse = twice(
-            case.scene, *error_estimate.coarser(result.solver, case.scene, resolution), times, None
-        )
+        stops = cycle_times(case.scene.loading)
+        coarse = method.coarser(case.scene, resolution)(stop_times=stops, profile_times=case.profile_times)
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
     if coarse.outcome.kind is not trace.outcome.kind:
@@ -189,8 +188,7 @@ def summary(result: Run) -> dict[str, Any]:
 
 def expected_seconds(case: Case, solver: str) -> float:
     """A guess at the run time that is good enough to sort by: a start, and so much for every cycle."""
-    start, cycle = SECONDS.get(solver, (1.0, 0.1))
-    return start + cycle * len(cycle_times(case.scene.loading))
+    return solvers.SOLVERS[solver].expected_seconds(case.scene) if solver in solvers.SOLVERS else 1.0
 
 
 def run_all(

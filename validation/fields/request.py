@@ -77,7 +77,7 @@ def answer(
     """
     from fem_solver import Options, record
     from fem_solver.fields.history import VolumeLog
-    from validation.contact_range import mesh_for
+    from validation.solvers.finite_elements import mesh_for
 
     request = replace(request, times=check_times(request.times, scene.loading))
     mesh = mesh_for(scene, resolution)

@@ -24,65 +24,23 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contact_scene import Scene, Trace
+from contact_scene import Trace
 from contact_scene.trace import Array
 from validation.measure.norms import distance
 from validation.measure.observables import largest_tension
+from validation.measure.scaling import column_of, scale
+from validation.solvers import solver
 
 SAFETY = 3.0
-ORDER = {"bem": 1, "fem": 2}
 IN_LAYERS = ("branch_dissipation", "zone_excess")
 ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
 CURVES = ("force", "contact_radius")
-_COLUMNS = {"force": "force", "radius": "contact_radius", "penetration": "penetration", "time": "time"}
 Measures = Mapping[str, float | None]
-
-
-def column_of(name: str) -> str:
-    """Column of the trace that a scalar is a value of; empty for energies."""
-    return _COLUMNS.get(name.rpartition("_")[2], "")
-
-
-def scale(name: str, value: float, trace: Trace) -> float:
-    """What differences in a scalar are relative to.
-
-    Its value; a penetration: the largest of the run; what nearly vanishes: a twentieth of its column's
-    largest magnitude; a loss, which is what a balance leaves: at least the largest term of that balance.
-    """
-    if name == "penetration" or name.endswith("_penetration"):
-        return float(np.abs(trace.penetration).max())
-    if name in ("dissipated_energy", *IN_LAYERS):
-        return max(abs(value), _turnover(trace))
-    column = column_of(name)
-    if not column:
-        return abs(value)
-    return max(abs(value), 0.05 * float(np.abs(trace.columns()[column]).max()))
-
-
-def _turnover(trace: Trace) -> float:
-    """Largest of the energies that balance: stored, external work, surface."""
-    stored = trace.stored_energy - trace.stored_energy[0]
-    surface = trace.dissipated_energy + stored - trace.external_work
-    terms = (trace.stored_energy, trace.external_work, surface)
-    return max(float(np.abs(term).max()) for term in terms)
-
-
-def coarser(solver: str, scene: Scene, resolution: int | None) -> tuple[int, float | None]:
-    """Resolution and tolerance of the second run."""
-    if solver == "bem":
-        from bem_solver.options import DEFAULT_RESOLUTION
-
-        return max((resolution or DEFAULT_RESOLUTION) // 2, 4), None
-    from fem_solver.options import DEFAULT_TOLERANCE
-    from validation.contact_range import ADHESIONLESS_DIVISIONS, DIVISIONS
-
-    usual = DIVISIONS if scene.is_adhesive else ADHESIONLESS_DIVISIONS
-    return max((resolution or usual) // 2, 1), 4.0 * DEFAULT_TOLERANCE
 
 
 def from_two_runs(fine: Trace, coarse: Trace, measured: Measures, coarsely: Measures) -> dict[str, float]:
     """Relative errors of the finer run by observable, and of its curves by column."""
-    usual = ORDER.get(fine.solver, 1)
+    usual = solver(fine.solver).order
     errors = {}
     for column in CURVES:
         apart = distance(coarse, fine, column)
@@ -94,7 +52,7 @@ def from_two_runs(fine: Trace, coarse: Trace, measured: Measures, coarsely: Meas
         if value is None or other is None or not (column_of(name) or name in ENERGIES):
             continue
         relative_to = scale(name, value, fine)
-        order = 1 if name in IN_LAYERS else usual
+        order = 1.0 if name in IN_LAYERS else usual
         own = _extrapolated(abs(other - value) / relative_to, order) if relative_to > 0.0 else 0.0
         errors[name] = max(own, floor)
     terms = ("branch_dissipation", "dissipated_energy")
@@ -115,7 +73,7 @@ def from_own(trace: Trace, measured: Measures) -> dict[str, float]:
     return _with_sampling(errors, trace)
 
 
-def _extrapolated(difference: float, order: int) -> float:
+def _extrapolated(difference: float, order: float) -> float:
     return SAFETY * difference / (2.0**order - 1.0)
 
 
@@ -125,7 +83,7 @@ def _with_sampling(errors: dict[str, float], trace: Trace) -> dict[str, float]:
         return errors
     near = [i for i in (row - 1, row + 1) if 0 <= i < len(trace) and trace.contact_radius[i] > 0.0]
     for name in ("force", "penetration", "radius", "time"):
-        column = trace.columns()[_COLUMNS[name]]
+        column = trace.columns()[column_of(name)]
         relative_to = scale(f"pull_off_{name}", float(column[row]), trace)
         if f"pull_off_{name}" in errors and near and relative_to > 0.0:
             away = max(abs(float(column[i] - column[row])) for i in near)

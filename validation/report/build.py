@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from validation.cases import Case
 from validation.claims import evidence
-from validation.claims.all import judge
+from validation.claims.all import checks as claim_checks
+from validation.claims.all import findings
 from validation.compare.against_reference import check_case
-from validation.compare.checks import Check
 from validation.compare.regression import Comparison
 from validation.execution.checkpoints import question
 from validation.execution.environment import stamp
@@ -18,10 +18,12 @@ from validation.execution.files import write_whole
 from validation.execution.processes import processes
 from validation.execution.runs import Run, output_times, run_all
 from validation.execution.store import Store
+from validation.measure.check import Check
 from validation.report import fields_section, stability_section
 from validation.report.claims_section import Claims, pictures
 from validation.report.fields_section import FieldsSection
 from validation.solvers import SOLVERS
+from validation.stability.checks import checks as stability_checks
 from validation.stability.runner import Matrix
 
 if TYPE_CHECKING:
@@ -59,8 +61,8 @@ class Report:
     def checks(self) -> list[Check]:
         """All verdicts."""
         found = [check for page in self.pages for check in page.checks]
-        found += [] if self.claims is None else self.claims.checks
-        return found if self.stability is None else found + stability_section.checks(self.stability)
+        found += [] if self.claims is None else claim_checks(self.claims.findings)
+        return found if self.stability is None else found + stability_checks(self.stability.cells)
 
     @property
     def runs(self) -> list[Run]:
@@ -94,7 +96,7 @@ def build(
     store = store or Store()
     tasks = [(case, solver) for case in loaded for solver in SOLVERS]
     if claims:
-        tasks += evidence.outstanding(tasks)
+        tasks += evidence.missing_runs(tasks)
     estimated = {case.name for case in loaded} if estimate else set()
     asked = {(c.name, solver): run_question(c, solver, c.name in estimated) for c, solver in tasks}
     finished = 0
@@ -134,7 +136,7 @@ def build(
     judged = None
     if claims:
         found = evidence.collect(tasks, results)
-        judged = Claims(judge(found), found)
+        judged = Claims(findings(found), found)
     return Report(suite, pages, stamp(), store.seconds, claims=judged)
 
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from validation.claims.claim import Finding, Verdict
 from validation.claims.evidence import Evidence
-from validation.compare.checks import Check
 from validation.drawing import figures
 from validation.report.paper_figures import FIGURES, drawn
 
@@ -39,23 +38,6 @@ class Claims:
 
     findings: tuple[Finding, ...]
     evidence: Evidence
-
-    @property
-    def checks(self) -> list[Check]:
-        """One check a statement: that its verdict is the recorded one."""
-        return [
-            Check(
-                "claims",
-                "bem",
-                one.name,
-                one.place,
-                str(one.recorded),
-                None if one.verdict is Verdict.NOT_JUDGED else str(one.verdict),
-                not one.changed,
-                note=one.shown if one.changed else "",
-            )
-            for one in self.findings
-        ]
 
     @cached_property
     def figures(self) -> dict[str, Figure | None]:

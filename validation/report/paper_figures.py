@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from validation.claims.evidence import Evidence, Missing
+from validation.claims.evidence import Evidence, MissingRun
 from validation.drawing.figures import INK
 from validation.report import paper_panels as panels
 
@@ -39,7 +39,7 @@ def drawn(figure: PaperFigure, found: Evidence) -> Figure | None:
     made = New(figsize=SIZE, layout="constrained")
     try:
         figure.draw(made, found)
-    except Missing:
+    except MissingRun:
         return None
     for axes in made.axes:
         _dress(axes)

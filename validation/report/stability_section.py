@@ -9,9 +9,9 @@ from dataclasses import asdict
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from validation.compare.checks import Check
 from validation.drawing import figures
 from validation.report import stability_map
+from validation.stability.checks import checks
 from validation.stability.growth import Growth, fit
 from validation.stability.limits import limits
 from validation.stability.runner import Matrix
@@ -52,27 +52,6 @@ HEAD = (
 def numbers(cells: Sequence[Cell]) -> dict[tuple[str, str], int]:
     """Probes numbered as they come, from one."""
     return {key: i for i, key in enumerate(dict.fromkeys((cell.axis, cell.label) for cell in cells), 1)}
-
-
-def checks(matrix: Matrix) -> list[Check]:
-    """One check for every axis and solver: no cell of it is at fault."""
-    found: dict[tuple[str, str], list[Cell]] = {}
-    for cell in matrix.cells:
-        found.setdefault((cell.axis, cell.solver), []).append(cell)
-    return [
-        Check(
-            "stability",
-            solver,
-            f"faults: {axis}",
-            "within tolerance, or said that there is no answer",
-            0.0,
-            float(sum(cell.fault for cell in cells)),
-            not any(cell.fault for cell in cells),
-            relation="<=",
-            note="; ".join(f"{cell.label}: {cell.verdict}" for cell in cells if cell.fault),
-        )
-        for (axis, solver), cells in found.items()
-    ]
 
 
 def maps(matrix: Matrix) -> dict[str, Figure]:
@@ -179,7 +158,7 @@ def data(matrix: Matrix, complete: bool = True) -> dict[str, Any]:
 
 def junit(matrix: Matrix) -> tree.Element:
     """A test suite, one case for every axis and solver."""
-    found = checks(matrix)
+    found = checks(matrix.cells)
     suite = tree.Element(
         "testsuite",
         name="stability",

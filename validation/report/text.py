@@ -9,8 +9,8 @@ from validation.measure.dimensionless import SYMBOLS
 from validation.measure.skipped_work import in_words
 
 if TYPE_CHECKING:
-    from validation.compare.checks import Check
     from validation.compare.regression import Move
+    from validation.measure.check import Check
     from validation.report.build import Page
 
 NONE = "–"

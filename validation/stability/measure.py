@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from contact_scene import COLUMNS, Material, Trace
-from validation.measure.error_estimate import column_of, scale
 from validation.measure.norms import distance
 from validation.measure.observables import observe
+from validation.measure.scaling import scale
 from validation.stability.probe import Equivalent, Value
 
 CURVE = "force, RMS"
@@ -36,7 +36,7 @@ def against_trace(trace: Trace, truth: Trace, names: tuple[str, ...]) -> dict[st
         if value is None:
             errors[name] = 0.0 if found[name] is None else MISSING
         else:
-            errors[name] = _relative(found[name], value, _unit(name, value, truth))
+            errors[name] = _relative(found[name], value, scale(name, value, truth))
     return errors
 
 
@@ -85,15 +85,6 @@ def energy_residual(trace: Trace, material: Material) -> float | None:
     released = np.concatenate(([0.0], np.cumsum(0.5 * (release[1:] + release[:-1]) * opened)))
     left = work - work[0] - (stored - stored[0]) - trace.extra["branch_dissipation"][rows] - released
     return float(np.abs(left).max()) / unit
-
-
-def _unit(name: str, value: float, truth: Trace) -> float:
-    """What a difference is relative to: a force or a radius at some instant, which may pass through zero, to
-    the largest of the run; anything else as everywhere.
-    """
-    if name.startswith(("start_", "approach_", "final_")) and column_of(name) in ("force", "contact_radius"):
-        return float(np.abs(truth.columns()[column_of(name)]).max())
-    return scale(name, value, truth)
 
 
 def _relative(found: float | None, value: float, unit: float) -> float:

@@ -50,7 +50,7 @@ def _bem() -> Callable[[Job], Trace]:
 
 def _fem() -> Callable[[Job], Trace]:
     from fem_solver import Options, solve
-    from validation.contact_range import mesh_for
+    from validation.solvers.finite_elements import mesh_for
 
     def call(job: Job) -> Trace:
         mesh = mesh_for(job.scene, job.resolution)

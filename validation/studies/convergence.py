@@ -18,6 +18,7 @@ from validation.cases import Case
 from validation.execution.runs import measure
 from validation.measure.cycles import cycle_times
 from validation.measure.norms import distance
+from validation.measure.scaling import Magnitudes
 from validation.studies import schemes
 from validation.studies.extrapolation import Extrapolation, extrapolate, fitted_slope, reference_orders
 from validation.studies.ladders import Ladder, Level
@@ -167,24 +168,16 @@ def errors_against(
 
 
 def scales(truth: Trace, scene: Scene) -> dict[str, float]:
-    """What errors are relative to: the value itself; for penetrations the largest penetration.
-
-    A value below a twentieth of its column's largest magnitude is relative to that twentieth.
-    """
-    column = {"force": "force", "radius": "contact_radius", "penetration": "penetration"}
-    found = {}
+    """What errors are relative to, by observable (see :mod:`validation.measure.scaling`)."""
+    largest = Magnitudes.of_trace(truth)
+    sizes = {}
     for name, value in measure(truth, scene, 0.0).items():
         if name not in SCALARS or value is None:
             continue
         if cycle_times(scene.loading) and name.startswith("approach"):
             continue  # of many crests of one height, which comes first depends on the rows
-        size = abs(value)
-        kind = name.rpartition("_")[2]
-        if kind in column:
-            largest = float(np.abs(truth.columns()[column[kind]]).max())
-            size = largest if kind == "penetration" else max(size, 0.05 * largest)
-        found[name] = size or 1.0
-    return found
+        sizes[name] = largest.scale(name, value) or 1.0
+    return sizes
 
 
 def read(ladder: Ladder, runs: tuple[LevelRun, ...], truth_scales: dict[str, float]) -> Convergence:

@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 
 from validation.cases import Case
 from validation.execution.runs import Run, run
-from validation.measure.error_estimate import scale
 from validation.measure.norms import distance
+from validation.measure.scaling import scale
 from validation.studies import poisson_material as materials
 
 RATIOS = (10.0, 30.0, 100.0, 300.0, 1000.0)

@@ -104,7 +104,7 @@ def _reference() -> Scheme:
 def mesh_for(scene: Scene, s: Settings) -> HalfSpaceMesh:
     """A mesh of the declared grading and domain, never one remembered."""
     import meshes
-    from validation.contact_range import largest_contact_radius
+    from validation.solvers.contact_range import largest_contact_radius
 
     largest = largest_contact_radius(scene)
     edge = scene.indenter.edge if scene.indenter.edge < float("inf") else None

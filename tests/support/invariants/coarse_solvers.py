@@ -19,8 +19,8 @@ import fem_solver
 import meshes
 from contact_scene import Scene, Trace
 from validation import reference
-from validation.contact_range import largest_contact_radius
 from validation.reference.tracking.step_error import FORCE_SHARE
+from validation.solvers.contact_range import largest_contact_radius
 
 SAFETY = 3.0
 BUDGET = 20_000

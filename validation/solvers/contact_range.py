@@ -7,7 +7,6 @@ hence the largest area) at the largest penetration, or under the largest force, 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,41 +15,10 @@ from scipy.optimize import brentq
 from contact_scene import ForceRamp, Scene, SceneError
 from validation.reference import sneddon
 
-if TYPE_CHECKING:
-    from meshes import HalfSpaceMesh
-
-DIVISIONS = 10  # elements per process zone, where nothing is asked
-ADHESIONLESS_DIVISIONS = 2  # elements per hundredth of the largest contact radius
-GRADING = 0.2  # growth of the elements with the distance from the edge
-SPARE = 1.02  # a finite process zone lets the contact grow a little beyond the exact edge's
-DECADES = np.geomspace(1e-18, 1e18, 1441)  # radii in any unit
-
-
-def mesh_for(scene: Scene, resolution: int | None, grading: float | None = None) -> HalfSpaceMesh:
-    """A graded half-space fitted to the scene, at a number of elements per process zone.
-
-    Without adhesion a hundredth of the largest contact radius takes the place of the process zone.
-
-    Raises
-    ------
-    SceneError
-        If no mesh of reasonable size resolves the process zone.
-    """
-    import meshes
-
-    largest = largest_contact_radius(scene)
-    edge = scene.indenter.edge if math.isfinite(scene.indenter.edge) else None
-    if scene.adhesion is not None and scene.is_adhesive:
-        zone, divisions = scene.adhesion.zone, resolution or DIVISIONS
-    else:
-        zone, divisions = 0.01 * largest, resolution or ADHESIONLESS_DIVISIONS
-    try:
-        asked = meshes.fit(
-            edge if edge is not None else 0.0, largest, zone, divisions, edge=edge, grading=grading or GRADING
-        )
-        return meshes.cached(asked)
-    except ValueError as error:
-        raise SceneError("", f"no mesh for this scene: {error}", "a coarser resolution") from None
+SPARE = 1.02
+"""Factor on the largest contact radius of a sharp edge, which a finite process zone exceeds a little."""
+DECADES = np.geomspace(1e-18, 1e18, 1441)
+"""Radii between which the largest contact radius is searched, in any unit of length."""
 
 
 def largest_contact_radius(scene: Scene) -> float:

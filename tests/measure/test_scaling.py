@@ -1,0 +1,49 @@
+"""What differences are relative to: one rule, from the rows of a run or from its scalars."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.synthetic_traces import trace
+
+from validation.cases import load
+from validation.measure.observables import observe
+from validation.measure.scaling import LOSSES, Magnitudes, column_of, scale
+from validation.studies.convergence import scales as study_scales
+
+DEPTH, FORCE = [0.0, 0.03, -0.01], [-1.0, 4.0, -2.0]
+RUN = trace(depth=DEPTH, force=FORCE, radius=[0.1, 0.2, 0.05], loss=[0.0, 1e-6, 1e-5])
+    depth=[0.0, 0.03, -0.01], force=[-1.0, 4.0, -2.0], radius=[0.1, 0.2, 0.05], loss=[0.0, 1e-6, 1e-5]
+)
+
+
+def test_each_kind_of_quantity():
+    assert scale("pull_off_penetration", 1e-9, RUN) == pytest.approx(0.03)
+    assert scale("start_force", 3.0, RUN) == 3.0
+    assert scale("start_force", 1e-9, RUN) == pytest.approx(0.2)
+    assert scale("final_radius", 0.0, RUN) == pytest.approx(0.01)
+    assert scale("loop_energy", -2e-9, RUN) == 2e-9
+    assert scale("peak_cycle_loss", 5.0, RUN) == 5.0
+    for name in LOSSES:
+        assert scale(name, 1e-9, RUN) == Magnitudes.of_trace(RUN).balance > 1e-9
+
+
+def test_names_of_columns():
+    assert column_of("approach_radius") == "contact_radius"
+    assert column_of("zone_excess") == column_of("dissipated_energy") == ""
+
+
+def test_scalars_stand_in_for_rows():
+    measures = {**observe(RUN).as_dict(), "branch_dissipation": 3.0, "outcome": "completed", "refused": True}
+    largest, rows = Magnitudes.of_measures(measures), Magnitudes.of_trace(RUN)
+    for column in ("force", "contact_radius", "penetration", "time"):
+        assert largest.columns[column] == pytest.approx(rows.columns[column])
+    assert largest.balance == 3.0
+    assert Magnitudes.of_measures({}).balance == 0.0
+
+
+def test_a_study_is_relative_to_the_same_as_a_comparison():
+    for name, size in study_scales(RUN, load("cycle-v0.1").scene).items():
+        value = observe(RUN).as_dict()[name]
+        assert size == pytest.approx(scale(name, value, RUN) or 1.0), name
+    assert np.isfinite(scale("start_force", 0.0, RUN))

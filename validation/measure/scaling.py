@@ -1,0 +1,90 @@
+"""What the error of a measured quantity is relative to: the only rule, for every table, study and check.
+
+A difference in a quantity is divided by
+
+- a penetration: the largest magnitude of the penetration in the run, since its zero is a matter of choice;
+- a loss (dissipated energy, branch dissipation, their difference): its magnitude, but at least the largest
+  term of the energy balance that it is the remainder of (stored energy, external work, surface energy);
+- a force, contact radius or time: its magnitude, but at least a twentieth of the largest magnitude of that
+  column in the run, so that a value that nearly vanishes is not divided by itself;
+- any other energy and any frequency: its magnitude.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contact_scene import Trace
+
+LEAST_SHARE = 0.05
+"""Least scale of a force, radius or time, relative to the largest magnitude of its column in the run."""
+LOSSES = ("dissipated_energy", "branch_dissipation", "zone_excess")
+"""Quantities that are what an energy balance leaves."""
+_COLUMNS = {"force": "force", "radius": "contact_radius", "penetration": "penetration", "time": "time"}
+
+
+def column_of(name: str) -> str:
+    """Column of the trace that a scalar is a value of; empty for energies."""
+    return _COLUMNS.get(name.rpartition("_")[2], "")
+
+
+@dataclass(frozen=True)
+class Magnitudes:
+    """Largest magnitudes in a run.
+
+    Parameters
+    ----------
+    columns : mapping of str to float
+        By column of the trace.
+    balance : float
+        Of the terms of the energy balance.
+    """
+
+    columns: Mapping[str, float]
+    balance: float
+
+    @classmethod
+    def of_trace(cls, trace: Trace) -> Magnitudes:
+        """From all rows."""
+        columns = trace.columns()
+        stored = trace.stored_energy - trace.stored_energy[0]
+        surface = trace.dissipated_energy + stored - trace.external_work
+        terms = (trace.stored_energy, trace.external_work, surface)
+        return cls(
+            {name: float(np.abs(columns[name]).max()) for name in _COLUMNS.values()},
+            max(float(np.abs(term).max()) for term in terms),
+        )
+
+    @classmethod
+    def of_measures(cls, measures: Mapping[str, Any]) -> Magnitudes:
+        """From scalars by name, where the rows are not available; what is no number is ignored."""
+        numbers = {
+            name: abs(value)
+            for name, value in measures.items()
+            if isinstance(value, (int, float)) and not isinstance(value, bool)
+        }
+        columns = {
+            column: max(
+                (number for name, number in numbers.items() if name.endswith(f"_{kind}")), default=0.0
+            )
+            for kind, column in _COLUMNS.items()
+        }
+        return cls(columns, max(numbers.get(name, 0.0) for name in ("loop_energy", "branch_dissipation")))
+
+    def scale(self, name: str, value: float) -> float:
+        """What a difference in the quantity ``name``, of the given value, is relative to (see the module)."""
+        column = column_of(name)
+        if column == "penetration":
+            return self.columns[column]
+        if name in LOSSES:
+            return max(abs(value), self.balance)
+        return max(abs(value), LEAST_SHARE * self.columns[column]) if column else abs(value)
+
+
+def scale(name: str, value: float, trace: Trace) -> float:
+    """What a difference in a quantity is relative to, from the rows of the run it belongs to."""
+    return Magnitudes.of_trace(trace).scale(name, value)

@@ -1,0 +1,7 @@
+"""The solvers by name, one object each; what a solver itself needs is imported when it runs."""
+
+from validation.solvers.base import Progress, Solver
+from validation.solvers.front_tracking import REFERENCE
+from validation.solvers.registry import SOLVERS, register, solver, solvers, unregister
+
+__all__ = ["REFERENCE", "SOLVERS", "Progress", "Solver", "register", "solver", "solvers", "unregister"]

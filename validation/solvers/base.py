@@ -1,0 +1,152 @@
+"""What is known about a solver: how it is run, how accurate it is, how its curves are drawn."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, ClassVar
+
+from contact_scene import Oscillate, RunMonitor, Scene, Sweep, Trace
+
+Progress = Callable[[float], None]
+
+SKIPPED_WORK: Mapping[str, str] = {
+    "closure_evaluations": "no closure was evaluated",
+    "history_updates": "no history was carried",
+}
+"""Work counter of any solver: what its remaining at zero means."""
+
+
+class Solver(ABC):
+    """One method of solution.
+
+    Attributes
+    ----------
+    name : str
+        Short name: on the command line, in ``Trace.solver``, in reports.
+    title : str
+        The method in words, for tables and legends.
+    order : float
+        Observed order of convergence of whole runs, for error estimates from two runs.
+    tolerance, curve_tolerance : float
+        Largest relative difference from the reference in a check value, and in a curve (root mean square over
+        maximum), where a scene states none.
+    quantity_tolerances : mapping of str to float
+        Least tolerance of check values that are less accurate than the others, by name.
+    coarse_tolerance : float
+        Largest relative error at :meth:`coarse_resolution`.
+    estimates_errors : bool
+        Whether ``solve`` can estimate the errors of a run itself (``Trace.errors``).
+    skipped_work : mapping of str to str
+        Work counter: what its remaining at zero means.
+    curve_style : mapping
+        Line properties for matplotlib: colour, line style, line width.
+    marker : str
+        Marker of single points, in matplotlib's code.
+    css_variable : str
+        CSS variable that takes the place of the colour on a page.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    order: ClassVar[float] = 1.0
+    tolerance: ClassVar[float] = 5e-3
+    curve_tolerance: ClassVar[float] = 5e-3
+    quantity_tolerances: ClassVar[Mapping[str, float]] = {}
+    coarse_tolerance: ClassVar[float] = 2e-2
+    estimates_errors: ClassVar[bool] = False
+    skipped_work: ClassVar[Mapping[str, str]] = SKIPPED_WORK
+    curve_style: ClassVar[Mapping[str, Any]] = {
+        "color": "#cc79a7",
+        "linestyle": (0, (3, 1, 1, 1)),
+        "linewidth": 1.4,
+    }
+    marker: ClassVar[str] = "x"
+    css_variable: ClassVar[str] = "other"
+
+    @abstractmethod
+    def solve(
+        self,
+        scene: Scene,
+        resolution: int | None = None,
+        *,
+        step_tolerance: float | None = None,
+        stop_times: tuple[float, ...] = (),
+        profile_times: tuple[float, ...] = (),
+        max_steps: int | None = None,
+        progress: Progress | None = None,
+        monitor: RunMonitor | None = None,
+        estimate_errors: bool = False,
+    ) -> Trace:
+        """Solve a scene.
+
+        Parameters
+        ----------
+        scene : Scene
+        resolution : int, optional
+            Divisions per process zone (without adhesion: per hundredth of the largest contact radius).
+        step_tolerance : float, optional
+            Tolerance of the time steps, relative; what it bounds is the solver's own.
+        stop_times : tuple of float
+            Times that are stepped onto exactly.
+        profile_times : tuple of float
+            Times that are stepped onto exactly and give a surface profile each.
+        max_steps : int, optional
+            Largest number of steps, accepted and rejected together.
+        progress : callable, optional
+            Called with the share of the loading that is done, 0 to 1.
+        monitor : RunMonitor, optional
+            Stops the run between two steps, or has it continued.
+        estimate_errors : bool
+            Put error estimates into ``Trace.errors``, if the solver makes its own.
+
+        Returns
+        -------
+        Trace
+
+        Raises
+        ------
+        SceneError
+            If the solver does not take the scene or an option.
+        """
+
+    def load(self) -> None:  # noqa: B027 - a solver without imports of its own has nothing to do
+        """Import what :meth:`solve` needs, so that the run time does not contain it."""
+
+    def refusal(self, scene: Scene) -> str:
+        """Why the solver does not take this scene; empty if it does."""
+        return ""
+
+    def default_resolution(self, scene: Scene) -> int:
+        """Divisions per process zone where none are specified."""
+        return 8
+
+    def coarse_resolution(self, adhesive: bool) -> int:
+        """The fewest divisions per process zone that still meet :attr:`coarse_tolerance`."""
+        return 4
+
+    def coarser(self, scene: Scene, resolution: int | None = None) -> Callable[..., Trace]:
+        """The run twice as coarse, to estimate errors from: to be called with the keywords of ``solve``."""
+        return partial(self.solve, scene, max((resolution or self.default_resolution(scene)) // 2, 4))
+
+    def expected_seconds(self, scene: Scene) -> float:
+        """Rough run time (s), to start long runs first."""
+        return 1.0 + 0.1 * cycle_count(scene)
+
+
+def cycle_count(scene: Scene) -> float:
+    """Cycles of all oscillations and sweeps of a loading."""
+    cycles = 0.0
+    for step in scene.loading.steps:
+        if isinstance(step, Oscillate):
+            cycles += step.angular_frequency * step.duration / (2.0 * math.pi)
+        elif isinstance(step, Sweep):
+            cycles += step.chirp * step.duration**2 / (4.0 * math.pi)
+    return cycles
+
+
+def specified(**options: Any) -> dict[str, Any]:
+    """The options that are not ``None``; the others keep the solver's default."""
+    return {name: value for name, value in options.items() if value is not None}

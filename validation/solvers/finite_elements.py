@@ -1,0 +1,174 @@
+"""Finite elements as a solver of the registry, on meshes fitted to the scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from contact_scene import RunMonitor, Scene, SceneError, Trace
+from validation.solvers.base import SKIPPED_WORK, Progress, Solver, cycle_count, specified
+
+if TYPE_CHECKING:
+    from meshes import HalfSpaceMesh
+
+DIVISIONS = 10
+"""Elements per process zone where no resolution is specified."""
+ADHESIONLESS_DIVISIONS = 2
+"""Elements per hundredth of the largest contact radius, without adhesion and with no resolution specified."""
+GRADING = 0.2
+"""Growth of the element size with the distance from the contact edge, where none is specified."""
+
+
+@dataclass(frozen=True)
+class FiniteElements(Solver):
+    """Finite elements with node release.
+
+    Parameters
+    ----------
+    grading, domain_ratio : float, optional
+        Growth of the element size with the distance from the edge, and domain radius over the largest contact
+        radius; by default the mesh's own.
+    path : "auto", "condensed" or "quadrature"
+        Where the history is carried: on the surface or at quadrature points.
+    far_field : bool
+        Prescribe the displacement of the total force on the far boundary, or hold it.
+    step_resolution : int, optional
+        Divisions per process zone that the time steps resolve, where they differ from those of the mesh.
+    cached_mesh : bool
+        Take the mesh from the cache; otherwise build it anew, so that meshing is part of the run time.
+    """
+
+    grading: float | None = None
+    domain_ratio: float | None = None
+    path: Literal["auto", "condensed", "quadrature"] = "auto"
+    far_field: bool = True
+    step_resolution: int | None = None
+    cached_mesh: bool = True
+
+    name = "fem"
+    title = "finite elements"
+    order = 2.0
+    tolerance = 2e-2
+    curve_tolerance = 1e-2
+    quantity_tolerances: ClassVar[Mapping[str, float]] = {
+        "pull_off_penetration": 0.02,
+        "pull_off_radius": 0.02,
+        "pull_off_time": 0.02,
+        "branch_dissipation": 0.08,
+        "zone_excess": 0.08,
+    }
+    coarse_tolerance = 2e-2
+    skipped_work: ClassVar[Mapping[str, str]] = {
+        **SKIPPED_WORK,
+        "volume_solves": "no solution in the volume within the time loop",
+    }
+    curve_style: ClassVar[Mapping[str, Any]] = {
+        "color": "#d55e00",
+        "linestyle": (0, (4, 2)),
+        "linewidth": 1.4,
+    }
+    marker = "s"
+    css_variable = "fem"
+
+    def solve(
+        self,
+        scene: Scene,
+        resolution: int | None = None,
+        *,
+        step_tolerance: float | None = None,
+        stop_times: tuple[float, ...] = (),
+        profile_times: tuple[float, ...] = (),
+        max_steps: int | None = None,
+        progress: Progress | None = None,
+        monitor: RunMonitor | None = None,
+        estimate_errors: bool = False,
+    ) -> Trace:
+        """See :meth:`Solver.solve`; makes no error estimates of its own."""
+        from fem_solver import Options, solve
+
+        mesh = mesh_for(scene, resolution, self.grading, self.domain_ratio, self.cached_mesh)
+        options = Options(
+            self.step_resolution or resolution,
+            step_tolerance,
+            stop_times=stop_times,
+            profile_times=profile_times,
+            path=self.path,
+            far_field=self.far_field,
+            **specified(max_steps=max_steps),
+        )
+        return solve(scene, mesh, options, progress, monitor)
+
+    def load(self) -> None:
+        """Import the solver and scikit-fem."""
+        import fem_solver  # noqa: F401
+
+    def default_resolution(self, scene: Scene) -> int:
+        """Elements per process zone, or per hundredth of the largest contact radius."""
+        return DIVISIONS if scene.is_adhesive else ADHESIONLESS_DIVISIONS
+
+    def coarse_resolution(self, adhesive: bool) -> int:
+        """Four; without adhesion one."""
+        return 4 if adhesive else 1
+
+    def coarser(self, scene: Scene, resolution: int | None = None) -> Callable[..., Trace]:
+        """Half the resolution, a mesh that grades twice as fast, four times the step tolerance."""
+        from fem_solver.options import DEFAULT_TOLERANCE
+
+        half = max((resolution or self.default_resolution(scene)) // 2, 1)
+        other = replace(self, grading=2.0 * (self.grading or GRADING))
+        return partial(other.solve, scene, half, step_tolerance=4.0 * DEFAULT_TOLERANCE)
+
+    def expected_seconds(self, scene: Scene) -> float:
+        """From the built-in scenes: a run, and each of its cycles."""
+        return 2.5 + 0.1 * cycle_count(scene)
+
+
+def mesh_for(
+    scene: Scene,
+    resolution: int | None,
+    grading: float | None = None,
+    domain_ratio: float | None = None,
+    cached: bool = True,
+) -> HalfSpaceMesh:
+    """A graded half-space fitted to the scene, at a number of elements per process zone.
+
+    Without adhesion a hundredth of the largest contact radius takes the place of the process zone.
+
+    Parameters
+    ----------
+    scene : Scene
+    resolution : int, optional
+        Elements per process zone.
+    grading, domain_ratio : float, optional
+        Growth of the element size with the distance from the edge; domain radius over the largest contact
+        radius.
+    cached : bool
+        Take the mesh from the cache if it is there.
+
+    Returns
+    -------
+    HalfSpaceMesh
+
+    Raises
+    ------
+    SceneError
+        If no mesh of reasonable size resolves the process zone.
+    """
+    import meshes
+    from validation.solvers.contact_range import largest_contact_radius
+
+    largest = largest_contact_radius(scene)
+    edge = scene.indenter.edge if math.isfinite(scene.indenter.edge) else None
+    if scene.adhesion is not None and scene.is_adhesive:
+        zone, divisions = scene.adhesion.zone, resolution or DIVISIONS
+    else:
+        zone, divisions = 0.01 * largest, resolution or ADHESIONLESS_DIVISIONS
+    sizes = {"grading": grading or GRADING, **specified(domain_ratio=domain_ratio)}
+    try:
+        parameters = meshes.fit(edge or 0.0, largest, zone, divisions, edge=edge, **sizes)
+        return meshes.cached(parameters) if cached else meshes.half_space(parameters)
+    except ValueError as error:
+        raise SceneError("", f"no mesh for this scene: {error}", "a coarser resolution") from None

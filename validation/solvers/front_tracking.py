@@ -1,0 +1,72 @@
+"""Front tracking under the Abel transform as a solver of the registry: what the others are compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from contact_scene import RunMonitor, Scene, Trace
+from validation.solvers.base import Progress, Solver, cycle_count, specified
+
+REFERENCE = "reference"
+
+
+@dataclass(frozen=True)
+class FrontTracking(Solver):
+    """Front tracking, which estimates its own errors; its tolerances are for changes between two reports."""
+
+    name = REFERENCE
+    title = "front tracking"
+    order = 2.0
+    tolerance = 5e-4
+    curve_tolerance = 5e-4
+    coarse_tolerance = 2e-3
+    estimates_errors = True
+    curve_style: ClassVar[Mapping[str, Any]] = {"color": "#999999", "linestyle": "-", "linewidth": 3.6}
+    marker = "D"
+    css_variable = "reference"
+
+    def solve(
+        self,
+        scene: Scene,
+        resolution: int | None = None,
+        *,
+        step_tolerance: float | None = None,
+        stop_times: tuple[float, ...] = (),
+        profile_times: tuple[float, ...] = (),
+        max_steps: int | None = None,
+        progress: Progress | None = None,
+        monitor: RunMonitor | None = None,
+        estimate_errors: bool = False,
+    ) -> Trace:
+        """See :meth:`Solver.solve`."""
+        from validation.reference import Options, solve
+
+        options = Options(
+            resolution,
+            step_tolerance,
+            stop_times=stop_times,
+            profile_times=profile_times,
+            estimate_errors=estimate_errors,
+            **specified(max_steps=max_steps),
+        )
+        return solve(scene, options, progress, monitor)
+
+    def load(self) -> None:
+        """Import the solver."""
+        import validation.reference  # noqa: F401
+
+    def default_resolution(self, scene: Scene) -> int:
+        """As in ``validation.reference.Options``."""
+        from validation.reference.tracking.options import RESOLUTION
+
+        return int(RESOLUTION[scene.is_adhesive])
+
+    def coarse_resolution(self, adhesive: bool) -> int:
+        """Eight; without adhesion four."""
+        return 8 if adhesive else 4
+
+    def expected_seconds(self, scene: Scene) -> float:
+        """From the built-in scenes: a run, and each of its cycles."""
+        return 1.2 + 0.3 * cycle_count(scene)
