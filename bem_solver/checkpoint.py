@@ -93,4 +93,4 @@ def of_stepper(stepper: Stepper) -> State:
 
 def goes_on(watch: RunMonitor | None, state: Callable[[], State]) -> bool:
     """Whether nobody outside wants the run to end."""
-    return watch is None or watch.goes_on(state)
+    return watch is None or watch.continue_run(state)

@@ -93,7 +93,7 @@ def _solve_graded(
     problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     recorder = Recorder(chain, work)
     scale = max(largest, contact_scale(scene, scene.loading.penetration))
-    kept = None if watch is None else watch.kept
+    kept = None if watch is None else watch.start_state
     if kept is not None:
         moving = put_back(kept, recorder, counters)
         front, energies = moving["front"], moving["energies"]

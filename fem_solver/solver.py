@@ -142,14 +142,14 @@ def record(
         force_scale=force_scale,
         max_steps=options.max_steps,
         visit=visit,
-        goes_on=lambda: outside is None or outside.goes_on(lambda: taken(run, setup.history)),
+        goes_on=lambda: outside is None or outside.continue_run(lambda: taken(run, setup.history)),
         wanted=(*options.profile_times, *options.record_times),
     )
     kind, reason = OutcomeKind.COMPLETED, "all loading steps carried out"
     steps = scene.loading.steps
     try:
-        if outside is not None and outside.kept is not None:
-            put_back(outside.kept, run, setup.history)
+        if outside is not None and outside.start_state is not None:
+            put_back(outside.start_state, run, setup.history)
         else:
             run.start(scene.loading.penetration, scene.loading.start == "relaxed")
             if run.state.radius < zone:

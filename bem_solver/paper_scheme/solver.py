@@ -60,8 +60,8 @@ def solve_uniform(
     run = _Run(scene, options, watch)
     counters, recorder, penetration = run.counters, run.recorder, scene.loading.penetration
     try:
-        if watch is not None and watch.kept is not None:
-            run.go_on(watch.kept)
+        if watch is not None and watch.start_state is not None:
+            run.go_on(watch.start_state)
         elif not run.start():
             reason = f"no stable contact at penetration {penetration:.6g}"
             return recorder.nothing(penetration, reason, counters)

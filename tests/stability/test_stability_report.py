@@ -12,7 +12,7 @@ import crosscontact.commands.stability as command
 from crosscontact.cli import main
 from validation.report import stability_map
 from validation.report import stability_section as section
-from validation.stability.runner import Matrix
+from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import FAULTS, Cell, Verdict
 
 
@@ -34,7 +34,7 @@ CELLS = (
     cell("100", verdict=Verdict.UNKNOWN, errors={}),
     cell("100", "fem", residual=0.2, errors={"final_force": 0.0}),
 )
-MATRIX = Matrix(CELLS, 3.0)
+MATRIX = StabilityMatrix(CELLS, 3.0)
 
 
 def test_page_and_markdown_show_faults_refusals_and_limits():
@@ -64,7 +64,7 @@ def test_checks_and_junit_fail_where_a_cell_is_at_fault():
     checks = {check.solver: check for check in section.checks(MATRIX)}
     assert [(checks[s].found, checks[s].passed) for s in ("bem", "fem")] == [(1.0, False), (1.0, False)]
     assert "10: SILENTLY WRONG" in checks["bem"].note
-    assert section.checks(Matrix(CELLS[:2], 0.0))[0].passed
+    assert section.checks(StabilityMatrix(CELLS[:2], 0.0))[0].passed
     suite = section.junit(MATRIX)
     assert suite.attrib["failures"] == "2"
     assert len(tree.tostring(suite)) > 100
@@ -93,8 +93,8 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
     monkeypatch.setattr(command, "probes", lambda only: asked if only is None else asked[:1])
     real = command.run
 
-    def faked(probes, jobs, solvers, tell, store):
-        return real(probes, jobs, solvers, tell, fakes.act, store)
+    def faked(probes, jobs, solvers, on_cell, store):
+        return real(probes, jobs, solvers, on_cell, fakes.act, store)
 
     monkeypatch.setattr(command, "run", faked)
     out = tmp_path / "out"

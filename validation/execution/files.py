@@ -14,12 +14,12 @@ from contact_scene.errors import SceneError
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file beside its place and move it there in one step.
+    """Write a file beside its place and move it there in one step (atomic on POSIX).
 
-    What a killed program left of the same file goes; two at once on one file are kept apart by ``lock``.
+    Removes what a killed program left of the same file; ``folder_lock`` excludes two writers at once.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
-    remove_left(path)
+    remove_partial(path)
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         with partial.open("wb") as stream:
@@ -32,10 +32,10 @@ def write_whole(path: Path, content: str | bytes) -> None:
         raise
 
 
-def remove_left(path: Path) -> None:
-    """Remove what a program that was killed while it wrote this file has left beside it."""
-    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
-        left.unlink(missing_ok=True)
+def remove_partial(path: Path) -> None:
+    """Remove what a program that was killed while writing this file left beside it."""
+    for partial in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        partial.unlink(missing_ok=True)
 
 
 def move_whole(stage: Path, folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""One run of one solver on one scene, and many of them through an executor.
+"""One run of one solver on one scene, and many of them as tasks.
 
 A run never raises for what a scene or a solver did: it carries the failure, so that a report shows it.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 import traceback
 from collections.abc import Callable, Collection, Iterable
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -17,11 +17,15 @@ import numpy as np
 from contact_scene import RunMonitor, Scene, SceneError, Trace
 from validation import solvers
 from validation.cases import Case
+from validation.execution.fingerprints import fingerprint
+from validation.execution.store import Store
+from validation.execution.tasks import Task, TaskResult, one_line, run_tasks
 from validation.measure import error_estimate
 from validation.measure.cycles import cycle_times
 from validation.measure.observables import Observables, at_last_contact, cycle_losses, observe
 
-SECONDS = {"bem": (1.5, 0.3), "fem": (2.5, 0.1), solvers.REFERENCE: (1.2, 0.3)}  # a run; one cycle of it
+EXPECTED_SECONDS = {"bem": (1.5, 0.3), "fem": (2.5, 0.1), solvers.REFERENCE: (1.2, 0.3)}
+"""Processor time of a run without cycles, and of one cycle: rough, to sort tasks by."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +73,11 @@ class Run:
         return self.trace is not None and self.trace.outcome.finished
 
     @property
+    def breakdown(self) -> str:
+        """Why there is no answer, where the next attempt may give one; a refusal stands."""
+        return "" if self.trace is not None or self.refused else self.failure
+
+    @property
     def ending(self) -> str:
         """How it ended, in words."""
         if self.trace is None:
@@ -82,12 +91,27 @@ def run(
     resolution: int | None = None,
     progress: solvers.Progress | None = None,
     estimate: bool = False,
-    watch: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
-    With ``estimate`` the run is judged by a coarser one (see ``error_estimate``), which takes half as long
-    again. A ``watch`` may keep the run, stop it, and let it go on.
+    Parameters
+    ----------
+    case : Case
+    solver : str
+        Name.
+    resolution : int or None
+        Divisions per process zone; ``None``: the solver's choice.
+    progress : callable or None
+        Called with the share of the loading that is done, 0 to 1.
+    estimate : bool
+        Whether to estimate errors (see ``error_estimate``): by a coarser run, half as long again.
+    monitor : RunMonitor or None
+        May save the run's state, stop it, and have it continued.
+
+    Returns
+    -------
+    Run
     """
     begin, spent = time.perf_counter(), time.process_time()
     try:
@@ -95,17 +119,14 @@ def run(
         if estimate:
             function = getattr(function, "estimating", function)
         begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
-        times = output_times(case)
-        watched = () if watch is None else (watch,)
-        trace = function(case.scene, resolution, None, times, progress, *watched)
+        trace = _solve(function, case, resolution, progress, monitor)
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
-        said = " ".join(str(error).split())
         return Run(
             case.name,
             solver,
-            failure=f"{type(error).__name__}: {said}" if said else type(error).__name__,
+            failure=one_line(error),
             details=traceback.format_exc(),
             wall_seconds=time.perf_counter() - begin,
             cpu_seconds=time.process_time() - spent,
@@ -118,9 +139,22 @@ def run(
     result = replace(result, measures=measure(trace, case.scene, wall))
     if estimate and result.finished:
         spent = time.process_time()
-        errors = _errors(case, result, function, times, resolution)
+        errors = _errors(case, result, function, resolution)
         return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
     return result
+
+
+def _solve(
+    solve: solvers.Solver,
+    case: Case,
+    resolution: int | None,
+    progress: solvers.Progress | None = None,
+    monitor: RunMonitor | None = None,
+    tolerance: float | None = None,
+) -> Trace:
+    """The call of a solver: the only place that knows its parameters."""
+    monitored = () if monitor is None else (monitor,)
+    return solve(case.scene, resolution, tolerance, output_times(case), progress, *monitored)
 
 
 def output_times(case: Case) -> tuple[float, ...]:
@@ -128,20 +162,16 @@ def output_times(case: Case) -> tuple[float, ...]:
     return tuple(sorted({*cycle_times(case.scene.loading), *case.profile_times}))
 
 
-def _errors(
-    case: Case, result: Run, function: solvers.Solver, times: tuple[float, ...], resolution: int | None
-) -> dict[str, float]:
+def _errors(case: Case, result: Run, solve: solvers.Solver, resolution: int | None) -> dict[str, float]:
     """Error estimates of a finished run; none if the coarser run ends otherwise."""
     trace = result.trace
     if trace is None:
         return {}
     if result.solver == solvers.REFERENCE:
         return error_estimate.from_own(trace, result.measures)
-    twice = getattr(function, "coarser", function)
+    coarser_resolution, tolerance = error_estimate.coarser(result.solver, case.scene, resolution)
     try:
-        coarse = twice(
-            case.scene, *error_estimate.coarser(result.solver, case.scene, resolution), times, None
-        )
+        coarse = _solve(getattr(solve, "coarser", solve), case, coarser_resolution, tolerance=tolerance)
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
     if coarse.outcome.kind is not trace.outcome.kind:
@@ -152,19 +182,19 @@ def _errors(
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
     """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
     zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
-    found: dict[str, float | None] = dict(observe(trace, zone).as_dict())
+    values: dict[str, float | None] = dict(observe(trace, zone).as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
-    branches, loss = at_last_contact(trace, "branch_dissipation", zone), found["dissipated_energy"]
-    found["branch_dissipation"] = branches
-    found["zone_excess"] = branches - loss if branches is not None and loss is not None else None
-    found["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
+    branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
+    values["branch_dissipation"] = branches
+    values["zone_excess"] = branches - loss if branches is not None and loss is not None else None
+    values["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
     cycles = cycle_losses(trace, cycle_times(scene.loading))
     peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
-    found["peak_cycle_loss"] = peak.loop if peak else None
-    found["peak_cycle_frequency"] = peak.angular_frequency if peak else None
-    found |= {f"counters.{name}": float(count) for name, count in asdict(trace.counters).items()}
-    found["wall_seconds"] = wall_seconds
-    return found
+    values["peak_cycle_loss"] = peak.loop if peak else None
+    values["peak_cycle_frequency"] = peak.angular_frequency if peak else None
+    values |= {f"counters.{name}": float(count) for name, count in asdict(trace.counters).items()}
+    values["wall_seconds"] = wall_seconds
+    return values
 
 
 def summary(result: Run) -> dict[str, Any]:
@@ -189,39 +219,51 @@ def summary(result: Run) -> dict[str, Any]:
 
 def expected_seconds(case: Case, solver: str) -> float:
     """A guess at the run time that is good enough to sort by: a start, and so much for every cycle."""
-    start, cycle = SECONDS.get(solver, (1.0, 0.1))
+    start, cycle = EXPECTED_SECONDS.get(solver, (1.0, 0.1))
     return start + cycle * len(cycle_times(case.scene.loading))
 
 
+def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
+    """A run as a task; parameters as of :func:`run`."""
+    return Task(
+        fingerprint("run", case.scene, solver, resolution, output_times(case), estimate),
+        f"{case.name} {solver}",
+        run,
+        (case, solver, resolution, None, estimate),
+        expected_seconds(case, solver),
+    )
+
+
+def run_of(result: TaskResult) -> Run:
+    """The run that a task of :func:`run_task` gave, or its failure where a process died with it."""
+    case, solver = result.task.arguments[:2]
+    if result.value is None:
+        return Run(case.name, solver, failure=result.failure, details=result.details)
+    return replace(result.value, scene=case.name)  # a stored one may come from a scene of another name
+
+
 def run_all(
-    tasks: Iterable[tuple[Case, str]],
+    pairs: Iterable[tuple[Case, str]],
     executor: Executor | None = None,
-    done: Callable[[Run], None] = lambda result: None,
+    store: Store | None = None,
+    progress: Callable[[float, str], None] | None = None,
     estimated: Collection[str] = (),
 ) -> dict[tuple[str, str], Run]:
-    """Run ``(case, solver)`` pairs, here or through any ``concurrent.futures`` executor.
+    """Run pairs of case and solver, here or through an executor.
 
-    ``done`` is called as each run ends; ``estimated`` names the scenes whose errors are to be estimated. What
-    takes longest is begun first, so that no process is left alone with it at the end. The answer is keyed by
-    scene and solver, in the order of ``tasks``.
+    Parameters
+    ----------
+    pairs : iterable of (Case, str)
+    executor, store, progress
+        As of :func:`~validation.execution.tasks.run_tasks`.
+    estimated : collection of str
+        Names of the scenes whose errors are estimated.
+
+    Returns
+    -------
+    dict of (str, str) to Run
+        By scene and solver, in the order of ``pairs``.
     """
-    todo = list(tasks)
-    ordered = sorted(todo, key=lambda task: -expected_seconds(*task))
-    results: dict[tuple[str, str], Run] = {}
-    if executor is None:
-        for case, solver in todo:
-            results[case.name, solver] = run(case, solver, estimate=case.name in estimated)
-            done(results[case.name, solver])
-        return results
-    futures: dict[Future[Run], tuple[str, str]] = {
-        executor.submit(run, case, solver, estimate=case.name in estimated): (case.name, solver)
-        for case, solver in ordered
-    }
-    for future in as_completed(futures):
-        name, solver = futures[future]
-        try:
-            results[name, solver] = future.result()
-        except Exception as error:  # a worker that died takes its run along, not the report
-            results[name, solver] = Run(name, solver, failure=f"{type(error).__name__}: {error}")
-        done(results[name, solver])
-    return {(case.name, solver): results[case.name, solver] for case, solver in todo}
+    tasks = [run_task(case, solver, estimate=case.name in estimated) for case, solver in pairs]
+    runs = map(run_of, run_tasks(tasks, executor, store, progress))
+    return {(result.scene, result.solver): result for result in runs}

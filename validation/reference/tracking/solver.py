@@ -158,10 +158,10 @@ def _run(
         on_profile=on_profile,
         straight=straight,
         progress=progress,
-        goes_on=lambda: watch is None or watch.goes_on(lambda: taken(run, profiles)),
+        goes_on=lambda: watch is None or watch.continue_run(lambda: taken(run, profiles)),
     )
-    if watch is not None and watch.kept is not None:
-        put_back(watch.kept, run, profiles)
+    if watch is not None and watch.start_state is not None:
+        put_back(watch.start_state, run, profiles)
     outcome = run.go()
     stopped = outcome.kind is OutcomeKind.INTERRUPTED
     columns = record.columns(whole=not stopped)
