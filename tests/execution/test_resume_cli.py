@@ -19,7 +19,7 @@ from contact_scene import read_columns
 from crosscontact.cli import main
 from crosscontact.commands import all_commands
 from validation import solvers
-from validation.execution import checked_pickle, checkpoints, fingerprints, lock
+from validation.execution import checked_pickle, checkpoints, fingerprints, folder_lock
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.getcwd(), "OMP_NUM_THREADS": "1"}
 TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
@@ -134,7 +134,7 @@ def test_killed_at_any_moment(tmp_path, scene_file, uninterrupted, solver):
         assert not (tmp_path / "summary.json").exists()
     assert main(given) == 0
     assert not kept.exists()
-    assert not (tmp_path / lock.FILE).exists()
+    assert not (tmp_path / folder_lock.LOCK_FILE).exists()
     assert_same_results(tmp_path, uninterrupted(solver))
 
 
@@ -245,11 +245,11 @@ def test_run_times_of_a_report_are_those_of_the_runs(tmp_path, scene_file, monke
 def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, monkeypatch, command):
     monkeypatch.setattr(all_commands, command, lambda *given: pytest.fail("it ran"))
     given = {"report": [], "solve": [scene_file, "--solver", "bem"]}.get(command, [scene_file])
-    with lock.held(tmp_path):
+    with folder_lock.locked_folder(tmp_path):
         assert main([command, *given, "--out", str(tmp_path)]) == 2
         (line,) = capsys.readouterr().err.splitlines()
         assert f"in use by another crosscontact (process {os.getpid()})" in line
-        assert [file.name for file in tmp_path.iterdir()] == [lock.FILE]
+        assert [file.name for file in tmp_path.iterdir()] == [folder_lock.LOCK_FILE]
 
 
 POOL = """

@@ -16,7 +16,7 @@ from support.spring_solver import fake
 
 from contact_scene import SceneError, Sphere, read_columns
 from validation import cases
-from validation.execution import checked_pickle, checkpoints, files, fingerprints, lock
+from validation.execution import checked_pickle, checkpoints, files, fingerprints, folder_lock
 from validation.execution.run_folder import write_run
 from validation.execution.runs import Run
 from validation.execution.store import Store
@@ -166,15 +166,15 @@ def test_a_store_takes_over_what_is_whole(tmp_path):
 
 def test_a_folder_is_held_once(tmp_path):
     folder = tmp_path / "out"
-    with lock.held(folder) as held:
+    with folder_lock.locked_folder(folder) as held:
         assert held == folder
         with pytest.raises(SceneError, match=f"in use by another crosscontact \\(process {os.getpid()}\\)"):
-            lock.held(folder).__enter__()
+            folder_lock.locked_folder(folder).__enter__()
         (folder / "result").write_text("")
     assert [file.name for file in folder.iterdir()] == ["result"]
-    with lock.held(folder):
+    with folder_lock.locked_folder(folder):
         pass
-    with lock.held(tmp_path / "nothing comes of it"):
+    with folder_lock.locked_folder(tmp_path / "nothing comes of it"):
         pass
     assert not (tmp_path / "nothing comes of it").exists()
 
@@ -192,14 +192,14 @@ def killed(work) -> None:
 
 def test_a_lock_goes_with_its_holder(tmp_path):
     def hold():
-        with lock.held(tmp_path):
+        with folder_lock.locked_folder(tmp_path):
             os.kill(os.getpid(), signal.SIGKILL)
 
     killed(hold)
-    assert (tmp_path / lock.FILE).exists()
-    with lock.held(tmp_path):
+    assert (tmp_path / folder_lock.LOCK_FILE).exists()
+    with folder_lock.locked_folder(tmp_path):
         pass
-    assert not (tmp_path / lock.FILE).exists()
+    assert not (tmp_path / folder_lock.LOCK_FILE).exists()
 
 
 def run_of(stiffness: float) -> Run:
