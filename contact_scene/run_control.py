@@ -1,4 +1,4 @@
-"""How a run is taken through its loading, and how it is watched, stopped and continued. No numerical method.
+"""How a run is taken through its loading, monitored, stopped and continued. No numerical method.
 
 A solver owns its numerical state. Shared is what has nothing to do with numbers: the position in the loading,
 the times a run has to step onto, the step budget, the interruption from outside and the envelope in which a
