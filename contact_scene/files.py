@@ -42,13 +42,15 @@ def read_text(file: Path) -> str:
     return text.replace("\r\n", "\n")
 
 
-def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write UTF-8 text so that the file appears whole or not at all, also when the program is killed."""
+def write_file(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Write a file, text as UTF-8, that appears whole or not at all, also when the program is killed."""
     target = Path(path)
     partial = target.with_name(f".{target.name}.{uuid.uuid4().hex}.part")
     try:
-        with partial.open("x", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
+        with partial.open("xb") as stream:
+            stream.write(content.encode() if isinstance(content, str) else content)
+            stream.flush()
+            os.fsync(stream.fileno())
         partial.replace(target)
     finally:
         partial.unlink(missing_ok=True)
@@ -87,7 +89,7 @@ def read_pairs(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], t
 def write_pairs(path: Path, names: Sequence[str], first: Iterable[float], second: Iterable[float]) -> None:
     """Two columns of numbers with all their digits, under a header."""
     rows = [",".join(names)] + [f"{a!r},{b!r}" for a, b in zip(first, second, strict=True)]
-    write_text(path, "\n".join(rows) + "\n")
+    write_file(path, "\n".join(rows) + "\n")
 
 
 def _is_number(cell: str) -> bool:

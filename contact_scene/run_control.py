@@ -1,4 +1,4 @@
-"""How a run is taken through its loading, and how it is watched, stopped and continued. No numerical method.
+"""How a run is taken through its loading, monitored, stopped and continued. No numerical method.
 
 A solver owns its numerical state. Shared is what has nothing to do with numbers: the position in the loading,
 the times a run has to step onto, the step budget, the interruption from outside and the envelope in which a
@@ -20,19 +20,19 @@ MAX_STEPS = 200_000
 
 
 class RunMonitor(Protocol):
-    """Watches a run from outside: keeps its state, stops it, has it continued.
+    """Monitors a run from outside: saves its state, stops it, has it continued.
 
-    It is asked between two trial steps, where nothing is half done. Looking never changes a number, and a run
-    continued from a kept state gives the bits it would have given without the stop.
+    It is called between two trial steps, where nothing is half done. It never changes a number, and a run
+    continued from a saved state gives the bits it would have given without the stop.
     """
 
     @property
-    def kept(self) -> KeptState | None:
+    def start_state(self) -> KeptState | None:
         """State to continue from, of the same scene, options and code; ``None`` to start at the beginning."""
         ...
 
-    def goes_on(self, state: Callable[[], KeptState]) -> bool:
-        """Whether the run is to go on; if not, it ends as interrupted.
+    def continue_run(self, state: Callable[[], KeptState]) -> bool:
+        """Whether the run is to continue; if not, it ends as interrupted.
 
         ``state()`` shares the arrays that the run will change: serialise it, or copy it.
         """
@@ -140,7 +140,7 @@ def budget_outcome(counters: Counters, max_steps: int, time: float) -> Outcome |
 
 def interruption(monitor: RunMonitor | None, state: Callable[[], KeptState], time: float) -> Outcome | None:
     """The outcome of a run that is stopped from outside; ``None`` if it is to go on."""
-    if monitor is None or monitor.goes_on(state):
+    if monitor is None or monitor.continue_run(state):
         return None
     return Outcome(OutcomeKind.INTERRUPTED, "stopped from outside", time)
 
@@ -153,7 +153,7 @@ def kept_state(monitor: RunMonitor | None, solver: str) -> KeptState | None:
     SceneError
         If it belongs to another solver.
     """
-    kept = None if monitor is None else monitor.kept
+    kept = None if monitor is None else monitor.start_state
     if kept is not None and kept.solver != solver:
         raise SceneError("checkpoint", f"it was kept by {kept.solver}", f"a state of {solver}")
     return kept

@@ -233,9 +233,9 @@ def _run(options: argparse.Namespace) -> int:
     """Run the command, alone in its folder."""
     if getattr(options, "out", None) is None:
         return _command(options)
-    from validation.execution.lock import held
+    from validation.execution.folder_lock import locked_folder
 
-    with held(options.out):
+    with locked_folder(options.out):
         return _command(options)
 
 

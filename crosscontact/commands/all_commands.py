@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,9 +12,8 @@ from validation import cases
 from validation.execution.progress import Progress
 
 if TYPE_CHECKING:
-    from contact_scene import Scene
+    from validation.compare.suite import SceneComparison
     from validation.execution.runs import Run
-    from validation.report.build import Page
     from validation.report.fields_section import FieldsSection
 
 SHOWN = (
@@ -47,8 +44,9 @@ def solve(name: str, solver: str, resolution: int | None, out: str | None, fresh
 
     With a folder to write to, a run that is stopped leaves what it has, and goes on when it is asked again.
     """
-    from validation.execution.checkpoints import run_kept
+    from validation.execution.checkpoints import run_with_checkpoints
     from validation.execution.files import output_folder
+    from validation.execution.run_folder import write_run
     from validation.execution.runs import run
 
     case = cases.load(name)
@@ -56,9 +54,9 @@ def solve(name: str, solver: str, resolution: int | None, out: str | None, fresh
     progress = Progress(f"{case.name} {solver}")
     try:
         if folder is None:
-            result, keeper = run(case, solver, resolution, progress), None
+            result, writer = run(case, solver, resolution, progress), None
         else:
-            result, keeper = run_kept(case, solver, resolution, progress, folder, fresh)
+            result, writer = run_with_checkpoints(case, solver, resolution, progress, folder, fresh)
     finally:
         progress.close()
     if result.refused:
@@ -67,35 +65,15 @@ def solve(name: str, solver: str, resolution: int | None, out: str | None, fresh
     if folder is not None:
         write_run(folder, case.scene, result)
     _print(result, folder)
-    if keeper is not None and keeper.stopped:
-        print(f"crosscontact: kept in {keeper.path}: the same command goes on from there", file=sys.stderr)
+    if writer is not None and writer.stopped:
+        print(f"crosscontact: kept in {writer.path}: the same command goes on from there", file=sys.stderr)
         raise KeyboardInterrupt
-    if keeper is not None and result.trace is not None:  # a breakdown may come of the machine: go on later
-        keeper.done()
+    if writer is not None and result.trace is not None:  # a breakdown may come of the machine: go on later
+        writer.remove()
     if not result.finished:
         print(f"crosscontact: not finished: {result.ending}", file=sys.stderr)
         return 1
     return 0
-
-
-def write_run(folder: Path, scene: Scene, result: Run) -> None:
-    """``scene.toml``, ``trace.csv`` and, last, ``summary.json``: whoever finds it finds a whole set."""
-    from contact_scene import write_scene, write_trace
-    from validation.execution.files import move_whole, to_json, write_whole
-    from validation.execution.runs import summary
-
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "summary.json").unlink(missing_ok=True)
-    for left in folder.glob(".run.*"):  # by a program that was killed
-        shutil.rmtree(left, ignore_errors=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".run.") as stage:
-        write_scene(scene, Path(stage) / "scene.toml")  # with tables of its own, where it has any
-        if result.trace is not None:
-            write_trace(result.trace, Path(stage) / "trace.csv")
-        else:
-            (folder / "trace.csv").unlink(missing_ok=True)
-        move_whole(Path(stage), folder)
-    write_whole(folder / "summary.json", to_json(summary(result)))
 
 
 def _print(result: Run, folder: Path | None) -> None:
@@ -198,7 +176,7 @@ def report(
     return 1 if result.baseline.beyond else code
 
 
-def _fields(pages: list[Page]) -> FieldsSection:
+def _fields(pages: list[SceneComparison]) -> FieldsSection:
     """The report's section on fields, with progress."""
     from validation.report.fields_section import compute
 

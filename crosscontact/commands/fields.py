@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from validation import cases
 from validation.execution.files import output_folder
-from validation.execution.lock import held
+from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress
 from validation.fields.balance import Balance, balance
 from validation.fields.files import Series
@@ -47,7 +47,7 @@ def run(
     request = Request(tuple(times), pull_off, every, None if album is None else album.rows)
     if out is not None:
         return _into(output_folder(out), case, request, resolution, album)
-    with held(f"out/fields/{case.name}") as folder:
+    with locked_folder(f"out/fields/{case.name}") as folder:
         return _into(folder, case, request, resolution, album)
 
 

@@ -11,7 +11,7 @@ from validation.execution.store import Store
 from validation.stability.limits import limits
 from validation.stability.matrix import probes
 from validation.stability.probe import SOLVERS
-from validation.stability.runner import Matrix, run
+from validation.stability.runner import StabilityMatrix, run
 from validation.stability.verdict import Cell
 
 KEPT_EVERY = 2.0  # seconds between two times that the cells so far are written
@@ -42,7 +42,7 @@ def compute(
     solvers: tuple[str, ...] = SOLVERS,
     only: str | None = None,
     folder: Path | None = None,
-) -> Matrix:
+) -> StabilityMatrix:
     """The matrix, told as it goes on; with a folder the cells so far are always to be found there."""
     from validation.report.stability_forms import keep
 
@@ -56,7 +56,7 @@ def compute(
             len(cells) / total, f"{len(cells)}/{total} {cell.name}: {cell.verdict}, {cell.seconds:.1f} s"
         )
         if folder is not None and time.monotonic() >= due:
-            keep(Matrix(tuple(cells), 0.0), folder, complete=False)
+            keep(StabilityMatrix(tuple(cells), 0.0), folder, complete=False)
             due = time.monotonic() + KEPT_EVERY
 
     try:

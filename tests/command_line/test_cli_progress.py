@@ -32,16 +32,35 @@ def clock(monkeypatch):
     return now
 
 
+@pytest.fixture
+def _terminal(monkeypatch):
+    """One that moves the cursor and has no colours, in which an unfilled bar would be drawn."""
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("NO_COLOR", "1")
+
+
+@pytest.mark.usefixtures("_terminal")
 def test_bar_on_a_terminal(clock):
     stream = Terminal()
     show = progress.Progress("work", stream)
     clock[0] = 1.0
     show(0.5)
-    assert stream.getvalue().count("█") == 15
+    assert stream.getvalue().count("━") == 15
+    drawn = stream.getvalue().count("\r")
+    assert drawn == 1
     show(0.55)
-    assert stream.getvalue().count("\r") == 1  # too soon to be redrawn
+    assert stream.getvalue().count("\r") == drawn  # too soon to be redrawn
     show.close()
-    assert stream.getvalue().endswith("\r\x1b[K")
+    assert stream.getvalue().endswith("\r\x1b[1A\x1b[2K")
+
+
+def test_plain_lines_on_a_terminal_that_cannot_redraw(monkeypatch):
+    monkeypatch.setenv("TERM", "dumb")
+    stream = Terminal()
+    show = progress.Progress("work", stream)
+    show(0.5, "half")
+    show.close()
+    assert stream.getvalue() == "work: half\n"
 
 
 def test_plain_lines_elsewhere(clock):
@@ -64,12 +83,14 @@ def test_quick_work_is_silent(clock):
     assert stream.getvalue() == ""
 
 
+@pytest.mark.usefixtures("_terminal")
 def test_bar_without_unicode(clock):
     stream = Terminal()
     stream.encoding = "ascii"
     show = progress.Progress("work", stream)
     show(1.0, "end")
-    assert "#" * progress.WIDTH in stream.getvalue()
+    assert "-" * progress.WIDTH in stream.getvalue()
+    assert stream.getvalue().isascii()
 
 
 def test_scene_in_the_readme_is_a_scene():

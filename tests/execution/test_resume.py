@@ -43,7 +43,7 @@ def test_what_is_put_back_is_what_was_taken(name):
     SOLVERS[name](stop)
     again = Stop(1, stop.data)
     SOLVERS[name](again)
-    kept, found = (checked_pickle.frozen(checked_pickle.thawed(data)) for data in (stop.data, again.data))
+    kept, found = (checked_pickle.dumps(checked_pickle.loads(data)) for data in (stop.data, again.data))
     assert len(kept) > 1000
     assert found == kept
 
@@ -67,9 +67,9 @@ def test_a_kept_state_is_not_the_run():
 
 def test_looking_changes_nothing():
     class Curious:
-        kept = None
+        start_state = None
 
-        def goes_on(self, state):
+        def continue_run(self, state):
             state()
             return True
 

@@ -19,7 +19,7 @@ from contact_scene import read_columns
 from crosscontact.cli import main
 from crosscontact.commands import all_commands
 from validation import solvers
-from validation.execution import checked_pickle, checkpoints, lock
+from validation.execution import checked_pickle, checkpoints, fingerprints, folder_lock
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.getcwd(), "OMP_NUM_THREADS": "1"}
 TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
@@ -29,7 +29,7 @@ PATIENCE = 60.0  # seconds that a busy machine may take
 
 @pytest.fixture(autouse=True)
 def _version(monkeypatch):
-    monkeypatch.setattr(checkpoints, "version", lambda: VERSION)
+    monkeypatch.setattr(fingerprints, "version", lambda: VERSION)
 
 
 @pytest.fixture(scope="module")
@@ -127,14 +127,14 @@ def test_killed_at_any_moment(tmp_path, scene_file, uninterrupted, solver):
         work.communicate()
         assert work.returncode == -signal.SIGKILL
         state, seconds = checked_pickle.read(
-            kept, json.loads(kept.read_bytes().partition(b"\n")[0])["question"]
+            kept, json.loads(kept.read_bytes().partition(b"\n")[0])["fingerprint"]
         )
         assert state is not None
         assert seconds > 0.0
         assert not (tmp_path / "summary.json").exists()
     assert main(given) == 0
     assert not kept.exists()
-    assert not (tmp_path / lock.FILE).exists()
+    assert not (tmp_path / folder_lock.LOCK_FILE).exists()
     assert_same_results(tmp_path, uninterrupted(solver))
 
 
@@ -156,12 +156,12 @@ def test_a_checkpoint_of_no_use_is_one_line(capsys, tmp_path, scene_file, uninte
 
 def test_a_breakdown_keeps_the_checkpoint(tmp_path, scene_file, monkeypatch):
     def fall(*given, monitor, **options):
-        assert monitor.kept == "half-way"
+        assert monitor.start_state == "half-way"
         raise MemoryError("no memory left")
 
     monkeypatch.setitem(solvers.SOLVERS, "bem", FunctionSolver(fall))
     kept = tmp_path / checkpoints.CHECKPOINT
-    monkeypatch.setattr(checkpoints, "question", lambda *parts: "q")
+    monkeypatch.setattr(checkpoints, "fingerprint", lambda *parts: "q")
     checked_pickle.write(kept, "q", ("half-way", 1.0), 2.0)
     assert main(arguments(scene_file, "bem", tmp_path)) == 1
     assert kept.exists()
@@ -245,11 +245,11 @@ def test_run_times_of_a_report_are_those_of_the_runs(tmp_path, scene_file, monke
 def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, monkeypatch, command):
     monkeypatch.setattr(all_commands, command, lambda *given: pytest.fail("it ran"))
     given = {"report": [], "solve": [scene_file, "--solver", "bem"]}.get(command, [scene_file])
-    with lock.held(tmp_path):
+    with folder_lock.locked_folder(tmp_path):
         assert main([command, *given, "--out", str(tmp_path)]) == 2
         (line,) = capsys.readouterr().err.splitlines()
         assert f"in use by another crosscontact (process {os.getpid()})" in line
-        assert [file.name for file in tmp_path.iterdir()] == [lock.FILE]
+        assert [file.name for file in tmp_path.iterdir()] == [folder_lock.LOCK_FILE]
 
 
 POOL = """
@@ -258,16 +258,17 @@ POOL = """
         pool.submit(time.sleep, 60).result()
 """
 MATRIX = """
-    worker = Worker()
-    print(worker.ask(eval, "__import__('os').getpid()", 30.0).value, flush=True)
-    worker.ask(time.sleep, 60, 60.0)
+    with processes(1, isolated=True) as pool:
+        (task,) = run_tasks([Task("", "", os.getpid, (), time_limit=30.0)], pool)
+        print(task.value, flush=True)
+        run_tasks([Task("", "", time.sleep, (60,), time_limit=60.0)], pool)
 """
 
 
 @pytest.mark.parametrize("work", [POOL, MATRIX], ids=["pool", "matrix"])
 def test_workers_end_with_their_parent(work):
     imports = "import os, time\nfrom validation.execution.processes import processes\n"
-    imports += "from validation.execution.workers import Worker\n"
+    imports += "from validation.execution.tasks import Task, run_tasks\n"
     program = f"{imports}if __name__ == '__main__':{work}"
     parent = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT

@@ -15,9 +15,10 @@ import pytest
 from support.spring_solver import spring
 
 from contact_scene import SceneError, Sphere, read_columns
-from crosscontact.commands.all_commands import write_run
+from contact_scene.indenter import Profile
 from validation import cases
-from validation.execution import checked_pickle, checkpoints, files, lock
+from validation.execution import checked_pickle, checkpoints, files, fingerprints, folder_lock
+from validation.execution.run_folder import write_run
 from validation.execution.runs import Run
 from validation.execution.store import Store
 
@@ -36,7 +37,7 @@ CASE = cases.load("cycle-v0.1")
     ],
 )
 def test_arrays_keep_their_layout(array):
-    back = checked_pickle.thawed(checked_pickle.frozen({"of": array}))["of"]
+    back = checked_pickle.loads(checked_pickle.dumps({"of": array}))["of"]
     assert np.array_equal(back, array)
     assert back.dtype == array.dtype
     if array.size > 1:
@@ -57,15 +58,15 @@ class Sly:
 
 @pytest.mark.parametrize("thing", [Evil(), Sly(), print, files.write_whole, Path("x"), OSError("x")])
 def test_nothing_foreign_is_read_back(thing):
-    with pytest.raises(checked_pickle.Unusable):
-        checked_pickle.thawed(pickle.dumps(thing))
+    with pytest.raises(checked_pickle.UnusableFile):
+        checked_pickle.loads(pickle.dumps(thing))
 
 
 def test_no_detour_through_our_modules():
-    detour = b"\x80\x04\x8c\x10validation.files\x8c\x10json.JSONDecoder\x93."
+    detour = b"\x80\x04\x8c\x1avalidation.execution.files\x8c\x10json.JSONDecoder\x93."
     assert pickle.loads(detour) is json.JSONDecoder
-    with pytest.raises(checked_pickle.Unusable):
-        checked_pickle.thawed(detour)
+    with pytest.raises(checked_pickle.UnusableFile):
+        checked_pickle.loads(detour)
 
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "text", "no digest", "other", "list"])
@@ -81,12 +82,12 @@ def test_a_file_that_is_of_no_use_is_told(tmp_path, damage):
             "flipped": whole[:-9] + bytes([whole[-9] ^ 1]) + whole[-8:],
             "empty": b"",
             "text": b"hello\n",
-            "no digest": b'{"format": 1, "question": "what?"}\n',
+            "no digest": b'{"format": 1, "fingerprint": "what?"}\n',
             "other": whole,
             "list": b"[1]\n",
         }[damage]
     )
-    with pytest.raises(checked_pickle.Unusable):
+    with pytest.raises(checked_pickle.UnusableFile):
         checked_pickle.read(file, "who?" if damage == "other" else "what?")
 
 
@@ -94,45 +95,57 @@ def test_questions_are_told_apart():
     scene = CASE.scene
     nudged = dataclasses.replace(scene, indenter=Sphere(np.nextafter(1.0, 2.0)))
     asked = [("solve", scene, 8), ("solve", scene, None), ("solve", nudged, 8), ("run", scene, 8)]
-    assert len({checkpoints.question(*parts) for parts in asked}) == len(asked)
-    assert checkpoints.question("solve", scene, 8) == checkpoints.question(
+    assert len({fingerprints.fingerprint(*parts) for parts in asked}) == len(asked)
+    assert fingerprints.fingerprint("solve", scene, 8) == fingerprints.fingerprint(
         "solve", dataclasses.replace(scene), 8
     )
     with pytest.raises(TypeError):
-        checkpoints.question(object())
+        fingerprints.fingerprint(object())
+
+
+def test_tabulated_indenters_have_a_fingerprint():
+    """They carry an interpolating curve, which follows from the table and is no part of the fingerprint."""
+    tables = [
+        Profile((0.0, 1.0, 2.0), heights, file)
+        for heights, file in (((0.0, 0.5, 2.0), "a"), ((0.0, 0.5, 2.0), "b"), ((0.0, 0.5, 2.1), "a"))
+    ]
+    one, same, other = (
+        fingerprints.fingerprint(dataclasses.replace(CASE.scene, indenter=table)) for table in tables
+    )
+    assert one == same != other
 
 
 def test_another_version_of_the_program_asks_another_question(monkeypatch):
-    before = checkpoints.question(CASE.scene)
-    monkeypatch.setattr(checkpoints, "version", lambda: "another")
-    assert checkpoints.question(CASE.scene) != before
+    before = fingerprints.fingerprint(CASE.scene)
+    monkeypatch.setattr(fingerprints, "version", lambda: "another")
+    assert fingerprints.fingerprint(CASE.scene) != before
 
 
-def test_a_keeper_goes_on_ignores_and_starts_afresh(tmp_path):
+def test_a_writer_goes_on_ignores_and_starts_afresh(tmp_path):
     file = tmp_path / checkpoints.CHECKPOINT
-    stopping = checkpoints.Keeper(file, "q", lambda: True)
-    assert (stopping.kept, stopping.said) == (None, "")
-    assert not stopping.goes_on(lambda: [1, 2])
+    stopping = checkpoints.CheckpointWriter(file, "q", lambda: True)
+    assert (stopping.start_state, stopping.message) == (None, "")
+    assert not stopping.continue_run(lambda: [1, 2])
     assert stopping.stopped
-    going = checkpoints.Keeper(file, "q", lambda: False)
-    assert going.kept == [1, 2]
-    assert "going on" in going.said
-    assert going.goes_on(lambda: pytest.fail("kept too soon"))
-    assert checkpoints.Keeper(file, "q", lambda: False, fresh=True).kept is None
-    other = checkpoints.Keeper(file, "p", lambda: False)
-    assert other.kept is None
-    assert "another scene" in other.said
-    going.done()
+    going = checkpoints.CheckpointWriter(file, "q", lambda: False)
+    assert going.start_state == [1, 2]
+    assert "going on" in going.message
+    assert going.continue_run(lambda: pytest.fail("kept too soon"))
+    assert checkpoints.CheckpointWriter(file, "q", lambda: False, fresh=True).start_state is None
+    other = checkpoints.CheckpointWriter(file, "p", lambda: False)
+    assert other.start_state is None
+    assert "another scene" in other.message
+    going.remove()
     assert not file.exists()
 
 
-def test_a_keeper_keeps_now_and_then(tmp_path, monkeypatch):
-    monkeypatch.setattr(checkpoints, "EVERY", 0.0)
-    monkeypatch.setattr(checkpoints, "SHARE", 0.0)
+def test_a_writer_keeps_now_and_then(tmp_path, monkeypatch):
+    monkeypatch.setattr(checkpoints, "INTERVAL", 0.0)
+    monkeypatch.setattr(checkpoints, "INTERVAL_PER_WRITE", 0.0)
     file = tmp_path / checkpoints.CHECKPOINT
-    keeper = checkpoints.Keeper(file, "q", lambda: False)
+    writer = checkpoints.CheckpointWriter(file, "q", lambda: False)
     for state in range(3):
-        assert keeper.goes_on(lambda state=state: state)
+        assert writer.continue_run(lambda state=state: state)
         assert checked_pickle.read(file, "q")[0][0] == state
 
 
@@ -141,9 +154,9 @@ def test_a_full_disk_stops_no_run(tmp_path, monkeypatch, capsys):
         raise OSError("no space left")
 
     monkeypatch.setattr(checked_pickle, "write_whole", full)
-    keeper = checkpoints.Keeper(tmp_path / "kept", "q", lambda: True)
-    assert not keeper.goes_on(lambda: 1)
-    assert not keeper.goes_on(lambda: 2)
+    writer = checkpoints.CheckpointWriter(tmp_path / "kept", "q", lambda: True)
+    assert not writer.continue_run(lambda: 1)
+    assert not writer.continue_run(lambda: 2)
     assert capsys.readouterr().err.count("cannot be kept: no space left") == 1
 
 
@@ -155,7 +168,7 @@ def test_a_store_takes_over_what_is_whole(tmp_path):
     broken = next((tmp_path / ".unfinished").glob("b"))
     broken.write_bytes(broken.read_bytes()[:-2])
     again = Store(tmp_path)
-    assert (again.get("a"), again.get("b"), again.found) == ({"x": 0.1}, None, 1)
+    assert (again.get("a"), again.get("b"), again.taken_over) == ({"x": 0.1}, None, 1)
     assert again.seconds > 0.0
     again.clear()
     assert list(tmp_path.iterdir()) == []
@@ -166,15 +179,15 @@ def test_a_store_takes_over_what_is_whole(tmp_path):
 
 def test_a_folder_is_held_once(tmp_path):
     folder = tmp_path / "out"
-    with lock.held(folder) as held:
+    with folder_lock.locked_folder(folder) as held:
         assert held == folder
         with pytest.raises(SceneError, match=f"in use by another crosscontact \\(process {os.getpid()}\\)"):
-            lock.held(folder).__enter__()
+            folder_lock.locked_folder(folder).__enter__()
         (folder / "result").write_text("")
     assert [file.name for file in folder.iterdir()] == ["result"]
-    with lock.held(folder):
+    with folder_lock.locked_folder(folder):
         pass
-    with lock.held(tmp_path / "nothing comes of it"):
+    with folder_lock.locked_folder(tmp_path / "nothing comes of it"):
         pass
     assert not (tmp_path / "nothing comes of it").exists()
 
@@ -192,14 +205,14 @@ def killed(work) -> None:
 
 def test_a_lock_goes_with_its_holder(tmp_path):
     def hold():
-        with lock.held(tmp_path):
+        with folder_lock.locked_folder(tmp_path):
             os.kill(os.getpid(), signal.SIGKILL)
 
     killed(hold)
-    assert (tmp_path / lock.FILE).exists()
-    with lock.held(tmp_path):
+    assert (tmp_path / folder_lock.LOCK_FILE).exists()
+    with folder_lock.locked_folder(tmp_path):
         pass
-    assert not (tmp_path / lock.FILE).exists()
+    assert not (tmp_path / folder_lock.LOCK_FILE).exists()
 
 
 def run_of(stiffness: float) -> Run:
@@ -235,12 +248,12 @@ def test_results_are_whole_whenever_the_program_is_killed(tmp_path, survived):
     assert json.loads((tmp_path / "summary.json").read_text())["pull_off_force"] == 0.01
 
 
-def test_a_keeper_knows_the_time_behind_it(tmp_path):
+def test_a_writer_knows_the_time_behind_it(tmp_path):
     file = tmp_path / "kept"
-    keeper = checkpoints.Keeper(file, "q", lambda: True)
+    writer = checkpoints.CheckpointWriter(file, "q", lambda: True)
     time.sleep(0.02)
-    keeper.goes_on(lambda: None)
-    again = checkpoints.Keeper(file, "q", lambda: True)
+    writer.continue_run(lambda: None)
+    again = checkpoints.CheckpointWriter(file, "q", lambda: True)
     assert again.seconds >= 0.02
-    again.goes_on(lambda: None)
-    assert checkpoints.Keeper(file, "q", lambda: True).seconds > again.seconds
+    again.continue_run(lambda: None)
+    assert checkpoints.CheckpointWriter(file, "q", lambda: True).seconds > again.seconds

@@ -69,7 +69,7 @@ def test_a_study_does_what_is_missing(tmp_path, levels, at):
     levels.clear()
     store = Store(out)
     again = study.study(cases, 1, Progress("test"), store)
-    assert store.found == kept
+    assert store.taken_over == kept
     assert len(levels) < len(every)
     assert found_in(again) == found_in(whole)
     levels.clear()

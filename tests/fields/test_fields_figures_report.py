@@ -18,13 +18,14 @@ from support.synthetic_fields import SCENE, states, surfaces, trace
 from crosscontact.cli import SOLVER_NAMES, main
 from validation import solvers
 from validation.cases import load
+from validation.compare.suite import SceneComparison
 from validation.drawing import figures
 from validation.execution.progress import Progress
 from validation.execution.runs import Run
 from validation.fields.figures import animation, window
 from validation.fields.figures.moments import key_moments
 from validation.report import fields_section
-from validation.report.build import Page, build, write
+from validation.report.build import build, write
 from validation.report.fields_section import FieldsSection, Picture
 
 
@@ -34,9 +35,9 @@ def small_png(inches) -> bytes:
     return stream.getvalue()
 
 
-def page(**traces) -> Page:
+def page(**traces) -> SceneComparison:
     case = load(fields_section.SCENE)
-    return Page(case, {name: Run(case.name, name, run) for name, run in traces.items()}, [])
+    return SceneComparison(case, {name: Run(case.name, name, run) for name, run in traces.items()}, [])
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,7 @@ from contact_scene import (
 from crosscontact.cli import main
 from fem_solver import Options, field_states, record
 from meshes import fit, structured_half_space
-from validation.execution.lock import held
+from validation.execution.folder_lock import locked_folder
 from validation.fields import files, request
 from validation.fields.balance import balance
 from validation.fields.grid import cell_data, grid, indenter, point_data, surface, triangle_volumes
@@ -257,7 +257,7 @@ def test_a_run_that_never_touches(tmp_path, capsys):
 def test_a_default_folder_is_held(scene_file, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     asked = ["fields", scene_file, "--at", "0", "--resolution", "4", "--no-figures"]
-    with held("out/fields/down-and-up"):
+    with locked_folder("out/fields/down-and-up"):
         assert main(asked) == 2
         assert not (tmp_path / "out/fields/down-and-up/body.pvd").exists()
     assert main(asked) == 0

@@ -200,10 +200,11 @@ def test_what_takes_longest_is_begun_first():
     begun = []
 
     class Pool(Executor):
-        def submit(self, function, case, solver, **options):
-            begun.append((case.name, solver, options["estimate"]))
+        def submit(self, execute, function, arguments):
+            case, solver, _, _, estimate = arguments
+            begun.append((case.name, solver, estimate))
             future = Future()
-            future.set_result(Run(case.name, solver))
+            future.set_result(execute(Run, (case.name, solver)))
             return future
 
     asked = [(load(name), "bem") for name in ("cycle-v0.1", "sweep", "oscillation-w1.4")]

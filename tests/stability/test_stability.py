@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import CancelledError
 from dataclasses import replace
 
 import numpy as np
@@ -11,16 +12,17 @@ from support import scripted_solver as fakes
 
 from contact_scene import OutcomeKind, Scene, SceneError
 from crosscontact.cli import AXIS_NAMES
+from validation.execution.processes import WorkerProcesses
 from validation.execution.store import Store
-from validation.execution.workers import Fate, Reply, Retired, Worker
+from validation.execution.tasks import Task, TaskResult, run_tasks
 from validation.stability import base, measure
 from validation.stability.growth import fit
 from validation.stability.limits import limits
 from validation.stability.matrix import AXES, probes
 from validation.stability.probe import Computed, Equivalent, Known, Nothing, Probe, Value
+from validation.stability.probe_runs import ProbeAnswer, ProbeRun, solve_probe
 from validation.stability.runner import run
 from validation.stability.verdict import Cell, Verdict, judge
-from validation.stability.work import Answer, Job, perform
 
 ENDINGS = {
     "right": Verdict.MEETS,
@@ -35,15 +37,19 @@ ENDINGS = {
 }
 
 
-def one(probe: Probe, answer: Answer, *truths: Answer, solver: str = "bem") -> Cell:
+def one(probe: Probe, answer: ProbeAnswer, *truths: ProbeAnswer, solver: str = "bem") -> Cell:
     """The cell of a made-up answer."""
-    replies = tuple(Reply(Fate.ANSWERED, truth) for truth in truths)
-    return judge(probe, solver, Reply(Fate.ANSWERED, answer), replies)
+    return judge(probe, solver, answered(answer), tuple(map(answered, truths)))
+
+
+def answered(value: object) -> TaskResult:
+    """The result of a task that gave this value."""
+    return TaskResult(Task("", "", solve_probe), value)
 
 
 def test_every_ending_has_its_verdict_and_the_next_run_is_unharmed():
     asked = [fakes.probe(title) for title in (*ENDINGS, "right again")]
-    matrix = run(asked, solvers=("bem",), work=fakes.act)
+    matrix = run(asked, solvers=("bem",), solve=fakes.act)
     found = {cell.label: cell.verdict for cell in matrix.cells}
     assert found == {**ENDINGS, "right again": Verdict.MEETS}
     told = {cell.label: cell for cell in matrix.cells}
@@ -59,42 +65,42 @@ def test_every_ending_has_its_verdict_and_the_next_run_is_unharmed():
 @pytest.mark.parametrize("title", ["hangs", "waits"])
 def test_a_run_that_hangs_is_killed(title):
     begin = time.monotonic()
-    matrix = run([fakes.probe(title, seconds=0.4)], solvers=("bem",), work=fakes.act)
+    matrix = run([fakes.probe(title, seconds=0.4)], solvers=("bem",), solve=fakes.act)
     assert [cell.verdict for cell in matrix.cells] == [Verdict.HANG]
     assert time.monotonic() - begin < 60.0
 
 
 def test_no_answer_is_right_where_there_is_none():
     nothing = fakes.probe("right", Nothing("nothing holds"))
-    assert one(nothing, Answer(refusal="adhesion.zone: too long")).verdict is Verdict.MEETS
-    assert one(nothing, Answer(fakes.trace(kind=OutcomeKind.NO_EQUILIBRIUM))).verdict is Verdict.MEETS
-    assert one(nothing, Answer(fakes.trace())).verdict is Verdict.WRONG
+    assert one(nothing, ProbeAnswer(refusal="adhesion.zone: too long")).verdict is Verdict.MEETS
+    assert one(nothing, ProbeAnswer(fakes.trace(kind=OutcomeKind.NO_EQUILIBRIUM))).verdict is Verdict.MEETS
+    assert one(nothing, ProbeAnswer(fakes.trace())).verdict is Verdict.WRONG
     refused = replace(nothing, scene=SceneError("radius", "falls"))
     assert judge(refused, "bem", None, ()).verdict is Verdict.MEETS
 
 
 def test_an_observable_that_is_missing_is_an_error_without_bound():
     cell = one(
-        fakes.probe("right", Known((Value("detachment_time", 1.0),), "made up")), Answer(fakes.trace())
+        fakes.probe("right", Known((Value("detachment_time", 1.0),), "made up")), ProbeAnswer(fakes.trace())
     )
     assert (cell.verdict, cell.error) == (Verdict.WRONG, measure.MISSING)
 
 
 def test_against_the_front_tracking_with_its_own_error():
     probe = fakes.probe("by resolution", Computed(("final_force", measure.CURVE), fine=20, coarse=10))
-    fine, coarse = (fakes.act(Job("reference", probe.scene, n, 9)) for n in (20, 10))
-    cell = one(probe, fakes.act(Job("bem", probe.scene, 10, 9)), fine, coarse)
+    fine, coarse = (fakes.act(ProbeRun("reference", probe.scene, n, 9)) for n in (20, 10))
+    cell = one(probe, fakes.act(ProbeRun("bem", probe.scene, 10, 9)), fine, coarse)
     assert cell.truth_error == pytest.approx(0.1 * (1 / 100 - 1 / 400) / 3.0, rel=1e-3)
     assert cell.verdict is Verdict.MEETS
-    assert one(probe, fakes.act(Job("bem", probe.scene, 4, 9)), fine, coarse).verdict is Verdict.WRONG
-    broken = Answer(fakes.trace(kind=OutcomeKind.STEP_UNDERFLOW))
+    assert one(probe, fakes.act(ProbeRun("bem", probe.scene, 4, 9)), fine, coarse).verdict is Verdict.WRONG
+    broken = ProbeAnswer(fakes.trace(kind=OutcomeKind.STEP_UNDERFLOW))
     assert one(probe, fine, fine, broken).verdict is Verdict.UNKNOWN
 
 
 def test_the_driver_asks_the_truth_and_the_other_scene():
     computed = fakes.probe("by resolution", Computed(("final_force",), fine=40, coarse=20))
     same = fakes.probe("right", Equivalent(fakes.scene("wrong")))
-    matrix = run([computed, same], solvers=("bem", "fem"), work=fakes.act)
+    matrix = run([computed, same], solvers=("bem", "fem"), solve=fakes.act)
     verdicts = [(cell.label, cell.solver, cell.verdict) for cell in matrix.cells]
     assert verdicts == [
         ("by resolution", "bem", Verdict.WRONG),  # 6 a zone: 2.7e-3 off
@@ -106,7 +112,7 @@ def test_the_driver_asks_the_truth_and_the_other_scene():
 
 def test_a_solver_that_would_take_minutes_is_not_asked_and_that_is_told():
     dear = fakes.probe("raises", too_dear={"fem": "dense"})
-    (cell,) = run([dear], solvers=("fem",), work=fakes.never).cells
+    (cell,) = run([dear], solvers=("fem",), solve=fakes.never).cells
     assert (cell.verdict, cell.outcome, cell.reason) == (Verdict.SAYS, "not run", "dense")
 
 
@@ -123,22 +129,24 @@ def test_units_are_undone_column_by_column():
 
 def test_cells_that_are_kept_are_not_run_again(tmp_path):
     asked = [fakes.probe("right"), fakes.probe("raises")]
-    first = run(asked, solvers=("bem", "fem"), work=fakes.act, store=Store(tmp_path))
-    again = run(asked, solvers=("bem", "fem"), work=fakes.never, store=Store(tmp_path))
+    first = run(asked, solvers=("bem", "fem"), solve=fakes.act, store=Store(tmp_path))
+    again = run(asked, solvers=("bem", "fem"), solve=fakes.never, store=Store(tmp_path))
     assert again.cells[:2] == first.cells[:2]
     assert [cell.reason for cell in again.cells[2:]] == [
         "AssertionError: raises"
     ] * 2  # a crash is tried again
 
 
-def test_a_worker_that_is_retired_answers_no_more():
-    worker = Worker()
-    assert worker.ask(abs, -3, 60.0) == Reply(Fate.ANSWERED, 3)
-    worker.retire()
-    with pytest.raises(Retired):
-        worker.ask(abs, -3, 60.0)
-    with pytest.raises(Retired):
-        worker.ask(abs, -3, 60.0)
+def test_processes_that_are_shut_down_answer_no_more():
+    executor = WorkerProcesses(1)
+    (result,) = run_tasks([Task("a", "a", abs, (-3,), time_limit=60.0)], executor)
+    assert (result.value, result.failure) == (3, "")
+    pending = executor.submit(time.sleep, 60.0)
+    executor.shutdown(cancel_futures=True)
+    with pytest.raises(CancelledError):
+        pending.result()
+    with pytest.raises(RuntimeError):
+        executor.submit(abs, -3)
 
 
 def cells_of(steps: dict[float, int]) -> list[Cell]:
@@ -174,7 +182,7 @@ def test_the_matrix_has_every_axis_and_every_name_once():
 
 def test_the_energy_of_a_real_run_balances_and_a_false_one_does_not():
     scene = base.scene(base.material(), base.to_and_fro(0.1))
-    trace = perform(Job("reference", scene, 8, 5000)).trace
+    trace = solve_probe(ProbeRun("reference", scene, 8, 5000)).trace
     assert trace is not None
     assert measure.energy_residual(trace, scene.material) < 1e-3
     false = replace(trace, stored_energy=1.05 * trace.stored_energy)
@@ -185,8 +193,8 @@ def test_the_energy_of_a_real_run_balances_and_a_false_one_does_not():
 def test_all_solvers_on_probes_with_a_closed_form(label):
     (probe,) = [probe for probe in AXES["loading"]() if probe.label == label]
     for solver in ("bem", "fem", "reference"):
-        job = Job(solver, probe.scene, probe.resolutions[solver], probe.max_steps)
-        cell = one(probe, perform(job), solver=solver)
+        job = ProbeRun(solver, probe.scene, probe.resolutions[solver], probe.max_steps)
+        cell = one(probe, solve_probe(job), solver=solver)
         assert cell.verdict is Verdict.MEETS, (cell.name, cell.errors)
         assert np.isfinite(cell.residual)
 
@@ -194,7 +202,7 @@ def test_all_solvers_on_probes_with_a_closed_form(label):
 def test_elements_follow_the_edge_up_to_its_last_root():
     """Next to it a stride of a quarter element finds no root: with nothing shorter this took 9600 steps."""
     (probe,) = [one for one in AXES["relaxation-time"]() if one.label == "tau/T = 1e-12, pulled from rest"]
-    trace = perform(Job("fem", probe.scene, 4, 20_000)).trace
+    trace = solve_probe(ProbeRun("fem", probe.scene, 4, 20_000)).trace
     assert trace is not None
     assert trace.counters.steps < 3000
 

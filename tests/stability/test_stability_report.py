@@ -13,7 +13,7 @@ from crosscontact.cli import main
 from validation.report import stability_map
 from validation.report import stability_section as section
 from validation.stability.checks import checks
-from validation.stability.runner import Matrix
+from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import FAULTS, Cell, Verdict
 
 
@@ -35,7 +35,7 @@ CELLS = (
     cell("100", verdict=Verdict.UNKNOWN, errors={}),
     cell("100", "fem", residual=0.2, errors={"final_force": 0.0}),
 )
-MATRIX = Matrix(CELLS, 3.0)
+MATRIX = StabilityMatrix(CELLS, 3.0)
 
 
 def test_page_and_markdown_show_faults_refusals_and_limits():
@@ -94,8 +94,8 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
     monkeypatch.setattr(command, "probes", lambda only: asked if only is None else asked[:1])
     real = command.run
 
-    def faked(probes, jobs, solvers, tell, store):
-        return real(probes, jobs, solvers, tell, fakes.act, store)
+    def faked(probes, jobs, solvers, on_cell, store):
+        return real(probes, jobs, solvers, on_cell, fakes.act, store)
 
     monkeypatch.setattr(command, "run", faked)
     out = tmp_path / "out"

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from contact_scene import Branch, BulkRelaxation, Counters, Material, Outcome, OutcomeKind, Trace
 from crosscontact.cli import main
 from validation import cases
+from validation.execution import runs
 from validation.execution.runs import Run, measure, run
 from validation.studies import poisson, poisson_material
 
@@ -76,7 +77,7 @@ def test_all_assumptions_have_the_same_shear_and_what_they_say():
         poisson_material.on_the_surface(RUBBER)
 
 
-def answered(case, solver, resolution=None, estimate=False):
+def answered(case, solver, resolution=None, progress=None, estimate=False):
     """A run as stiff as its material is at first; compressible ones know the modulus of the surface."""
     material = case.scene.material
     if material.bulk is not None:
@@ -92,7 +93,7 @@ def answered(case, solver, resolution=None, estimate=False):
     return Run(case.name, solver, trace, measures=measure(trace, case.scene, 0.0), errors=errors)
 
 
-def careless(case, solver, resolution=None, estimate=False):
+def careless(case, solver, resolution=None, progress=None, estimate=False):
     """Finite elements that overlook the bulk modulus."""
     material = case.scene.material
     wrong = poisson_material.incompressible(material) if solver == "fem" else material
@@ -100,7 +101,7 @@ def careless(case, solver, resolution=None, estimate=False):
 
 
 def test_command_prints_a_table_and_leaves_every_number(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(poisson, "run", answered)
+    monkeypatch.setattr(runs, "run", answered)
     assert main(["study", "cycle-v0.02", "--poisson", "100", "--jobs", "1", "--out", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
     assert "pull off force" in printed
@@ -118,12 +119,12 @@ def test_command_prints_a_table_and_leaves_every_number(monkeypatch, capsys, tmp
 
 
 def test_disagreement_and_failure_are_exit_code_1(monkeypatch, capsys):
-    monkeypatch.setattr(poisson, "run", careless)
+    monkeypatch.setattr(runs, "run", careless)
     assert main(["study", "cycle-v0.02", "--jobs", "1", "--poisson", "10"]) == 1
     said = capsys.readouterr().err
     assert "failed: cycle-v0.02: K/G = 10: approach_force: beyond the error estimates" in said
     assert "radius: beyond" not in said
-    monkeypatch.setattr(poisson, "run", lambda of, solver, *rest, **named: Run("x", solver, failure="no"))
+    monkeypatch.setattr(runs, "run", lambda of, solver, *rest, **named: Run("x", solver, failure="no"))
     assert main(["study", "cycle-v0.02", "--jobs", "1", "--poisson"]) == 1
     assert capsys.readouterr().err.count("full: failed: no") == len(poisson.RATIOS)
 
@@ -139,7 +140,7 @@ def test_impossible_bulk_is_bad_input(ratio, capsys):
 def test_finite_elements_with_elastic_bulk_meet_the_modulus_of_the_surface():
     """Two methods for nu(t): internal variables in the body, and a constant ratio with ``E*(t)``."""
     case = cases.load("cycle-v0.02")
-    for one in poisson.compare(case, (10.0, 100.0), resolution=4):
+    for one in poisson.compare_ratios(case, (10.0, 100.0), resolution=4):
         assert one.finished
         assert one.disagreements == []
         for name in (*poisson.OBSERVED, *poisson.CURVES):
@@ -155,9 +156,9 @@ def test_finite_elements_with_elastic_bulk_meet_the_modulus_of_the_surface():
 def test_what_a_constant_ratio_costs_falls_like_the_compressibility():
     case = cases.load("cycle-v0.02")
     for ratio in (300.0, 1000.0):
-        asked = poisson.questions(case, ratio)
-        runs = {name: run(*task, estimate=True) for name, task in asked.items() if task[1] != "fem"}
-        one = poisson.Comparison(ratio, 0.0, 0.0, runs)
+        asked = poisson.ratio_runs(case, ratio)
+        done = {name: run(*task, estimate=True) for name, task in asked.items() if task[1] != "fem"}
+        one = poisson.RatioComparison(ratio, 0.0, 0.0, done)
         first = GLASSY / ratio
         assert_allclose(one.difference("shear", "pull_off_force").value, first, rtol=0.1)
         assert_allclose(one.difference("tension", "pull_off_force").value, first * 2.0 / 3.0, rtol=0.15)

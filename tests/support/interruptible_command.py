@@ -1,4 +1,4 @@
-"""The command line with runs that rest at every look and are kept often: something to be stopped.
+"""The command line with runs that rest at every step and write many checkpoints: something to be stopped.
 
 The version is fixed, so that whoever edits a source meanwhile does not disturb. Run as
 ``python tests/support/interruptible_command.py REST ARGUMENTS...``.
@@ -10,19 +10,19 @@ import sys
 import time
 
 from crosscontact.cli import main
-from validation.execution import checkpoints
+from validation.execution import checkpoints, fingerprints
 
 VERSION = "of the tests"
 
 if __name__ == "__main__":
     rest = float(sys.argv[1])
-    look = checkpoints.Keeper.goes_on
+    continue_run = checkpoints.CheckpointWriter.continue_run
 
-    def rest_at_every_look(self, state):
+    def rest_at_every_step(self, state):
         time.sleep(rest)
-        return look(self, state)
+        return continue_run(self, state)
 
-    checkpoints.version = lambda: VERSION
-    checkpoints.EVERY = checkpoints.SHARE = 0.01
-    checkpoints.Keeper.goes_on = rest_at_every_look
+    fingerprints.version = lambda: VERSION
+    checkpoints.INTERVAL = checkpoints.INTERVAL_PER_WRITE = 0.01
+    checkpoints.CheckpointWriter.continue_run = rest_at_every_step
     sys.exit(main(sys.argv[2:]))

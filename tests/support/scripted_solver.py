@@ -10,7 +10,7 @@ import numpy as np
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, SceneError, Trace
 from validation.stability import base
 from validation.stability.probe import SOLVERS, Known, Probe, Tolerance, Value
-from validation.stability.work import Answer, Job
+from validation.stability.probe_runs import ProbeAnswer, ProbeRun
 
 FORCE = 2.0
 TIGHT = Tolerance(dict.fromkeys(SOLVERS, 1e-3), "made up")
@@ -38,11 +38,11 @@ def trace(force: float = FORCE, kind: OutcomeKind = OutcomeKind.COMPLETED, steps
     return Trace("bem", time, 0.01 * time, force * time, radius, zero, zero, zero, end, counters)
 
 
-def act(job: Job) -> Answer:
+def act(run: ProbeRun) -> ProbeAnswer:
     """What the title says."""
-    title = job.scene.title
+    title = run.scene.title
     if title == "refuses":
-        return Answer(refusal=str(SceneError("adhesion.zone", "is too long")))
+        return ProbeAnswer(refusal=str(SceneError("adhesion.zone", "is too long")))
     if title == "raises":
         raise ZeroDivisionError("division by\nzero")
     if title == "dies":
@@ -52,20 +52,20 @@ def act(job: Job) -> Answer:
     while title == "hangs":
         pass
     if title == "gives up":
-        return Answer(trace(kind=OutcomeKind.STEP_BUDGET))
+        return ProbeAnswer(trace(kind=OutcomeKind.STEP_BUDGET))
     if title == "not a number":
-        return Answer(trace(float("nan")))
+        return ProbeAnswer(trace(float("nan")))
     if title == "a little off":
-        return Answer(trace(FORCE * (1.0 + 5e-4)))
+        return ProbeAnswer(trace(FORCE * (1.0 + 5e-4)))
     if title == "wrong":
-        return Answer(trace(FORCE * 1.01))
+        return ProbeAnswer(trace(FORCE * 1.01))
     if title == "ends otherwise":
-        return Answer(trace(kind=OutcomeKind.DETACHED))
+        return ProbeAnswer(trace(kind=OutcomeKind.DETACHED))
     if title == "by resolution":
-        return Answer(trace(FORCE * (1.0 + 0.1 / job.resolution**2)))
-    return Answer(trace())
+        return ProbeAnswer(trace(FORCE * (1.0 + 0.1 / run.resolution**2)))
+    return ProbeAnswer(trace())
 
 
-def never(job: Job) -> Answer:
+def never(run: ProbeRun) -> ProbeAnswer:
     """Must not be asked."""
-    raise AssertionError(job.scene.title)
+    raise AssertionError(run.scene.title)

@@ -1,4 +1,4 @@
-"""Watches that stop a run after so many looks, and comparisons to the last bit."""
+"""Monitors that stop a run after so many calls, and comparisons to the last bit."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ class Stop:
     def __init__(self, after: int | None = None, data: bytes | None = None) -> None:
         self.looks, self.data = 0, b""
         self._after = after
-        self.kept = None if data is None else checked_pickle.thawed(data)
+        self.start_state = None if data is None else checked_pickle.loads(data)
 
-    def goes_on(self, state: Callable[[], object]) -> bool:
+    def continue_run(self, state: Callable[[], object]) -> bool:
         self.looks += 1
         if self.looks != self._after:
             return True
-        self.data = checked_pickle.frozen(state())
+        self.data = checked_pickle.dumps(state())
         return False
 
 

@@ -139,11 +139,11 @@ def missing_runs(planned: Iterable[tuple[Case, str]]) -> list[tuple[Case, str]]:
 def gather(
     tasks: Iterable[tuple[Case, str]],
     executor: Executor | None = None,
-    done: Callable[[Run], None] = lambda result: None,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Evidence:
-    """Run ``tasks``, here or through an executor; ``done`` is called as each run ends."""
+    """Run ``tasks``, here or through an executor."""
     todo = list(tasks)
-    return collect(todo, run_all(todo, executor, done))
+    return collect(todo, run_all(todo, executor, progress=progress))
 
 
 def collect(tasks: Iterable[tuple[Case, str]], results: Mapping[tuple[str, str], Run]) -> Evidence:

@@ -1,1 +1,1 @@
-"""How runs are carried out, kept, and shared out among processes."""
+"""How runs are carried out, stored, continued, and distributed over processes."""

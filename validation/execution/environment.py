@@ -52,9 +52,9 @@ def _commit() -> str | None:
 
 def _git(*arguments: str) -> str | None:
     try:
-        said = subprocess.run(
+        result = subprocess.run(
             ["git", *arguments], cwd=Path(__file__).parent, capture_output=True, text=True, timeout=10
         )
     except (OSError, subprocess.TimeoutExpired):
         return None
-    return said.stdout.strip() or None if said.returncode == 0 else None
+    return result.stdout.strip() or None if result.returncode == 0 else None

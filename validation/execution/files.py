@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, and folders known to be writable before long work starts."""
+"""Files that appear whole or not at all, strict JSON, and folders known to be writable before long work."""
 
 from __future__ import annotations
 
@@ -11,34 +11,25 @@ from pathlib import Path
 from typing import Any
 
 from contact_scene.errors import SceneError
+from contact_scene.files import write_file
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file beside its place and move it there in one step.
+    """Write a file whole or not at all, and remove what a program left that was killed while writing it.
 
-    What a killed program left of the same file goes; two at once on one file are kept apart by ``lock``.
+    Not for two writers at once, which ``folder_lock`` excludes.
     """
-    data = content.encode("utf-8") if isinstance(content, str) else content
-    remove_left(path)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with partial.open("wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        partial.replace(path)
-    except BaseException:
+    remove_partial(path)
+    write_file(path, content)
+
+
+def remove_partial(path: Path) -> None:
+    """Remove what a program that was killed while writing this file left beside it."""
+    for partial in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
         partial.unlink(missing_ok=True)
-        raise
 
 
-def remove_left(path: Path) -> None:
-    """Remove what a program that was killed while it wrote this file has left beside it."""
-    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
-        left.unlink(missing_ok=True)
-
-
-def move_whole(stage: Path, folder: Path) -> None:
+def move_files(stage: Path, folder: Path) -> None:
     """Move all files of a folder to another one on the same disk, each in one step."""
     for file in sorted(stage.iterdir()):
         with file.open("rb") as stream:
@@ -48,19 +39,19 @@ def move_whole(stage: Path, folder: Path) -> None:
 
 def to_json(value: Any) -> str:
     """Strict JSON, two spaces; what is not finite becomes null."""
-    return json.dumps(finite(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(json_value(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def finite(value: Any) -> Any:
+def json_value(value: Any) -> Any:
     """The same nested data in plain Python types, with ``None`` for NaN and infinity."""
     if isinstance(value, dict):
-        return {str(key): finite(entry) for key, entry in value.items()}
+        return {str(key): json_value(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [finite(entry) for entry in value]
+        return [json_value(entry) for entry in value]
     if value is None or isinstance(value, (bool, str, int)):
         return value
     if hasattr(value, "tolist"):
-        return finite(value.tolist())
+        return json_value(value.tolist())
     return float(value) if math.isfinite(value) else None
 
 

@@ -1,65 +1,114 @@
-"""Processes for independent runs, through the standard ``Executor`` interface."""
+"""Worker processes for independent tasks, through the standard ``Executor`` interface.
+
+A process that dies, or is killed because its task exceeds its time limit, costs this one task.
+"""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
-from concurrent.futures import Executor, ProcessPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from multiprocessing.connection import wait
-from typing import TYPE_CHECKING
+from typing import Any
+from weakref import WeakSet
+
+import pebble
 
 from validation.execution.memory import keep_freed
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+WALL_PER_PROCESSOR_SECOND = 10.0
+"""Wall time after which a task is given up, over its limit of processor time: a task that sleeps uses none,
+and on a machine with ten times as many busy processes as cores no other task reaches it."""
+
+
+class WorkerProcesses(Executor):
+    """Spawned processes that leave an interrupt to their parent and end with it, even if it is killed."""
+
+    def __init__(self, count: int) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pool = pebble.ProcessPool(count, initializer=_begin_worker, context=context)
+        self._futures: WeakSet[Future[Any]] = WeakSet()
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
+        """As of any executor."""
+        return self._schedule(None, function, arguments, named)
+
+    def submit_limited(self, seconds: float, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+        """The same, given up after ``seconds`` of processor time, which a busy machine does not change."""
+        return self._schedule(seconds, function, arguments, {})
+
+    def _schedule(
+        self, seconds: float | None, function: Callable[..., Any], arguments: tuple[Any, ...], named: Any
+    ) -> Future[Any]:
+        # Bytes: what cannot be unpickled in a process then fails with its task, not with the process.
+        call = pickle.dumps((function, arguments, named))
+        timeout = None if seconds is None else WALL_PER_PROCESSOR_SECOND * seconds
+        with _interrupts_blocked():  # inherited by the threads begun here, and by every process they start
+            future = self._pool.schedule(_carry_out, (call, seconds), timeout=timeout)
+        self._futures.add(future)
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Wait for the tasks, or kill the processes and cancel what is pending."""
+        if not cancel_futures:
+            self._pool.close()
+            if not wait:
+                return
+        else:
+            self._pool.stop()
+            for future in list(self._futures):
+                future.cancel()
+        self._pool.join()
 
 
 @contextmanager
-def processes(workers: int) -> Iterator[Executor | None]:
-    """Processes that leave an interrupt to their parent, which then stops them; none for one worker.
-
-    They end with their parent, even if it is killed.
-    """
-    if workers <= 1:
+def processes(workers: int, isolated: bool = False) -> Iterator[WorkerProcesses | None]:
+    """As many processes; none for one worker, unless its tasks must be ``isolated`` from this process."""
+    if workers <= 1 and not isolated:
         yield None
         return
-    pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"), initializer=begin)
-    with _interrupts_held_back():  # inherited by what is started here, for good
-        for _ in range(workers):
-            pool.submit(int)
+    pool = WorkerProcesses(max(workers, 1))
     try:
         yield pool
     except BaseException:
-        for process in list((pool._processes or {}).values()):
-            process.terminate()
-        pool.shutdown(wait=False, cancel_futures=True)
+        pool.shutdown(cancel_futures=True)
         raise
     pool.shutdown()
 
 
-def begin() -> None:
-    """How a process that works for another begins."""
+def _carry_out(call: bytes, seconds: float | None) -> Any:
+    """Runs in a worker: the system ends the process when the processor time is used up (SIGPROF)."""
+    limited = seconds is not None and hasattr(signal, "setitimer")
+    if limited:
+        signal.setitimer(signal.ITIMER_PROF, seconds or 0.0)
+    try:
+        function, arguments, named = pickle.loads(call)
+        return function(*arguments, **named)
+    finally:
+        if limited:
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
+
+
+def _begin_worker() -> None:
+    """Set up a worker process: allocator, end with the parent."""
     keep_freed()
-    _end_with_parent()
-
-
-def _end_with_parent() -> None:
-    """Leave at once when the parent is gone: nobody waits for an answer."""
     parent = multiprocessing.parent_process()
     if parent is not None:
-        threading.Thread(target=_leave_after, args=(parent.sentinel,), daemon=True).start()
+        threading.Thread(target=_exit_after, args=(parent.sentinel,), daemon=True).start()
 
 
-def _leave_after(sentinel: int) -> None:
+def _exit_after(sentinel: int) -> None:
     wait([sentinel])
     os._exit(1)
 
 
 @contextmanager
-def _interrupts_held_back() -> Iterator[None]:
+def _interrupts_blocked() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # not a Unix
         yield
         return

@@ -1,4 +1,4 @@
-"""One run of one solver on one scene, and many of them through an executor.
+"""One run of one solver on one scene, and many of them as tasks.
 
 A run never raises for what a scene or a solver did: it carries the failure, so that a report shows it.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 import traceback
 from collections.abc import Callable, Collection, Iterable
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -17,6 +17,9 @@ import numpy as np
 from contact_scene import RunMonitor, Scene, SceneError, Trace
 from validation import solvers
 from validation.cases import Case
+from validation.execution.fingerprints import fingerprint
+from validation.execution.store import Store
+from validation.execution.tasks import Task, TaskResult, one_line, run_tasks
 from validation.measure import error_estimate
 from validation.measure.cycles import cycle_times
 from validation.measure.observables import Observables, at_last_contact, cycle_losses, observe
@@ -67,6 +70,11 @@ class Run:
         return self.trace is not None and self.trace.outcome.finished
 
     @property
+    def breakdown(self) -> str:
+        """Why there is no answer, where the next attempt may give one; a refusal stands."""
+        return "" if self.trace is not None or self.refused else self.failure
+
+    @property
     def ending(self) -> str:
         """How it ended, in words."""
         if self.trace is None:
@@ -80,12 +88,27 @@ def run(
     resolution: int | None = None,
     progress: solvers.Progress | None = None,
     estimate: bool = False,
-    watch: RunMonitor | None = None,
+    monitor: RunMonitor | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
-    With ``estimate`` the run is judged by a coarser one (see ``error_estimate``), which takes half as long
-    again. A ``watch`` may keep the run, stop it, and let it go on.
+    Parameters
+    ----------
+    case : Case
+    solver : str
+        Name.
+    resolution : int or None
+        Divisions per process zone; ``None``: the solver's choice.
+    progress : callable or None
+        Called with the share of the loading that is done, 0 to 1.
+    estimate : bool
+        Whether to estimate errors (see ``error_estimate``): by a coarser run, half as long again.
+    monitor : RunMonitor or None
+        May save the run's state, stop it, and have it continued.
+
+    Returns
+    -------
+    Run
     """
     begin, spent = time.perf_counter(), time.process_time()
     try:
@@ -98,17 +121,16 @@ def run(
             stop_times=cycle_times(case.scene.loading),
             profile_times=case.profile_times,
             progress=progress,
-            monitor=watch,
+            monitor=monitor,
             estimate_errors=estimate,
         )
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
-        said = " ".join(str(error).split())
         return Run(
             case.name,
             solver,
-            failure=f"{type(error).__name__}: {said}" if said else type(error).__name__,
+            failure=one_line(error),
             details=traceback.format_exc(),
             wall_seconds=time.perf_counter() - begin,
             cpu_seconds=time.process_time() - spent,
@@ -151,19 +173,19 @@ def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | N
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
     """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
     zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
-    found: dict[str, float | None] = dict(observe(trace, zone).as_dict())
+    values: dict[str, float | None] = dict(observe(trace, zone).as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
-    branches, loss = at_last_contact(trace, "branch_dissipation", zone), found["dissipated_energy"]
-    found["branch_dissipation"] = branches
-    found["zone_excess"] = branches - loss if branches is not None and loss is not None else None
-    found["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
+    branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
+    values["branch_dissipation"] = branches
+    values["zone_excess"] = branches - loss if branches is not None and loss is not None else None
+    values["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
     cycles = cycle_losses(trace, cycle_times(scene.loading))
     peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
-    found["peak_cycle_loss"] = peak.loop if peak else None
-    found["peak_cycle_frequency"] = peak.angular_frequency if peak else None
-    found |= {f"counters.{name}": float(count) for name, count in asdict(trace.counters).items()}
-    found["wall_seconds"] = wall_seconds
-    return found
+    values["peak_cycle_loss"] = peak.loop if peak else None
+    values["peak_cycle_frequency"] = peak.angular_frequency if peak else None
+    values |= {f"counters.{name}": float(count) for name, count in asdict(trace.counters).items()}
+    values["wall_seconds"] = wall_seconds
+    return values
 
 
 def summary(result: Run) -> dict[str, Any]:
@@ -191,35 +213,47 @@ def expected_seconds(case: Case, solver: str) -> float:
     return solvers.SOLVERS[solver].expected_seconds(case.scene) if solver in solvers.SOLVERS else 1.0
 
 
+def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
+    """A run as a task; parameters as of :func:`run`."""
+    return Task(
+        fingerprint("run", case.scene, solver, resolution, output_times(case), estimate),
+        f"{case.name} {solver}",
+        run,
+        (case, solver, resolution, None, estimate),
+        expected_seconds(case, solver),
+    )
+
+
+def run_of(result: TaskResult) -> Run:
+    """The run that a task of :func:`run_task` gave, or its failure where a process died with it."""
+    case, solver = result.task.arguments[:2]
+    if result.value is None:
+        return Run(case.name, solver, failure=result.failure, details=result.details)
+    return replace(result.value, scene=case.name)  # a stored one may come from a scene of another name
+
+
 def run_all(
-    tasks: Iterable[tuple[Case, str]],
+    pairs: Iterable[tuple[Case, str]],
     executor: Executor | None = None,
-    done: Callable[[Run], None] = lambda result: None,
+    store: Store | None = None,
+    progress: Callable[[float, str], None] | None = None,
     estimated: Collection[str] = (),
 ) -> dict[tuple[str, str], Run]:
-    """Run ``(case, solver)`` pairs, here or through any ``concurrent.futures`` executor.
+    """Run pairs of case and solver, here or through an executor.
 
-    ``done`` is called as each run ends; ``estimated`` names the scenes whose errors are to be estimated. What
-    takes longest is begun first, so that no process is left alone with it at the end. The answer is keyed by
-    scene and solver, in the order of ``tasks``.
+    Parameters
+    ----------
+    pairs : iterable of (Case, str)
+    executor, store, progress
+        As of :func:`~validation.execution.tasks.run_tasks`.
+    estimated : collection of str
+        Names of the scenes whose errors are estimated.
+
+    Returns
+    -------
+    dict of (str, str) to Run
+        By scene and solver, in the order of ``pairs``.
     """
-    todo = list(tasks)
-    ordered = sorted(todo, key=lambda task: -expected_seconds(*task))
-    results: dict[tuple[str, str], Run] = {}
-    if executor is None:
-        for case, solver in todo:
-            results[case.name, solver] = run(case, solver, estimate=case.name in estimated)
-            done(results[case.name, solver])
-        return results
-    futures: dict[Future[Run], tuple[str, str]] = {
-        executor.submit(run, case, solver, estimate=case.name in estimated): (case.name, solver)
-        for case, solver in ordered
-    }
-    for future in as_completed(futures):
-        name, solver = futures[future]
-        try:
-            results[name, solver] = future.result()
-        except Exception as error:  # a worker that died takes its run along, not the report
-            results[name, solver] = Run(name, solver, failure=f"{type(error).__name__}: {error}")
-        done(results[name, solver])
-    return {(case.name, solver): results[case.name, solver] for case, solver in todo}
+    tasks = [run_task(case, solver, estimate=case.name in estimated) for case, solver in pairs]
+    runs = map(run_of, run_tasks(tasks, executor, store, progress))
+    return {(result.scene, result.solver): result for result in runs}

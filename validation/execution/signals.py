@@ -1,4 +1,4 @@
-"""SIGINT (Ctrl-C) and SIGTERM: both interrupt, and a run that is watched ends with its step."""
+"""SIGINT (Ctrl-C) and SIGTERM: both interrupt, and a run with checkpoints ends with its present step."""
 
 from __future__ import annotations
 
@@ -18,21 +18,25 @@ def interrupting() -> Iterator[None]:
         yield
 
 
-class Patience:
-    """Waits for the end of a step where ``patient()`` says so; a second signal interrupts at once."""
+class GracefulStop:
+    """Signal handler that has a run end with its present step.
+
+    It does where ``possible()`` says that the run can be stopped between two steps; elsewhere, and at a
+    second signal, it interrupts at once.
+    """
 
     def __init__(self) -> None:
-        self.asked = False
-        self.patient: Callable[[], bool] = lambda: False
+        self.requested = False
+        self.possible: Callable[[], bool] = lambda: False
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
-        if self.asked or not self.patient():
+        if self.requested or not self.possible():
             _interrupt(number, frame)
-        self.asked = True
+        self.requested = True
 
     @contextmanager
-    def waiting(self) -> Iterator[None]:
-        """Both signals come here."""
+    def handling_signals(self) -> Iterator[None]:
+        """Handle both signals here."""
         with _handled(self):
             yield
 
@@ -46,8 +50,8 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
     if threading.current_thread() is not threading.main_thread():  # where no handler may be set
         yield
         return
-    heeded = [number for number in _SIGNALS if signal.getsignal(number) not in (signal.SIG_IGN, None)]
-    before = {number: signal.signal(number, handler) for number in heeded}
+    not_ignored = [number for number in _SIGNALS if signal.getsignal(number) not in (signal.SIG_IGN, None)]
+    before = {number: signal.signal(number, handler) for number in not_ignored}
     try:
         yield
     finally:

@@ -1,7 +1,7 @@
-"""Finished parts of a long command, kept in its folder until the whole is done.
+"""Finished parts of a long command, stored in its folder until the whole is done.
 
-A command that is stopped, in whatever way, does what is missing when it is given again; what it has is taken
-over bit for bit, run times included. When its results are written the store goes.
+A command that is stopped, in whatever way, does what is missing when it is given again; stored answers are
+taken over bit for bit, run times included. When its results are written the store is removed.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ FOLDER = ".unfinished"
 
 
 class Store:
-    """Answers by question (see ``resume.question``).
+    """Answers by fingerprint (see ``fingerprints``).
 
     Parameters
     ----------
     out : Path or None
-        The command's folder; without one nothing is kept.
+        The command's folder; without one nothing is stored.
     fresh : bool
-        Whether to start anew whatever has been kept.
+        Whether to remove what is stored.
 
     Attributes
     ----------
-    found : int
-        Answers taken over so far.
+    taken_over : int
+        Answers of an earlier attempt so far.
     """
 
     def __init__(self, out: Path | None = None, fresh: bool = False) -> None:
         self._folder = None if out is None else out / FOLDER
-        self.found = 0
-        self._before = 0.0
+        self.taken_over = 0
+        self._seconds_before = 0.0
         self._began = time.perf_counter()
         if fresh:
             self.clear()
@@ -43,27 +43,27 @@ class Store:
     @property
     def seconds(self) -> float:
         """Time spent on the command so far, earlier attempts included."""
-        return self._before + time.perf_counter() - self._began
+        return self._seconds_before + time.perf_counter() - self._began
 
-    def get(self, question: str) -> Any:
-        """The answer kept, or ``None``."""
+    def get(self, fingerprint: str) -> Any:
+        """The stored answer, or ``None``."""
         if self._folder is None:
             return None
         try:
-            answer, seconds = checked_pickle.read(self._folder / question, question)
-        except checked_pickle.Unusable:
+            answer, seconds = checked_pickle.read(self._folder / fingerprint, fingerprint)
+        except checked_pickle.UnusableFile:
             return None
-        self.found += 1
-        self._before = max(self._before, seconds)
+        self.taken_over += 1
+        self._seconds_before = max(self._seconds_before, seconds)
         return answer
 
-    def put(self, question: str, answer: Any) -> None:
-        """Keep an answer."""
+    def put(self, fingerprint: str, answer: Any) -> None:
+        """Store an answer."""
         if self._folder is not None:
             self._folder.mkdir(exist_ok=True)
-            checked_pickle.write(self._folder / question, question, answer, self.seconds)
+            checked_pickle.write(self._folder / fingerprint, fingerprint, answer, self.seconds)
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Remove all answers."""
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)

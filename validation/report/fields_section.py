@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from contact_scene import Scene, Trace
     from fem_solver import FieldState
-    from validation.report.build import Page
+    from validation.compare.suite import SceneComparison
 
 SCENE = "cycle-v0.002"
 TITLE = "Under the surface"
@@ -65,7 +65,9 @@ LOST = "Energy lost in the branches: densities summed over the body, and the tra
 HEAD = ("moment", "time", "penetration", "force", "contact radius", "lost in the body", "in the trace")
 
 
-def compute(pages: list[Page], progress: Callable[[float], None] = lambda done: None) -> FieldsSection:
+def compute(
+    pages: list[SceneComparison], progress: Callable[[float], None] = lambda done: None
+) -> FieldsSection:
     """Run the finite elements once more and draw; never raises for a machine that cannot draw."""
     from validation.cases import load
     from validation.fields.balance import balance
@@ -94,7 +96,7 @@ def compute(pages: list[Page], progress: Callable[[float], None] = lambda done: 
     return FieldsSection(drawn, tuple(pictures), tuple(rows))
 
 
-def fig3(pages: list[Page], scene: Scene) -> Figure | None:
+def fig3(pages: list[SceneComparison], scene: Scene) -> Figure | None:
     """Fig. 3 from the runs of a report; ``None`` if one of them is missing."""
     from validation.fields.figures import fig3
     from validation.measure.observables import end_of_approach

@@ -14,7 +14,8 @@ from validation.report.text import HEAD, MOVE_HEAD, move_row, number, parameters
 from validation.solvers import REFERENCE
 
 if TYPE_CHECKING:
-    from validation.report.build import Page, Report
+    from validation.compare.suite import SceneComparison
+    from validation.report.build import Report
 
 
 def text(report: Report) -> str:
@@ -95,7 +96,7 @@ def _flag(word: str) -> str:
     return f'<span class="{"pass" if word == "no" else "fail"}">{escape(word)}</span>'
 
 
-def _closest(page: Page) -> str:
+def _closest(page: SceneComparison) -> str:
     """The check that uses most of what it is allowed."""
     used = [
         (abs(check.difference) / check.limit, check)
@@ -108,7 +109,7 @@ def _closest(page: Page) -> str:
     return f"{100 * share:.0f} %: {check.quantity.replace('_', ' ')}, {check.solver}"
 
 
-def _section(page: Page) -> str:
+def _section(page: SceneComparison) -> str:
     case = page.case
     head = "".join(f"<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in parameters(page))
     return "\n".join(
@@ -129,7 +130,7 @@ def _section(page: Page) -> str:
     )
 
 
-def _figures(page: Page) -> str:
+def _figures(page: SceneComparison) -> str:
     scene = page.case.scene
     traces = [result.trace for result in page.runs.values() if result.trace is not None]
     curves = with_differences([of_trace(trace, scene) for trace in traces if len(trace)], REFERENCE)
@@ -148,7 +149,7 @@ def _figures(page: Page) -> str:
     return "\n".join(drawn)
 
 
-def _runs(page: Page) -> str:
+def _runs(page: SceneComparison) -> str:
     head = (
         "solver",
         "ending",
@@ -205,5 +206,5 @@ def table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     return f'<div class="wide"><table><thead><tr>{titles}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def _anchor(page: Page) -> str:
+def _anchor(page: SceneComparison) -> str:
     return "scene-" + "".join(c if c.isascii() and c.isalnum() else "-" for c in page.case.name)

@@ -12,7 +12,8 @@ from validation.report.costs import spent
 from validation.report.text import spared_by
 
 if TYPE_CHECKING:
-    from validation.report.build import Page, Report
+    from validation.compare.suite import SceneComparison
+    from validation.report.build import Report
 
 FORMAT = 1
 
@@ -45,7 +46,7 @@ def data(report: Report) -> dict[str, Any]:
     return whole
 
 
-def _scene(page: Page) -> dict[str, Any]:
+def _scene(page: SceneComparison) -> dict[str, Any]:
     return {
         "name": page.case.name,
         "title": page.case.scene.title,

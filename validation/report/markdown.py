@@ -9,7 +9,8 @@ from validation.report.text import HEAD, MOVE_HEAD, move_row, number, row, spare
 
 if TYPE_CHECKING:
     from validation.compare.regression import Comparison
-    from validation.report.build import Page, Report
+    from validation.compare.suite import SceneComparison
+    from validation.report.build import Report
 
 MOST = 20  # moves shown, if fewer count
 
@@ -59,7 +60,7 @@ def _solvers(report: Report) -> list[str]:
     return list(dict.fromkeys(solver for page in report.pages for solver in page.runs))
 
 
-def _line(page: Page) -> str:
+def _line(page: SceneComparison) -> str:
     good = sum(check.passed for check in page.checks)
     forces = [run.measures.get("pull_off_force") for run in page.runs.values()]
     endings = [

@@ -8,17 +8,17 @@ from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
 from validation.report import stability_section as section
 from validation.report.html import document, environment
-from validation.stability.runner import Matrix
+from validation.stability.runner import StabilityMatrix
 
 JSON = "stability.json"
 
 
-def keep(matrix: Matrix, folder: Path, complete: bool) -> None:
+def keep(matrix: StabilityMatrix, folder: Path, complete: bool) -> None:
     """Write the JSON alone, which also holds what an interrupted run has."""
     write_whole(folder / JSON, to_json({"format": 1, **section.data(matrix, complete)}))
 
 
-def write(matrix: Matrix, folder: Path) -> None:
+def write(matrix: StabilityMatrix, folder: Path) -> None:
     """Write ``index.html``, ``stability.md``, ``stability.json`` and ``figures/``."""
     computed_on = stamp()
     (folder / "figures").mkdir(exist_ok=True)

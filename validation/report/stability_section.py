@@ -14,7 +14,7 @@ from validation.report import stability_map
 from validation.stability.checks import checks
 from validation.stability.growth import Growth, fit
 from validation.stability.limits import limits
-from validation.stability.runner import Matrix
+from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell, Verdict
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def numbers(cells: Sequence[Cell]) -> dict[tuple[str, str], int]:
     return {key: i for i, key in enumerate(dict.fromkeys((cell.axis, cell.label) for cell in cells), 1)}
 
 
-def maps(matrix: Matrix) -> dict[str, Figure]:
+def maps(matrix: StabilityMatrix) -> dict[str, Figure]:
     """A heat map for every solver."""
     counted = numbers(matrix.cells)
     solvers = dict.fromkeys(cell.solver for cell in matrix.cells)
@@ -64,12 +64,12 @@ def maps(matrix: Matrix) -> dict[str, Figure]:
     }
 
 
-def pictures(matrix: Matrix) -> dict[str, bytes]:
+def pictures(matrix: StabilityMatrix) -> dict[str, bytes]:
     """The same as PNG, by file name."""
     return {f"stability-{solver}.png": figures.png(figure, 150) for solver, figure in maps(matrix).items()}
 
 
-def html(matrix: Matrix) -> str:
+def html(matrix: StabilityMatrix) -> str:
     """Section of a page."""
     drawn = "".join(
         f'<figure class="whole">{figures.svg(figure, f"stability-{solver}", f"Heat map, {solver}")}'
@@ -127,7 +127,7 @@ def row(cell: Cell, number: int) -> tuple[str, ...]:
     )
 
 
-def markdown(matrix: Matrix) -> list[str]:
+def markdown(matrix: StabilityMatrix) -> list[str]:
     """Lines: the limits, and every cell that is not simply within its tolerance."""
     lines = ["", f"## {TITLE}", "", *(f"- {line}" for line in limits(matrix.cells))]
     told = [cell for cell in matrix.cells if cell.verdict is not Verdict.MEETS]
@@ -140,7 +140,7 @@ def markdown(matrix: Matrix) -> list[str]:
     return lines
 
 
-def data(matrix: Matrix, complete: bool = True) -> dict[str, Any]:
+def data(matrix: StabilityMatrix, complete: bool = True) -> dict[str, Any]:
     """Everything, for programs."""
     counted = numbers(matrix.cells)
     return {
@@ -156,7 +156,7 @@ def data(matrix: Matrix, complete: bool = True) -> dict[str, Any]:
     }
 
 
-def junit(matrix: Matrix) -> tree.Element:
+def junit(matrix: StabilityMatrix) -> tree.Element:
     """A test suite, one case for every axis and solver."""
     found = checks(matrix.cells)
     suite = tree.Element(

@@ -10,8 +10,8 @@ from validation.measure.skipped_work import in_words
 
 if TYPE_CHECKING:
     from validation.compare.regression import Move
+    from validation.compare.suite import SceneComparison
     from validation.measure.check import Check
-    from validation.report.build import Page
 
 NONE = "–"
 HEAD = (
@@ -71,7 +71,7 @@ def move_row(move: Move) -> tuple[str, ...]:
     )
 
 
-def table(page: Page) -> str:
+def table(page: SceneComparison) -> str:
     """All verdicts on a scene in aligned columns."""
     rows = [HEAD, *(row(check) for check in page.checks)]
     widths = [max(len(line[i]) for line in rows) for i in range(len(HEAD))]
@@ -83,13 +83,13 @@ def table(page: Page) -> str:
     return "\n".join(lines) + "\n"
 
 
-def spared_by(page: Page) -> str:
+def spared_by(page: SceneComparison) -> str:
     """What the solvers left out because the scene did not need it."""
     work = {solver: asdict(run.trace.counters) for solver, run in page.runs.items() if run.trace is not None}
     return in_words(work) if work else "No run has counters of its work."
 
 
-def parameters(page: Page) -> list[tuple[str, str]]:
+def parameters(page: SceneComparison) -> list[tuple[str, str]]:
     """What the scene consists of, as name and value."""
     scene = page.case.scene
     material = scene.material

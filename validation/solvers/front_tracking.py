@@ -59,9 +59,9 @@ class FrontTracking(Solver):
 
     def default_resolution(self, scene: Scene) -> int:
         """As in ``validation.reference.Options``."""
-        from validation.reference.tracking.options import RESOLUTION
+        from validation.reference.tracking.options import DEFAULT_RESOLUTION
 
-        return int(RESOLUTION[scene.is_adhesive])
+        return int(DEFAULT_RESOLUTION[scene.is_adhesive])
 
     def coarse_resolution(self, adhesive: bool) -> int:
         """Eight; without adhesion four."""

@@ -1,28 +1,27 @@
-"""Run the matrix: probes shared out among workers, every cell told and kept as soon as it is judged."""
+"""Run the matrix of stiff and extreme probes; every cell is judged as soon as its runs are there."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from contact_scene import Scene
-from validation.execution.checkpoints import question
+from validation.execution.fingerprints import fingerprint
+from validation.execution.processes import processes
 from validation.execution.store import Store
-from validation.execution.workers import Reply, Worker
+from validation.execution.tasks import Task, TaskResult, run_tasks
+from validation.solvers import REFERENCE
 from validation.stability.probe import SOLVERS, Computed, Equivalent, Probe
-from validation.stability.verdict import Cell, Verdict, judge, not_run
-from validation.stability.work import Job, Perform, perform
+from validation.stability.probe_runs import ProbeAnswer, ProbeRun, solve_probe
+from validation.stability.verdict import Cell, judge, not_run
 
-Tell = Callable[[Cell, list[Cell]], None]
-TRUTH = "reference"
+OnCell = Callable[[Cell, list[Cell]], None]
+SolveProbe = Callable[[ProbeRun], ProbeAnswer]
 
 
 @dataclass(frozen=True)
-class Matrix:
-    """All cells, in the order of the probes, and the wall time it took."""
+class StabilityMatrix:
+    """All cells, in the order of the probes, and the wall time in seconds that they took."""
 
     cells: tuple[Cell, ...]
     wall_seconds: float
@@ -37,98 +36,81 @@ def run(
     probes: Sequence[Probe],
     jobs: int = 1,
     solvers: Sequence[str] = SOLVERS,
-    tell: Tell = lambda cell, cells: None,
-    work: Perform = perform,
+    on_cell: OnCell = lambda cell, cells: None,
+    solve: SolveProbe = solve_probe,
     store: Store | None = None,
-) -> Matrix:
-    """Run every probe with every solver.
+) -> StabilityMatrix:
+    """Run every probe with every solver, in processes that can be killed where a run hangs.
 
-    ``tell`` is given each cell and all cells so far, one call at a time. An interrupt kills the workers.
-    Cells that ``store`` holds are taken over, except for runs that crashed or hung.
+    Parameters
+    ----------
+    probes : sequence of Probe
+    jobs : int
+        Processes at the same time.
+    solvers : sequence of str
+        Names.
+    on_cell : callable
+        Called with each cell and all cells so far.
+    solve : callable
+        What a process does.
+    store : Store or None
+        Runs that it holds are taken over; those that crashed or hung are not in it.
+
+    Returns
+    -------
+    StabilityMatrix
     """
     store = store or Store()
-    found: dict[str, list[Cell]] = {}
-    telling = threading.Lock()
-    with _workers(jobs) as workers:
-        idle = list(workers)
+    columns = [(probe, solver) for probe in probes for solver in solvers]
+    needed = [_tasks(probe, solver, solve) for probe, solver in columns]
+    results: dict[str, TaskResult] = {}
+    cells: dict[int, Cell] = {}
 
-        def carry_out(probe: Probe) -> None:
-            with telling:
-                known = {solver: store.get(_question(probe, solver)) for solver in solvers}
-            for cell in filter(None, known.values()):
-                add(probe, cell)
-            missing = [solver for solver, cell in known.items() if cell is None]
-            if not missing:
-                return
-            worker = idle.pop()
-            try:
-                for cell in _cells(probe, missing, worker, work):
-                    add(probe, cell)
-                    if cell.verdict not in (Verdict.CRASH, Verdict.HANG):
-                        with telling:
-                            store.put(_question(probe, cell.solver), cell)
-            finally:
-                idle.append(worker)
+    def judge_complete() -> None:
+        for index, tasks in enumerate(needed):
+            if index not in cells and all(task.key in results for task in tasks):
+                cells[index] = _cell(*columns[index], [results[task.key] for task in tasks])
+                on_cell(cells[index], in_order())
 
-        def add(probe: Probe, cell: Cell) -> None:
-            with telling:
-                found.setdefault(probe.name, []).append(cell)
-                tell(cell, in_order())
+    def in_order() -> list[Cell]:
+        return [cells[index] for index in sorted(cells)]
 
-        def in_order() -> list[Cell]:
-            order = list(solvers)
-            return [
-                cell
-                for probe in probes
-                for cell in sorted(found.get(probe.name, []), key=lambda cell: order.index(cell.solver))
-            ]
+    def on_result(result: TaskResult) -> None:
+        results[result.task.key] = result
+        judge_complete()
 
-        threads = ThreadPoolExecutor(jobs)
-        try:
-            longest_first = sorted(probes, key=lambda probe: -probe.seconds)
-            for done in as_completed([threads.submit(carry_out, probe) for probe in longest_first]):
-                done.result()
-        finally:
-            threads.shutdown(wait=False, cancel_futures=True)
-    return Matrix(tuple(in_order()), store.seconds)
+    judge_complete()  # cells without any run
+    with processes(jobs, isolated=True) as executor:
+        unique = {task.key: task for tasks in needed for task in tasks}
+        run_tasks(unique.values(), executor, store, on_result=on_result)
+    return StabilityMatrix(tuple(in_order()), store.seconds)
 
 
-def _question(probe: Probe, solver: str) -> str:
-    """The sources are part of a question, and the sources are what makes a probe of this name."""
-    return question("stability", probe.name, solver)
-
-
-@contextmanager
-def _workers(count: int) -> Iterator[list[Worker]]:
-    workers = [Worker() for _ in range(count)]
-    try:
-        yield workers
-    finally:
-        for worker in workers:
-            worker.retire()
-
-
-def _cells(probe: Probe, solvers: Sequence[str], worker: Worker, work: Perform) -> Iterator[Cell]:
-    if not isinstance(probe.scene, Scene):
-        for solver in solvers:
-            yield judge(probe, solver, None, ())
-        return
-    common: tuple[Reply, ...] = ()
+def _tasks(probe: Probe, solver: str, solve: SolveProbe) -> list[Task]:
+    """Runs that a cell rests on: the solver's own, and those of its truth."""
+    if not isinstance(probe.scene, Scene) or solver in probe.too_dear:
+        return []
+    own = probe.resolutions[solver]
+    runs = [ProbeRun(solver, probe.scene, own, probe.max_steps)]
     if isinstance(probe.truth, Computed):
-        levels = (probe.truth.fine, probe.truth.coarse)
-        common = tuple(_ask(probe, TRUTH, probe.scene, worker, work, level) for level in levels)
-    for solver in solvers:
-        if solver in probe.too_dear:
-            yield not_run(probe, solver)
-            continue
-        reply, truths = _ask(probe, solver, probe.scene, worker, work), common
-        if isinstance(probe.truth, Equivalent):
-            truths = (_ask(probe, solver, probe.truth.scene, worker, work),)
-        yield judge(probe, solver, reply, truths)
+        for resolution in (probe.truth.fine, probe.truth.coarse):
+            runs.append(ProbeRun(REFERENCE, probe.scene, resolution, probe.max_steps))
+    if isinstance(probe.truth, Equivalent):
+        runs.append(ProbeRun(solver, probe.truth.scene, own, probe.max_steps))
+    return [
+        Task(
+            fingerprint("stability", run),
+            f"{probe.name}: {run.solver}",
+            solve,
+            (run,),
+            expected_seconds=probe.seconds,
+            time_limit=probe.seconds,
+        )
+        for run in runs
+    ]
 
 
-def _ask(
-    probe: Probe, solver: str, scene: Scene, worker: Worker, work: Perform, level: int | None = None
-) -> Reply:
-    job = Job(solver, scene, level or probe.resolutions[solver], probe.max_steps)
-    return worker.ask(work, job, probe.seconds)
+def _cell(probe: Probe, solver: str, results: list[TaskResult]) -> Cell:
+    if results:
+        return judge(probe, solver, results[0], tuple(results[1:]))
+    return judge(probe, solver, None, ()) if not isinstance(probe.scene, Scene) else not_run(probe, solver)

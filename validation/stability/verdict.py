@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from contact_scene import Scene, SceneError, Trace
-from validation.execution.workers import Fate, Reply
+from validation.execution.tasks import TaskEnding, TaskResult
 from validation.stability import measure
 from validation.stability.probe import Computed, Equivalent, Known, Nothing, Probe, Truth
-from validation.stability.work import Answer
+from validation.stability.probe_runs import ProbeAnswer
 
 
 class Verdict(StrEnum):
@@ -81,24 +81,26 @@ class Cell:
         return self.verdict in FAULTS
 
 
-def judge(probe: Probe, solver: str, reply: Reply | None, truths: tuple[Reply | None, ...]) -> Cell:
+def judge(
+    probe: Probe, solver: str, result: TaskResult | None, truths: tuple[TaskResult | None, ...]
+) -> Cell:
     """The cell of one solver.
 
     Parameters
     ----------
-    reply : Reply or None
-        With an ``Answer``; ``None`` if the scene itself was refused.
-    truths : tuple of Reply or None
+    result : TaskResult or None
+        With an ``ProbeAnswer``; ``None`` if the scene itself was refused.
+    truths : tuple of TaskResult or None
         Runs the truth rests on: for ``Computed`` fine and coarse, for ``Equivalent`` the other scene's.
     """
-    if reply is None:
+    if result is None:
         assert isinstance(probe.scene, SceneError)
         return _declared(probe, solver, "refused", str(probe.scene))
-    if reply.fate is Fate.HUNG:
-        return _cell(probe, solver, Verdict.HANG, "hung", reply.said)
-    if reply.fate is not Fate.ANSWERED:
-        return _cell(probe, solver, Verdict.CRASH, str(reply.fate), reply.said)
-    answer: Answer = reply.value
+    if result.ending is TaskEnding.TIMED_OUT:
+        return _cell(probe, solver, Verdict.HANG, "hung", result.failure)
+    if result.ending is not TaskEnding.ANSWERED:
+        return _cell(probe, solver, Verdict.CRASH, str(result.ending), result.failure)
+    answer: ProbeAnswer = result.value
     if answer.trace is None:
         return _declared(probe, solver, "refused", answer.refusal, seconds=answer.seconds)
     trace, outcome = answer.trace, answer.trace.outcome
@@ -118,7 +120,7 @@ def judge(probe: Probe, solver: str, reply: Reply | None, truths: tuple[Reply | 
 
 
 def _judged(
-    probe: Probe, solver: str, trace: Trace, truths: tuple[Reply | None, ...], facts: dict[str, Any]
+    probe: Probe, solver: str, trace: Trace, truths: tuple[TaskResult | None, ...], facts: dict[str, Any]
 ) -> Cell:
     """A run that claims to have an answer."""
     truth, outcome = probe.truth, trace.outcome
@@ -129,7 +131,7 @@ def _judged(
         errors, own, ending = measure.against_values(trace, truth.values), 0.0, truth.ending
         source = truth.source
     else:
-        runs = [_trace(reply) for reply in truths]
+        runs = [_trace(result) for result in truths]
         first = runs[0]
         if any(run is None or not run.outcome.finished for run in runs) or first is None:
             source = "the run it is measured against has no answer"
@@ -195,10 +197,10 @@ def _cell(probe: Probe, solver: str, verdict: Verdict, outcome: str, reason: str
     )
 
 
-def _trace(reply: Reply | None) -> Trace | None:
-    if reply is None or reply.fate is not Fate.ANSWERED:
+def _trace(result: TaskResult | None) -> Trace | None:
+    if result is None or result.ending is not TaskEnding.ANSWERED:
         return None
-    return reply.value.trace
+    return result.value.trace
 
 
 def _scene(probe: Probe) -> Scene:

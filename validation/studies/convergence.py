@@ -64,6 +64,11 @@ class LevelRun:
         """Whether this level has no full answer."""
         return bool(self.failure)
 
+    @property
+    def breakdown(self) -> str:
+        """Why there is no answer, where the next attempt may give one."""
+        return "" if self.outcome else self.failure
+
 
 @dataclass(frozen=True)
 class Row:

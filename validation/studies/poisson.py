@@ -18,7 +18,8 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 from validation.cases import Case
-from validation.execution.runs import Run, run
+from validation.execution.runs import Run, run_of, run_task
+from validation.execution.tasks import run_tasks
 from validation.measure.norms import distance
 from validation.measure.scaling import scale
 from validation.studies import poisson_material as materials
@@ -35,7 +36,7 @@ ASSUMPTIONS = {
 
 
 @dataclass(frozen=True)
-class Difference:
+class RunDifference:
     """Of one run from the reference on the surface modulus, relative; estimates of both, where there are."""
 
     value: float
@@ -49,7 +50,7 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class RatioComparison:
     """One compressibility.
 
     Parameters
@@ -72,29 +73,29 @@ class Comparison:
         """Whether every run reached its end."""
         return all(result.finished for result in self.runs.values())
 
-    def difference(self, name: str, observable: str) -> Difference | None:
+    def difference(self, name: str, observable: str) -> RunDifference | None:
         """Of a run by name, in an observable or (root mean square over time) a column of the trace."""
-        found, base = self.runs[name], self.runs[SURFACE]
-        if found.trace is None or base.trace is None:
+        result, base = self.runs[name], self.runs[SURFACE]
+        if result.trace is None or base.trace is None:
             return None
-        estimates = found.errors.get(observable), base.errors.get(observable)
+        estimates = result.errors.get(observable), base.errors.get(observable)
         if observable in CURVES:
-            apart = distance(found.trace, base.trace, observable)
-            return None if apart is None else Difference(apart.rms, *estimates)
-        value, expected = found.measures.get(observable), base.measures.get(observable)
+            apart = distance(result.trace, base.trace, observable)
+            return None if apart is None else RunDifference(apart.rms, *estimates)
+        value, expected = result.measures.get(observable), base.measures.get(observable)
         if value is None or expected is None:
             return None
         relative_to = scale(observable, expected, base.trace)
-        return Difference((value - expected) / relative_to if relative_to > 0.0 else 0.0, *estimates)
+        return RunDifference((value - expected) / relative_to if relative_to > 0.0 else 0.0, *estimates)
 
     @property
     def disagreements(self) -> list[str]:
         """Observables in which the full path is not where the surface modulus says, beyond the estimates."""
-        named = {name: self.difference(FULL, name) for name in (*OBSERVED, *CURVES)}
-        return [name for name, found in named.items() if found is not None and not found.explained]
+        differences = {name: self.difference(FULL, name) for name in (*OBSERVED, *CURVES)}
+        return [name for name, one in differences.items() if one is not None and not one.explained]
 
 
-def questions(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
+def ratio_runs(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
     """What is run for one compressibility: case and solver by name."""
     separate = materials.with_bulk(case.scene.material, ratio)
     answers = {FULL: (separate, "fem"), SURFACE: (materials.on_the_surface(separate), "reference")}
@@ -105,36 +106,47 @@ def questions(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
     }
 
 
-def compare(
+def compare_ratios(
     case: Case,
     ratios: Iterable[float] = RATIOS,
     resolution: int | None = None,
     executor: Executor | None = None,
-    done: Callable[[float, str], None] = lambda share, text: None,
-) -> list[Comparison]:
-    """Run everything; ``resolution`` is that of the finite elements, ``done`` is told the share and the run.
+    progress: Callable[[float, str], None] | None = None,
+) -> list[RatioComparison]:
+    """Run everything, for every ratio.
+
+    Parameters
+    ----------
+    case : Case
+    ratios : iterable of float
+        ``K/G`` of the relaxed solid.
+    resolution : int or None
+        Divisions per process zone of the finite elements.
+    executor, progress
+        As of :func:`~validation.execution.tasks.run_tasks`.
+
+    Returns
+    -------
+    list of RatioComparison
+        In the order of ``ratios``.
 
     Raises
     ------
     SceneError
         If a ratio ``K/G`` is not above 2/3 (a negative Poisson's ratio).
     """
-    asked = {ratio: questions(case, ratio) for ratio in ratios}
-    tasks = [(ratio, name, *task) for ratio, named in asked.items() for name, task in named.items()]
-    pending = {}
-    if executor is not None:  # the finite elements first: they take longest
-        for ratio, name, of, solver in sorted(tasks, key=lambda task: task[3]):
-            finer = resolution if solver == "fem" else None
-            pending[ratio, name] = executor.submit(run, of, solver, finer, estimate=True)
-    found: dict[tuple[float, str], Run] = {}
-    for index, (ratio, name, of, solver) in enumerate(tasks, 1):
-        if executor is not None:
-            found[ratio, name] = pending[ratio, name].result()
-        else:
-            found[ratio, name] = run(of, solver, resolution if solver == "fem" else None, estimate=True)
-        done(index / len(tasks), f"K/G = {ratio:g}: {name}")
+    named = {ratio: ratio_runs(case, ratio) for ratio in ratios}
+    tasks = [
+        replace(
+            run_task(of, solver, resolution if name == FULL else None, estimate=True),
+            label=f"K/G = {ratio:g}: {name}",
+        )
+        for ratio, pairs in named.items()
+        for name, (of, solver) in pairs.items()
+    ]
+    runs = map(run_of, run_tasks(tasks, executor, progress=progress))
     comparisons = []
-    for ratio, named in asked.items():
-        initial, final = materials.poisson_range(named[FULL][0].scene.material)
-        comparisons.append(Comparison(ratio, initial, final, {name: found[ratio, name] for name in named}))
+    for ratio, pairs in named.items():
+        initial, final = materials.poisson_range(pairs[FULL][0].scene.material)
+        comparisons.append(RatioComparison(ratio, initial, final, {name: next(runs) for name in pairs}))
     return comparisons

@@ -6,17 +6,17 @@ cores. Everything is measured against the finest front tracking.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import as_completed
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 from contact_scene import Trace
 from validation.cases import Case
-from validation.execution.checkpoints import question
 from validation.execution.environment import stamp
+from validation.execution.fingerprints import fingerprint
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
+from validation.execution.tasks import Task, TaskResult, one_line, run_tasks
 from validation.solvers import REFERENCE
 from validation.studies.convergence import (
     REPEATS,
@@ -29,8 +29,6 @@ from validation.studies.convergence import (
 )
 from validation.studies.ladders import Ladder, Level, finest, ladders
 from validation.studies.schemes import Settings
-
-Key = tuple[int, int]  # ladder, level
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ class SceneStudy:
 
 @dataclass(frozen=True)
 class Study:
-    """Everything the command found; the writers only give it a form."""
+    """Everything the command computed; the writers only give it a form."""
 
     scenes: list[SceneStudy]
     environment: dict[str, object]
@@ -72,125 +70,113 @@ class Study:
 
 
 def study(cases: list[Case], workers: int, progress: Progress, store: Store | None = None) -> Study:
-    """Run all ladders of the given scenes; levels that ``store`` holds are taken over, times included."""
+    """Run all ladders of the given scenes.
+
+    Parameters
+    ----------
+    cases : list of Case
+    workers : int
+        Processes for the ladders that are not timed.
+    progress : Progress
+        Closed at the end.
+    store : Store or None
+        Levels of an earlier attempt are taken over, run times included.
+
+    Returns
+    -------
+    Study
+    """
     store = store or Store()
     try:
-        found = [_scene(case, workers, progress, store) for case in cases]
+        scenes = [_study_scene(case, workers, progress, store) for case in cases]
     finally:
         progress.close()
-    return Study(found, stamp(), store.seconds)
+    return Study(scenes, stamp(), store.seconds)
 
 
-def _scene(case: Case, workers: int, progress: Progress, store: Store) -> SceneStudy:
-    tasks = ladders(case.scene)
-    total, done = 1 + sum(len(ladder.levels) for ladder in tasks), 0
+def _study_scene(case: Case, workers: int, progress: Progress, store: Store) -> SceneStudy:
+    """The reference first; then what is timed, alone; then the rest together."""
+    all_ladders = ladders(case.scene)
+    total = 1 + sum(len(ladder.levels) for ladder in all_ladders)
+    done = 0
 
-    def tell(ladder: Ladder, run: LevelRun) -> None:
+    def run(tasks: list[Task], executor: Executor | None = None) -> list[TaskResult]:
         nonlocal done
-        done += 1
-        said = run.failure or f"{run.wall_seconds:.2f} s"
-        level = f"{ladder.scheme} {ladder.kind} {run.level.label}"
-        progress(done / total, f"{done}/{total} {case.name} {level}: {said}")
+        results = run_tasks(tasks, executor, store, progress, done_before=done, total=total)
+        done += len(tasks)
+        return results
 
-    asked = question("truth", case.scene)
-    kept = store.get(asked)
-    truth, resolution, reference = kept or _truth(case)
-    if kept is None:
-        store.put(asked, (truth, resolution, reference))
-    done += 1
-    progress(done / total, f"{done}/{total} {case.name} {reference}")
-    keys = {(i, j): _question(case, ladder, j) for i, ladder in enumerate(tasks) for j in _levels(ladder)}
-    runs: dict[Key, LevelRun] = {at: run for at, key in keys.items() if (run := store.get(key)) is not None}
-    if runs:
-        done += len(runs)
-        progress(done / total, f"{done}/{total} {case.name}: {len(runs)} levels from an earlier attempt")
-
-    def keep(at: Key, run: LevelRun) -> None:
-        runs[at] = run
-        if not run.failed or run.outcome:  # a breakdown is tried again
-            store.put(keys[at], run)
-        tell(tasks[at[0]], run)
-
-    rest: dict[Key, tuple[Ladder, Level]] = {}
-    for i, ladder in enumerate(tasks):
-        missing = {(i, j): (ladder, ladder.levels[j]) for j in _levels(ladder) if (i, j) not in runs}
-        if not ladder.timed:
-            rest |= missing
-        elif missing:
-            # warm-up: imports, caches, pages of memory
-            run_level(case, ladder.scheme, ladder.levels[0], None)
-            for at, (_, level) in missing.items():
-                keep(at, run_level(case, ladder.scheme, level, truth, REPEATS))
-    _together(case, truth, rest, workers, keep)
+    key = fingerprint("finest reference", case.scene)
+    (answer,) = run([Task(key, f"{case.name} reference", _finest_reference, (case,))])
+    truth, resolution, reference = answer.value or (None, 0, f"no reference; {answer.failure}")
+    tasks = [_level_tasks(case, ladder, truth) for ladder in all_ladders]
+    results = {i: run(tasks[i]) for i, ladder in enumerate(all_ladders) if ladder.timed}
+    shared = [i for i in range(len(tasks)) if i not in results]
+    with processes(min(workers, sum(len(tasks[i]) for i in shared))) as executor:
+        answers = iter(run([task for i in shared for task in tasks[i]], executor))
+    results |= {i: [next(answers) for _ in tasks[i]] for i in shared}
     size = {} if truth is None else scales(truth, case.scene)
-    found = [
-        read(ladder, tuple(runs[i, j] for j in range(len(ladder.levels))), size)
-        for i, ladder in enumerate(tasks)
+    convergences = [
+        read(ladder, tuple(map(_level_run, results[i])), size) for i, ladder in enumerate(all_ladders)
     ]
-    return SceneStudy(case, reference, _uncertainty(resolution, found), found)
+    return SceneStudy(case, reference, _uncertainty(resolution, convergences), convergences)
 
 
-def _together(
-    case: Case,
-    truth: Trace | None,
-    todo: dict[Key, tuple[Ladder, Level]],
-    workers: int,
-    keep: Callable[[Key, LevelRun], None],
-) -> None:
-    """Levels that are not timed, through as many processes as there may be."""
-    with processes(min(workers, len(todo))) as executor:
-        if executor is None:
-            for key, (ladder, level) in todo.items():
-                keep(key, run_level(case, ladder.scheme, level, _own(truth, level)))
-            return
-        futures = {
-            executor.submit(run_level, case, ladder.scheme, level, _own(truth, level)): key
-            for key, (ladder, level) in todo.items()
-        }
-        for future in as_completed(futures):
-            key = futures[future]
-            try:
-                run = future.result()
-            except Exception as error:  # a worker that died takes its level along, not the study
-                run = LevelRun(todo[key][1], failure=f"{type(error).__name__}: {error}")
-            keep(key, run)
+def _level_tasks(case: Case, ladder: Ladder, truth: Trace | None) -> list[Task]:
+    """The levels of a ladder."""
+    warmed_up = False
+
+    def run_timed(case: Case, scheme: str, level: Level, truth: Trace | None) -> LevelRun:
+        nonlocal warmed_up
+        if not warmed_up:  # imports, caches, pages of memory
+            run_level(case, scheme, ladder.levels[0], None)
+            warmed_up = True
+        return run_level(case, scheme, level, truth, REPEATS)
+
+    return [
+        Task(
+            fingerprint("level", case.scene, ladder.scheme, ladder.kind, level, ladder.timed),
+            f"{case.name} {ladder.scheme} {ladder.kind} {level.label}",
+            run_timed if ladder.timed else run_level,
+            (case, ladder.scheme, level, _own_reference(truth, level)),
+        )
+        for level in ladder.levels
+    ]
 
 
-def _levels(ladder: Ladder) -> range:
-    return range(len(ladder.levels))
+def _level_run(result: TaskResult) -> LevelRun:
+    """What a level gave, or its failure where a process died with it."""
+    if result.value is None:
+        return LevelRun(result.task.arguments[2], failure=result.failure, details=result.details)
+    return result.value
 
 
-def _question(case: Case, ladder: Ladder, level: int) -> str:
-    """What makes two levels the same; one that is timed runs alone."""
-    return question("level", case.scene, ladder.scheme, ladder.kind, ladder.levels[level], ladder.timed)
-
-
-def _own(truth: Trace | None, level: Level) -> Trace | None:
+def _own_reference(truth: Trace | None, level: Level) -> Trace | None:
     """The reference of a level; there is none for a scene whose process zone was changed."""
     return truth if level.settings.zone_factor == 1.0 else None
 
 
-def _truth(case: Case) -> tuple[Trace | None, int, str]:
+def _finest_reference(case: Case) -> tuple[Trace | None, int, str]:
     """The finest front tracking that reaches its end, its resolution, and what became of the finer ones."""
-    said = []
+    failures = []
     for resolution in finest(case.scene):
         try:
             trace = solve_level(case, REFERENCE, Level(1.0 / resolution, "", Settings(resolution)))
         except Exception as error:
-            said.append(f"{resolution} failed: {type(error).__name__}: {' '.join(str(error).split())}")
+            failures.append(f"{resolution} failed: {one_line(error)}")
             continue
         if trace.outcome.finished:
-            return trace, resolution, "; ".join([f"front tracking at resolution {resolution}", *said])
-        said.append(f"{resolution} failed: {trace.outcome.kind}: {trace.outcome.reason}")
-    return None, 0, "; ".join(["no reference", *said])
+            return trace, resolution, "; ".join([f"front tracking at resolution {resolution}", *failures])
+        failures.append(f"{resolution} failed: {trace.outcome.kind}: {trace.outcome.reason}")
+    return None, 0, "; ".join(["no reference", *failures])
 
 
-def _uncertainty(resolution: int, found: list[Convergence]) -> dict[str, float]:
+def _uncertainty(resolution: int, convergences: list[Convergence]) -> dict[str, float]:
     """Error of the finest front tracking, from its distance to the finest level of the ladder.
 
     With second order and a step ``n`` times smaller, ``(n^2 - 1)`` times less than that distance.
     """
-    for entry in found:
+    for entry in convergences:
         done = [run for run in entry.runs if not run.failed and run.level.settings.resolution < resolution]
         if entry.ladder.scheme == REFERENCE and entry.ladder.timed and done:
             finer = resolution / done[-1].level.settings.resolution

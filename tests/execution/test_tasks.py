@@ -1,0 +1,123 @@
+"""Tasks: taken from the store, carried out here or in processes; one that breaks down costs no other."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import pytest
+
+from validation.execution.processes import WorkerProcesses, processes
+from validation.execution.store import Store
+from validation.execution.tasks import Task, TaskEnding, run_tasks
+
+
+def square(value: float) -> float:
+    if value < 0.0:
+        raise ValueError(f"{value}\nis negative")
+    return value * value
+
+
+@dataclass(frozen=True)
+class Answer:
+    breakdown: str
+
+
+def task(value: float, **more) -> Task:
+    return Task(f"{value:g}", f"square of {value:g}", square, (value,), **more)
+
+
+@pytest.mark.parametrize("threads", [None, 2])
+def test_answers_are_stored_and_taken_over_breakdowns_are_not(tmp_path, threads):
+    tasks = [task(3.0), task(-1.0), task(2.0)]
+    executor = None if threads is None else ThreadPoolExecutor(threads)
+    first = run_tasks(tasks, executor, Store(tmp_path))
+    assert [result.value for result in first] == [9.0, None, 4.0]
+    assert (first[1].failure, first[1].ending) == ("ValueError: -1.0 is negative", TaskEnding.RAISED)
+    assert "Traceback" in first[1].details
+    lines, seen = [], []
+    store = Store(tmp_path)
+    again = run_tasks(tasks, executor, store, lambda share, text: lines.append((share, text)), seen.append)
+    assert [result.value for result in again] == [9.0, None, 4.0]
+    assert [result.stored for result in again] == [True, False, True]
+    assert store.taken_over == 2
+    assert lines == [
+        (2 / 3, "2/3 taken over from an earlier attempt"),
+        (1.0, "3/3 square of -1: ValueError: -1.0 is negative"),
+    ]
+    assert [result.task for result in seen] == [tasks[0], tasks[2], tasks[1]]
+
+
+def test_an_answer_that_reports_a_breakdown_is_tried_again(tmp_path):
+    reports = [Task(key, key, Answer, (why,)) for key, why in (("a", ""), ("b", "no memory left"))]
+    lines = []
+    run_tasks(reports, None, Store(tmp_path), lambda share, text: lines.append(text))
+    assert lines[1] == "2/2 b: no memory left"
+    assert [file.name for file in (tmp_path / ".unfinished").iterdir()] == ["a"]
+
+
+def test_several_calls_share_one_progress():
+    shares = []
+    for before in (0, 1):
+        run_tasks([task(2.0)], progress=lambda share, text: shares.append(share), done_before=before, total=2)
+    assert shares == [0.5, 1.0]
+
+
+def test_long_tasks_are_submitted_first_and_given_back_in_order():
+    executor = ThreadPoolExecutor(1)
+    counter = itertools.count()
+    tasks = [Task("", "", lambda: next(counter), (), expected_seconds=s) for s in (1.0, 3.0, 2.0)]
+    assert [result.value for result in run_tasks(tasks, executor)] == [2, 0, 1]
+    assert [result.value for result in run_tasks(tasks)] == [3, 4, 5]  # here: in the given order
+
+
+def spin() -> None:
+    while True:
+        pass
+
+
+def test_a_process_that_dies_or_hangs_costs_its_own_task():
+    tasks = [
+        Task("", "spins", spin, (), time_limit=0.3, expected_seconds=9.0),
+        Task("", "sleeps", time.sleep, (600.0,), time_limit=0.1, expected_seconds=9.0),
+        Task("", "dies", os._exit, (7,), expected_seconds=8.0),
+        Task("", "takes its time", time.sleep, (1.0,)),
+        *(task(float(n)) for n in range(5)),
+    ]
+    with processes(2) as pool:
+        results = run_tasks(tasks, pool)
+    assert [result.ending for result in results[:4]] == ["hung", "hung", "died", "answered"]
+    assert [result.failure for result in results[:3]] == [
+        "no answer within 0.3 s; killed",
+        "no answer within 0.1 s; killed",
+        "the process ended with code 7",
+    ]
+    assert [result.value for result in results[4:]] == [0.0, 1.0, 4.0, 9.0, 16.0]
+
+
+def unpickled_in_vain() -> None:
+    raise ModuleNotFoundError("No module named 'nowhere'")
+
+
+class NotThere:
+    def __reduce__(self):
+        return unpickled_in_vain, ()
+
+
+def test_what_cannot_be_unpickled_fails_with_its_task():
+    with processes(1, isolated=True) as pool:
+        broken, whole = run_tasks([Task("", "", square, (NotThere(),)), task(2.0)], pool)
+    assert broken.failure == "ModuleNotFoundError: No module named 'nowhere'"
+    assert whole.value == 4.0
+
+
+def test_one_worker_means_this_process_unless_isolated():
+    with processes(1) as none:
+        assert none is None
+    with processes(1, isolated=True) as pool:
+        assert isinstance(pool, WorkerProcesses)
+        (result,) = run_tasks([Task("", "", os.getpid)], pool)
+    assert result.value != os.getpid()

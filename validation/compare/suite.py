@@ -1,0 +1,79 @@
+"""All solvers on a list of scenes, and the verdicts on every run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from validation.cases import Case
+from validation.compare.against_reference import check_case
+from validation.execution.processes import processes
+from validation.execution.progress import Progress
+from validation.execution.runs import Run, run_all
+from validation.execution.store import Store
+from validation.measure.check import Check
+from validation.solvers import SOLVERS
+
+
+@dataclass(frozen=True)
+class SceneComparison:
+    """One scene: its runs by solver, and the verdicts on them."""
+
+    case: Case
+    runs: dict[str, Run]
+    checks: list[Check]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check on this scene passed."""
+        return all(check.passed for check in self.checks)
+
+
+def compare_scenes(
+    cases: Sequence[Case],
+    workers: int,
+    progress: Progress,
+    estimate: bool = True,
+    store: Store | None = None,
+    further: Sequence[tuple[Case, str]] = (),
+) -> tuple[list[SceneComparison], dict[tuple[str, str], Run]]:
+    """Run every solver on every scene and check the runs.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+    workers : int
+        Processes; 1: this one.
+    progress : Progress
+        Closed at the end.
+    estimate : bool
+        Whether errors of these runs are estimated, and agreement is judged by the estimates.
+    store : Store or None
+        Runs of an earlier attempt are taken over.
+    further : sequence of (Case, str)
+        Cases and solvers to be run at the same time, for other evidence.
+
+    Returns
+    -------
+    comparisons : list of SceneComparison
+    runs : dict of (str, str) to Run
+        All of them by scene and solver, the further ones included.
+    """
+    pairs = [*all_pairs(cases), *further]
+    try:
+        with processes(min(workers, len(pairs))) as executor:
+            runs = run_all(
+                pairs, executor, store, progress, [case.name for case in cases] if estimate else []
+            )
+    finally:
+        progress.close()
+    comparisons = []
+    for case in cases:
+        by_solver = {solver: runs[case.name, solver] for solver in SOLVERS}
+        comparisons.append(SceneComparison(case, by_solver, check_case(case, by_solver)))
+    return comparisons, runs
+
+
+def all_pairs(cases: Sequence[Case]) -> list[tuple[Case, str]]:
+    """Every scene with every solver."""
+    return [(case, solver) for case in cases for solver in SOLVERS]

@@ -1,0 +1,192 @@
+"""Independent tasks: taken from a store where it has their answers, else carried out here or by an executor.
+
+Any ``concurrent.futures`` executor will do: :class:`~validation.execution.processes.WorkerProcesses`, Dask's
+``Client.get_executor()``, an MPI pool. Only the first enforces time limits.
+"""
+
+from __future__ import annotations
+
+import signal
+import time
+import traceback
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor, Future, as_completed
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from validation.execution.processes import WorkerProcesses
+from validation.execution.store import Store
+
+
+class TaskEnding(StrEnum):
+    """How a task ended."""
+
+    ANSWERED = "answered"
+    RAISED = "raised"
+    DIED = "died"
+    TIMED_OUT = "hung"
+
+
+@dataclass(frozen=True)
+class Task:
+    """A function call that depends on no other task.
+
+    Parameters
+    ----------
+    key : str
+        Fingerprint of what is computed (see ``fingerprints``): two tasks with one key have one answer.
+    label : str
+        For progress.
+    function, arguments : callable, tuple
+        Picklable where an executor has processes. A value with an attribute ``breakdown`` that is not empty
+        counts as a failure: it is not stored, so that the next attempt tries again.
+    expected_seconds : float
+        A guess; long tasks are submitted first.
+    time_limit : float or None
+        Processor time in seconds after which the task is given up; ``None``: never.
+    """
+
+    key: str
+    label: str
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...] = ()
+    expected_seconds: float = 1.0
+    time_limit: float | None = None
+
+
+@dataclass(frozen=True)
+class TaskResult:
+    """What came of a task.
+
+    Parameters
+    ----------
+    task : Task
+    value : object
+        What the function returned; ``None`` if it did not return.
+    failure, details : str
+        Why there is no answer, in one line, and the traceback; empty if there is one.
+    seconds : float
+        Wall time of the call; 0 if its answer was stored before.
+    stored : bool
+        Whether the answer comes from the store.
+    ending : TaskEnding
+    """
+
+    task: Task
+    value: Any = None
+    failure: str = ""
+    details: str = ""
+    seconds: float = 0.0
+    stored: bool = False
+    ending: TaskEnding = TaskEnding.ANSWERED
+
+
+def run_tasks(
+    tasks: Iterable[Task],
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: Callable[[float, str], None] | None = None,
+    on_result: Callable[[TaskResult], None] | None = None,
+    *,
+    done_before: int = 0,
+    total: int | None = None,
+) -> list[TaskResult]:
+    """Carry out tasks; a task that breaks down costs no other.
+
+    Parameters
+    ----------
+    tasks : iterable of Task
+    executor : Executor or None
+        ``None``: one after the other in this process, in the given order.
+    store : Store or None
+        Holds answers of an earlier attempt and receives new ones, breakdowns excepted.
+    progress : callable or None
+        Called with the share that is done, 0 to 1, and a line of text.
+    on_result : callable or None
+        Called with each result as soon as it is there, one call at a time, in this thread.
+    done_before, total : int
+        Tasks done in earlier calls, and of all calls together, where one progress covers several calls.
+
+    Returns
+    -------
+    list of TaskResult
+        In the order of ``tasks``.
+    """
+    store, tasks = store or Store(), list(tasks)
+    total = done_before + len(tasks) if total is None else total
+    results: dict[int, TaskResult] = {}
+
+    def show(text: str) -> None:
+        done = done_before + len(results)
+        if progress is not None:
+            progress(done / total, f"{done}/{total} {text}")
+
+    for index, task in enumerate(tasks):
+        value = store.get(task.key)
+        if value is not None:
+            results[index] = TaskResult(task, value, stored=True)
+            if on_result is not None:
+                on_result(results[index])
+    if results:
+        show("taken over from an earlier attempt")
+    missing = {index: task for index, task in enumerate(tasks) if index not in results}
+    for index, result in _carried_out(missing, executor):
+        results[index] = result
+        breakdown = result.failure or getattr(result.value, "breakdown", "")
+        if not breakdown:
+            store.put(result.task.key, result.value)
+        if on_result is not None:
+            on_result(result)
+        show(f"{result.task.label}: {breakdown or f'{result.seconds:.1f} s'}")
+    return [results[index] for index in range(len(tasks))]
+
+
+def _carried_out(tasks: dict[int, Task], executor: Executor | None) -> Iterator[tuple[int, TaskResult]]:
+    """Results as they come."""
+    if executor is None:
+        for index, task in tasks.items():
+            yield index, TaskResult(task, *execute(task.function, task.arguments))
+        return
+    futures: dict[Future[Any], int] = {}
+    for index in sorted(tasks, key=lambda index: -tasks[index].expected_seconds):
+        task = tasks[index]
+        if task.time_limit is not None and isinstance(executor, WorkerProcesses):
+            future = executor.submit_limited(task.time_limit, execute, task.function, task.arguments)
+        else:
+            future = executor.submit(execute, task.function, task.arguments)
+        futures[future] = index
+    for future in as_completed(futures):
+        yield futures[future], _collected(tasks[futures[future]], future)
+
+
+def execute(
+    function: Callable[..., Any], arguments: tuple[Any, ...]
+) -> tuple[Any, str, str, float, bool, TaskEnding]:
+    """Call the function where the task is carried out: the fields of a result after its task."""
+    began = time.perf_counter()
+    try:
+        value, failure, details, ending = function(*arguments), "", "", TaskEnding.ANSWERED
+    except Exception as error:
+        value, failure, details, ending = None, one_line(error), traceback.format_exc(), TaskEnding.RAISED
+    return value, failure, details, time.perf_counter() - began, False, ending
+
+
+def one_line(error: Exception) -> str:
+    """An exception in one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}".rstrip(": ")
+
+
+def _collected(task: Task, future: Future[Any]) -> TaskResult:
+    """The result of a task that an executor has done with; its process may have ended."""
+    try:
+        return TaskResult(task, *future.result())
+    except Exception as error:
+        exit_code = getattr(error, "exitcode", None)
+        if isinstance(error, TimeoutError) or exit_code == -getattr(signal, "SIGPROF", 0):
+            failure, ending = f"no answer within {task.time_limit:g} s; killed", TaskEnding.TIMED_OUT
+        elif exit_code is not None:
+            failure, ending = f"the process ended with code {exit_code}", TaskEnding.DIED
+        else:
+            failure, ending = one_line(error), TaskEnding.DIED
+        return TaskResult(task, failure=failure, ending=ending)

@@ -1,0 +1,38 @@
+"""One solver on the scene of a probe, or the front tracking as its truth: the part that runs in a worker."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from contact_scene import Scene, SceneError, Trace
+from validation import solvers
+
+
+@dataclass(frozen=True)
+class ProbeRun:
+    """What is run: ``solver`` by name, divisions per process zone, step budget."""
+
+    solver: str
+    scene: Scene
+    resolution: int
+    max_steps: int
+
+
+@dataclass(frozen=True)
+class ProbeAnswer:
+    """A trace, or the words of a refusal; processor time of the run in seconds."""
+
+    trace: Trace | None = None
+    refusal: str = ""
+    seconds: float = 0.0
+
+
+def solve_probe(run: ProbeRun) -> ProbeAnswer:
+    """Run the solver; a refusal is an answer, anything else that is raised is a crash."""
+    began = time.process_time()
+    try:
+        trace = solvers.solver(run.solver).solve(run.scene, run.resolution, max_steps=run.max_steps)
+    except SceneError as error:
+        return ProbeAnswer(refusal=str(error), seconds=time.process_time() - began)
+    return ProbeAnswer(trace, seconds=time.process_time() - began)
