@@ -10,7 +10,7 @@ import pytest
 
 from validation.claims.all import CLAIMS, judge
 from validation.claims.evidence import gather, questions
-from validation.report.paper_figures import FIGURES, drawn
+from validation.report.figures.paper_figures import FIGURES, drawn
 
 
 @pytest.mark.slow

@@ -13,7 +13,8 @@ from crosscontact.cli import SOLVER_NAMES
 from validation import solvers
 from validation.cases import load
 from validation.execution.progress import Progress
-from validation.report.build import build, write
+from validation.report.build import build
+from validation.report.write import write
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 CHROMIUM = next((path for name in NAMES if (path := shutil.which(name))), None)

@@ -25,7 +25,7 @@ from validation.claims.evidence import (
     retraction,
 )
 from validation.drawing.curves import of_trace
-from validation.drawing.figures import CLOSED, INK
+from validation.drawing.styles import BLUE, CLOSED_FORM, DASHES, INK, MARKERS, ORANGE, SERIES
 from validation.measure.dimensionless import units
 from validation.measure.observables import end_of_approach
 
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = ("#0072b2", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9", INK)
-DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1)), (0, (8, 2, 2, 2)), "-.")
-MARKERS = "os^Dvx"
 OPEN: dict[str, Any] = {"markersize": 4, "fillstyle": "none"}
 DEPTH, FORCE, RADIUS = r"$\tilde{\Delta}$", r"$\tilde{F}$", r"$\tilde{a}$"
 SPEED, PULL_OFF = r"$\tilde{V}$", r"$F_\mathrm{off}/F_\mathrm{JKR}$"
@@ -54,7 +51,7 @@ def diagram(runs: Runs, across: str, up: str, jkr: bool = True) -> Callable[[Fig
 
     def draw(figure: Figure, found: Evidence) -> None:
         axes = figure.subplots()
-        for (label, scene), colour, marker in zip(runs, COLOURS, MARKERS, strict=False):
+        for (label, scene), colour, marker in zip(runs, SERIES, MARKERS, strict=False):
             trace = found.trace(scene)
             curve, turn = of_trace(trace, scene), end_of_approach(trace)
             x, y = curve.columns[across], curve.columns[up]
@@ -78,7 +75,7 @@ def _jkr(axes: Axes, across: str, up: str) -> None:
         law = elastic.vanishing(glassy)
         a = np.linspace(law.pull_off_penetration_control().contact_radius, 0.26, 200)
         columns = {"penetration": law.penetration(a), "force": law.force(a) / np.pi, "contact_radius": a}
-        style = CLOSED | {"linestyle": ":" if glassy else (0, (4, 1, 1, 1))}
+        style = CLOSED_FORM | {"linestyle": ":" if glassy else (0, (4, 1, 1, 1))}
         axes.plot(columns[across], columns[up], label=label, **style)
 
 
@@ -101,7 +98,7 @@ def pull_off_of_cycles(figure: Figure, found: Evidence) -> None:
     """Largest tension of cycles against their speed, in units of ``F_JKR``."""
     axes = figure.subplots()
     axes.semilogx(
-        CYCLE_SPEEDS, [found.pull_off(cycle(v)) for v in CYCLE_SPEEDS], "o-", color=COLOURS[0], markersize=4
+        CYCLE_SPEEDS, [found.pull_off(cycle(v)) for v in CYCLE_SPEEDS], "o-", color=SERIES[0], markersize=4
     )
     axes.set(xlabel=SPEED, ylabel=PULL_OFF, ylim=(0.0, None))
 
@@ -116,13 +113,13 @@ def surfaces(figure: Figure, found: Evidence) -> None:
         sphere, skin = ("sphere", "surface") if letter == "a" else (None, None)
         height = 0.5 * r**2 - profile.penetration
         axes.plot(r, height, color=INK, linestyle="--", linewidth=1.0, label=sphere)
-        axes.plot(r, -profile.displacement[:n], color=COLOURS[0], linewidth=1.4, label=skin)
+        axes.plot(r, -profile.displacement[:n], color=SERIES[0], linewidth=1.4, label=skin)
         way = "approach" if profile.time <= surface.REVERSAL else "retraction"
         axes.set_title(f"({letter}) {way}, {DEPTH} = {profile.penetration:.3f}", fontsize=8)
         axes.set(xlim=(0.0, 0.5), ylim=(-0.035, 0.09))
         inside = r < 0.995 * profile.contact_radius
         inset = axes.inset_axes((0.2, 0.6, 0.32, 0.36))
-        inset.plot(r[inside], profile.pressure[:n][inside] / np.pi, color=COLOURS[1], linewidth=1.2)
+        inset.plot(r[inside], profile.pressure[:n][inside] / np.pi, color=SERIES[1], linewidth=1.2)
         inset.set_xlabel(r"$\tilde{r}$", fontsize=7, labelpad=0)
         inset.set_ylabel(r"$\tilde{p}$", fontsize=7, labelpad=0)
         inset.tick_params(labelsize=6, colors=INK, labelcolor=INK)
@@ -136,7 +133,7 @@ def surfaces(figure: Figure, found: Evidence) -> None:
 def preload(figure: Figure, found: Evidence) -> None:
     """Largest tension against the penetration at which the retraction begins, at several speeds."""
     axes = figure.subplots()
-    for speed, colour, dashes, marker in zip(PRELOAD_SPEEDS, COLOURS, DASHES, MARKERS, strict=False):
+    for speed, colour, dashes, marker in zip(PRELOAD_SPEEDS, SERIES, DASHES, MARKERS, strict=False):
         values = [found.pull_off(retraction(speed, depth)) for depth in PRELOADS]
         axes.plot(
             PRELOADS,
@@ -147,14 +144,14 @@ def preload(figure: Figure, found: Evidence) -> None:
             **OPEN,
             label=f"{SPEED} = {speed:g}",
         )
-    axes.axhline(10.0, label=r"$E_\infty/E_0$", **CLOSED)
+    axes.axhline(10.0, label=r"$E_\infty/E_0$", **CLOSED_FORM)
     axes.set(xlabel=r"$\tilde{\Delta}_B$", ylabel=PULL_OFF)
 
 
 def forces(figure: Figure, found: Evidence) -> None:
     """Withdrawal under constant tension beside the retraction of the same pull-off force."""
     axes = figure.subplots()
-    for force, colour in zip(FORCES, COLOURS, strict=False):
+    for force, colour in zip(FORCES, SERIES, strict=False):
         scene, same = load(f"force-{force}").scene, retraction(MATCHED[force])
         held, moved = of_trace(found.trace(scene), scene), of_trace(found.trace(same), same)
         label = rf"{FORCE} = {held.columns['force'][-1]:.2e}"
@@ -175,7 +172,7 @@ def forces(figure: Figure, found: Evidence) -> None:
 def forces_over_time(figure: Figure, found: Evidence) -> None:
     """Penetration over time under constant tension."""
     axes = figure.subplots()
-    for force, colour, dashes in zip(FORCES, COLOURS, DASHES, strict=False):
+    for force, colour, dashes in zip(FORCES, SERIES, DASHES, strict=False):
         scene = load(f"force-{force}").scene
         columns = of_trace(found.trace(scene), scene).columns
         after = columns["time"] > 0.0
@@ -192,7 +189,7 @@ def sweep(first: float, last: float) -> Callable[[Figure, Evidence], None]:
         chirp = 0.006
         columns = of_trace(found.trace("sweep"), load("sweep").scene).columns
         rows = (columns["time"] * chirp >= first) & (columns["time"] * chirp <= last)
-        axes.plot(columns["penetration"][rows], columns["force"][rows], color=COLOURS[0], linewidth=0.9)
+        axes.plot(columns["penetration"][rows], columns["force"][rows], color=SERIES[0], linewidth=0.9)
         axes.set(xlabel=DEPTH, ylabel=FORCE)
 
     return draw
@@ -204,14 +201,14 @@ def cycle_losses(figure: Figure, found: Evidence) -> None:
     cycles = oscillations.losses(found)[1:]
     size = units(load("sweep").scene)["energy"]
     frequencies, loops = [one.angular_frequency for one in cycles], [one.loop / size for one in cycles]
-    axes.plot(frequencies, loops, "o-", color=COLOURS[0], markersize=3, linewidth=1.0)
+    axes.plot(frequencies, loops, "o-", color=SERIES[0], markersize=3, linewidth=1.0)
     axes.set(xlabel=r"$\tilde{\omega}_a$", ylabel=r"$\tilde{L}$", ylim=(0.0, None))
 
 
 def oscillation(figure: Figure, found: Evidence) -> None:
     """Retraction with an oscillation: each cycle, the line through its lowest forces, and none."""
     axes = figure.subplots()
-    for frequency, colour in zip(FREQUENCIES[::-1], ("#0072b2", "#e69f00"), strict=True):
+    for frequency, colour in zip(FREQUENCIES[::-1], (BLUE, ORANGE), strict=True):
         scene = load(f"oscillation-w{frequency}").scene
         columns = of_trace(found.trace(scene), scene).columns
         label = rf"$\tilde{{\omega}}$ = {frequency}"
@@ -231,15 +228,15 @@ def release_rates(figure: Figure, found: Evidence) -> None:
     axes = figure.subplots()
     rates = [release.at_pull_off(found, v) for v in RETRACTION_SPEEDS]
     pulls = [found.pull_off(retraction(v)) for v in RETRACTION_SPEEDS]
-    axes.semilogx(RETRACTION_SPEEDS, rates, "o-", color=COLOURS[0], markersize=4, label=r"$G/\Delta\gamma$")
-    axes.semilogx(RETRACTION_SPEEDS, pulls, "s--", color=COLOURS[1], **OPEN, label=PULL_OFF)
+    axes.semilogx(RETRACTION_SPEEDS, rates, "o-", color=SERIES[0], markersize=4, label=r"$G/\Delta\gamma$")
+    axes.semilogx(RETRACTION_SPEEDS, pulls, "s--", color=SERIES[1], **OPEN, label=PULL_OFF)
     axes.set(xlabel=SPEED, ylabel=rf"$G/\Delta\gamma$, {PULL_OFF}", ylim=(0.0, None))
 
 
 def approaching(figure: Figure, found: Evidence) -> None:
     """Energy release rate at given penetrations while approaching, against speed."""
     axes = figure.subplots()
-    for depth, colour, dashes, marker in zip(release.DEPTHS, COLOURS, DASHES, MARKERS, strict=False):
+    for depth, colour, dashes, marker in zip(release.DEPTHS, SERIES, DASHES, MARKERS, strict=False):
         values = [release.approaching(found, v, depth) for v in CYCLE_SPEEDS]
         axes.semilogx(
             CYCLE_SPEEDS,
@@ -258,7 +255,7 @@ def approaching(figure: Figure, found: Evidence) -> None:
 def rests(figure: Figure, found: Evidence) -> None:
     """Largest tension against the length of the rest, at several speeds."""
     axes = figure.subplots()
-    for speed, colour, dashes, marker in zip(DWELL_SPEEDS, COLOURS, DASHES, MARKERS, strict=False):
+    for speed, colour, dashes, marker in zip(DWELL_SPEEDS, SERIES, DASHES, MARKERS, strict=False):
         values = [found.pull_off(cycle(speed, dwell=t)) for t in DWELLS[1:]]
         axes.semilogx(
             DWELLS[1:],

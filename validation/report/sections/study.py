@@ -1,4 +1,4 @@
-"""What a study says, in words and tables: the same for the page and for Markdown.
+"""A study: observed orders, error against run time, process zones, every ladder.
 
 Orders are signed; a dash stands where there is none (values to and fro, no difference, a failed level).
 """
@@ -6,14 +6,31 @@ Orders are signed; a dash stands where there is none (values to and fro, no diff
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
-from validation.report.text import NONE, number
+from validation.drawing import export
+from validation.report.document import (
+    ABSENT,
+    Cell,
+    Document,
+    Figures,
+    Fold,
+    Paragraph,
+    Section,
+    Table,
+    VerdictCell,
+    number,
+    plain,
+)
+from validation.report.figures import study_charts
+from validation.report.pictures import picture
+from validation.report.sections import environment
 from validation.studies import work_precision
 from validation.studies.convergence import Convergence, LevelRun, Row
 from validation.studies.schemes import SCHEMES
-from validation.studies.study import SceneStudy
+from validation.studies.study import SceneStudy, Study
 
+TITLE = "crosscontact study"
 HEADLINE = ("pull_off_force", "loop_energy", "approach_force", "approach_radius", "detachment_penetration")
 NOTES = (
     "Order against the reference: signed, of neighbouring levels, coarse to fine; negative where the error "
@@ -28,7 +45,7 @@ TRUTH_NOTE = (
 )
 ZONE_NOTE = (
     "The process zone is a length of the model, no numerical parameter: the answer moves with it, and the "
-    "limit of no zone is another problem. The ladder tells how much hangs on its value."
+    "limit of no zone is another problem. The ladder shows how much depends on its value."
 )
 DOMAIN_NOTE = (
     "On the far boundary the displacement of the total force is prescribed, so the error left by the domain "
@@ -37,82 +54,118 @@ DOMAIN_NOTE = (
 )
 
 
-@dataclass(frozen=True)
-class Table:
-    """Ready-made cells under a caption."""
-
-    caption: str
-    head: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+def document(study: Study, figures: bool = True) -> Document:
+    """The whole study; ``figures`` leaves them out where nobody looks at them."""
+    parts = (*(_scene(scene, study, figures) for scene in study.scenes),
+             environment.section(study.environment, study.wall_seconds))  # fmt: skip
+    return Document(TITLE, (Paragraph(verdict(study)),), parts)
 
 
-@dataclass(frozen=True)
-class Section:
-    """A heading, paragraphs, then tables."""
+def short(study: Study) -> Section:
+    """What a terminal shows: the orders of each scene, and the prices in words."""
+    scenes = []
+    for scene in study.scenes:
+        orders = [part for part in overview(scene).parts if isinstance(part, Table)]
+        words = [Paragraph(line) for line in work_precision.in_words(scene.timed)]
+        scenes.append(Section(f"{scene.case.name}: {scene.reference}", (*orders, *words)))
+    return Section(TITLE, (*scenes, Paragraph(verdict(study))))
 
-    title: str
-    paragraphs: list[str]
-    tables: list[Table]
+
+def verdict(study: Study) -> str:
+    """How many levels there are, and how many failed."""
+    levels = sum(len(entry.runs) for scene in study.scenes for entry in scene.ladders)
+    failed = sum(len(scene.failed) for scene in study.scenes)
+    return f"{len(study.scenes)} scenes, {levels} levels, {failed} failed, {study.wall_seconds:.0f} s."
+
+
+def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
+    threads = environment.in_words(study.environment.get("threads", "unknown"))
+    first = (
+        (overview(scene), study_charts.CONVERGENCE),
+        (prices(scene, threads), study_charts.PRICES),
+    )
+    shown = (
+        replace(one, parts=(*((_charts(scene, charts),) if figures else ()), *one.parts))
+        for one, charts in first
+    )
+    beside = zones(scene)
+    folded = (Fold(one.title, one.parts) for one in map(ladder, scene.ladders))
+    parts = (*shown, *(() if beside is None else (beside,)), *folded)
+    return Section(scene.case.scene.title or scene.case.name, parts)
+
+
+def _charts(scene: SceneStudy, charts: Sequence[study_charts.Chart]) -> Figures:
+    """Charts in which something is known, with their copies as PNG and SVG."""
+    figures = []
+    for chart in charts:
+        drawing = study_charts.draw(chart, scene.timed)
+        if drawing is not None:
+            file = f"{scene.case.name}-{chart.name}"
+            name = "study-" + "".join(c if c.isascii() and c.isalnum() else "-" for c in file)
+            files = {f"{file}.png": export.png(drawing), f"{file}.svg": export.svg_file(drawing)}
+            description = f"{chart.caption}, {scene.case.name}"
+            figures.append(picture(drawing, name, chart.caption, description, files=files))
+    return Figures(tuple(figures))
 
 
 def overview(scene: SceneStudy) -> Section:
     """The orders and errors that matter most, every scheme beside the others."""
     failed = scene.failed
-    said = [
+    stated = [
         f"Errors are measured against {scene.reference}."
         if not scene.reference.startswith("no reference")
         else f"{scene.reference[0].upper()}{scene.reference[1:]}. Values are judged by themselves only.",
     ]
     if scene.uncertainty:
         shares = ", ".join(
-            f"{_name(name)} {scene.uncertainty[name]:.0e}" for name in HEADLINE if name in scene.uncertainty
+            f"{plain(name)} {scene.uncertainty[name]:.0e}" for name in HEADLINE if name in scene.uncertainty
         )
-        said.append(f"The reference's own relative error, from its ladder and second order: {shares}.")
-    said.append(f"{len(failed)} levels failed." if failed else "Every level has an answer.")
-    rows = [
+        stated.append(f"The reference's own relative error, from its ladder and second order: {shares}.")
+    stated.append(f"{len(failed)} levels failed." if failed else "Every level has an answer.")
+    rows = tuple(
         _headline(study, row)
         for name in HEADLINE
         for study in scene.timed
         for row in study.rows
         if row.observable == name
-    ]
+    )
     head = (
         "observable", "scheme", "levels", "order against the reference", "fitted", "order of values alone",
         "error of the finest", "index of the finest", "covers it", "values alone say",
     )  # fmt: skip
-    return Section(
-        "Observed orders, everything refined together", [*said, NOTES, TRUTH_NOTE], [Table("", head, rows)]
+    return _section(
+        "Observed orders, everything refined together", [*stated, NOTES, TRUTH_NOTE], Table(head, rows)
     )
 
 
 def zones(scene: SceneStudy) -> Section | None:
-    """What every solver says of shorter and longer process zones, side by side; ``None`` without a zone."""
+    """Results with shorter and longer process zones, every solver's; ``None`` without a zone."""
     found = [study for study in scene.ladders if study.ladder.kind == "zone"]
     if not found:
         return None
     labels = [run.level.label for run in found[0].runs]
-    rows = [
-        (_name(name), study.ladder.scheme, *(number(value, 6) for value in row.values),
+    rows = tuple(
+        (plain(name), study.ladder.scheme, *(number(value, 6) for value in row.values),
          number(row.alone.richardson if row.alone else None, 6))
         for name in HEADLINE for study in found for row in study.rows if row.observable == name
-    ]  # fmt: skip
+    )  # fmt: skip
     head = ("observable", "solver", *labels, "Richardson, no zone")
-    return Section("Shorter and longer process zones", [ZONE_NOTE], [Table("", head, rows)])
+    return _section("Shorter and longer process zones", [ZONE_NOTE], Table(head, rows))
 
 
 def _headline(study: Convergence, row: Row) -> tuple[str, ...]:
     alone = row.alone
     return (
-        _name(row.observable),
+        plain(row.observable),
         study.ladder.scheme,
         " ".join(run.level.label for run in study.runs),
         _orders(row.orders),
         _order(row.fitted),
-        _orders(alone.orders) if alone else NONE,
+        _orders(alone.orders) if alone else ABSENT,
         _error(row.errors[-1]),
         _error(alone.bound if alone else None, ""),
         _covered(row),
-        alone.verdict if alone else NONE,
+        alone.verdict if alone else ABSENT,
     )
 
 
@@ -120,21 +173,21 @@ def _covered(row: Row) -> str:
     """Whether the error against the reference lies within the bound that the values alone give."""
     bound, error = row.alone.bound if row.alone else None, row.errors[-1]
     if bound is None or error is None:
-        return NONE
+        return ABSENT
     return "yes" if abs(error) <= bound else "NO"
 
 
 def ladder(study: Convergence) -> Section:
     """One ladder in full: what each level did, and every observable."""
     labels = [run.level.label for run in study.runs]
-    said = [f"Refined: {study.ladder.refined}. Nominal order {study.nominal:g}."]
-    said += [SCHEMES[study.ladder.scheme].why] if study.ladder.nominal is None else []
+    stated = [f"Refined: {study.ladder.refined}. Nominal order {study.nominal:g}."]
+    stated += [SCHEMES[study.ladder.scheme].why] if study.ladder.nominal is None else []
     note = {"zone": ZONE_NOTE, "domain": DOMAIN_NOTE}.get(study.ladder.kind)
-    said += [note] if note else []
+    stated += [note] if note else []
     head = ("observable", *labels, "orders", "Richardson", "index", "safety", "asymptotic", "verdict")
-    values = [
+    values = tuple(
         (
-            _name(row.observable),
+            plain(row.observable),
             *(number(value, 8) for value in row.values),
             _orders(row.alone.orders),
             number(row.alone.richardson, 8),
@@ -145,40 +198,39 @@ def ladder(study: Convergence) -> Section:
         )
         for row in study.rows
         if row.alone is not None
-    ]
-    errors = [
+    )
+    errors = tuple(
         (
-            _name(row.observable),
+            plain(row.observable),
             *(_error(error, "" if row.alone is None else "+") for error in row.errors),
             _orders(row.orders),
             _order(row.fitted),
         )
         for row in study.rows
         if any(error is not None for error in row.errors)
-    ]
-    tables = [levels(study), Table("Values alone", head, values)]
+    )
+    tables = [levels(study), Table(head, values, "Values alone")]
     if errors:
-        tables.append(
-            Table("Errors against the reference", ("observable", *labels, "orders", "fitted"), errors)
-        )
-    return Section(f"{SCHEMES[study.ladder.scheme].title}: {study.ladder.kind}", said, tables)
+        head = ("observable", *labels, "orders", "fitted")
+        tables.append(Table(head, errors, "Errors against the reference"))
+    return _section(f"{SCHEMES[study.ladder.scheme].title}: {study.ladder.kind}", stated, *tables)
 
 
 def levels(study: Convergence) -> Table:
     """What each level cost, and how it ended."""
     head = ("level", "ending", "seconds", "processor", "repeats", "steps", "rejected", "solves", "closure",
             "factorisations", "force, RMS")  # fmt: skip
-    return Table("Levels", head, [_level(run) for run in study.runs])
+    return Table(head, tuple(map(_level, study.runs)), "Levels")
 
 
-def _level(run: LevelRun) -> tuple[str, ...]:
+def _level(run: LevelRun) -> tuple[Cell, ...]:
     names = ("steps", "rejected_steps", "linear_solves", "closure_evaluations", "factorisations")
     return (
         run.level.label,
-        f"FAILED: {run.failure}" if run.failed else run.outcome,
+        VerdictCell(f"FAILED: {run.failure}", False) if run.failed else run.outcome,
         number(run.wall_seconds, 3),
         number(run.cpu_seconds, 3),
-        str(run.repeats) if run.repeats else NONE,
+        str(run.repeats) if run.repeats else ABSENT,
         *(number(run.counters.get(name)) for name in names),
         _error(run.errors.get("force, RMS"), ""),
     )
@@ -187,7 +239,7 @@ def _level(run: LevelRun) -> tuple[str, ...]:
 def prices(scene: SceneStudy, threads: str) -> Section:
     """Error against run time, in words and as tables."""
     studies = scene.timed
-    said = [
+    stated = [
         "Each run alone, after a warm-up run of its scheme: the smallest of the repeats stated below (fewer "
         f"where a run takes longer than a second), threads {threads}. Meshing and assembly count, imports "
         "do not. Prices below are processor seconds, on one thread the run time of a quiet machine; between "
@@ -201,11 +253,15 @@ def prices(scene: SceneStudy, threads: str) -> Section:
     ]
     share = work_precision.busy(studies)
     if share > work_precision.BUSY:
-        said.insert(1, f"The machine was busy: run times are up to {share:.1f} times the processor times.")
-    spared = work_precision.left_out(studies)
-    if spared:
-        said.append("Left out because the scene did not need it: " + " ".join(spared))
-    return Section("Error against run time", said, [_price_table(studies), _growth_table(studies)])
+        stated.insert(1, f"The machine was busy: run times are up to {share:.1f} times the processor times.")
+    skipped = work_precision.left_out(studies)
+    if skipped:
+        stated.append("Left out because the scene did not need it: " + " ".join(skipped))
+    return _section("Error against run time", stated, _price_table(studies), _growth_table(studies))
+
+
+def _section(title: str, paragraphs: Sequence[str], *tables: Table) -> Section:
+    return Section(title, (*map(Paragraph, paragraphs), *tables))
 
 
 def _price_table(studies: Sequence[Convergence]) -> Table:
@@ -215,39 +271,30 @@ def _price_table(studies: Sequence[Convergence]) -> Table:
         for asked in work_precision.ASKED:
             best, found = work_precision.cheapest(list(studies), measure, asked)
             cells = [
-                NONE if p.seconds is None else f"{'≤ ' if p.at_most else ''}{p.seconds:.2g} s" for p in found
+                ABSENT if p.seconds is None else f"{'≤ ' if p.at_most else ''}{p.seconds:.2g} s"
+                for p in found
             ]
-            rows.append((_name(measure), f"{asked:.0e}", *cells, best.scheme if best else NONE))
-    return Table("Processor seconds to an error", head, rows)
+            rows.append((plain(measure), f"{asked:.0e}", *cells, best.scheme if best else ABSENT))
+    return Table(head, tuple(rows), "Processor seconds to an error")
 
 
 def _growth_table(studies: Sequence[Convergence]) -> Table:
-    head = ("scheme", *(_name(work) for work in work_precision.WORK))
+    head = ("scheme", *(plain(work) for work in work_precision.WORK))
     rows = []
     for study in studies:
         fitted = [work_precision.growth(study, work) for work in work_precision.WORK]
         rows.append((study.ladder.scheme, *(_order(entry.with_resolution) for entry in fitted)))
         rows.append((f"{study.ladder.scheme}, over 1/error", *(_order(entry.with_error) for entry in fitted)))
-    return Table("Exponents of cost over resolution, and over 1/error of F(t)", head, rows)
-
-
-def threads(environment: dict[str, object]) -> str:
-    """The pinned numbers of threads in words."""
-    found = environment.get("threads")
-    return ", ".join(f"{k} {v}" for k, v in found.items()) if isinstance(found, dict) else "unknown"
-
-
-def _name(observable: str) -> str:
-    return observable.replace("_", " ")
+    return Table(head, tuple(rows), "Exponents of cost over resolution, and over 1/error of F(t)")
 
 
 def _order(value: float | None) -> str:
-    return NONE if value is None else f"{value:.2f}"
+    return ABSENT if value is None else f"{value:.2f}"
 
 
 def _orders(values: Sequence[float | None]) -> str:
-    return " ".join(map(_order, values)) or NONE
+    return " ".join(map(_order, values)) or ABSENT
 
 
 def _error(value: float | None, sign: str = "+") -> str:
-    return NONE if value is None else format(value, f"{sign}.1e")
+    return ABSENT if value is None else format(value, f"{sign}.1e")

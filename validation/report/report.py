@@ -1,0 +1,64 @@
+"""A report: all evidence on a suite of scenes. :mod:`validation.report.write` gives it its forms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from validation.compare.checks import Check
+from validation.compare.regression import Comparison
+from validation.compare.suite import SceneComparison
+from validation.execution.runs import Run
+from validation.fields.cycle_fields import CycleFields
+from validation.report.judgement import Claims, stability_checks
+from validation.stability.runner import Matrix
+
+
+@dataclass(frozen=True)
+class Report:
+    """The evidence; sections put it into words, tables and figures.
+
+    Parameters
+    ----------
+    suite : str
+    scenes : list of SceneComparison
+    environment : dict
+        Of ``environment.stamp``.
+    wall_seconds : float
+    baseline : Comparison, optional
+        What moved since an earlier report.
+    claims : Claims, optional
+        The paper's statements.
+    fields : CycleFields, optional
+        Fields in the body.
+    stability : Matrix, optional
+        Stiff and extreme cases.
+    """
+
+    suite: str
+    scenes: list[SceneComparison]
+    environment: dict[str, object]
+    wall_seconds: float
+    baseline: Comparison | None = None
+    claims: Claims | None = None
+    fields: CycleFields | None = None
+    stability: Matrix | None = None
+
+    @property
+    def checks(self) -> list[Check]:
+        """All checks, those of the paper's statements and of the matrix too."""
+        checks = [check for scene in self.scenes for check in scene.checks]
+        checks += [] if self.claims is None else self.claims.checks
+        return checks + ([] if self.stability is None else stability_checks(self.stability))
+
+    @property
+    def runs(self) -> list[Run]:
+        """All runs, those behind the paper's statements too; each once."""
+        runs = [run for scene in self.scenes for run in scene.runs.values()]
+        if self.claims is not None:
+            runs += self.claims.evidence.runs.values()
+        return list({(run.scene, run.solver): run for run in runs}.values())
+
+    @property
+    def failures(self) -> list[Check]:
+        """Checks that are not passed."""
+        return [check for check in self.checks if not check.passed]

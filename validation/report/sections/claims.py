@@ -1,0 +1,53 @@
+"""The paper's statements with their verdicts, and the paper's figures redrawn."""
+
+from __future__ import annotations
+
+from validation.claims.claim import Finding, Verdict
+from validation.drawing import export
+from validation.report.document import Figure, Figures, Paragraph, Section, Table, VerdictCell
+from validation.report.figures.paper_figures import FIGURES, drawn
+from validation.report.judgement import Claims
+from validation.report.pictures import picture
+
+TITLE = "What the paper says"
+HEAD = ("verdict", "place in the paper", "what it says", "what was found")
+EXPLAINED = (
+    "Statements of the paper, paraphrased, each judged on boundary-element runs (and on the reference "
+    "where it says so). A statement that does not hold as worded is a finding, not a failed check; a "
+    "verdict that is no longer the recorded one is. Within a line, NOT marks what does not hold. The "
+    "process zone has the paper's length, 0.013 R, and is part of the model: the elastic pull-off force "
+    "is then 1.027 (soft) to 1.058 (stiff) times that of JKR."
+)
+
+
+def section(claims: Claims) -> Section:
+    """Figures, and every statement."""
+    figures = Figures(tuple(_figures(claims)))
+    table = Table(HEAD, tuple(map(_row, claims.findings)))
+    return Section(TITLE, (Paragraph(claims.summary), Paragraph(EXPLAINED), figures, table), "claims")
+
+
+def summary(claims: Claims) -> Section:
+    """The count, and whatever does not simply hold."""
+    shown = (one for one in claims.findings if one.verdict is not Verdict.HOLDS or one.changed)
+    return Section(TITLE, (Paragraph(claims.summary), Table(HEAD, tuple(map(_row, shown)))))
+
+
+def outputs(claims: Claims) -> list[str]:
+    """What is printed beside each check: verdict, statement and what was found."""
+    return [f"{one.verdict}: {one.wording} Found: {one.shown}" for one in claims.findings]
+
+
+def _figures(claims: Claims) -> list[Figure]:
+    figures = []
+    for paper in FIGURES:
+        drawing = drawn(paper, claims.evidence)
+        files = {} if drawing is None else {f"{paper.name}.png": export.png(drawing)}
+        figures.append(picture(drawing, f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files))
+    return figures
+
+
+def _row(finding: Finding) -> tuple[str | VerdictCell, ...]:
+    text = str(finding.verdict) + (f" (recorded: {finding.recorded})" if finding.changed else "")
+    passed = False if finding.changed else True if finding.verdict is Verdict.HOLDS else None
+    return VerdictCell(text, passed), finding.place, finding.wording, finding.shown

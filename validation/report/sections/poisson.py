@@ -1,0 +1,42 @@
+"""Elastic bulk against a constant Poisson's ratio: the comparison of :mod:`validation.studies.poisson`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from validation.report.document import ABSENT, Paragraph, Section, Table, plain
+from validation.report.sections.checks import estimates, signed
+from validation.studies.poisson import ASSUMPTIONS, CURVES, FULL, OBSERVED, Comparison, Difference
+
+HEAD = ("K/G", "ν(0)", "ν(∞)", "quantity", "full − E*(t)", "estimates", *ASSUMPTIONS)
+NOTES = """\
+full − E*(t): ν(t) by the finite elements against the reference on E*(t), the one modulus the surface feels;
+estimates: what these two say of their own errors. The other columns are what a constant ratio costs, against
+E*(t): `shear` and `tension`, the relaxed ratio with a modulus measured so; `incompressible`, ν = 0.5. All
+relative; curves: root mean square over time. For K >> G the plane modulus is 4 G (1 - G/K): a constant ratio
+takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if measured in tension."""
+
+
+def section(name: str, compressibilities: Iterable[Comparison]) -> Section:
+    """One row for every compressibility and quantity."""
+    rows = tuple(row for one in compressibilities for row in _rows(one))
+    title = f"{name}: elastic bulk against a constant Poisson's ratio"
+    return Section(title, (Table(HEAD, rows), Paragraph(NOTES)))
+
+
+def _rows(one: Comparison) -> Iterable[tuple[str, ...]]:
+    for name in (*OBSERVED, *CURVES):
+        full = one.difference(FULL, name)
+        yield (
+            f"{one.ratio:g}",
+            f"{one.initial:.4f}",
+            f"{one.final:.4f}",
+            f"{plain(name)} (curve)" if name in CURVES else plain(name),
+            _relative(full),
+            ABSENT if full is None else estimates(full.estimate, full.base_estimate),
+            *(_relative(one.difference(assumption, name)) for assumption in ASSUMPTIONS),
+        )
+
+
+def _relative(difference: Difference | None) -> str:
+    return signed(None if difference is None else difference.value)
