@@ -69,6 +69,7 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
             limit(*span)
     axes.set(xlabel=labels[panel.across], ylabel=labels[panel.up])
     dress(axes)
+    axes.locator_params(axis="x", nbins=6)  # more would run into each other where numbers are long
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, labelcolor=INK, fontsize="small", handlelength=2.6)
     return figure

@@ -6,7 +6,7 @@ Modules of :mod:`validation.report.sections` build it; HTML, Markdown and termin
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -37,6 +37,7 @@ class LinkCell:
 
 
 Cell = str | VerdictCell | LinkCell
+Record = Mapping[str, Cell]  # a row by the titles of its columns
 
 
 @dataclass(frozen=True)
@@ -60,15 +61,8 @@ class Bullets:
 class Table:
     """Rows of cells under a head; a head of empty strings is not shown.
 
-    Parameters
-    ----------
-    head : tuple of str
-    rows : sequence of tuples of cells, each as long as the head
-    caption : str
-    unbroken : tuple of str
-        Titles of columns whose cells stay on one line.
-    numeric : bool
-        Whether columns that mostly hold numbers are aligned to the right.
+    Cells of columns named in ``unbroken`` stay on one line. With ``numeric``, columns that mostly hold
+    numbers are aligned to the right.
     """
 
     kind: ClassVar[str] = "table"
@@ -77,6 +71,13 @@ class Table:
     caption: str = ""
     unbroken: tuple[str, ...] = ()
     numeric: bool = True
+
+    @classmethod
+    def of(cls, records: Iterable[Record], caption: str = "", unbroken: tuple[str, ...] = ()) -> Table:
+        """A table of records with the same keys, which become the head."""
+        rows = list(records)
+        head = tuple(rows[0]) if rows else ()
+        return cls(head, tuple(tuple(row.values()) for row in rows), caption, unbroken)
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -172,6 +173,11 @@ def number(value: object, digits: int = 6) -> str:
     if value is None:
         return ABSENT
     return format(value, f".{digits}g") if isinstance(value, float) else str(value)
+
+
+def formatted(value: float | None, specification: str) -> str:
+    """A number in the given format, ``ABSENT`` for ``None``."""
+    return ABSENT if value is None else format(value, specification)
 
 
 def plain(name: str) -> str:

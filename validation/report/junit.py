@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from validation.compare.checks import Check
-from validation.report.sections.checks import HEAD, cells
+from validation.report.sections.checks import cells
 
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -45,8 +45,7 @@ def element(suite: CheckSuite) -> tree.Element:
             time="0",
         )
         if not check.passed:
-            pairs = zip(HEAD[2:], cells(check)[2:], strict=True)
-            message = ", ".join(f"{title} {shown}" for title, shown in pairs)
+            message = ", ".join(f"{title} {shown}" for title, shown in list(cells(check).items())[2:])
             tree.SubElement(case, "failure", message=_allowed(message)).text = _allowed(check.note or message)
         if suite.outputs:
             tree.SubElement(case, "system-out").text = _allowed(suite.outputs[index])

@@ -35,6 +35,8 @@ def _part(part: Part, level: int) -> list[str]:
 
 
 def _table(table: Table) -> list[str]:
+    if not table.head:
+        return []
     rule = ("---:" if kind == "number" else "---" for kind in table.columns)
     return [
         *((f"**{table.caption}**", "") if table.caption else ()),

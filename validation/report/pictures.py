@@ -1,8 +1,8 @@
-"""A matplotlib figure as a figure of a document, with copies for the folder of the report."""
+"""matplotlib figures as figures of a document."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from validation.drawing import export
@@ -14,34 +14,16 @@ if TYPE_CHECKING:
 MISSING = "No figure: a run is missing."
 
 
-def picture(
-    drawing: Drawing | None,
-    name: str,
-    caption: str,
-    description: str = "",
-    wide: bool = False,
-    files: Mapping[str, bytes] | None = None,
-) -> Figure:
-    """One figure of a page, as SVG.
+def with_drawing(figure: Figure, drawing: Drawing | None, description: str = "") -> Figure:
+    """The figure with its picture as SVG; without a drawing with the reason, the figure's own or ``MISSING``.
 
-    Parameters
-    ----------
-    drawing : matplotlib Figure or None
-        ``None`` if a run it shows is missing.
-    name : str
-        Unique within the document, letters, digits and hyphens.
-    caption : str
-    description : str, optional
-        For readers who do not see it; default: the caption.
-    wide : bool
-        As wide as the page.
-    files : mapping of str to bytes, optional
-        Copies for the folder of the report by file name.
-
-    Returns
-    -------
-    Figure
+    ``description`` is for readers who do not see the picture; without one, the caption is.
     """
     if drawing is None:
-        return Figure(name, caption, wide=wide, missing=MISSING)
-    return Figure(name, caption, export.svg(drawing, name, description or caption), wide, files=files or {})
+        return replace(figure, missing=figure.missing or MISSING)
+    return replace(figure, picture=export.svg(drawing, figure.name, description or figure.caption))
+
+
+def valid_id(text: str) -> str:
+    """Letters, digits and hyphens of any text, as ids in a page are."""
+    return "".join(c if c.isascii() and c.isalnum() else "-" for c in text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,12 +40,12 @@ SPEED, PULL_OFF = r"$\tilde{V}$", r"$F_\mathrm{off}/F_\mathrm{JKR}$"
 SHOWN_CYCLES = (2e-5, 2e-3, 6e-3, 2e-2, 0.1, 10.0)
 SHOWN_RETRACTIONS = (1e-6, 2e-4, 2e-3, 6e-3, 2e-2, 10.0)
 SHOWN_DWELLS = (0.0, 0.3, 1.0, 3.0, 10.0, 100.0)
+LabelledScenes = Sequence[tuple[str, Scene]]
 
 
-Runs = Sequence[tuple[str, Scene]]
-
-
-def diagram(runs: Runs, across: str, up: str, jkr: bool = True) -> Callable[[Figure, Evidence], None]:
+def diagram(
+    runs: LabelledScenes, across: str, up: str, jkr: bool = True
+) -> Callable[[Figure, Evidence], None]:
     """Equilibrium diagram: approach dashed, withdrawal solid, the largest tension marked."""
     names = {"penetration": DEPTH, "force": FORCE, "contact_radius": RADIUS}
 
@@ -61,10 +61,9 @@ def diagram(runs: Runs, across: str, up: str, jkr: bool = True) -> Callable[[Fig
             if curve.pull_off is not None:
                 axes.plot(x[curve.pull_off], y[curve.pull_off], marker, color=colour, **OPEN)
             axes.plot([], [], color=colour, marker=marker, **OPEN, label=label)
-        if jkr:
-            limits = axes.axis()
-            _jkr(axes, across, up)
-            axes.axis(limits)
+        limits = axes.axis()
+        _jkr(axes, across, up)
+        axes.axis(limits)
         axes.set(xlabel=names[across], ylabel=names[up])
 
     return draw
@@ -79,17 +78,17 @@ def _jkr(axes: Axes, across: str, up: str) -> None:
         axes.plot(columns[across], columns[up], label=label, **style)
 
 
-def cycles() -> Runs:
+def cycles() -> LabelledScenes:
     """Approach and retraction at the speeds of Fig. 2."""
     return [(rf"{SPEED} = {v:g}", cycle(v)) for v in SHOWN_CYCLES]
 
 
-def retractions() -> Runs:
+def retractions() -> LabelledScenes:
     """Retraction of a relaxed contact at the speeds of Fig. 4."""
     return [(rf"{SPEED} = {v:g}", retraction(v)) for v in SHOWN_RETRACTIONS]
 
 
-def dwells() -> Runs:
+def dwells() -> LabelledScenes:
     """Fast cycles with rests of several lengths at the deepest point."""
     return [(rf"$\tilde{{t}}_d$ = {t:g}", cycle(0.1, dwell=t)) for t in SHOWN_DWELLS]
 
@@ -97,9 +96,8 @@ def dwells() -> Runs:
 def pull_off_of_cycles(figure: Figure, found: Evidence) -> None:
     """Largest tension of cycles against their speed, in units of ``F_JKR``."""
     axes = figure.subplots()
-    axes.semilogx(
-        CYCLE_SPEEDS, [found.pull_off(cycle(v)) for v in CYCLE_SPEEDS], "o-", color=SERIES[0], markersize=4
-    )
+    values = [found.pull_off(cycle(v)) for v in CYCLE_SPEEDS]
+    axes.semilogx(CYCLE_SPEEDS, values, "o-", color=SERIES[0], markersize=4)
     axes.set(xlabel=SPEED, ylabel=PULL_OFF, ylim=(0.0, None))
 
 
@@ -133,19 +131,16 @@ def surfaces(figure: Figure, found: Evidence) -> None:
 def preload(figure: Figure, found: Evidence) -> None:
     """Largest tension against the penetration at which the retraction begins, at several speeds."""
     axes = figure.subplots()
-    for speed, colour, dashes, marker in zip(PRELOAD_SPEEDS, SERIES, DASHES, MARKERS, strict=False):
-        values = [found.pull_off(retraction(speed, depth)) for depth in PRELOADS]
-        axes.plot(
-            PRELOADS,
-            values,
-            color=colour,
-            linestyle=dashes,
-            marker=marker,
-            **OPEN,
-            label=f"{SPEED} = {speed:g}",
-        )
+    by_speed = {v: [found.pull_off(retraction(v, depth)) for depth in PRELOADS] for v in PRELOAD_SPEEDS}
+    _series(axes, PRELOADS, {f"{SPEED} = {speed:g}": values for speed, values in by_speed.items()})
     axes.axhline(10.0, label=r"$E_\infty/E_0$", **CLOSED_FORM)
     axes.set(xlabel=r"$\tilde{\Delta}_B$", ylabel=PULL_OFF)
+
+
+def _series(axes: Axes, across: Sequence[float], curves: Mapping[str, Sequence[float]]) -> None:
+    """Several curves over the same values, told apart by colour, line style and marker."""
+    for (label, values), colour, dash, marker in zip(curves.items(), SERIES, DASHES, MARKERS, strict=False):
+        axes.plot(across, values, color=colour, linestyle=dash, marker=marker, **OPEN, label=label)
 
 
 def forces(figure: Figure, found: Evidence) -> None:
@@ -155,15 +150,9 @@ def forces(figure: Figure, found: Evidence) -> None:
         scene, same = load(f"force-{force}").scene, retraction(MATCHED[force])
         held, moved = of_trace(found.trace(scene), scene), of_trace(found.trace(same), same)
         label = rf"{FORCE} = {held.columns['force'][-1]:.2e}"
-        for curve, line in ((held, "-"), (moved, "--")):
-            axes.plot(
-                curve.columns["penetration"],
-                curve.columns["force"],
-                color=colour,
-                linestyle=line,
-                linewidth=1.2,
-                label=label if line == "-" else None,
-            )
+        for curve, line, shown in ((held, "-", label), (moved, "--", None)):
+            x, y = curve.columns["penetration"], curve.columns["force"]
+            axes.plot(x, y, color=colour, linestyle=line, linewidth=1.2, label=shown)
         axes.plot(held.columns["penetration"][-1], held.columns["force"][-1], "o", color=colour, markersize=4)
     axes.plot([], [], color=INK, linestyle="--", label="constant speed, same pull-off")
     axes.set(xlabel=DEPTH, ylabel=FORCE)
@@ -212,10 +201,8 @@ def oscillation(figure: Figure, found: Evidence) -> None:
         scene = load(f"oscillation-w{frequency}").scene
         columns = of_trace(found.trace(scene), scene).columns
         label = rf"$\tilde{{\omega}}$ = {frequency}"
-        axes.plot(
-            columns["penetration"], columns["force"], color=colour, linewidth=0.4, alpha=0.4, rasterized=True
-        )
         depth, force = columns["penetration"], columns["force"]
+        axes.plot(depth, force, color=colour, linewidth=0.4, alpha=0.4, rasterized=True)
         lowest = np.flatnonzero((force[1:-1] < force[:-2]) & (force[1:-1] <= force[2:])) + 1
         axes.plot(depth[lowest], force[lowest], color=colour, linestyle="--", linewidth=2.2, label=label)
     columns = of_trace(found.trace("retraction-steady"), load("retraction-steady").scene).columns
@@ -236,34 +223,15 @@ def release_rates(figure: Figure, found: Evidence) -> None:
 def approaching(figure: Figure, found: Evidence) -> None:
     """Energy release rate at given penetrations while approaching, against speed."""
     axes = figure.subplots()
-    for depth, colour, dashes, marker in zip(release.DEPTHS, SERIES, DASHES, MARKERS, strict=False):
-        values = [release.approaching(found, v, depth) for v in CYCLE_SPEEDS]
-        axes.semilogx(
-            CYCLE_SPEEDS,
-            values,
-            color=colour,
-            linestyle=dashes,
-            marker=marker,
-            markersize=4,
-            fillstyle="none",
-            label=f"{DEPTH} = {depth:g}",
-        )
+    by_depth = {d: [release.approaching(found, v, d) for v in CYCLE_SPEEDS] for d in release.DEPTHS}
+    _series(axes, CYCLE_SPEEDS, {f"{DEPTH} = {depth:g}": values for depth, values in by_depth.items()})
     axes.axhline(0.0, color=INK, linewidth=0.6)
-    axes.set(xlabel=SPEED, ylabel=r"$G/\Delta\gamma$")
+    axes.set(xlabel=SPEED, ylabel=r"$G/\Delta\gamma$", xscale="log")
 
 
 def rests(figure: Figure, found: Evidence) -> None:
     """Largest tension against the length of the rest, at several speeds."""
     axes = figure.subplots()
-    for speed, colour, dashes, marker in zip(DWELL_SPEEDS, SERIES, DASHES, MARKERS, strict=False):
-        values = [found.pull_off(cycle(speed, dwell=t)) for t in DWELLS[1:]]
-        axes.semilogx(
-            DWELLS[1:],
-            values,
-            color=colour,
-            linestyle=dashes,
-            marker=marker,
-            **OPEN,
-            label=f"{SPEED} = {speed:g}",
-        )
-    axes.set(xlabel=r"$\tilde{t}_d$", ylabel=PULL_OFF)
+    by_speed = {v: [found.pull_off(cycle(v, dwell=t)) for t in DWELLS[1:]] for v in DWELL_SPEEDS}
+    _series(axes, DWELLS[1:], {f"{SPEED} = {speed:g}": values for speed, values in by_speed.items()})
+    axes.set(xlabel=r"$\tilde{t}_d$", ylabel=PULL_OFF, xscale="log")

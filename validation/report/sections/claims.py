@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from validation.claims.claim import Finding, Verdict
 from validation.drawing import export
-from validation.report.document import Figure, Figures, Paragraph, Section, Table, VerdictCell
+from validation.report.document import Figure, Figures, Paragraph, Record, Section, Table, VerdictCell
 from validation.report.figures.paper_figures import FIGURES, drawn
 from validation.report.judgement import Claims
-from validation.report.pictures import picture
+from validation.report.pictures import with_drawing
 
 TITLE = "What the paper says"
-HEAD = ("verdict", "place in the paper", "what it says", "what was found")
 EXPLAINED = (
     "Statements of the paper, paraphrased, each judged on boundary-element runs (and on the reference "
     "where it says so). A statement that does not hold as worded is a finding, not a failed check; a "
@@ -23,14 +22,14 @@ EXPLAINED = (
 def section(claims: Claims) -> Section:
     """Figures, and every statement."""
     figures = Figures(tuple(_figures(claims)))
-    table = Table(HEAD, tuple(map(_row, claims.findings)))
+    table = Table.of(map(_cells, claims.findings))
     return Section(TITLE, (Paragraph(claims.summary), Paragraph(EXPLAINED), figures, table), "claims")
 
 
 def summary(claims: Claims) -> Section:
     """The count, and whatever does not simply hold."""
     shown = (one for one in claims.findings if one.verdict is not Verdict.HOLDS or one.changed)
-    return Section(TITLE, (Paragraph(claims.summary), Table(HEAD, tuple(map(_row, shown)))))
+    return Section(TITLE, (Paragraph(claims.summary), Table.of(map(_cells, shown))))
 
 
 def outputs(claims: Claims) -> list[str]:
@@ -43,11 +42,17 @@ def _figures(claims: Claims) -> list[Figure]:
     for paper in FIGURES:
         drawing = drawn(paper, claims.evidence)
         files = {} if drawing is None else {f"{paper.name}.png": export.png(drawing)}
-        figures.append(picture(drawing, f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files))
+        figure = Figure(f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files)
+        figures.append(with_drawing(figure, drawing))
     return figures
 
 
-def _row(finding: Finding) -> tuple[str | VerdictCell, ...]:
-    text = str(finding.verdict) + (f" (recorded: {finding.recorded})" if finding.changed else "")
+def _cells(finding: Finding) -> Record:
+    verdict = str(finding.verdict) + (f" (recorded: {finding.recorded})" if finding.changed else "")
     passed = False if finding.changed else True if finding.verdict is Verdict.HOLDS else None
-    return VerdictCell(text, passed), finding.place, finding.wording, finding.shown
+    return {
+        "verdict": VerdictCell(verdict, passed),
+        "place in the paper": finding.place,
+        "what it says": finding.wording,
+        "what was found": finding.shown,
+    }

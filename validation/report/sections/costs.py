@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from validation.execution.runs import Run
 from validation.report.document import Section, Table, number
 
-HEAD = ("", "runs", "processor seconds", "of these for error estimates")
 LONGEST = 10  # runs listed one by one, those that took longest
 
 
@@ -18,7 +17,7 @@ def section(runs: Sequence[Run]) -> Section:
     rows.append(_row("all", runs))
     longest = sorted(runs, key=spent, reverse=True)[:LONGEST]
     rows += [_row(f"{run.scene} by {run.solver}", [run]) for run in longest]
-    return Section("Where the time went", (Table(HEAD, tuple(rows)),))
+    return Section("Where the time went", (Table.of(rows),))
 
 
 def spent(run: Run) -> float:
@@ -26,6 +25,10 @@ def spent(run: Run) -> float:
     return run.cpu_seconds + run.estimate_seconds
 
 
-def _row(name: str, runs: Sequence[Run]) -> tuple[str, ...]:
-    whole, estimates = sum(map(spent, runs)), sum(run.estimate_seconds for run in runs)
-    return name, str(len(runs)), number(float(whole), 3), number(float(estimates), 3)
+def _row(name: str, runs: Sequence[Run]) -> dict[str, str]:
+    return {
+        "": name,
+        "runs": str(len(runs)),
+        "processor seconds": number(float(sum(map(spent, runs))), 3),
+        "of these for error estimates": number(float(sum(run.estimate_seconds for run in runs)), 3),
+    }

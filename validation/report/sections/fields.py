@@ -5,7 +5,7 @@ from __future__ import annotations
 from validation.drawing import export
 from validation.fields.cycle_fields import CycleFields
 from validation.report.document import Figure, Figures, Paragraph, Section, Table
-from validation.report.pictures import picture
+from validation.report.pictures import with_drawing
 
 TITLE = "Under the surface"
 SURFACES = (
@@ -41,6 +41,6 @@ def section(fields: CycleFields) -> Section:
 
 def _surfaces(fields: CycleFields) -> Figure:
     drawing, name = fields.surfaces, "fields-fig3"
-    if drawing is None:
-        return Figure(name, SURFACES, wide=True, missing="No Fig. 3: a run is missing.")
-    return picture(drawing, name, SURFACES, wide=True, files={f"{name}.png": export.png(drawing)})
+    files = {} if drawing is None else {f"{name}.png": export.png(drawing)}
+    missing = "No Fig. 3: a run is missing."
+    return with_drawing(Figure(name, SURFACES, wide=True, missing=missing, files=files), drawing)

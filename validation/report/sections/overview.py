@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from validation.report.document import (
     ABSENT,
     Bullets,
+    Cell,
     LinkCell,
     Paragraph,
     Part,
+    Record,
     Section,
     Table,
-    VerdictCell,
     number,
     passed_or_not,
     plain,
@@ -46,28 +48,25 @@ def lead(report: Report) -> Paragraph:
 
 def section(report: Report) -> Section:
     """One line for each scene, which leads to its section."""
-    head = ("scene", "paper", "checks", "verdict", "closest to its limit")
-    rows = tuple(
-        (
-            LinkCell(scene.case.name, anchor(scene)),
-            scene.case.figure,
-            _counted(scene),
-            passed_or_not(scene.passed),
-            _closest(scene),
-        )
+    rows: Iterator[Record] = (
+        {
+            "scene": LinkCell(scene.case.name, anchor(scene)),
+            "paper": scene.case.figure,
+            "checks": _counted(scene),
+            "verdict": passed_or_not(scene.passed),
+            "closest to its limit": _closest(scene),
+        }
         for scene in report.scenes
     )
-    return Section("Overview", (Table(head, rows),))
+    return Section("Overview", (Table.of(rows),))
 
 
 def summary(report: Report) -> tuple[Part, ...]:
     """The same for a summary: pull-off forces and outcomes, work left out, and what did not pass."""
-    solvers = tuple(dict.fromkeys(solver for scene in report.scenes for solver in scene.runs))
-    lines = tuple(_line(scene, solvers) for scene in report.scenes)
     left_out = tuple(f"{scene.case.name}: {skipped_work(scene)}" for scene in report.scenes)
     parts: tuple[Part, ...] = (
         Paragraph(f"{report.wall_seconds:.0f} s on {report.environment['processor']}."),
-        Table(("scene", "checks", "verdict", "pull-off force", *solvers), lines),
+        Table.of(map(_line, report.scenes)),
         Paragraph("Left out, by the counters of work:"),
         Bullets(left_out),
     )
@@ -76,17 +75,18 @@ def summary(report: Report) -> tuple[Part, ...]:
     return parts
 
 
-def _line(scene: SceneComparison, solvers: tuple[str, ...]) -> tuple[str | VerdictCell, ...]:
-    runs = [scene.runs.get(solver) for solver in solvers]
-    forces = (None if run is None else run.measures.get("pull_off_force") for run in runs)
-    outcomes = (
-        ABSENT if run is None
-        else f"{run.trace.outcome.kind}, {run.wall_seconds:.2g} s" if run.trace
-        else run.ending
-        for run in runs
-    )  # fmt: skip
-    pull_off = " / ".join(number(force, 5) for force in forces)
-    return (scene.case.name, _counted(scene), passed_or_not(scene.passed), pull_off, *outcomes)
+def _line(scene: SceneComparison) -> Record:
+    forces = (run.measures.get("pull_off_force") for run in scene.runs.values())
+    cells: dict[str, Cell] = {
+        "scene": scene.case.name,
+        "checks": _counted(scene),
+        "verdict": passed_or_not(scene.passed),
+        "pull-off force": " / ".join(number(force, 5) for force in forces),
+    }
+    return cells | {
+        solver: f"{run.trace.outcome.kind}, {run.wall_seconds:.2g} s" if run.trace else run.ending
+        for solver, run in scene.runs.items()
+    }
 
 
 def _counted(scene: SceneComparison) -> str:

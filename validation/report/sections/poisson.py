@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
-from validation.report.document import ABSENT, Paragraph, Section, Table, plain
-from validation.report.sections.checks import estimates, signed
+from validation.report.document import ABSENT, Paragraph, Section, Table, formatted, plain
+from validation.report.sections.checks import estimates
 from validation.studies.poisson import ASSUMPTIONS, CURVES, FULL, OBSERVED, Comparison, Difference
 
-HEAD = ("K/G", "ν(0)", "ν(∞)", "quantity", "full − E*(t)", "estimates", *ASSUMPTIONS)
 NOTES = """\
 full − E*(t): ν(t) by the finite elements against the reference on E*(t), the one modulus the surface feels;
 estimates: what these two say of their own errors. The other columns are what a constant ratio costs, against
@@ -19,24 +18,23 @@ takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if meas
 
 def section(name: str, compressibilities: Iterable[Comparison]) -> Section:
     """One row for every compressibility and quantity."""
-    rows = tuple(row for one in compressibilities for row in _rows(one))
+    rows = (row for one in compressibilities for row in _rows(one))
     title = f"{name}: elastic bulk against a constant Poisson's ratio"
-    return Section(title, (Table(HEAD, rows), Paragraph(NOTES)))
+    return Section(title, (Table.of(rows), Paragraph(NOTES)))
 
 
-def _rows(one: Comparison) -> Iterable[tuple[str, ...]]:
+def _rows(one: Comparison) -> Iterator[dict[str, str]]:
     for name in (*OBSERVED, *CURVES):
         full = one.difference(FULL, name)
-        yield (
-            f"{one.ratio:g}",
-            f"{one.initial:.4f}",
-            f"{one.final:.4f}",
-            f"{plain(name)} (curve)" if name in CURVES else plain(name),
-            _relative(full),
-            ABSENT if full is None else estimates(full.estimate, full.base_estimate),
-            *(_relative(one.difference(assumption, name)) for assumption in ASSUMPTIONS),
-        )
+        yield {
+            "K/G": f"{one.ratio:g}",
+            "ν(0)": f"{one.initial:.4f}",
+            "ν(∞)": f"{one.final:.4f}",
+            "quantity": plain(name) + (" (curve)" if name in CURVES else ""),
+            "full − E*(t)": _relative(full),
+            "estimates": ABSENT if full is None else estimates(full.estimate, full.base_estimate),
+        } | {assumption: _relative(one.difference(assumption, name)) for assumption in ASSUMPTIONS}
 
 
 def _relative(difference: Difference | None) -> str:
-    return signed(None if difference is None else difference.value)
+    return formatted(None if difference is None else difference.value, "+.1e")

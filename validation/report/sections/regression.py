@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from validation.compare.regression import Comparison, Move
-from validation.report.document import ABSENT, Paragraph, Section, Table, VerdictCell, number, plain
-from validation.report.sections.checks import signed
+from validation.report.document import (
+    ABSENT,
+    Paragraph,
+    Record,
+    Section,
+    Table,
+    VerdictCell,
+    formatted,
+    number,
+    plain,
+)
 
-HEAD = ("scene", "solver", "what", "before", "after", "change", "tolerance", "beyond")
 MOST = 20  # moves a summary lists, unless more are beyond tolerance
 
 
@@ -24,17 +32,17 @@ def summary(baseline: Comparison) -> Section:
 
 
 def _listed(moves: tuple[Move, ...]) -> tuple[Table, ...]:
-    return (Table(HEAD, tuple(map(_row, moves))),) if moves else ()
+    return (Table.of(map(_cells, moves)),) if moves else ()
 
 
-def _row(move: Move) -> tuple[str | VerdictCell, ...]:
-    return (
-        move.scene,
-        move.solver or ABSENT,
-        plain(move.what),
-        number(move.before, 8),
-        number(move.after, 8),
-        signed(move.change),
-        ABSENT if move.tolerance is None else format(move.tolerance, ".0e"),
-        VerdictCell("BEYOND" if move.beyond else "no", not move.beyond),
-    )
+def _cells(move: Move) -> Record:
+    return {
+        "scene": move.scene,
+        "solver": move.solver or ABSENT,
+        "what": plain(move.what),
+        "before": number(move.before, 8),
+        "after": number(move.after, 8),
+        "change": formatted(move.change, "+.1e"),
+        "tolerance": formatted(move.tolerance, ".0e"),
+        "beyond": VerdictCell("BEYOND" if move.beyond else "no", not move.beyond),
+    }

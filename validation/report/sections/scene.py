@@ -7,7 +7,6 @@ from dataclasses import asdict
 from validation.compare.suite import SceneComparison
 from validation.drawing import run_figures
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
-from validation.drawing.export import svg
 from validation.measure.skipped_work import in_words
 from validation.report.document import (
     Figure,
@@ -20,6 +19,7 @@ from validation.report.document import (
     number,
     passed_or_not,
 )
+from validation.report.pictures import valid_id, with_drawing
 from validation.report.sections import checks
 from validation.solvers import REFERENCE
 
@@ -52,8 +52,7 @@ def verdicts(scene: SceneComparison) -> Section:
 
 def anchor(scene: SceneComparison) -> str:
     """Where the section is found in a page; any name of a scene gives one that is a valid id."""
-    letters = (c if c.isascii() and c.isalnum() else "-" for c in scene.case.name)
-    return "scene-" + "".join(letters)
+    return f"scene-{valid_id(scene.case.name)}"
 
 
 def figures(scene: SceneComparison) -> Part:
@@ -67,27 +66,20 @@ def figures(scene: SceneComparison) -> Part:
     drawn = []
     for panel in run_figures.PANELS:
         if any(panel.up in curve.columns for curve in curves):
-            name = f"{anchor(scene)}-{panel.name}"
-            figure = run_figures.draw(panel, curves, labels(question))
-            picture = svg(figure, name, f"{panel.caption}, {scene.case.name}")
-            drawn.append(Figure(name, panel.caption, picture))
+            figure = Figure(f"{anchor(scene)}-{panel.name}", panel.caption)
+            drawing = run_figures.draw(panel, curves, labels(question))
+            drawn.append(with_drawing(figure, drawing, f"{panel.caption}, {scene.case.name}"))
     return Figures(tuple(drawn))
 
 
 def runs(scene: SceneComparison) -> Table:
     """How each run ended, and the work and time it took."""
-    head = ("solver", "ending", *COUNTERS, "seconds", "processor")
-    rows = tuple(
-        (
-            solver,
-            run.ending,
-            *(number(run.measures.get(f"counters.{name}")) for name in COUNTERS.values()),
-            number(run.wall_seconds, 3),
-            number(run.cpu_seconds, 3),
-        )
+    return Table.of(
+        {"solver": solver, "ending": run.ending}
+        | {title: number(run.measures.get(f"counters.{name}")) for title, name in COUNTERS.items()}
+        | {"seconds": number(run.wall_seconds, 3), "processor": number(run.cpu_seconds, 3)}
         for solver, run in scene.runs.items()
     )
-    return Table(head, rows)
 
 
 def skipped_work(scene: SceneComparison) -> str:

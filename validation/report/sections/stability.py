@@ -6,9 +6,19 @@ import math
 from collections.abc import Iterable, Sequence
 
 from validation.drawing import export
-from validation.report.document import Bullets, Cell, Figures, Fold, Paragraph, Section, Table, VerdictCell
+from validation.report.document import (
+    Bullets,
+    Figure,
+    Figures,
+    Fold,
+    Paragraph,
+    Record,
+    Section,
+    Table,
+    VerdictCell,
+)
 from validation.report.figures import stability_map
-from validation.report.pictures import picture
+from validation.report.pictures import with_drawing
 from validation.stability import verdict as judged
 from validation.stability.growth import fit
 from validation.stability.limits import limits
@@ -23,10 +33,6 @@ EXPLAINED = (
     "for them, with the reason beside each. Balance: what stored energy, branch dissipation and release at "
     "the edge, each integrated on its own, leave of the work, relative to the largest of them."
 )
-HEAD = (
-    "no.", "axis", "place", "solver", "verdict", "error", "in", "tolerance", "truth ±", "outcome", "steps",
-    "rejected", "balance", "s", "measured against", "why this tolerance",
-)  # fmt: skip
 MAP_DOTS = 150  # per inch of a heat map saved as PNG: its numbers are small
 
 
@@ -73,36 +79,36 @@ def _maps(matrix: Matrix) -> Figures:
         drawing = stability_map.draw([cell for cell in matrix.cells if cell.solver == solver], counted)
         caption = f"{solver}: {stability_map.LEGEND}."
         files = {f"{name}.png": export.png(drawing, MAP_DOTS)}
-        figures.append(picture(drawing, name, caption, f"Heat map, {solver}", True, files))
+        figure = Figure(name, caption, wide=True, files=files)
+        figures.append(with_drawing(figure, drawing, f"Heat map, {solver}"))
     return Figures(tuple(figures))
 
 
 def _table(matrix: Matrix, cells: Iterable[judged.Cell]) -> Table:
     counted = numbers(matrix.cells)
-    return Table(HEAD, tuple(_row(cell, counted[cell.axis, cell.label]) for cell in cells))
+    return Table.of(_cells(cell, counted[cell.axis, cell.label]) for cell in cells)
 
 
-def _row(cell: judged.Cell, number: int) -> tuple[Cell, ...]:
-    """One cell of the matrix, in the order of ``HEAD``."""
+def _cells(cell: judged.Cell, number: int) -> Record:
     meets = cell.verdict is judged.Verdict.MEETS
-    return (
-        str(number),
-        cell.axis,
-        cell.label,
-        cell.solver,
-        VerdictCell(str(cell.verdict), False if cell.fault else True if meets else None),
-        _short(cell.error),
-        cell.worst,
-        _short(cell.tolerance),
-        _short(cell.truth_error) if cell.truth_error else "",
-        cell.outcome if meets else f"{cell.outcome}: {cell.reason}",
-        str(cell.steps),
-        str(cell.rejected_steps),
-        _short(cell.residual),
-        f"{cell.seconds:.2f}",
-        cell.source,
-        cell.why,
-    )
+    return {
+        "no.": str(number),
+        "axis": cell.axis,
+        "place": cell.label,
+        "solver": cell.solver,
+        "verdict": VerdictCell(str(cell.verdict), False if cell.fault else True if meets else None),
+        "error": _short(cell.error),
+        "in": cell.worst,
+        "tolerance": _short(cell.tolerance),
+        "truth ±": _short(cell.truth_error) if cell.truth_error else "",
+        "outcome": cell.outcome if meets else f"{cell.outcome}: {cell.reason}",
+        "steps": str(cell.steps),
+        "rejected": str(cell.rejected_steps),
+        "balance": _short(cell.residual),
+        "s": f"{cell.seconds:.2f}",
+        "measured against": cell.source,
+        "why this tolerance": cell.why,
+    }
 
 
 def _short(value: float | None) -> str:

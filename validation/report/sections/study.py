@@ -5,26 +5,29 @@ Orders are signed; a dash stands where there is none (values to and fro, no diff
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from validation.drawing import export
 from validation.report.document import (
     ABSENT,
-    Cell,
     Document,
+    Figure,
     Figures,
     Fold,
     Paragraph,
+    Record,
     Section,
     Table,
     VerdictCell,
+    formatted,
     number,
     plain,
 )
 from validation.report.figures import study_charts
-from validation.report.pictures import picture
+from validation.report.pictures import valid_id, with_drawing
 from validation.report.sections import environment
+from validation.report.sections.scene import COUNTERS
 from validation.studies import work_precision
 from validation.studies.convergence import Convergence, LevelRun, Row
 from validation.studies.schemes import SCHEMES
@@ -101,10 +104,9 @@ def _charts(scene: SceneStudy, charts: Sequence[study_charts.Chart]) -> Figures:
         drawing = study_charts.draw(chart, scene.timed)
         if drawing is not None:
             file = f"{scene.case.name}-{chart.name}"
-            name = "study-" + "".join(c if c.isascii() and c.isalnum() else "-" for c in file)
             files = {f"{file}.png": export.png(drawing), f"{file}.svg": export.svg_file(drawing)}
-            description = f"{chart.caption}, {scene.case.name}"
-            figures.append(picture(drawing, name, chart.caption, description, files=files))
+            figure = Figure(f"study-{valid_id(file)}", chart.caption, files=files)
+            figures.append(with_drawing(figure, drawing, f"{chart.caption}, {scene.case.name}"))
     return Figures(tuple(figures))
 
 
@@ -122,51 +124,49 @@ def overview(scene: SceneStudy) -> Section:
         )
         stated.append(f"The reference's own relative error, from its ladder and second order: {shares}.")
     stated.append(f"{len(failed)} levels failed." if failed else "Every level has an answer.")
-    rows = tuple(
-        _headline(study, row)
-        for name in HEADLINE
-        for study in scene.timed
-        for row in study.rows
-        if row.observable == name
-    )
-    head = (
-        "observable", "scheme", "levels", "order against the reference", "fitted", "order of values alone",
-        "error of the finest", "index of the finest", "covers it", "values alone say",
-    )  # fmt: skip
-    return _section(
-        "Observed orders, everything refined together", [*stated, NOTES, TRUTH_NOTE], Table(head, rows)
-    )
+    rows = (_headline(study, row) for study, row in _headlines(scene.timed))
+    title = "Observed orders, everything refined together"
+    return _section(title, [*stated, NOTES, TRUTH_NOTE], Table.of(rows))
+
+
+def _headlines(studies: Sequence[Convergence]) -> Iterator[tuple[Convergence, Row]]:
+    """The observables that matter most, each by every study."""
+    for name in HEADLINE:
+        yield from ((study, row) for study in studies for row in study.rows if row.observable == name)
 
 
 def zones(scene: SceneStudy) -> Section | None:
     """Results with shorter and longer process zones, every solver's; ``None`` without a zone."""
-    found = [study for study in scene.ladders if study.ladder.kind == "zone"]
-    if not found:
+    studies = [study for study in scene.ladders if study.ladder.kind == "zone"]
+    if not studies:
         return None
-    labels = [run.level.label for run in found[0].runs]
-    rows = tuple(
-        (plain(name), study.ladder.scheme, *(number(value, 6) for value in row.values),
-         number(row.alone.richardson if row.alone else None, 6))
-        for name in HEADLINE for study in found for row in study.rows if row.observable == name
-    )  # fmt: skip
-    head = ("observable", "solver", *labels, "Richardson, no zone")
-    return _section("Shorter and longer process zones", [ZONE_NOTE], Table(head, rows))
-
-
-def _headline(study: Convergence, row: Row) -> tuple[str, ...]:
-    alone = row.alone
-    return (
-        plain(row.observable),
-        study.ladder.scheme,
-        " ".join(run.level.label for run in study.runs),
-        _orders(row.orders),
-        _order(row.fitted),
-        _orders(alone.orders) if alone else ABSENT,
-        _error(row.errors[-1]),
-        _error(alone.bound if alone else None, ""),
-        _covered(row),
-        alone.verdict if alone else ABSENT,
+    rows = (
+        {"observable": plain(row.observable), "solver": study.ladder.scheme}
+        | _by_level(studies[0], (number(value, 6) for value in row.values))
+        | {"Richardson, no zone": number(row.alone.richardson if row.alone else None, 6)}
+        for study, row in _headlines(studies)
     )
+    return _section("Shorter and longer process zones", [ZONE_NOTE], Table.of(rows))
+
+
+def _by_level(study: Convergence, values: Iterable[str]) -> dict[str, str]:
+    return dict(zip((run.level.label for run in study.runs), values, strict=True))
+
+
+def _headline(study: Convergence, row: Row) -> dict[str, str]:
+    alone = row.alone
+    return {
+        "observable": plain(row.observable),
+        "scheme": study.ladder.scheme,
+        "levels": " ".join(run.level.label for run in study.runs),
+        "order against the reference": _orders(row.orders),
+        "fitted": formatted(row.fitted, ".2f"),
+        "order of values alone": _orders(alone.orders) if alone else ABSENT,
+        "error of the finest": formatted(row.errors[-1], "+.1e"),
+        "index of the finest": formatted(alone.bound if alone else None, ".1e"),
+        "covers it": _covered(row),
+        "values alone say": alone.verdict if alone else ABSENT,
+    }
 
 
 def _covered(row: Row) -> str:
@@ -179,60 +179,52 @@ def _covered(row: Row) -> str:
 
 def ladder(study: Convergence) -> Section:
     """One ladder in full: what each level did, and every observable."""
-    labels = [run.level.label for run in study.runs]
     stated = [f"Refined: {study.ladder.refined}. Nominal order {study.nominal:g}."]
     stated += [SCHEMES[study.ladder.scheme].why] if study.ladder.nominal is None else []
     note = {"zone": ZONE_NOTE, "domain": DOMAIN_NOTE}.get(study.ladder.kind)
     stated += [note] if note else []
-    head = ("observable", *labels, "orders", "Richardson", "index", "safety", "asymptotic", "verdict")
-    values = tuple(
-        (
-            plain(row.observable),
-            *(number(value, 8) for value in row.values),
-            _orders(row.alone.orders),
-            number(row.alone.richardson, 8),
-            _error(row.alone.bound, ""),
-            number(row.alone.safety),
-            _order(row.alone.asymptotic),
-            row.alone.verdict,
-        )
+    values = (
+        {"observable": plain(row.observable)}
+        | _by_level(study, (number(value, 8) for value in row.values))
+        | {
+            "orders": _orders(alone.orders),
+            "Richardson": number(alone.richardson, 8),
+            "index": formatted(alone.bound, ".1e"),
+            "safety": number(alone.safety),
+            "asymptotic": formatted(alone.asymptotic, ".2f"),
+            "verdict": alone.verdict,
+        }
         for row in study.rows
-        if row.alone is not None
+        if (alone := row.alone) is not None
     )
-    errors = tuple(
-        (
-            plain(row.observable),
-            *(_error(error, "" if row.alone is None else "+") for error in row.errors),
-            _orders(row.orders),
-            _order(row.fitted),
-        )
+    errors = (
+        {"observable": plain(row.observable)}
+        | _by_level(study, (formatted(e, ".1e" if row.alone is None else "+.1e") for e in row.errors))
+        | {"orders": _orders(row.orders), "fitted": formatted(row.fitted, ".2f")}
         for row in study.rows
         if any(error is not None for error in row.errors)
     )
-    tables = [levels(study), Table(head, values, "Values alone")]
-    if errors:
-        head = ("observable", *labels, "orders", "fitted")
-        tables.append(Table(head, errors, "Errors against the reference"))
-    return _section(f"{SCHEMES[study.ladder.scheme].title}: {study.ladder.kind}", stated, *tables)
+    tables = (
+        Table.of(map(_level, study.runs), "Levels"),
+        Table.of(values, "Values alone"),
+        Table.of(errors, "Errors against the reference"),
+    )
+    title = f"{SCHEMES[study.ladder.scheme].title}: {study.ladder.kind}"
+    return _section(title, stated, *(table for table in tables if table.rows))
 
 
-def levels(study: Convergence) -> Table:
-    """What each level cost, and how it ended."""
-    head = ("level", "ending", "seconds", "processor", "repeats", "steps", "rejected", "solves", "closure",
-            "factorisations", "force, RMS")  # fmt: skip
-    return Table(head, tuple(map(_level, study.runs)), "Levels")
-
-
-def _level(run: LevelRun) -> tuple[Cell, ...]:
-    names = ("steps", "rejected_steps", "linear_solves", "closure_evaluations", "factorisations")
+def _level(run: LevelRun) -> Record:
+    """What a level cost, and how it ended."""
     return (
-        run.level.label,
-        VerdictCell(f"FAILED: {run.failure}", False) if run.failed else run.outcome,
-        number(run.wall_seconds, 3),
-        number(run.cpu_seconds, 3),
-        str(run.repeats) if run.repeats else ABSENT,
-        *(number(run.counters.get(name)) for name in names),
-        _error(run.errors.get("force, RMS"), ""),
+        {
+            "level": run.level.label,
+            "ending": VerdictCell(f"FAILED: {run.failure}", False) if run.failed else run.outcome,
+            "seconds": number(run.wall_seconds, 3),
+            "processor": number(run.cpu_seconds, 3),
+            "repeats": str(run.repeats) if run.repeats else ABSENT,
+        }
+        | {title: number(run.counters.get(name)) for title, name in COUNTERS.items()}
+        | {"force, RMS": formatted(run.errors.get("force, RMS"), ".1e")}
     )
 
 
@@ -265,36 +257,31 @@ def _section(title: str, paragraphs: Sequence[str], *tables: Table) -> Section:
 
 
 def _price_table(studies: Sequence[Convergence]) -> Table:
-    head = ("error in", "asked", *(study.ladder.scheme for study in studies), "cheapest")
     rows = []
     for measure in work_precision.measures(list(studies)):
         for asked in work_precision.ASKED:
             best, found = work_precision.cheapest(list(studies), measure, asked)
-            cells = [
-                ABSENT if p.seconds is None else f"{'≤ ' if p.at_most else ''}{p.seconds:.2g} s"
-                for p in found
-            ]
-            rows.append((plain(measure), f"{asked:.0e}", *cells, best.scheme if best else ABSENT))
-    return Table(head, tuple(rows), "Processor seconds to an error")
+            bounds = ("≤ " if price.at_most else "" for price in found)
+            seconds = (formatted(price.seconds, ".2g") for price in found)
+            shown = (s if s == ABSENT else f"{b}{s} s" for b, s in zip(bounds, seconds, strict=True))
+            rows.append(
+                {"error in": plain(measure), "asked": f"{asked:.0e}"}
+                | dict(zip((study.ladder.scheme for study in studies), shown, strict=True))
+                | {"cheapest": best.scheme if best else ABSENT}
+            )
+    return Table.of(rows, "Processor seconds to an error")
 
 
 def _growth_table(studies: Sequence[Convergence]) -> Table:
-    head = ("scheme", *(plain(work) for work in work_precision.WORK))
     rows = []
     for study in studies:
-        fitted = [work_precision.growth(study, work) for work in work_precision.WORK]
-        rows.append((study.ladder.scheme, *(_order(entry.with_resolution) for entry in fitted)))
-        rows.append((f"{study.ladder.scheme}, over 1/error", *(_order(entry.with_error) for entry in fitted)))
-    return Table(head, tuple(rows), "Exponents of cost over resolution, and over 1/error of F(t)")
-
-
-def _order(value: float | None) -> str:
-    return ABSENT if value is None else f"{value:.2f}"
+        fitted = {plain(work): work_precision.growth(study, work) for work in work_precision.WORK}
+        by_resolution = {work: formatted(one.with_resolution, ".2f") for work, one in fitted.items()}
+        by_error = {work: formatted(one.with_error, ".2f") for work, one in fitted.items()}
+        rows.append({"scheme": study.ladder.scheme} | by_resolution)
+        rows.append({"scheme": f"{study.ladder.scheme}, over 1/error"} | by_error)
+    return Table.of(rows, "Exponents of cost over resolution, and over 1/error of F(t)")
 
 
 def _orders(values: Sequence[float | None]) -> str:
-    return " ".join(map(_order, values)) or ABSENT
-
-
-def _error(value: float | None, sign: str = "+") -> str:
-    return ABSENT if value is None else format(value, f"{sign}.1e")
+    return " ".join(formatted(value, ".2f") for value in values) or ABSENT
