@@ -29,8 +29,7 @@ from validation.claims.evidence import (
     retraction,
 )
 from validation.execution.runs import Run, measure
-from validation.report.judgement import Claims
-from validation.report.report import Report
+from validation.report.report import Claims, Report
 from validation.report.write import write
 from validation.solvers import SOLVERS
 

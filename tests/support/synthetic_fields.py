@@ -100,3 +100,14 @@ def states(rows: dict[int, str]) -> list[FieldState]:
         state(float(run.contact_radius[row]), float(run.penetration[row]), row, float(run.time[row]), label)
         for row, label in rows.items()
     ]
+
+
+def surfaces(times=(1.0, 2.0, 3.0, 4.0)) -> list[Profile]:
+    """Surfaces of a sphere with a punch's pressure and a square-root gap, in contact up to 0.2."""
+    r = np.concatenate([np.linspace(0.0, 0.199, 60), 0.2 + np.geomspace(1e-5, 0.5, 60)])
+    gap = np.sqrt(np.maximum(r - 0.2, 0.0)) / 10
+    found = []
+    for time in times:
+        pressure = np.where(r < 0.2, time / np.sqrt(np.maximum(0.04 - r**2, 1e-6)), 0.0)
+        found.append(Profile(time, 0.01 * time, 1.0, 0.2, r, pressure, 0.01 * time - r**2 / 2 + gap, gap))
+    return found

@@ -15,8 +15,7 @@ from validation.execution.environment import stamp
 from validation.execution.processes import processes
 from validation.execution.runs import Run, output_times, run_all
 from validation.execution.store import Store
-from validation.report.judgement import Claims
-from validation.report.report import Report
+from validation.report.report import Claims, Report
 from validation.solvers import SOLVERS
 
 if TYPE_CHECKING:

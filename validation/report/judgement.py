@@ -2,49 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
 
 from validation.claims.claim import Finding, Verdict
-from validation.claims.evidence import Evidence
 from validation.compare.checks import Check
 from validation.stability.runner import Matrix
 from validation.stability.verdict import Cell
 
-COUNTED = dict(zip(Verdict, ("hold", "hold in part", "do not hold", "could not be judged"), strict=True))
 
-
-@dataclass(frozen=True)
-class Claims:
-    """The findings, and the runs they rest on."""
-
-    findings: tuple[Finding, ...]
-    evidence: Evidence
-
-    @property
-    def checks(self) -> list[Check]:
-        """One check a statement: that its verdict is the recorded one."""
-        return [
-            Check(
-                "claims",
-                "bem",
-                one.name,
-                one.place,
-                str(one.recorded),
-                None if one.verdict is Verdict.NOT_JUDGED else str(one.verdict),
-                not one.changed,
-                note=one.shown if one.changed else "",
-            )
-            for one in self.findings
-        ]
-
-    @property
-    def summary(self) -> str:
-        """How many hold, and how many not."""
-        counts = {verdict: sum(one.verdict is verdict for one in self.findings) for verdict in Verdict}
-        verdicts = ", ".join(f"{count} {COUNTED[verdict]}" for verdict, count in counts.items() if count)
-        changed = sum(one.changed for one in self.findings)
-        changes = "no verdict" if not changed else f"{changed} verdict{'s' if changed > 1 else ''}"
-        return f"{len(self.findings)} statements: {verdicts}; {changes} changed."
+def claim_checks(findings: Iterable[Finding]) -> list[Check]:
+    """One check a statement: that its verdict is the recorded one."""
+    return [
+        Check(
+            "claims",
+            "bem",
+            one.name,
+            one.place,
+            str(one.recorded),
+            None if one.verdict is Verdict.NOT_JUDGED else str(one.verdict),
+            not one.changed,
+            note=one.shown if one.changed else "",
+        )
+        for one in findings
+    ]
 
 
 def stability_checks(matrix: Matrix) -> list[Check]:

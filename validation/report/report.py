@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from validation.claims.claim import Finding
+from validation.claims.evidence import Evidence
 from validation.compare.checks import Check
 from validation.compare.regression import Comparison
 from validation.compare.suite import SceneComparison
 from validation.execution.runs import Run
 from validation.fields.cycle_fields import CycleFields
-from validation.report.judgement import Claims, stability_checks
+from validation.report.judgement import claim_checks, stability_checks
 from validation.stability.runner import Matrix
+
+
+@dataclass(frozen=True)
+class Claims:
+    """The findings on the paper's statements, and the runs they rest on."""
+
+    findings: tuple[Finding, ...]
+    evidence: Evidence
 
 
 @dataclass(frozen=True)
@@ -47,7 +57,7 @@ class Report:
     def checks(self) -> list[Check]:
         """All checks, those of the paper's statements and of the matrix too."""
         checks = [check for scene in self.scenes for check in scene.checks]
-        checks += [] if self.claims is None else self.claims.checks
+        checks += [] if self.claims is None else claim_checks(self.claims.findings)
         return checks + ([] if self.stability is None else stability_checks(self.stability))
 
     @property

@@ -9,7 +9,7 @@ from validation.execution.files import to_json, write_whole
 from validation.execution.run_folder import write_run
 from validation.report import html, json_data, junit, markdown
 from validation.report.document import Document, Paragraph, figures_of
-from validation.report.judgement import stability_checks
+from validation.report.judgement import claim_checks, stability_checks
 from validation.report.report import Report
 from validation.report.sections import (
     claims,
@@ -60,7 +60,8 @@ def suites(report: Report) -> list[junit.CheckSuite]:
         for one in report.scenes
     ]
     if report.claims is not None:
-        made.append(junit.CheckSuite("claims", report.claims.checks, outputs=claims.outputs(report.claims)))
+        findings = report.claims.findings
+        made.append(junit.CheckSuite("claims", claim_checks(findings), outputs=claims.outputs(findings)))
     if report.stability is not None:
         matrix = report.stability
         made.append(junit.CheckSuite("stability", stability_checks(matrix), matrix.wall_seconds))

@@ -1,0 +1,51 @@
+"""Measures a page in a headless Chromium: script errors, missing pictures, width of the content."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+CHROMIUM = next((path for name in NAMES if (path := shutil.which(name))), None)
+PROBE = """
+<script>
+addEventListener('error', e => { window.trouble = (window.trouble || 0) + 1; }, true);
+addEventListener('load', () => {
+  const root = document.documentElement;
+  const drawn = [...document.querySelectorAll('figure svg')].map(e => e.getBoundingClientRect());
+  const labels = [...document.querySelectorAll('figure svg text')];
+  document.title = JSON.stringify({
+    width: innerWidth, content: root.scrollWidth, trouble: window.trouble || 0,
+    broken: [...document.images].filter(i => !i.complete || !i.naturalWidth).length,
+    figures: drawn.length, flat: drawn.filter(b => b.width < 100 || b.height < 60).length,
+    wide: drawn.filter(b => b.right > innerWidth + 1).length,
+    labels: labels.length, ink: labels.length ? getComputedStyle(labels[0]).fill : '',
+    paper: getComputedStyle(document.body).backgroundColor });
+});
+</script>
+"""
+FRAME = """<!doctype html><title>waiting</title><iframe src="page.html" style="border:0"
+width="{width}" height="800"></iframe><script>
+const frame = document.querySelector('iframe');
+frame.onload = () => setTimeout(() => { document.title = frame.contentDocument.title; }, 300);
+</script>"""
+
+
+def measure_page(folder, html: str, width: int, *flags: str) -> dict:
+    """What the page says about itself when it is ``width`` pixels wide (a frame: windows have a minimum)."""
+    (folder / "page.html").write_text(html.replace("<head>", "<head>" + PROBE))
+    (folder / "frame.html").write_text(FRAME.replace("{width}", str(width)))
+    said = subprocess.run(
+        [
+            str(CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
+            "--disable-background-networking", "--disable-component-update", "--disable-sync",
+            "--allow-file-access-from-files", f"--user-data-dir={folder / 'profile'}",
+            "--virtual-time-budget=5000", "--window-size=1600,1000", *flags,
+            "--dump-dom", (folder / "frame.html").as_uri(),
+        ],
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    title = said.stdout.partition("<title>")[2].partition("</title>")[0]
+    assert title.startswith("{"), f"the page said nothing: {said.stderr[-500:]}"
+    return json.loads(title)
