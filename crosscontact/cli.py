@@ -252,10 +252,10 @@ def _command(options: argparse.Namespace) -> int:
     if options.command == "compare":
         return all_commands.compare(options.scenes, options.out, options.jobs, options.fresh)
     if options.command == "study" and options.poisson is not None:
-        from validation.report import poisson_section
+        from crosscontact.commands.poisson import poisson
 
         jobs = all_commands.workers(options.jobs)
-        return poisson_section.command(options.scenes, options.poisson, options.out, jobs)
+        return poisson(options.scenes, options.poisson, options.out, jobs)
     if options.command == "study":
         return all_commands.study(options.scenes, options.out, options.jobs, options.fresh)
     if options.command == "stability":
@@ -265,7 +265,7 @@ def _command(options: argparse.Namespace) -> int:
         return stability(options.out, jobs, options.solver, options.only, options.fresh)
     if options.command == "fields":
         from crosscontact.commands import fields
-        from validation.fields.figures.album import wanted
+        from validation.fields.figures.figure_set import of_options
 
         return fields.run(
             options.scene,
@@ -274,7 +274,7 @@ def _command(options: argparse.Namespace) -> int:
             options.every,
             options.resolution,
             options.out,
-            wanted(options),
+            of_options(options),
         )
     return all_commands.report(
         options.suite,

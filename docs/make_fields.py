@@ -10,18 +10,18 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from validation.cases import load
-from validation.drawing.figures import png
-from validation.fields.figures import strip
+from validation.drawing.export import png
+from validation.fields.figures import moment_panels
 from validation.fields.figures.moments import key_moments
 from validation.fields.figures.quantities import QUANTITIES
-from validation.fields.request import Request, answer
+from validation.fields.request import FieldRequest, record_fields
 
 
 def draw() -> Figure:
     """Four panels."""
     scene = load("cycle-v0.002").scene
-    found = answer(scene, Request(picked=key_moments))
-    return strip.figure(list(found.states()), scene, QUANTITIES["stress-zz"])
+    found = record_fields(scene, FieldRequest(picked=key_moments))
+    return moment_panels.figure(list(found.states()), scene, QUANTITIES["stress-zz"])
 
 
 if __name__ == "__main__":

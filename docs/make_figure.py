@@ -13,8 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from validation.cases import load
-from validation.drawing.curves import Curves, elastic_limits, labels, of_trace
-from validation.drawing.figures import CLOSED, png
+from validation.drawing.curves import RunCurves, elastic_limits, labels, of_trace
+from validation.drawing.export import png
+from validation.drawing.styles import CLOSED_FORM
 from validation.execution.runs import run
 
 SPEEDS = {
@@ -26,14 +27,14 @@ REFERENCE: dict[str, Any] = {"color": "#bbbbbb", "linewidth": 4.0, "solid_capsty
 MARKS = 22  # of the finite elements, along each cycle
 
 
-def plot(panels: tuple[Axes, Axes], curve: Curves, rows: Any = slice(None), **style: Any) -> None:
+def plot(panels: tuple[Axes, Axes], curve: RunCurves, rows: Any = slice(None), **style: Any) -> None:
     """Force over penetration, and contact radius over force."""
     columns = {name: column[rows] for name, column in curve.columns.items()}
     panels[0].plot(columns["penetration"], columns["force"], **style)
     panels[1].plot(columns["force"], columns["contact_radius"], **style)
 
 
-def evenly(curve: Curves) -> np.ndarray:
+def evenly(curve: RunCurves) -> np.ndarray:
     """Rows at even distances along the cycle in the plane of force and penetration."""
     x, y = (curve.columns[name] / np.ptp(curve.columns[name]) for name in ("penetration", "force"))
     along = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
@@ -62,7 +63,7 @@ def draw() -> Figure:
         if first:
             for curve in elastic_limits(case.scene, 0.21):
                 label = "elastic (JKR), E₀ and E∞" if curve.label.endswith("₀") else None
-                plot(panels, curve, label=label, zorder=0, **CLOSED)
+                plot(panels, curve, label=label, zorder=0, **CLOSED_FORM)
     names = labels(case.scene)
     panels[0].set(
         xlabel=names["penetration"], ylabel=names["force"], xlim=(-0.026, 0.036), ylim=(-0.005, 0.024)

@@ -14,7 +14,7 @@ from validation.execution.progress import Progress
 if TYPE_CHECKING:
     from validation.compare.suite import SceneComparison
     from validation.execution.runs import Run
-    from validation.report.fields_section import FieldsSection
+    from validation.fields.cycle_fields import CycleFields
 
 SHOWN = (
     "approach_force",
@@ -92,15 +92,17 @@ def compare(given: list[str], out: str | None, jobs: int | None, fresh: bool = F
     """All solvers on the given scenes, one table with error estimates; exit code 1 when they disagree."""
     from validation.execution.files import output_folder
     from validation.execution.store import Store
-    from validation.report.build import build, write
-    from validation.report.text import table
+    from validation.report import terminal
+    from validation.report.build import build
+    from validation.report.sections.scene import verdicts
+    from validation.report.write import write
 
     loaded = cases.load_all(given)
     folder = None if out is None else output_folder(out)
     store = Store(folder, fresh)
     result = build("compare", loaded, workers(jobs), Progress("compare"), store=store)
-    for page in result.pages:
-        print(table(page))
+    for scene in result.scenes:
+        print(terminal.text(verdicts(scene)))
     if folder is not None:
         write(result, folder)
         store.clear()
@@ -112,17 +114,18 @@ def study(given: list[str], out: str | None, jobs: int | None, fresh: bool = Fal
     """Refinement ladders and error against run time; exit code 1 when a level gives no answer."""
     from validation.execution.files import output_folder
     from validation.execution.store import Store
-    from validation.report.study_forms import lines, write
+    from validation.report import terminal
+    from validation.report.sections.study import short
+    from validation.report.write import write_study
     from validation.studies.study import study as run_study
 
     loaded = cases.load_all(given)
     folder = None if out is None else output_folder(out)
     store = Store(folder, fresh)
     result = run_study(loaded, workers(jobs), Progress("study"), store)
-    for line in lines(result):
-        print(line)
+    print(terminal.text(short(result)))
     if folder is not None:
-        write(result, folder)
+        write_study(result, folder)
         store.clear()
         print(f"written to {folder / 'index.html'}")
     for scene in result.scenes:
@@ -145,8 +148,9 @@ def report(
     from validation.compare import regression as earlier
     from validation.execution.files import output_folder
     from validation.execution.store import Store
-    from validation.report.build import build, write
-    from validation.report.jsonreport import data
+    from validation.report.build import build
+    from validation.report.json_data import of_report
+    from validation.report.write import write
 
     old = None if baseline is None else earlier.read(baseline)
     folder = output_folder(out)
@@ -158,9 +162,9 @@ def report(
 
         result = replace(result, stability=compute(workers(jobs), store))
     if fields:
-        result = replace(result, fields=_fields(result.pages))
+        result = replace(result, fields=_fields(result.scenes))
     if baseline is not None and old is not None:
-        result = replace(result, baseline=earlier.compare(baseline, old, data(result), loaded))
+        result = replace(result, baseline=earlier.compare(baseline, old, of_report(result), loaded))
     write(result, folder)
     store.clear()
     print(f"{len(result.checks)} checks, {len(result.failures)} failed: {folder / 'index.html'}")
@@ -176,13 +180,14 @@ def report(
     return 1 if result.baseline.beyond else code
 
 
-def _fields(pages: list[SceneComparison]) -> FieldsSection:
+def _fields(scenes: list[SceneComparison]) -> CycleFields:
     """The report's section on fields, with progress."""
-    from validation.report.fields_section import compute
+    from validation.fields import cycle_fields
 
     progress = Progress("fields")
+    runs = next((one.runs for one in scenes if one.case.name == cycle_fields.SCENE), {})
     try:
-        return compute(pages, progress)
+        return cycle_fields.compute(runs, progress)
     finally:
         progress.close()
 

@@ -12,16 +12,16 @@ from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress
-from validation.fields.balance import Balance, balance
-from validation.fields.files import Series
-from validation.fields.request import Answer, Request, answer, check_times
+from validation.fields.balance import EnergySums, balance
+from validation.fields.files import ParaViewSeries
+from validation.fields.request import FieldRequest, RecordedFields, check_times, record_fields
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from contact_scene import Counters, Scene
     from fem_solver import FieldState
-    from validation.fields.figures.album import Album
+    from validation.fields.figures.figure_set import FigureSet
 
 
 def run(
@@ -31,39 +31,39 @@ def run(
     every: int,
     resolution: int | None,
     out: str | None,
-    album: Album | None = None,
+    figures: FigureSet | None = None,
 ) -> int:
     """Exit code 0; 1 if the run did not finish or a figure asked for cannot be drawn; 2 for times outside it.
 
-    With an ``album`` its figures are drawn too, of the moments it needs beside those asked for.
+    With an ``figures`` its figures are drawn too, of the moments it needs beside those asked for.
     """
     from contact_scene import SceneError
 
     case = cases.load(name)
-    if not (times or pull_off or every or (album is not None and album.moments)):
+    if not (times or pull_off or every or (figures is not None and figures.chooses_moments)):
         allowed = "--at T [T ...], --pull-off, --every N, --strip, --animate, or several"
         raise SceneError("fields", "no moment asked for", allowed)
     check_times(times, case.scene.loading)  # before anything is made
-    request = Request(tuple(times), pull_off, every, None if album is None else album.rows)
+    request = FieldRequest(tuple(times), pull_off, every, None if figures is None else figures.rows)
     if out is not None:
-        return _into(output_folder(out), case, request, resolution, album)
+        return _into(output_folder(out), case, request, resolution, figures)
     with locked_folder(f"out/fields/{case.name}") as folder:
-        return _into(folder, case, request, resolution, album)
+        return _into(folder, case, request, resolution, figures)
 
 
 def _into(
-    folder: Path, case: cases.Case, request: Request, resolution: int | None, album: Album | None
+    folder: Path, case: cases.Case, request: FieldRequest, resolution: int | None, figures: FigureSet | None
 ) -> int:
     progress = Progress(f"{case.name} fields")
-    part = 0.5 if album is None else 0.25  # of the time, roughly
+    part = 0.5 if figures is None else 0.25  # of the time, roughly
     kept: list[FieldState] = []
     try:
-        found = answer(case.scene, request, resolution, lambda done: progress(part * done))
-        keep = kept.append if album is not None else None
+        found = record_fields(case.scene, request, resolution, lambda done: progress(part * done))
+        keep = kept.append if figures is not None else None
         written = write(found, folder, case.scene, lambda done: progress(part * (1.0 + done)), keep)
-        if album is not None and kept:
+        if figures is not None and kept:
             trace, asked = found.recording.trace, found.recording.rows.values()
-            written += album.lines(folder, kept, trace, case.scene, lambda d: progress(0.5 + 0.5 * d), asked)
+            written += figures.draw(folder, kept, trace, case.scene, lambda d: progress(0.5 + 0.5 * d), asked)
     finally:
         progress.close()
     for line in written:
@@ -72,7 +72,7 @@ def _into(
 
 
 def write(
-    found: Answer,
+    found: RecordedFields,
     folder: Path,
     scene: Scene,
     progress: Callable[[float], None],
@@ -81,7 +81,7 @@ def write(
     """Compute and write all states, and give those of moments to ``keep``; returns lines for a reader."""
     trace = found.recording.trace
     before, begin = asdict(trace.counters), time.process_time()
-    series = Series(folder, scene)
+    series = ParaViewSeries(folder, scene)
     lines = [_HEAD]
     for index, state in enumerate(found.states(), 1):
         sums = balance(state, trace)
@@ -110,7 +110,7 @@ _HEAD = (
 )
 
 
-def _line(state: FieldState, sums: Balance) -> str:
+def _line(state: FieldState, sums: EnergySums) -> str:
     error = "-" if sums.error is None else f"{100.0 * sums.error:.3f} %"
     return (
         f"{state.label or '-':<20}{state.time:12.6g}{state.penetration:13.5g}{state.force:12.5g}"
@@ -123,7 +123,7 @@ def _difference(counters: Counters, before: dict[str, int]) -> dict[str, int]:
     return {name: count - before[name] for name, count in asdict(counters).items()}
 
 
-def _verdict(found: Answer) -> int:
+def _verdict(found: RecordedFields) -> int:
     outcome = found.recording.trace.outcome
     if not outcome.finished:
         print(f"crosscontact: not finished: {outcome.kind}: {outcome.reason}", file=sys.stderr)

@@ -20,7 +20,7 @@ KEPT_EVERY = 2.0  # seconds between two times that the cells so far are written
 def stability(out: str | None, jobs: int, solver: str | None, only: str | None, fresh: bool = False) -> int:
     """Run the matrix; exit code 1 if a cell is silently wrong, not finite, crashed or hung."""
     from validation.execution.files import output_folder
-    from validation.report.stability_forms import write
+    from validation.report.write import write_matrix
 
     folder = None if out is None else output_folder(out)
     store = Store(folder, fresh)
@@ -28,7 +28,7 @@ def stability(out: str | None, jobs: int, solver: str | None, only: str | None, 
     for line in limits(matrix.cells):
         print(line)
     if folder is not None:
-        write(matrix, folder)
+        write_matrix(matrix, folder)
         store.clear()
         print(f"written to {folder / 'index.html'}")
     for cell in matrix.faults:
@@ -44,7 +44,7 @@ def compute(
     folder: Path | None = None,
 ) -> StabilityMatrix:
     """The matrix, told as it goes on; with a folder the cells so far are always to be found there."""
-    from validation.report.stability_forms import keep
+    from validation.report.write import write_cells
 
     asked = probes(only)
     progress, due = Progress("stability"), time.monotonic()
@@ -56,7 +56,7 @@ def compute(
             len(cells) / total, f"{len(cells)}/{total} {cell.name}: {cell.verdict}, {cell.seconds:.1f} s"
         )
         if folder is not None and time.monotonic() >= due:
-            keep(StabilityMatrix(tuple(cells), 0.0), folder, complete=False)
+            write_cells(StabilityMatrix(tuple(cells), 0.0), folder, complete=False)
             due = time.monotonic() + KEPT_EVERY
 
     try:

@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from markupsafe import escape
 from support.synthetic_traces import follow, half_ellipse, profile, trace
 
 from contact_scene import OutcomeKind
@@ -29,8 +30,8 @@ from validation.claims.evidence import (
     without_title,
 )
 from validation.execution.runs import Run, measure
-from validation.report import claims_section
-from validation.report.build import Report, write
+from validation.report.report import Claims, Report
+from validation.report.write import write
 from validation.solvers import SOLVERS
 
 GOOD, BAD = Part("as said", True), Part("otherwise", False)
@@ -235,7 +236,7 @@ def test_a_real_claim():
 def written(tmp_path_factory):
     """A report of nothing but claims, most of them unjudged."""
     findings = all_findings(springs(lambda v: 1.0))
-    claims = claims_section.Claims(findings, springs(lambda v: 1.0))
+    claims = Claims(findings, springs(lambda v: 1.0))
     folder = tmp_path_factory.mktemp("claims")
     environment = {"python": "3", "processor": "none"}
     report = Report("paper", [], environment, 1.0, claims=claims)
@@ -251,7 +252,7 @@ def test_report_tells_every_statement(written):
     assert data["checks"] == len(CLAIMS)
     page, short = (folder / "index.html").read_text(), (folder / "summary.md").read_text()
     for one in report.claims.findings:
-        assert one.wording.replace("'", "&#x27;").replace(">", "&gt;") in page
+        assert str(escape(one.wording)) in page
         assert one.verdict is HOLDS or one.wording in short
     root = tree.parse(folder / "junit.xml").getroot()
     assert len(root.findall(".//testcase")) == len(CLAIMS) == int(root.attrib["tests"])

@@ -10,7 +10,7 @@ import pytest
 
 from validation.claims.all import CLAIMS, findings
 from validation.claims.evidence import gather, required_runs
-from validation.report.paper_figures import FIGURES, drawn
+from validation.report.figures.paper_figures import FIGURES, drawn
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from crosscontact.cli import SOLVER_NAMES, main
 from validation import solvers
 from validation.cases import load
 from validation.compare import regression
+from validation.report.document import Figures
 
 NAME = "cycle-v0.1"
 WORD = "beyond tolerance"
@@ -24,7 +25,9 @@ def reported(monkeypatch, tmp_path):
     monkeypatch.setattr(
         "crosscontact.commands.all_commands._verdict", lambda failures: 0
     )  # only the baseline counts here
-    monkeypatch.setattr("validation.report.html._figures", lambda page: "")  # drawn in other tests
+    monkeypatch.setattr(
+        "validation.report.sections.scene.figures", lambda scene: Figures(())
+    )  # drawn elsewhere
 
     def report(name: str, *more: str, **factories):
         for solver in SOLVER_NAMES:

@@ -15,9 +15,9 @@ from matplotlib import colormaps
 from support.synthetic_fields import RADIUS, SCENE, ZONE, state, states, surfaces, trace
 
 from contact_scene import FlatPunch, SceneError
-from validation.fields.figures import album, colours, fig3, geometry, moments, strip, window
-from validation.fields.figures.album import Album
-from validation.fields.figures.colours import Kind
+from validation.fields.figures import colours, fig3, figure_set, geometry, moment_panels, moments, rendering
+from validation.fields.figures.colours import ValueKind
+from validation.fields.figures.figure_set import FigureSet
 from validation.fields.figures.quantities import QUANTITIES
 
 ROOT = Path(__file__).parents[2]
@@ -73,7 +73,7 @@ def test_areas_add_up_and_mirror_images_are_in_view():
 
 def test_signed_colours_are_centred_on_zero():
     value = np.concatenate([np.linspace(-3.0, 1.0, 400), [50.0]])
-    found = colours.colours(Kind.SIGNED, [value], [np.ones_like(value)])
+    found = colours.colours(ValueKind.SIGNED, [value], [np.ones_like(value)])
     assert found.low == -found.high
     assert 2.9 < found.high < 3.0  # 99 % of the area; the spike is beyond
     assert found.extend == "both"
@@ -83,32 +83,32 @@ def test_signed_colours_are_centred_on_zero():
 
 def test_range_follows_area_not_the_number_of_nodes():
     value, area = np.array([1.0] * 5 + [9.0] * 95), np.array([1.0] * 5 + [1e-6] * 95)
-    assert colours.colours(Kind.POSITIVE, [value], [area]).high == 1.0
-    assert colours.colours(Kind.POSITIVE, [value], [np.ones(100)]).high == 9.0
+    assert colours.colours(ValueKind.POSITIVE, [value], [area]).high == 1.0
+    assert colours.colours(ValueKind.POSITIVE, [value], [np.ones(100)]).high == 9.0
 
 
 def test_colours_serve_several_views_and_decades():
     one, two = np.linspace(0.0, 1.0, 50), np.linspace(0.0, 4.0, 50)
-    shared = colours.colours(Kind.POSITIVE, [one, two], [np.ones(50)] * 2)
+    shared = colours.colours(ValueKind.POSITIVE, [one, two], [np.ones(50)] * 2)
     assert 3.8 < shared.high <= 4.0
     assert shared.low == 0.0
-    rates = colours.colours(Kind.DECADES, [two], [np.ones(50)])
+    rates = colours.colours(ValueKind.DECADES, [two], [np.ones(50)])
     assert rates.high / rates.low == pytest.approx(10.0**colours.DECADES)
     assert rates.below
     np.testing.assert_allclose(rates.shade([0.0, rates.low, rates.low * 100, rates.high]), [0, 0, 0.5, 1])
 
 
 def test_fields_that_are_zero_or_not_finite():
-    nothing = colours.colours(Kind.SIGNED, [np.zeros(4)], [np.ones(4)])
+    nothing = colours.colours(ValueKind.SIGNED, [np.zeros(4)], [np.ones(4)])
     assert (nothing.low, nothing.high, nothing.extend) == (-1.0, 1.0, "neither")
     with pytest.raises(ValueError, match="finite"):
-        colours.colours(Kind.SIGNED, [np.array([np.nan])], [np.ones(1)])
+        colours.colours(ValueKind.SIGNED, [np.array([np.nan])], [np.ones(1)])
 
 
-@pytest.mark.parametrize("kind", Kind)
+@pytest.mark.parametrize("kind", ValueKind)
 def test_maps_are_even_in_lightness(kind):
     light = lightness(colormaps[kind.value](np.linspace(0, 1, 256))[:, :3])
-    if kind is Kind.SIGNED:  # darkens alike to both sides of a light middle
+    if kind is ValueKind.SIGNED:  # darkens alike to both sides of a light middle
         assert np.argmax(light) in range(120, 136)
         assert (np.diff(light[:120]) > -0.05).all()
         assert (np.diff(light[136:]) < 0.05).all()
@@ -135,7 +135,7 @@ def test_quantities_read_the_state_they_name():
     np.testing.assert_array_equal(QUANTITIES["principal-1"].values(one), one.principal[0])
     np.testing.assert_array_equal(QUANTITIES["dissipation-rate"].values(one), one.dissipation_rate[0])
     assert QUANTITIES["stress-tt"].plain == "stress σθθ (force/length²)"
-    signed = {name for name, one in QUANTITIES.items() if one.kind is Kind.SIGNED}
+    signed = {name for name, one in QUANTITIES.items() if one.kind is ValueKind.SIGNED}
     assert {"stress-rz", "hydrostatic", "strain-tt", "displacement-z", "principal-3"} <= signed
     assert not {"von-mises", "max-shear", "dissipated"} & signed
 
@@ -157,68 +157,73 @@ def test_frames_are_spread_over_the_contact():
     assert moments.in_contact(trace(contact_radius=np.zeros(11)), 4) == []
 
 
-def test_album_asks_for_the_rows_it_draws():
-    assert Album().rows(trace(), SCENE) == {}
-    assert not Album(revolve=True).moments
-    assert list(Album(strip=True).rows(trace(), SCENE)) == [0, 3, 7, 8]
-    both = Album(strip=True, animate=True, frames=4).rows(trace(), SCENE)
+def test_figures_ask_for_the_rows_they_draw():
+    assert FigureSet().rows(trace(), SCENE) == {}
+    assert not FigureSet(revolve=True).chooses_moments
+    assert list(FigureSet(moments=True).rows(trace(), SCENE)) == [0, 3, 7, 8]
+    both = FigureSet(moments=True, animate=True, frames=4).rows(trace(), SCENE)
     assert list(both) == [0, 3, 6, 7, 8, 9]
     assert both[8] == "pull-off"
     assert both[9] == ""
     with pytest.raises(SceneError, match="von-misses"):
-        Album(("von-misses",))
+        FigureSet(("von-misses",))
 
 
 def test_caption_says_when_and_where():
-    said = strip.caption(state(label="pull-off", penetration=-0.0123))
+    said = moment_panels.caption(state(label="pull-off", penetration=-0.0123))
     assert said == "pull-off: t = 3, Δ = −0.0123, F = −0.0123"
 
 
 def test_without_rendering_sections_are_left_out_with_a_word_and_the_rest_is_an_error(monkeypatch, tmp_path):
-    monkeypatch.setattr(window, "_attempt", lambda name: None)
-    window.drawing.cache_clear()
+    monkeypatch.setattr(rendering, "_attempt", lambda name: None)
+    rendering.rendering_window.cache_clear()
     shown = states({3: "end of approach"})
     try:
-        said = Album().lines(tmp_path, shown, trace(), SCENE, lambda done: None)
+        said = FigureSet().draw(tmp_path, shown, trace(), SCENE, lambda done: None)
         assert len(said) == 1
         assert "PyVista cannot draw" in said[0]
         assert "libegl1" in said[0]
-        with pytest.raises(window.NoRendering):
-            Album(strip=True).lines(tmp_path, shown, trace(), SCENE, lambda done: None)
+        with pytest.raises(rendering.NoRendering):
+            FigureSet(moments=True).draw(tmp_path, shown, trace(), SCENE, lambda done: None)
     finally:
-        window.drawing.cache_clear()
+        rendering.rendering_window.cache_clear()
     assert not list(tmp_path.rglob("*.png"))
 
 
 @pytest.mark.parametrize(
     ("display", "said", "expected"),
     [
-        (None, "drawn with vtkEGLRenderWindow", window.Drawing("vtkEGLRenderWindow", False)),
-        (":0", "drawn with vtkXOpenGLRenderWindow", window.Drawing("", True)),
-        (":0", "drawn with vtkEGLRenderWindow", window.Drawing("", False)),  # the screen is not there
+        (None, "drawn with vtkEGLRenderWindow", rendering.RenderingWindow("vtkEGLRenderWindow", False)),
+        (":0", "drawn with vtkXOpenGLRenderWindow", rendering.RenderingWindow("", True)),
+        (
+            ":0",
+            "drawn with vtkEGLRenderWindow",
+            rendering.RenderingWindow("", False),
+        ),  # no such screen
     ],
 )
 def test_screens_are_recognised(monkeypatch, display, said, expected):
-    monkeypatch.setattr(window, "_attempt", lambda name: said)
+    monkeypatch.setattr(rendering, "_attempt", lambda name: said)
     monkeypatch.setattr(sys, "platform", "linux")
-    for name in ("PYVISTA_OFF_SCREEN", "DISPLAY", window.CHOICE):
+    for name in ("PYVISTA_OFF_SCREEN", "DISPLAY", rendering.CHOICE):
         monkeypatch.delenv(name, raising=False)
     if display is not None:
         monkeypatch.setenv("DISPLAY", display)
-    window.drawing.cache_clear()
+    rendering.rendering_window.cache_clear()
     try:
-        assert window.drawing() == expected
-        window.drawing.cache_clear()
+        assert rendering.rendering_window() == expected
+        rendering.rendering_window.cache_clear()
         monkeypatch.setenv("PYVISTA_OFF_SCREEN", "true")
-        assert not window.drawing().screen
+        assert not rendering.rendering_window().screen
     finally:
-        window.drawing.cache_clear()
+        rendering.rendering_window.cache_clear()
 
 
 def test_nothing_that_draws_is_loaded_before_something_is_drawn():
     code = (
-        "import sys, validation.fields.figures.album, validation.report.fields_section as f\n"
-        "f.html(f.FieldsSection(None)); print(*sorted({m.split('.')[0] for m in sys.modules}))"
+        "import sys, validation.fields.figures.figure_set, validation.report.sections.fields as f\n"
+        "from validation.report import html; html.fragment(f.section(f.CycleFields(None)))\n"
+        "print(*sorted({m.split('.')[0] for m in sys.modules}))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
     assert not {"pyvista", "vtk", "vtkmodules", "matplotlib", "PIL", "skfem"} & set(done.stdout.split())
@@ -252,9 +257,9 @@ def test_fig3_refuses_what_does_not_belong_together():
 
 
 def test_one_section_states_its_scale(monkeypatch):
-    monkeypatch.setattr(window, "picture", lambda fill, size: np.zeros((size[1], size[0], 3), np.uint8))
+    monkeypatch.setattr(rendering, "picture", lambda fill, size: np.zeros((size[1], size[0], 3), np.uint8))
     one = state(label="pull-off")
-    drawn = album.one_section(one, SCENE, QUANTITIES["stress-zz"])
+    drawn = figure_set.single_section(one, SCENE, QUANTITIES["stress-zz"])
     scale = geometry.magnification(float(np.abs(one.displacement).max()), RADIUS)
     whole, edge = drawn.axes[:2]
     assert f"displacements drawn {scale:g} times as large" in whole.get_title()

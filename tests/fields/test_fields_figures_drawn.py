@@ -16,8 +16,8 @@ from matplotlib.tri import LinearTriInterpolator, Triangulation
 from PIL import Image
 from support.synthetic_fields import RADIUS, SCENE, state, states, trace
 
-from validation.fields.figures import animation, geometry, revolution, sections, strip, window
-from validation.fields.figures.album import Album
+from validation.fields.figures import animation, geometry, moment_panels, rendering, revolution, sections
+from validation.fields.figures.figure_set import FigureSet
 from validation.fields.figures.moments import key_moments
 from validation.fields.figures.quantities import QUANTITIES
 
@@ -28,8 +28,8 @@ STRESS, MISES = QUANTITIES["stress-zz"], QUANTITIES["von-mises"]
 @pytest.fixture(scope="module", autouse=True)
 def _can_draw():
     try:
-        window.drawing()
-    except window.NoRendering as reason:
+        rendering.rendering_window()
+    except rendering.NoRendering as reason:
         pytest.skip(str(reason))
 
 
@@ -51,7 +51,7 @@ def shown(cut, view):
 @pytest.fixture(scope="module")
 def image(cut, view, shown):
     size = (400, round(400 / view.aspect))
-    return window.picture(lambda plotter: sections.add_field(plotter, cut, view, STRESS, shown), size)
+    return rendering.picture(lambda plotter: sections.add_field(plotter, cut, view, STRESS, shown), size)
 
 
 def test_pixels_have_the_colour_of_the_field_there(image, cut, view, shown):
@@ -83,20 +83,20 @@ def test_windows_are_closed(image):
     import pyvista
 
     before = len(pyvista.plotting.plotter._ALL_PLOTTERS)
-    window.picture(lambda plotter: plotter.add_mesh(pyvista.Plane()), (20, 20))
+    rendering.picture(lambda plotter: plotter.add_mesh(pyvista.Plane()), (20, 20))
     with pytest.raises(ZeroDivisionError):
-        window.picture(lambda plotter: 1 / 0, (20, 20))
+        rendering.picture(lambda plotter: 1 / 0, (20, 20))
     assert len(pyvista.plotting.plotter._ALL_PLOTTERS) == before
 
 
-def test_strip_shows_all_moments_alike():
+def test_moment_panels_are_alike():
     four = states(key_moments(trace(), SCENE))
-    drawn = strip.figure(four, SCENE, STRESS)
+    drawn = moment_panels.figure(four, SCENE, STRESS)
     panels = [axes for axes in drawn.axes if axes.get_title()]
     names = [axes.get_title().split(":")[0] for axes in panels]
     assert names == ["jump-in", "end of approach", "start of detachment", "pull-off"]
     assert len({(axes.get_xlim(), axes.get_ylim()) for axes in panels}) == 1
-    cut, _, _ = strip.alike(four, SCENE, STRESS)
+    cut, _, _ = moment_panels.sections_alike(four, SCENE, STRESS)
     assert drawn.get_suptitle() == f"displacements drawn {cut[0].scale:g} times as large"
     for axes, one in zip(panels, cut, strict=True):
         marks = sorted(line.get_xdata()[0] for line in axes.lines if line.get_gid() == "edge")
@@ -154,14 +154,14 @@ def test_body_of_revolution(cut, view, shown):
 
 
 @pytest.mark.slow
-def test_album_writes_what_it_says(tmp_path, monkeypatch):
+def test_figures_are_written_as_reported(tmp_path, monkeypatch):
     blank = np.zeros((60, 100, 3), np.uint8)
-    monkeypatch.setattr(window, "picture", lambda fill, size: blank)
-    album = Album(("von-mises",), strip=True, animate=True, revolve=True, frames=2)
-    assert list(album.rows(trace(), SCENE)) == [0, 3, 7, 8, 9]
+    monkeypatch.setattr(rendering, "picture", lambda fill, size: blank)
+    figures = FigureSet(("von-mises",), moments=True, animate=True, revolve=True, frames=2)
+    assert list(figures.rows(trace(), SCENE)) == [0, 3, 7, 8, 9]
     done: list[float] = []
     some = states({0: "", 8: "pull-off", 9: ""})
-    said = album.lines(tmp_path, some, trace(), SCENE, done.append, {0})
+    said = figures.draw(tmp_path, some, trace(), SCENE, done.append, {0})
     files = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
     kinds = "sections", "revolution"
     single = {f"{kind}/von-mises_{row:06d}.png" for kind in kinds for row in (0, 8)}  # 9: a frame only
@@ -177,12 +177,12 @@ def test_album_writes_what_it_says(tmp_path, monkeypatch):
 def test_drawing_off_screen_is_silent():
     code = (
         "import pyvista\n"
-        "from validation.fields.figures import window\n"
-        "print(window.picture(lambda plotter: plotter.add_mesh(pyvista.Plane()), (40, 30)).shape)\n"
-        "print(window.show(lambda plotter: None, 'title'))\n"
+        "from validation.fields.figures import rendering\n"
+        "print(rendering.picture(lambda plotter: plotter.add_mesh(pyvista.Plane()), (40, 30)).shape)\n"
+        "print(rendering.show(lambda plotter: None, 'title'))\n"
     )
     environment = {
-        name: value for name, value in os.environ.items() if name not in ("DISPLAY", window.CHOICE)
+        name: value for name, value in os.environ.items() if name not in ("DISPLAY", rendering.CHOICE)
     }
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", code],
@@ -195,10 +195,11 @@ def test_drawing_off_screen_is_silent():
 @pytest.mark.slow
 def test_a_machine_without_opengl_is_told_so(tmp_path):
     """VTK dies there; the files for ParaView are written all the same."""
-    hidden = os.environ | {"__EGL_VENDOR_LIBRARY_DIRS": str(tmp_path), window.CHOICE: "vtkEGLRenderWindow"}
+    hidden = os.environ | {"__EGL_VENDOR_LIBRARY_DIRS": str(tmp_path), rendering.CHOICE: "vtkEGLRenderWindow"}
     code = (
-        "from validation.fields.figures import window\n"
-        "try:\n    window.drawing()\nexcept OSError as error:\n    print(type(error).__name__, error)"
+        "from validation.fields.figures import rendering\n"
+        "try:\n    rendering.rendering_window()\n"
+        "except OSError as error:\n    print(type(error).__name__, error)"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT, env=hidden

@@ -9,8 +9,8 @@ import re
 
 import numpy as np
 import pytest
-from PIL import Image
-from support.browser import CHROMIUM, look
+from PIL import Image as Pixels
+from support.browser import CHROMIUM, measure_page
 from support.spring_solver import SCENE as SMALL
 from support.spring_solver import fake, named
 from support.synthetic_fields import SCENE, states, surfaces, trace
@@ -18,26 +18,31 @@ from support.synthetic_fields import SCENE, states, surfaces, trace
 from crosscontact.cli import SOLVER_NAMES, main
 from validation import solvers
 from validation.cases import load
-from validation.compare.suite import SceneComparison
-from validation.drawing import figures
+from validation.drawing import export
 from validation.execution.progress import Progress
 from validation.execution.runs import Run
-from validation.fields.figures import animation, window
+from validation.fields import cycle_fields
+from validation.fields.cycle_fields import CycleFields, Image
+from validation.fields.figures import animation, rendering
 from validation.fields.figures.moments import key_moments
-from validation.report import fields_section
-from validation.report.build import build, write
-from validation.report.fields_section import FieldsSection, Picture
+from validation.report import html
+from validation.report.build import build
+from validation.report.document import figures_of
+from validation.report.sections import fields
+from validation.report.write import write
 
 
 def small_png(inches) -> bytes:
     stream = io.BytesIO()
-    Image.new("RGB", (int(10 * inches[0]), int(10 * inches[1])), "gray").save(stream, format="PNG")
+    Pixels.new("RGB", (int(10 * inches[0]), int(10 * inches[1])), "gray").save(stream, format="PNG")
     return stream.getvalue()
 
 
-def page(**traces) -> SceneComparison:
-    case = load(fields_section.SCENE)
-    return SceneComparison(case, {name: Run(case.name, name, run) for name, run in traces.items()}, [])
+CASE = dataclasses.replace(load(cycle_fields.SCENE), scene=SCENE)
+
+
+def runs(**traces) -> dict[str, Run]:
+    return {name: Run(CASE.name, name, run) for name, run in traces.items()}
 
 
 @pytest.fixture(scope="module")
@@ -46,41 +51,43 @@ def section():
     run = dataclasses.replace(trace(), profiles=tuple(surfaces((1.0, 2.0, 3.0, 4.0, 5.0, 6.0))))
     rows = key_moments(trace(), SCENE)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(window, "picture", lambda fill, size: np.full((size[1], size[0], 3), 200, np.uint8))
-        patch.setattr(figures, "png", lambda drawn: small_png(drawn.get_size_inches()))
+        patch.setattr(rendering, "picture", lambda fill, size: np.full((size[1], size[0], 3), 200, np.uint8))
+        patch.setattr(cycle_fields, "png", lambda drawn: small_png(drawn.get_size_inches()))
         patch.setattr(animation, "DOTS", 10)
-        shown = fields_section.draw(states(rows), trace(), SCENE, lambda done: None)
-    first = fields_section.fig3([page(bem=run, fem=run)], SCENE)
-    line = ("pull-off", *["1.5"] * (len(fields_section.HEAD) - 1))
-    return FieldsSection(first, tuple(shown), (line,))
+        shown = cycle_fields.draw(states(rows), trace(), SCENE, lambda done: None)
+    first = cycle_fields.surface_figure(runs(bem=run, fem=run), CASE)
+    line = ("pull-off", *["1.5"] * (len(fields.HEAD) - 1))
+    return CycleFields(first, tuple(shown), (line,))
 
 
 def test_section_holds_strips_edge_body_and_film(section, monkeypatch):
-    names = [picture.name for picture in section.pictures]
+    names = [picture.name for picture in section.images]
     assert [name for name in names if "strip" in name] == [
         f"fields-strip-{quantity}.png" for quantity in ("von-mises", "stress-zz", "dissipation-rate")
     ]
     assert {"fields-section-von-mises.png", "fields-revolution.png", "fields-cycle.gif"} <= set(names)
-    for picture in section.pictures:
+    for picture in section.images:
         assert picture.data.startswith(b"GIF89a" if picture.name.endswith(".gif") else b"\x89PNG")
-    assert section.pictures[1].caption == "Key moments: stress σzz (force/length²)"
-    text = fields_section.html(section)
+    assert section.images[1].caption == "Key moments: stress σzz (force/length²)"
+    monkeypatch.setattr(export, "png", lambda drawn: b"")
+    part = fields.section(section)
+    text = html.fragment(part)
     assert text.count("<img ") == len(names)
     assert 'id="fields-fig3-' in text
-    assert "<td>pull-off</td>" in text
+    assert ">pull-off</td>" in text
     content = re.findall(r'src="data:image/gif;base64,([^"]+)"', text)
-    assert base64.b64decode(content[0]) == section.pictures[-1].data
-    monkeypatch.setattr(figures, "png", lambda drawn: b"")
-    assert fields_section.files(section).keys() == {"fields-fig3.png", *names}
+    assert base64.b64decode(content[0]) == section.images[-1].data
+    files = {name for figure in figures_of(part.parts) for name in figure.files}
+    assert files == {"fields-fig3.png", *names}
 
 
 def test_fig3_needs_both_solvers():
     run = dataclasses.replace(trace(), profiles=tuple(surfaces((1.0, 2.0, 3.0, 4.0, 5.0, 6.0))))
-    assert fields_section.fig3([page(bem=run, fem=None)], SCENE) is None
+    assert cycle_fields.surface_figure(runs(bem=run, fem=None), CASE) is None
     short = dataclasses.replace(run, profiles=run.profiles[:4])
-    assert fields_section.fig3([page(bem=run, fem=short)], SCENE) is None
-    assert fields_section.fig3([], SCENE) is None
-    text = fields_section.html(FieldsSection(None, failure="PyVista cannot <draw>"))
+    assert cycle_fields.surface_figure(runs(bem=run, fem=short), CASE) is None
+    assert cycle_fields.surface_figure({}, CASE) is None
+    text = html.fragment(fields.section(CycleFields(None, failure="PyVista cannot <draw>")))
     assert "No Fig. 3: a run is missing." in text
     assert '<p class="fail">No pictures of fields: PyVista cannot &lt;draw&gt;</p>' in text
 
@@ -89,11 +96,11 @@ def test_report_draws_fields_only_when_asked(monkeypatch, tmp_path):
     monkeypatch.setattr("validation.cases.suite", lambda name: [])  # a report without scenes
     asked = []
 
-    def compute(pages, progress):
-        asked.append(pages)
-        return FieldsSection(None, (Picture("fields-cycle.gif", "A cycle", b"GIF89a"),))
+    def compute(runs, progress):
+        asked.append(runs)
+        return CycleFields(None, (Image("fields-cycle.gif", "A cycle", b"GIF89a"),))
 
-    monkeypatch.setattr(fields_section, "compute", compute)
+    monkeypatch.setattr(cycle_fields, "compute", compute)
     main(["report", "--out", str(tmp_path / "plain")])
     assert not asked
     assert not (tmp_path / "plain" / "figures").exists()
@@ -113,8 +120,8 @@ def test_section_fits_a_phone(section, monkeypatch, tmp_path):
     made = build("quick", [load(str(own))], 1, Progress("test"), False)
     write(dataclasses.replace(made, fields=section), tmp_path)
     text = (tmp_path / "index.html").read_text()
-    assert len(section.pictures) == 7
-    seen = look(tmp_path, text, 375)
+    assert len(section.images) == 7
+    seen = measure_page(tmp_path, text, 375)
     assert seen["content"] <= 375
     assert (seen["trouble"], seen["broken"], seen["flat"], seen["wide"]) == (0, 0, 0, 0)
     assert seen["figures"] == 7  # six of the scene, and Fig. 3

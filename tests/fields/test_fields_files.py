@@ -34,7 +34,7 @@ from validation.execution.folder_lock import locked_folder
 from validation.fields import files, request
 from validation.fields.balance import balance
 from validation.fields.grid import cell_data, grid, indenter, point_data, surface, triangle_volumes
-from validation.fields.request import Request, answer, check_times, ending
+from validation.fields.request import FieldRequest, check_times, ending, record_fields
 
 MATERIAL = Material(0.75, 0.4, (Branch(2.0, 0.3),))
 TEXT = """
@@ -132,7 +132,7 @@ def test_series_is_read_back(looked_into, tmp_path):
         (tmp_path / left_over).parent.mkdir(exist_ok=True)
         (tmp_path / left_over).write_text("old", encoding="utf-8")
     jump = replace(states[-1], label="after a jump")  # at the time of the one before
-    written = files.Series(tmp_path, scene)
+    written = files.ParaViewSeries(tmp_path, scene)
     for state in (*states, jump):
         written.add(state, balance(state, trace))
     lists = written.close({"outcome": "completed"})
@@ -193,12 +193,12 @@ def test_times_are_checked_before_anything_is_solved():
 def test_one_run_for_a_constant_ratio_and_two_for_separate_relaxation(monkeypatch):
     runs = []
     monkeypatch.setattr("fem_solver.record", lambda *given: runs.append(given) or record(*given))
-    asked = Request((0.02,), picked=lambda trace, scene: {3: "third"})
+    asked = FieldRequest((0.02,), picked=lambda trace, scene: {3: "third"})
     loading = Loading("jump-in", 0.012, (Ramp(0.0135, 0.05),))
     for bulk, count in ((None, 1), ("elastic", 2)):
         runs.clear()
         scene = Scene(replace(MATERIAL, bulk=bulk), Sphere(1.0), loading, Adhesion(WORK, 0.03))
-        found = answer(scene, asked, 4)
+        found = record_fields(scene, asked, 4)
         assert len(runs) == count
         assert found.moments[3] == "third"
         assert [state.label for state in found.states()] == ["third", ""]

@@ -17,7 +17,8 @@ from validation import solvers
 from validation.cases import load
 from validation.execution.progress import Progress
 from validation.execution.runs import Run, run_all
-from validation.report.build import build, write
+from validation.report.build import build
+from validation.report.write import write
 
 
 def refuse(*arguments, **options):
@@ -47,7 +48,7 @@ def test_all_forms_are_there(built):
         "runs",
         "summary.md",
     ]
-    runs = [folder / "runs" / page.case.name / s for page in report.pages for s in page.runs]
+    runs = [folder / "runs" / scene.case.name / s for scene in report.scenes for s in scene.runs]
     assert all((run / "trace.csv").exists() and (run / "summary.json").exists() for run in runs)
     assert report.failures
 
@@ -124,7 +125,7 @@ def test_html_is_whole_and_self_contained(built):
     assert "<script" not in text
     assert "@import" not in text
     assert "A &lt;small&gt; &amp; odd scene" in text
-    assert text.count("<svg") == 6 * len(report.pages)
+    assert text.count("<svg") == 6 * len(report.scenes)
     assert text.count('class="fail"') >= len(report.failures)
     assert "prefers-color-scheme: dark" in text
     drawn = "".join(re.findall(r"<svg.*?</svg>", text, flags=re.DOTALL))
@@ -139,7 +140,7 @@ def test_tables_are_rectangular_and_hold_every_check(built):
     rows = 0
     for table in re.findall(r"<table><thead>.*?</table>", text, flags=re.DOTALL):
         head, *body = re.findall(r"<tr>(.*?)</tr>", table, flags=re.DOTALL)
-        assert {line.count("<td>") for line in body} == {head.count("<th>")}
+        assert {len(re.findall("<td[ >]", line)) for line in body} == {len(re.findall("<th[ >]", head))}
         rows += len(body) if "tolerance" in head else 0
     assert rows == len(report.checks)
 
@@ -172,7 +173,7 @@ def test_every_scene_says_what_was_left_out_and_where_the_time_went(built):
     report, folder = built
     text, short = (folder / "index.html").read_text(), (folder / "summary.md").read_text()
     said = "Left out because the scene did not need it, by the counters: bem: no closure was evaluated, "
-    assert text.count(said) == short.count(said) == len(report.pages) == 2
+    assert text.count(said) == short.count(said) == len(report.scenes) == 2
     scenes = json.loads((folder / "report.json").read_text())["scenes"]
     assert all(
         "fem: no closure was evaluated, no history was carried, no solution" in s["left_out"] for s in scenes
@@ -186,7 +187,6 @@ def test_estimates_stand_beside_differences_unless_left_out(tmp_path, monkeypatc
     """A fake gives the same answer at any resolution: it estimates no error, and a difference counts."""
     for name in SOLVER_NAMES:
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake(1.001 if name == "bem" else 1.0)))
-    monkeypatch.setattr("validation.report.html._figures", lambda page: "")
     found = {}
     for estimate in (True, False):
         report = build("quick", [load("cycle-v0.1")], 1, Progress("test"), estimate=estimate)

@@ -10,8 +10,10 @@ from support import scripted_solver as fakes
 
 import crosscontact.commands.stability as command
 from crosscontact.cli import main
-from validation.report import stability_map
-from validation.report import stability_section as section
+from validation.report import html, json_data, junit, markdown
+from validation.report.document import Document
+from validation.report.figures import stability_map
+from validation.report.sections import stability as section
 from validation.stability.checks import checks
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import FAULTS, Cell, Verdict
@@ -39,11 +41,11 @@ MATRIX = StabilityMatrix(CELLS, 3.0)
 
 
 def test_page_and_markdown_show_faults_refusals_and_limits():
-    page = section.html(MATRIX)
+    page = html.fragment(section.section(MATRIX))
     assert "SILENTLY WRONG" in page
     assert "a | b &lt;c&gt;" in page
     assert page.count("<svg") == 2
-    lines = section.markdown(MATRIX)
+    lines = markdown.text(Document("", (), (section.summary(MATRIX),))).splitlines()
     assert sum(line.startswith("| ") for line in lines) == 1 + 4  # the head, and what is not within tolerance
     said = "\n".join(lines)
     assert "fem says that it has no answer: contrast, 1 (refused)" in said
@@ -55,7 +57,7 @@ def test_page_and_markdown_show_faults_refusals_and_limits():
 def test_json_is_strict_and_whole():
     from validation.execution.files import to_json
 
-    told = json.loads(to_json(section.data(MATRIX)))
+    told = json.loads(to_json(json_data.of_matrix(MATRIX)))
     assert [entry["number"] for entry in told["cells"]] == [1, 1, 2, 2, 3, 3]
     assert told["cells"][3]["error"] is None  # without bound
     assert told["complete"] is True
@@ -66,7 +68,7 @@ def test_checks_and_junit_fail_where_a_cell_is_at_fault():
     assert [(by_solver[s].found, by_solver[s].passed) for s in ("bem", "fem")] == [(1.0, False), (1.0, False)]
     assert "10: SILENTLY WRONG" in by_solver["bem"].note
     assert checks(CELLS[:2])[0].passed
-    suite = section.junit(MATRIX)
+    suite = junit.element(junit.CheckSuite("stability", checks(CELLS)))
     assert suite.attrib["failures"] == "2"
     assert len(tree.tostring(suite)) > 100
 
@@ -115,8 +117,9 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
 
 def test_the_full_report_has_the_matrix_and_fails_with_it(tmp_path, monkeypatch, capsys):
     import validation.report.build as build
+    from validation.report.report import Report
 
-    empty = build.Report("full", [], {"processor": "made up"}, 1.0)
+    empty = Report("full", [], {"processor": "made up"}, 1.0)
     asked = []
     monkeypatch.setattr(build, "build", lambda *given: empty)
     monkeypatch.setattr(command, "compute", lambda jobs, store: asked.append(jobs) or MATRIX)

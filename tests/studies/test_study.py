@@ -13,8 +13,11 @@ from support.spring_solver import SCENE
 from contact_scene import OutcomeKind, SceneError
 from crosscontact.cli import main
 from validation.cases import load
+from validation.execution.files import to_json
 from validation.execution.progress import Progress
-from validation.report import study_figures, study_forms
+from validation.report import html, json_data, markdown
+from validation.report.figures import study_charts
+from validation.report.sections.study import document
 from validation.studies import schemes, study
 from validation.studies.ladders import ladders
 
@@ -44,11 +47,11 @@ def fakes(monkeypatch):
 def studied(scene_file) -> tuple[study.Study, dict]:
     """A study and its JSON, without the figures, which take their time."""
     found = study.study([load(scene_file)], 1, Progress("test"))
-    return found, json.loads(study_forms.json(found))
+    return found, json.loads(to_json(json_data.of_study(found)))
 
 
 def page_without_figures(found: study.Study) -> str:
-    return study_forms.html(found, {scene.case.name: {} for scene in found.scenes})
+    return html.text(document(found, figures=False))
 
 
 def ladder_of(data: dict, scheme: str, kind: str = "together") -> dict:
@@ -131,9 +134,9 @@ def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
     assert data["scenes"][0]["failed_levels"] == 5
     assert ladder_of(data, "baseline")["levels"][0]["failure"].startswith("ModuleNotFoundError")
     assert "FAILED: ModuleNotFoundError" in page_without_figures(found)
-    assert "FAILED: ModuleNotFoundError" in study_forms.markdown(found)
-    for chart in (study_figures.CONVERGENCE[0], study_figures.PRICES[0]):
-        drawn = study_figures.draw(chart, found.scenes[0].timed)
+    assert "FAILED: ModuleNotFoundError" in markdown.text(document(found, figures=False))
+    for chart in (study_charts.CONVERGENCE[0], study_charts.PRICES[0]):
+        drawn = study_charts.draw(chart, found.scenes[0].timed)
         assert drawn is not None
         labels = drawn.axes[0].get_legend_handles_labels()[1]
         assert "baseline: 5 failed" in labels
@@ -185,7 +188,7 @@ def test_a_coarser_reference_serves_where_the_finest_fails(scene_file, fakes):
     found, data = studied(scene_file)
     said = data["scenes"][0]["reference"]
     assert said.startswith("front tracking at resolution 60; 80 failed: FloatingPointError")
-    assert said in study_forms.markdown(found)
+    assert said in markdown.text(document(found, figures=False))
 
 
 def test_without_a_reference_values_are_judged_alone(scene_file, fakes):

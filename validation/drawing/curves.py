@@ -1,4 +1,4 @@
-"""What a figure draws: columns of runs in the paper's dimensionless form where the scene allows it."""
+"""Columns of runs for figures, in the paper's dimensionless form where the scene allows it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SCENE_UNITS: Labels = {
 
 
 @dataclass(frozen=True)
-class Curves:
+class RunCurves:
     """Columns of one run, or of a closed form (no ``style``), ready to be drawn."""
 
     label: str
@@ -46,7 +46,7 @@ def labels(scene: Scene) -> Labels:
     return DIMENSIONLESS if isinstance(scene.indenter, Sphere) else SCENE_UNITS
 
 
-def of_trace(trace: Trace, scene: Scene) -> Curves:
+def of_trace(trace: Trace, scene: Scene) -> RunCurves:
     """The four columns a figure needs, without the jump to the free surface after contact is lost."""
     lost = len(trace) > 1 and trace.contact_radius[-1] == 0.0 and trace.time[-1] == trace.time[-2]
     rows = slice(None, -1 if lost else None)
@@ -58,10 +58,10 @@ def of_trace(trace: Trace, scene: Scene) -> Curves:
         "force": trace.force[rows] / force,
         "contact_radius": trace.contact_radius[rows] / length,
     }
-    return Curves(trace.solver, trace.solver, columns, largest_tension(trace) if len(trace) else None)
+    return RunCurves(trace.solver, trace.solver, columns, largest_tension(trace) if len(trace) else None)
 
 
-def with_differences(curves: list[Curves], base: str) -> list[Curves]:
+def with_differences(curves: list[RunCurves], base: str) -> list[RunCurves]:
     """The same curves; those that are not ``base`` also carry ``F(t) - F_base(t)`` over its largest force.
 
     Both are straight between rows, so a spike one row wide, at a jump, belongs to the rows.
@@ -83,7 +83,7 @@ def with_differences(curves: list[Curves], base: str) -> list[Curves]:
     return carried
 
 
-def elastic_limits(scene: Scene, largest_radius: float) -> list[Curves]:
+def elastic_limits(scene: Scene, largest_radius: float) -> list[RunCurves]:
     """The exact JKR curves of the relaxed and the glassy modulus, up to a contact radius.
 
     They belong to a vanishing process zone and therefore run slightly beside the elastic limits of a solver.
@@ -110,5 +110,5 @@ def elastic_limits(scene: Scene, largest_radius: float) -> list[Curves]:
             "force": law.force(a) / force,
             "contact_radius": a / length,
         }
-        found.append(Curves(label, "", columns))
+        found.append(RunCurves(label, "", columns))
     return found

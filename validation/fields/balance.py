@@ -1,4 +1,4 @@
-"""What densities add up to in the body, beside what the trace says.
+"""Energy densities summed over the body, beside the energies of the trace.
 
 The mesh ends at a finite radius: the trace counts the half-space outside it, the sum over elements does not
 (a part of relative size ``a/R_far``). The energy stored in the trace also contains that of the hold on a
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Balance:
+class EnergySums:
     """Sums over the mesh and their counterparts in the trace, at one row.
 
     Parameters
@@ -53,11 +53,11 @@ class Balance:
         return self.dissipated / self.branch_dissipation - 1.0
 
 
-def balance(state: FieldState, trace: Trace) -> Balance:
+def balance(state: FieldState, trace: Trace) -> EnergySums:
     """Sum the densities of a state."""
     lost = dict(zip(state.branches, (state.element_dissipated @ state.element_volumes).tolist(), strict=True))
     at = {name: float(column[state.row]) for name, column in trace.columns().items()}
-    return Balance(
+    return EnergySums(
         stored=float(state.element_stored @ state.element_volumes),
         stored_in_trace=at["stored_energy"],
         dissipated_by_branch=lost,

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
 from validation.execution.files import to_json, write_whole
-from validation.fields.balance import Balance
+from validation.fields.balance import EnergySums
 
 if TYPE_CHECKING:
     import pyvista
@@ -28,7 +28,7 @@ PARTS = {"body": "vtu", "surface": "vtp", "indenter": "vtp"}
 NUMBERS = "moments.json"
 
 
-class Series:
+class ParaViewSeries:
     """Writes states into a folder one by one."""
 
     def __init__(self, folder: Path, scene: Scene) -> None:
@@ -42,7 +42,7 @@ class Series:
                 left_over.unlink()
         (folder / NUMBERS).unlink(missing_ok=True)
 
-    def add(self, state: FieldState, balance: Balance) -> None:
+    def add(self, state: FieldState, balance: EnergySums) -> None:
         """Write one state."""
         from validation.fields.grid import grid, indenter, surface
 

@@ -1,4 +1,4 @@
-"""Which moments of a run are looked into, and the run that gives them.
+"""Moments of a run at which fields are computed, and the run that gives them.
 
 Moments are times, each stepped onto exactly, the largest tension, every n-th row of the trace, or rows that
 a function of the trace picks. A time at which the load jumps means the state before. With a constant
@@ -24,8 +24,8 @@ PULL_OFF = "pull-off"
 
 
 @dataclass(frozen=True)
-class Request:
-    """What is to be looked at.
+class FieldRequest:
+    """Moments at which fields are wanted.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Answer:
+class RecordedFields:
     """A run and the rows asked for.
 
     ``missing`` are times it did not reach, ``sampled`` rows that count only as every n-th; ``never_pulls``
@@ -65,9 +65,9 @@ class Answer:
         return field_states(self.recording, self.moments)
 
 
-def answer(
-    scene: Scene, request: Request, resolution: int | None = None, progress: Progress | None = None
-) -> Answer:
+def record_fields(
+    scene: Scene, request: FieldRequest, resolution: int | None = None, progress: Progress | None = None
+) -> RecordedFields:
     """Run the finite elements and find the rows.
 
     Raises
@@ -94,10 +94,10 @@ def answer(
         picked = request.picked(recording.trace, scene)
     if picked and isinstance(recording.log, VolumeLog):
         recording = record(scene, mesh, replace(options, record_rows=tuple(picked)), progress)
-    return _found(recording, request, picked)
+    return _select(recording, request, picked)
 
 
-def _found(recording: Recording, request: Request, picked: dict[int, str]) -> Answer:
+def _select(recording: Recording, request: FieldRequest, picked: dict[int, str]) -> RecordedFields:
     trace, moments = recording.trace, dict(picked)
     for time in request.times:
         if time in recording.rows:
@@ -109,7 +109,7 @@ def _found(recording: Recording, request: Request, picked: dict[int, str]) -> An
     sampled = frozenset(rows) - set(moments)
     missing = tuple(time for time in request.times if time not in recording.rows)
     moments = dict(sorted((moments | dict.fromkeys(sampled, "")).items()))
-    return Answer(recording, moments, missing, sampled, request.pull_off and pull is None)
+    return RecordedFields(recording, moments, missing, sampled, request.pull_off and pull is None)
 
 
 def pull_off(recording: Recording) -> int | None:

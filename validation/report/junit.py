@@ -1,56 +1,65 @@
-"""The report as JUnit XML: one suite per scene, one case per check."""
+"""Checks as JUnit XML: one suite for each scene and kind of evidence, one case for each check."""
 
 from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as tree
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-from validation.report import claims_section, stability_section
-from validation.report.text import HEAD, row
-
-if TYPE_CHECKING:
-    from validation.report.build import Report
+from validation.measure.check import Check
+from validation.report.sections.checks import cells
 
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def text(report: Report) -> str:
-    """The whole report."""
-    root = tree.Element("testsuites", name=f"crosscontact {report.suite}")
-    _count(root, len(report.checks), len(report.failures), report.wall_seconds)
-    for page in report.pages:
-        seconds = sum(result.wall_seconds for result in page.runs.values())
-        suite = tree.SubElement(root, "testsuite", name=_clean(page.case.name))
-        _count(suite, len(page.checks), sum(not check.passed for check in page.checks), seconds)
-        for index, check in enumerate(page.checks, 1):
-            cells = dict(zip(HEAD, row(check), strict=True))
-            case = tree.SubElement(
-                suite,
-                "testcase",
-                classname=_clean(f"{check.scene}.{check.solver}"),
-                name=_clean(f"{index} {check.quantity} ({check.source})"),
-                time="0",
-            )
-            if not check.passed:
-                message = ", ".join(f"{name} {cells[name]}" for name in HEAD[2:])
-                tree.SubElement(case, "failure", message=_clean(message)).text = _clean(check.note or message)
-    if report.claims is not None:
-        root.append(claims_section.junit(report.claims))
-    if report.stability is not None:
-        root.append(stability_section.junit(report.stability))
+@dataclass(frozen=True)
+class CheckSuite:
+    """Checks under a name, the seconds they took, and what each wants to be printed (or nothing)."""
+
+    name: str
+    checks: Sequence[Check]
+    seconds: float = 0.0
+    outputs: Sequence[str] = ()
+
+
+def text(name: str, suites: Sequence[CheckSuite], seconds: float) -> str:
+    """The whole file."""
+    root = tree.Element("testsuites", name=_allowed(name))
+    _count(root, [check for suite in suites for check in suite.checks], seconds)
+    root.extend(map(element, suites))
     tree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + tree.tostring(root, encoding="unicode") + "\n"
 
 
-def _count(element: tree.Element, tests: int, failures: int, seconds: float) -> None:
+def element(suite: CheckSuite) -> tree.Element:
+    """One suite."""
+    made = tree.Element("testsuite", name=_allowed(suite.name))
+    _count(made, suite.checks, suite.seconds)
+    for index, check in enumerate(suite.checks):
+        case = tree.SubElement(
+            made,
+            "testcase",
+            classname=_allowed(f"{check.scene}.{check.solver}"),
+            name=_allowed(f"{index + 1} {check.quantity} ({check.source})"),
+            time="0",
+        )
+        if not check.passed:
+            message = ", ".join(f"{title} {shown}" for title, shown in list(cells(check).items())[2:])
+            tree.SubElement(case, "failure", message=_allowed(message)).text = _allowed(check.note or message)
+        if suite.outputs:
+            tree.SubElement(case, "system-out").text = _allowed(suite.outputs[index])
+    return made
+
+
+def _count(element: tree.Element, checks: Sequence[Check], seconds: float) -> None:
     element.attrib |= {
-        "tests": str(tests),
-        "failures": str(failures),
+        "tests": str(len(checks)),
+        "failures": str(sum(not check.passed for check in checks)),
         "errors": "0",
         "time": f"{seconds:.3f}",
     }
 
 
-def _clean(text: str) -> str:
+def _allowed(text: str) -> str:
     return _FORBIDDEN.sub("?", text)

@@ -1,81 +1,60 @@
-"""The report as Markdown, short enough for the summary of a CI job."""
+"""A document as Markdown, for the summary of a CI job and for reading beside the code."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
-from validation.report import claims_section, stability_section
-from validation.report.text import HEAD, MOVE_HEAD, move_row, number, row, spared_by
-
-if TYPE_CHECKING:
-    from validation.compare.regression import Comparison
-    from validation.compare.suite import SceneComparison
-    from validation.report.build import Report
-
-MOST = 20  # moves shown, if fewer count
+from validation.report.document import Bullets, Cell, Document, Figures, Paragraph, Part, Table, VerdictCell
 
 
-def text(report: Report) -> str:
-    """Verdict, one line per scene, then every check that did not pass."""
-    failed = report.failures
-    verdict = "all passed" if not failed else f"**{len(failed)} failed**"
-    lines = [
-        f"# crosscontact report, suite {report.suite}",
-        "",
-        f"{len(report.checks)} checks on {len(report.pages)} scenes: {verdict}. "
-        f"{report.wall_seconds:.0f} s on {report.environment['processor']}.",
-        "",
-        "| scene | checks | verdict | pull-off force | " + " | ".join(_solvers(report)) + " |",
-        "|---|---|---|---|" + "---|" * len(_solvers(report)),
-    ]
-    lines += [_line(page) for page in report.pages]
-    lines += ["", "Left out, by the counters of work:", ""]
-    lines += [f"- {_cell(page.case.name)}: {_cell(spared_by(page))}" for page in report.pages]
-    if failed:
-        rule = "|---" * (1 + len(HEAD)) + "|"
-        lines += ["", "## Not passed", "", "| scene | " + " | ".join(HEAD) + " |", rule]
-        lines += [f"| {_cell(c.scene)} | " + " | ".join(map(_cell, row(c))) + " |" for c in failed]
-    if report.claims is not None:
-        lines += claims_section.markdown(report.claims)
-    if report.stability is not None:
-        lines += stability_section.markdown(report.stability)
-    if report.baseline is not None:
-        lines += _baseline(report.baseline)
-    return "\n".join(lines) + "\n"
+def text(document: Document) -> str:
+    """The whole document; figures as links to their copies, folded parts in full."""
+    lines = [f"# {document.title}", ""]
+    for part in (*document.lead, *document.parts):
+        lines += _part(part, 2)
+    return "\n".join(lines).rstrip() + "\n"
 
 
-def _baseline(baseline: Comparison) -> list[str]:
-    """What moved, all that counts and the largest of the rest."""
-    lines = ["", "## Since the baseline", "", baseline.verdict]
-    shown = baseline.moves[: max(len(baseline.beyond), MOST)]
-    if shown:
-        lines += ["", "| " + " | ".join(MOVE_HEAD) + " |", "|---" * len(MOVE_HEAD) + "|"]
-        lines += ["| " + " | ".join(map(_cell, move_row(move))) + " |" for move in shown]
-    if len(shown) < len(baseline.moves):
-        lines += ["", f"{len(baseline.moves) - len(shown)} smaller moves are in report.json."]
+def _part(part: Part, level: int) -> list[str]:
+    """Lines of one part, an empty one last."""
+    if isinstance(part, Paragraph):
+        return [f"**{_line(part.text)}**" if part.passed is False else _line(part.text), ""]
+    if isinstance(part, Bullets):
+        return [*(f"- {_line(item)}" for item in part.items), ""]
+    if isinstance(part, Table):
+        return _table(part)
+    if isinstance(part, Figures):
+        shown = [(one.caption, name) for one in part.figures for name in list(one.files)[:1]]
+        return [line for caption, name in shown for line in (f"![{caption}](figures/{name})", "")]
+    title = f"{'#' * level} {_line(part.title)}"
+    verdict = getattr(part, "verdict", None)
+    lines = [title if verdict is None else f"{title}: {_cell(verdict)}", ""]
+    for one in part.parts:
+        lines += _part(one, level + 1)
     return lines
 
 
-def _solvers(report: Report) -> list[str]:
-    return list(dict.fromkeys(solver for page in report.pages for solver in page.runs))
-
-
-def _line(page: SceneComparison) -> str:
-    good = sum(check.passed for check in page.checks)
-    forces = [run.measures.get("pull_off_force") for run in page.runs.values()]
-    endings = [
-        f"{run.trace.outcome.kind}, {run.wall_seconds:.2g} s" if run.trace else run.ending
-        for run in page.runs.values()
+def _table(table: Table) -> list[str]:
+    if not table.head:
+        return []
+    rule = ("---:" if kind == "number" else "---" for kind in table.columns)
+    return [
+        *((f"**{table.caption}**", "") if table.caption else ()),
+        _row(table.head),
+        f"|{'|'.join(rule)}|",
+        *map(_row, table.rows),
+        "",
     ]
-    cells = [
-        page.case.name,
-        f"{good}/{len(page.checks)}",
-        "pass" if page.passed else "**FAIL**",
-        " / ".join(number(force, 5) for force in forces),
-        *endings,
-    ]
-    return "| " + " | ".join(map(_cell, cells)) + " |"
 
 
-def _cell(text: str) -> str:
-    return " ".join(text.replace("|", "\\|").split())
+def _row(cells: Iterable[Cell]) -> str:
+    return f"| {' | '.join(map(_cell, cells))} |"
+
+
+def _cell(cell: Cell) -> str:
+    shown = _line(str(cell)).replace("|", "\\|")
+    return f"**{shown}**" if isinstance(cell, VerdictCell) and cell.passed is False else shown
+
+
+def _line(text: str) -> str:
+    return " ".join(text.split())

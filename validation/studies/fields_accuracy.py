@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from contact_scene import Adhesion, FlatPunch, Indenter, Loading, Material, Scene, Sphere
 from validation import cases
-from validation.fields.balance import Balance, balance
-from validation.fields.request import Request, answer
+from validation.fields.balance import EnergySums, balance
+from validation.fields.request import FieldRequest, record_fields
 from validation.measure.observables import end_of_approach
 from validation.reference import subsurface
 
@@ -63,7 +63,7 @@ def static(name: str, poisson: float, resolution: int | None = None) -> tuple[Fi
     """Field of a static contact by name, and its errors."""
     indenter, adhesion = CONTACTS[name]
     scene = Scene(Material(1.0, poisson), indenter, Loading("relaxed", 0.01), adhesion)
-    (state,) = answer(scene, Request((0.0,)), resolution).states()
+    (state,) = record_fields(scene, FieldRequest((0.0,)), resolution).states()
     return state, deviation(state, scene)
 
 
@@ -138,10 +138,10 @@ def exact_shear(poisson: float) -> tuple[float, float]:
     return float(depth[np.argmax(shear)]), float(shear.max())
 
 
-def losses(name: str, resolution: int | None = None) -> list[tuple[FieldState, Balance]]:
+def losses(name: str, resolution: int | None = None) -> list[tuple[FieldState, EnergySums]]:
     """A built-in cycle when its approach ends and at pull-off, with what its densities add up to."""
     scene = cases.load(name).scene
-    found = answer(scene, Request(pull_off=True, picked=_turn), resolution)
+    found = record_fields(scene, FieldRequest(pull_off=True, picked=_turn), resolution)
     return [(state, balance(state, found.recording.trace)) for state in found.states()]
 
 

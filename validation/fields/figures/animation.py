@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact_scene import Scene, Trace
+from validation.drawing.styles import APPROACH, RETRACTION
 from validation.fields.figures import sections
+from validation.fields.figures.moment_panels import caption, sections_alike
 from validation.fields.figures.quantities import Quantity
 from validation.fields.figures.sections import INDENTER, LENGTH_UNIT, MARK, SMALL, ZONE
-from validation.fields.figures.strip import alike, caption
 from validation.measure.observables import end_of_approach
 
 if TYPE_CHECKING:
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 FRAME, LAST = 120, 1500  # milliseconds
 DOTS = 90  # per inch
-APPROACH, RETRACTION = "#0072b2", "#d55e00"
 
 
 def film(
@@ -65,7 +65,7 @@ def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Q
     """One figure a state."""
     from matplotlib.figure import Figure as New
 
-    cut, view, shown = alike(states, scene, quantity)
+    cut, view, shown = sections_alike(states, scene, quantity)
     turn = end_of_approach(trace)
     for one in cut:
         made = New(figsize=(9.6, 3.7), layout="constrained")

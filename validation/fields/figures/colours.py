@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 DECADES = 4.0  # shown of what spans many
 
 
-class Kind(Enum):
+class ValueKind(Enum):
     """What the values of a field are like, and the colour map that goes with it."""
 
     SIGNED = "RdBu_r"
@@ -33,14 +33,14 @@ class Kind(Enum):
 
 
 # Part of the area in view that lies within the range.
-COVERED = {Kind.SIGNED: 0.99, Kind.POSITIVE: 0.99, Kind.DECADES: 0.999}
+COVERED = {ValueKind.SIGNED: 0.99, ValueKind.POSITIVE: 0.99, ValueKind.DECADES: 0.999}
 
 
 @dataclass(frozen=True)
-class Colours:
+class ColourRange:
     """Range of a field and its map; ``above``, ``below``: whether values in view leave the range there."""
 
-    kind: Kind
+    kind: ValueKind
     low: float
     high: float
     above: bool
@@ -61,22 +61,22 @@ class Colours:
         """From values to the range of the map, zero to one, and beyond."""
         from matplotlib.colors import LogNorm, Normalize
 
-        return (LogNorm if self.kind is Kind.DECADES else Normalize)(self.low, self.high)
+        return (LogNorm if self.kind is ValueKind.DECADES else Normalize)(self.low, self.high)
 
     def shade(self, values: ArrayLike) -> Array:
         """Place of values on the map, within zero and one; the same shape."""
         given = np.asarray(values, float)
-        if self.kind is Kind.DECADES:
+        if self.kind is ValueKind.DECADES:
             given = np.maximum(given, self.low)
         return np.clip(np.ma.getdata(self.norm(given)), 0.0, 1.0)
 
 
-def colours(kind: Kind, values: Sequence[Array], weights: Sequence[Array]) -> Colours:
+def colours(kind: ValueKind, values: Sequence[Array], weights: Sequence[Array]) -> ColourRange:
     """Colours that serve several views of a field alike.
 
     Parameters
     ----------
-    kind : Kind
+    kind : ValueKind
     values, weights : sequence of (n,) arrays
         Values in each view, and the area each stands for.
     """
@@ -84,11 +84,11 @@ def colours(kind: Kind, values: Sequence[Array], weights: Sequence[Array]) -> Co
     area = np.concatenate([np.asarray(w, float) for w in weights])
     if shown.size == 0 or not np.isfinite(shown).all():
         raise ValueError("a field to be drawn needs finite values in view")
-    high = covered(np.abs(shown) if kind is Kind.SIGNED else shown, area, COVERED[kind])
+    high = covered(np.abs(shown) if kind is ValueKind.SIGNED else shown, area, COVERED[kind])
     if high <= 0.0:  # nothing there, or nothing beyond the covered part
         high = float(np.abs(shown).max()) or 1.0
-    low = {Kind.SIGNED: -high, Kind.POSITIVE: 0.0, Kind.DECADES: high * 10.0**-DECADES}[kind]
-    return Colours(kind, low, high, bool(shown.max() > high), bool(shown.min() < low))
+    low = {ValueKind.SIGNED: -high, ValueKind.POSITIVE: 0.0, ValueKind.DECADES: high * 10.0**-DECADES}[kind]
+    return ColourRange(kind, low, high, bool(shown.max() > high), bool(shown.min() < low))
 
 
 def covered(values: Array, weights: Array, share: float) -> float:

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Profile, Scene
-from validation.drawing.figures import INK
+from validation.drawing.axes import dress
+from validation.drawing.styles import GRID, INK, MARKERS, SERIES
 from validation.measure.dimensionless import units
 
 if TYPE_CHECKING:
@@ -27,12 +28,11 @@ Array = NDArray[np.float64]
 WIDE = 2.1  # largest radius shown, over the largest contact radius
 NEAREST = 0.995  # pressures are drawn up to this part of the contact radius: beyond, they are singular
 MARKS = 16  # of the finite elements along a curve
-GRID, COLOURS, SHAPES = "#b3b3b4", ("#0072b2", "#d55e00", "#cc79a7"), "os^"
 TWO_SOLVERS = ("bem", "fem")
 
 
 @dataclass(frozen=True)
-class Scale:
+class AxisScale:
     """Size of the length and the pressure that axes are divided by, and what the axes then say."""
 
     length: float
@@ -45,15 +45,15 @@ class Scale:
     distance_label: str
 
 
-def scale(scene: Scene) -> Scale:
+def scale(scene: Scene) -> AxisScale:
     """The paper's dimensionless axes for a sphere; otherwise the units of the scene."""
     size = units(scene)
     if "length" in size:
         length = size["length"]
         names = (r"$r/R$", r"$u/R$", r"$(1-\nu^2)\,p/(\pi E_0)$", r"$\Delta/R$", r"gap $g/R$", r"$(r-a)/R$")
-        return Scale(length, size["force"] / length**2, *names)
+        return AxisScale(length, size["force"] / length**2, *names)
     plain = ("radius $r$", "height $u$", "pressure $p$", r"penetration $\Delta$", "gap $g$", "$r-a$")
-    return Scale(1.0, 1.0, *(f"{name} (scene units)" for name in plain))
+    return AxisScale(1.0, 1.0, *(f"{name} (scene units)" for name in plain))
 
 
 def figure(scene: Scene, bem: Sequence[Profile], fem: Sequence[Profile], turn: float) -> Figure:
@@ -110,11 +110,14 @@ def figure(scene: Scene, bem: Sequence[Profile], fem: Sequence[Profile], turn: f
     _crack(three[2], size, ways[1])
     three[2].set_title(f"({next(letters)}) retraction: trumpet crack", fontsize=9)
     for axes in (*panels.flat, *three):
-        _dress(axes)
+        dress(axes, (-2, 4), 0.4)
+        for inset in axes.child_axes:
+            for axis in (inset.xaxis, inset.yaxis):
+                axis.get_offset_text().set_fontsize(7)
     return made
 
 
-def _moment(axes: Axes, scene: Scene, size: Scale, pair: tuple[Profile, Profile], widest: float) -> None:
+def _moment(axes: Axes, scene: Scene, size: AxisScale, pair: tuple[Profile, Profile], widest: float) -> None:
     """Indenter and deformed surface, with the pressure in an inset."""
     r = np.linspace(0.0, widest, 200)
     height = scene.indenter.height(r) - pair[0].penetration
@@ -126,20 +129,20 @@ def _moment(axes: Axes, scene: Scene, size: Scale, pair: tuple[Profile, Profile]
         x, up = profile.radius[shown] / size.length, -profile.displacement[shown] / size.length
         r, p = loaded(profile)
         if solver == "bem":
-            axes.plot(x, up, label=solver, color=COLOURS[0], linewidth=1.5)
-            inset.plot(r / size.length, p / size.pressure, color=COLOURS[0], linewidth=1.3)
+            axes.plot(x, up, label=solver, color=SERIES[0], linewidth=1.5)
+            inset.plot(r / size.length, p / size.pressure, color=SERIES[0], linewidth=1.3)
         else:
-            axes.plot(*evenly(x, up), label=solver, **_marks(COLOURS[1], "o"))
-            inset.plot(*evenly(r / size.length, p / size.pressure), **_marks(COLOURS[1], "o", 2.5))
+            axes.plot(*evenly(x, up), label=solver, **_marks(SERIES[1], "o"))
+            inset.plot(*evenly(r / size.length, p / size.pressure), **_marks(SERIES[1], "o", 2.5))
     inset.axhline(0.0, color=INK, linewidth=0.5)
     inset.set_xlabel(size.radius_label, fontsize=7, labelpad=0)
     inset.set_title(size.pressure_label, fontsize=7, pad=2)
     inset.tick_params(labelsize=6.5)
 
 
-def _pressures(axes: Axes, size: Scale, pairs: Sequence[tuple[Profile, Profile]]) -> None:
+def _pressures(axes: Axes, size: AxisScale, pairs: Sequence[tuple[Profile, Profile]]) -> None:
     """Pressure over ``r/a`` of one way."""
-    for pair, colour, shape in zip(pairs, COLOURS, SHAPES, strict=False):
+    for pair, colour, shape in zip(pairs, SERIES, MARKERS, strict=False):
         for profile, solver in zip(pair, TWO_SOLVERS, strict=True):
             r, p = loaded(profile)
             x, y = r / profile.contact_radius, p / size.pressure
@@ -154,10 +157,10 @@ def _pressures(axes: Axes, size: Scale, pairs: Sequence[tuple[Profile, Profile]]
     axes.legend(loc="lower left", frameon=False, fontsize=8, labelcolor=INK)
 
 
-def _crack(axes: Axes, size: Scale, pairs: Sequence[tuple[Profile, Profile]]) -> None:
+def _crack(axes: Axes, size: AxisScale, pairs: Sequence[tuple[Profile, Profile]]) -> None:
     """Gap over the distance from the edge."""
     curves: list[tuple[Array, Array]] = []
-    for pair, colour, shape in zip(pairs, COLOURS, SHAPES, strict=False):
+    for pair, colour, shape in zip(pairs, SERIES, MARKERS, strict=False):
         for profile, solver in zip(pair, TWO_SOLVERS, strict=True):
             s, gap = opening(profile)
             x, y = s / size.length, gap / size.length
@@ -204,18 +207,3 @@ def evenly(x: Array, y: Array, back: Any = None) -> tuple[Array, Array]:
 
 def _marks(colour: str, shape: str, size: float = 4.0) -> dict[str, Any]:
     return {"color": colour, "marker": shape, "markersize": size, "fillstyle": "none", "linestyle": "none"}
-
-
-def _dress(axes: Axes) -> None:
-    axes.grid(True, color=GRID, linewidth=0.4)
-    axes.set_axisbelow(True)
-    for one in (axes, *axes.child_axes):
-        one.tick_params(which="both", colors=INK, labelcolor=INK)
-        for spine in one.spines.values():
-            spine.set_color(INK)
-        for text in (one.xaxis.label, one.yaxis.label, one.title):
-            text.set_color(INK)
-        for axis in (one.xaxis, one.yaxis):
-            axis.get_offset_text().set(color=INK, fontsize=7)
-        if one.get_xscale() == one.get_yscale() == "linear":
-            one.ticklabel_format(style="sci", scilimits=(-2, 4), useOffset=False)

@@ -52,7 +52,7 @@ def whole(contact_radius: float) -> View:
     return View(-half, half, -0.8 * half, 0.4 * half)
 
 
-def near_edge(section: Section, zone: float) -> View:
+def near_edge(section: BodySection, zone: float) -> View:
     """The view of the right-hand edge, a few process zones wide."""
     x, y = section.edge
     half = 4.0 * zone
@@ -69,7 +69,7 @@ def magnification(largest: float, contact_radius: float) -> float:
 
 
 @dataclass(frozen=True)
-class Section:
+class BodySection:
     """One state, ready to be drawn.
 
     Parameters
@@ -119,7 +119,7 @@ class Section:
         return across & (y >= view.bottom) & (y <= view.top)
 
 
-def section(state: FieldState, scene: Scene, scale: float = 1.0) -> Section:
+def section(state: FieldState, scene: Scene, scale: float = 1.0) -> BodySection:
     """Take from a state of the body what a figure needs; displacements magnified by ``scale``."""
     moved = state.points + scale * state.displacement
     top = surface_nodes(state)
@@ -133,7 +133,7 @@ def section(state: FieldState, scene: Scene, scale: float = 1.0) -> Section:
         end = a + scene.adhesion.zone
         zone = on_surface(np.concatenate(([a], radii[(radii > a) & (radii < end)], [end])))
     body = outline(scene, state.penetration, scale, float(radii[-1]))
-    return Section(state, scale, moved, surface, body, on_surface(np.array([a]))[0], zone)
+    return BodySection(state, scale, moved, surface, body, on_surface(np.array([a]))[0], zone)
 
 
 def surface_nodes(state: FieldState) -> NDArray[np.int64]:

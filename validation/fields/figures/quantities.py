@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.fields.figures.colours import Kind
+from validation.fields.figures.colours import ValueKind
 
 if TYPE_CHECKING:
     from fem_solver.fields.states import FieldState
@@ -29,7 +29,7 @@ class Quantity:
 
     name: str
     label: str
-    kind: Kind
+    kind: ValueKind
     values: Callable[[FieldState], Array]
 
     @property
@@ -47,20 +47,20 @@ def _component(name: str, symbol: str, unit: str, row: int) -> Quantity:
     def values(state: FieldState) -> Array:
         return np.asarray(getattr(state, name))[row]
 
-    return Quantity(f"{name}-{file}", rf"{name} ${symbol}_{{{part}}}$ ({unit})", Kind.SIGNED, values)
+    return Quantity(f"{name}-{file}", rf"{name} ${symbol}_{{{part}}}$ ({unit})", ValueKind.SIGNED, values)
 
 
 QUANTITIES = {
     one.name: one
     for one in (
-        Quantity("von-mises", f"von Mises stress ({STRESS})", Kind.POSITIVE, lambda s: s.von_mises),
-        Quantity("max-shear", f"largest shear stress ({STRESS})", Kind.POSITIVE, lambda s: s.max_shear),
-        Quantity("hydrostatic", f"mean stress ({STRESS})", Kind.SIGNED, lambda s: s.hydrostatic),
+        Quantity("von-mises", f"von Mises stress ({STRESS})", ValueKind.POSITIVE, lambda s: s.von_mises),
+        Quantity("max-shear", f"largest shear stress ({STRESS})", ValueKind.POSITIVE, lambda s: s.max_shear),
+        Quantity("hydrostatic", f"mean stress ({STRESS})", ValueKind.SIGNED, lambda s: s.hydrostatic),
         *(
             Quantity(
                 f"principal-{k + 1}",
                 f"principal stress {k + 1} ({STRESS})",
-                Kind.SIGNED,
+                ValueKind.SIGNED,
                 lambda s, k=k: s.principal[k],  # type: ignore[misc]
             )
             for k in range(3)
@@ -68,20 +68,31 @@ QUANTITIES = {
         *(_component("stress", r"\sigma", STRESS, row) for row in range(4)),
         *(_component("strain", r"\varepsilon", "length/length", row) for row in range(4)),
         Quantity(
-            "displacement-r", f"displacement $u_r$ ({LENGTH})", Kind.SIGNED, lambda s: s.displacement[:, 0]
+            "displacement-r",
+            f"displacement $u_r$ ({LENGTH})",
+            ValueKind.SIGNED,
+            lambda s: s.displacement[:, 0],
         ),
         Quantity(
-            "displacement-z", f"displacement $u_z$ ({LENGTH})", Kind.SIGNED, lambda s: s.displacement[:, 1]
+            "displacement-z",
+            f"displacement $u_z$ ({LENGTH})",
+            ValueKind.SIGNED,
+            lambda s: s.displacement[:, 1],
         ),
-        Quantity("stored", f"stored energy ({DENSITY})", Kind.DECADES, lambda s: s.stored_energy_density),
+        Quantity(
+            "stored", f"stored energy ({DENSITY})", ValueKind.DECADES, lambda s: s.stored_energy_density
+        ),
         Quantity(
             "dissipation-rate",
             f"dissipation rate ({RATE})",
-            Kind.DECADES,
+            ValueKind.DECADES,
             lambda s: s.dissipation_rate.sum(axis=0),
         ),
         Quantity(
-            "dissipated", f"energy dissipated ({DENSITY})", Kind.DECADES, lambda s: s.dissipated.sum(axis=0)
+            "dissipated",
+            f"energy dissipated ({DENSITY})",
+            ValueKind.DECADES,
+            lambda s: s.dissipated.sum(axis=0),
         ),
     )
 }

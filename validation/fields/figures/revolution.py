@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene
-from validation.fields.figures import sections, window
-from validation.fields.figures.colours import Colours
-from validation.fields.figures.geometry import Section, View, magnification, section, whole
+from validation.fields.figures import rendering, sections
+from validation.fields.figures.colours import ColourRange
+from validation.fields.figures.geometry import BodySection, View, magnification, section, whole
+from validation.fields.figures.moment_panels import caption
 from validation.fields.figures.quantities import Quantity
 from validation.fields.figures.sections import INDENTER, MARK, SMALL, ZONE
-from validation.fields.figures.strip import caption
 
 if TYPE_CHECKING:
     import pyvista
@@ -46,7 +46,7 @@ def figure(state: FieldState, scene: Scene, quantity: Quantity) -> Figure:
     cut, view, shown = prepared(state, scene, quantity)
     made = New(figsize=(8.0, 5.0), layout="constrained")
     axes = made.subplots()
-    axes.imshow(window.picture(lambda plotter: add(plotter, cut, view, quantity, shown), SIZE))
+    axes.imshow(rendering.picture(lambda plotter: add(plotter, cut, view, quantity, shown), SIZE))
     axes.set_axis_off()
     axes.set_title(f"{caption(state)}\ndisplacements {sections.times(cut.scale)}", fontsize=SMALL + 1)
     axes.plot([], [], color=MARK, linewidth=2.0, label="contact edge")
@@ -66,18 +66,18 @@ def interactive(state: FieldState, scene: Scene, quantity: Quantity) -> bool:
         plotter.add_text(f"{caption(state)}\n{quantity.plain}", font_size=9, color="black")
         plotter.add_axes(color="black")
 
-    return window.show(fill, f"crosscontact: {quantity.plain}")
+    return rendering.show(fill, f"crosscontact: {quantity.plain}")
 
 
-def prepared(state: FieldState, scene: Scene, quantity: Quantity) -> tuple[Section, View, Colours]:
-    """Section, the part of it that is turned, and its colours."""
+def prepared(state: FieldState, scene: Scene, quantity: Quantity) -> tuple[BodySection, View, ColourRange]:
+    """BodySection, the part of it that is turned, and its colours."""
     view = whole(state.contact_radius)
     scale = magnification(float(np.abs(state.displacement).max()), state.contact_radius)
     cut = section(state, scene, scale)
     return cut, view, sections.shared_colours(quantity, [cut], [view])
 
 
-def add(plotter: Any, cut: Section, view: View, quantity: Quantity, shown: Colours) -> None:
+def add(plotter: Any, cut: BodySection, view: View, quantity: Quantity, shown: ColourRange) -> None:
     """Put body, indenter and marks into a window and look at them."""
     style: dict[str, Any] = {
         "scalars": "shade",
@@ -111,7 +111,7 @@ def add(plotter: Any, cut: Section, view: View, quantity: Quantity, shown: Colou
     plotter.reset_camera_clipping_range()
 
 
-def outlines(cut: Section, view: View) -> list[pyvista.PolyData]:
+def outlines(cut: BodySection, view: View) -> list[pyvista.PolyData]:
     """Edges of what is shown: around either cut face, and around the outer side."""
     import pyvista
 
@@ -127,7 +127,7 @@ def outlines(cut: Section, view: View) -> list[pyvista.PolyData]:
     return [*faces, ring(skin[-1]), ring(np.array([view.right, view.bottom]))]
 
 
-def half_section(cut: Section, view: View, shade: Array) -> pyvista.PolyData:
+def half_section(cut: BodySection, view: View, shade: Array) -> pyvista.PolyData:
     """The part of the right-hand half in view, cut straight; points (r, z, 0)."""
     import pyvista
 
@@ -147,14 +147,14 @@ def standing(flat: pyvista.PolyData, angle: float) -> pyvista.PolyData:
     return mesh
 
 
-def top(cut: Section, view: View, shade: Array) -> tuple[Array, Array]:
+def top(cut: BodySection, view: View, shade: Array) -> tuple[Array, Array]:
     """The deformed surface as far as it is shown, (k, 2), and the shades along it, (k,)."""
     x, y = cut.surface.T
     across = np.append(x[x < view.right], view.right)
     return np.column_stack([across, np.interp(across, x, y)]), np.interp(across, x, shade[cut.top])
 
 
-def side(cut: Section, view: View, shade: Array) -> tuple[Array, Array]:
+def side(cut: BodySection, view: View, shade: Array) -> tuple[Array, Array]:
     """The outer side of what is shown, from below to the surface, and the shades along it."""
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.fields.figures import window
-from validation.fields.figures.colours import Colours, Kind, colours
-from validation.fields.figures.geometry import Section, View, near_edge, whole
+from validation.fields.figures import rendering
+from validation.fields.figures.colours import ColourRange, ValueKind, colours
+from validation.fields.figures.geometry import BodySection, View, near_edge, whole
 from validation.fields.figures.quantities import Quantity
 
 if TYPE_CHECKING:
@@ -29,8 +29,8 @@ LENGTH_UNIT = "(scene units of length)"
 SMALL = 8.0  # points, the smallest text
 
 
-def shared_colours(quantity: Quantity, sections: list[Section], views: list[View]) -> Colours:
-    """Colours that serve all sections alike, from what is in view."""
+def shared_colours(quantity: Quantity, sections: list[BodySection], views: list[View]) -> ColourRange:
+    """ColourRange that serve all sections alike, from what is in view."""
     values, weights = [], []
     for section, view in zip(sections, views, strict=True):
         shown = section.within(view)
@@ -39,12 +39,12 @@ def shared_colours(quantity: Quantity, sections: list[Section], views: list[View
     return colours(quantity.kind, values, weights)
 
 
-def figure(section: Section, quantity: Quantity, zone: float, title: str) -> Figure:
+def figure(section: BodySection, quantity: Quantity, zone: float, title: str) -> Figure:
     """The contact as a whole, and beside it its right-hand edge with colours of its own.
 
     Parameters
     ----------
-    section : Section
+    section : BodySection
     quantity : Quantity
     zone : float
         Process-zone length, or the length that takes its place; the width of the second view follows it.
@@ -73,10 +73,10 @@ def figure(section: Section, quantity: Quantity, zone: float, title: str) -> Fig
     return made
 
 
-def draw(axes: Axes, section: Section, view: View, quantity: Quantity, shown: Colours) -> None:
+def draw(axes: Axes, section: BodySection, view: View, quantity: Quantity, shown: ColourRange) -> None:
     """Field, indenter, surface and marks of one view."""
     size = (PIXELS, max(2, round(PIXELS / view.aspect)))
-    image = window.picture(lambda plotter: add_field(plotter, section, view, quantity, shown), size)
+    image = rendering.picture(lambda plotter: add_field(plotter, section, view, quantity, shown), size)
     axes.imshow(image, extent=view.extent, aspect="equal", interpolation="lanczos", zorder=0)
     body, surface = both_sides(section.indenter), both_sides(section.surface)
     ceiling = max(view.top, float(body[:, 1].max()))
@@ -96,7 +96,7 @@ def draw(axes: Axes, section: Section, view: View, quantity: Quantity, shown: Co
         axis.get_offset_text().set_fontsize(SMALL)
 
 
-def key(axes: Axes, section: Section) -> None:
+def key(axes: Axes, section: BodySection) -> None:
     """What the marks mean, in a corner of the body."""
     axes.plot([], [], "v", color=MARK, markersize=5, label="contact edge")
     if section.zone.size:
@@ -111,7 +111,12 @@ def times(scale: float) -> str:
 
 
 def bar(
-    figure: Figure, panels: list[Axes], quantity: Quantity, shown: Colours, label: bool = True, **options: Any
+    figure: Figure,
+    panels: list[Axes],
+    quantity: Quantity,
+    shown: ColourRange,
+    label: bool = True,
+    **options: Any,
 ) -> None:
     """A colour bar beside the panels, with name and unit."""
     from matplotlib.cm import ScalarMappable
@@ -121,12 +126,12 @@ def bar(
     if label:
         made.set_label(quantity.label, fontsize=SMALL + 1)
     made.ax.tick_params(labelsize=SMALL)
-    if quantity.kind is not Kind.DECADES:
+    if quantity.kind is not ValueKind.DECADES:
         made.formatter.set_powerlimits((-2, 3))
         made.ax.yaxis.get_offset_text().set_fontsize(SMALL)
 
 
-def add_field(plotter: Any, section: Section, view: View, quantity: Quantity, shown: Colours) -> None:
+def add_field(plotter: Any, section: BodySection, view: View, quantity: Quantity, shown: ColourRange) -> None:
     """Put the coloured body into a window, the camera on the view."""
     plotter.add_mesh(
         mirrored(section, quantity, shown),
@@ -148,7 +153,7 @@ def add_field(plotter: Any, section: Section, view: View, quantity: Quantity, sh
     plotter.reset_camera_clipping_range()
 
 
-def mirrored(section: Section, quantity: Quantity, shown: Colours) -> pyvista.PolyData:
+def mirrored(section: BodySection, quantity: Quantity, shown: ColourRange) -> pyvista.PolyData:
     """The deformed body on both sides of the axis, with the field (``quantity.name``) and its ``shade``."""
     import pyvista
 

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from validation.drawing.figures import INK, SIZE
+from validation.drawing.axes import SIZE, dress, hide_minor_labels
+from validation.drawing.styles import INK, curve_style
 from validation.studies.convergence import Convergence
 from validation.studies.work_precision import cost
 
@@ -18,13 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-STYLES: dict[str, dict[str, Any]] = {
-    "reference": {"color": "#999999", "linestyle": "-", "marker": "D"},
-    "bem": {"color": "#0072b2", "linestyle": "-", "marker": "o"},
-    "fem": {"color": "#d55e00", "linestyle": (0, (4, 2)), "marker": "s"},
-    "fem-volume": {"color": "#cc79a7", "linestyle": (0, (5, 1.5, 1, 1.5)), "marker": "v"},
-    "baseline": {"color": "#009e73", "linestyle": (0, (1, 1.2)), "marker": "^"},
-}
 WORK_LABELS = {
     "wall_seconds": "run time (s)",
     "cpu_seconds": "processor time (s)",
@@ -68,21 +62,21 @@ def draw(chart: Chart, studies: Sequence[Convergence]) -> Figure | None:
     axes = figure.add_subplot()
     axes.set_xscale("log")
     axes.set_yscale("log")
-    lowest, failed = 0.0, False
-    for study in studies:
-        style = STYLES[study.ladder.scheme]
+    drawn, failed = False, False
+    for row, study in enumerate(studies):
+        style = curve_style(study.ladder.scheme) | {"linewidth": 1.4}
         points = [(x, y) for x, y in _points(study, chart) if x > 0.0 and y > 0.0]
         if points:
             x, y = zip(*points, strict=True)
-            axes.plot(x, y, label=study.ladder.scheme, linewidth=1.4, markersize=4.5, **style)
-            lowest = max(lowest, 1.0)
-        failed |= _failures(axes, study, chart, style)
-    if not lowest and not failed:
+            axes.plot(x, y, label=study.ladder.scheme, markersize=4.5, **style)
+            drawn = True
+        failed |= _failures(axes, study, chart, style["color"], 0.97 - 0.05 * row)
+    if not drawn and not failed:
         return None
     if not chart.work:
         _slopes(axes, [p for study in studies for p in _points(study, chart) if min(p) > 0.0])
         axes.invert_xaxis()
-    _dress(axes, chart)
+    _label(axes, chart)
     return figure
 
 
@@ -97,21 +91,35 @@ def _points(study: Convergence, chart: Chart) -> list[tuple[float, float]]:
     return found
 
 
-def _failures(axes: Axes, study: Convergence, chart: Chart, style: dict[str, Any]) -> bool:
-    """Failed levels as crosses at the upper edge: at their size, or one after the other."""
+def _failures(axes: Axes, study: Convergence, chart: Chart, colour: str, height: float) -> bool:
+    """Failed levels as crosses near the upper edge: at their size, or one after the other.
+
+    Parameters
+    ----------
+    axes : Axes
+    study : Convergence
+    chart : Chart
+    colour : str
+    height : float
+        Of the crosses, as a part of the axes.
+
+    Returns
+    -------
+    bool
+        Whether there are any.
+    """
     coarsest = study.runs[0].level.size
     failed = [run for run in study.runs if run.failed]
     if not failed:
         return False
-    row = 0.97 - 0.05 * list(STYLES).index(study.ladder.scheme)
-    mark = {"linestyle": "none", "marker": "x", "markersize": 7, "color": style["color"]}
+    mark: dict[str, Any] = {"linestyle": "none", "marker": "x", "markersize": 7, "color": colour}
     label = f"{study.ladder.scheme}: {len(failed)} failed"
     if chart.work:
         across = [0.04 + 0.04 * i for i in range(len(failed))]
-        axes.plot(across, [row] * len(failed), transform=axes.transAxes, label=label, **mark)
+        axes.plot(across, [height] * len(failed), transform=axes.transAxes, label=label, **mark)
     else:
         across = [run.level.size / coarsest for run in failed]
-        axes.plot(across, [row] * len(failed), transform=axes.get_xaxis_transform(), label=label, **mark)
+        axes.plot(across, [height] * len(failed), transform=axes.get_xaxis_transform(), label=label, **mark)
     return True
 
 
@@ -128,20 +136,11 @@ def _slopes(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
         axes.plot((high, low), ends, color=INK, linewidth=0.7, linestyle=dash, label=f"order {order}")
 
 
-def _dress(axes: Axes, chart: Chart) -> None:
-    from matplotlib.ticker import NullFormatter
-
+def _label(axes: Axes, chart: Chart) -> None:
     axes.set_xlabel(WORK_LABELS[chart.work] if chart.work else "level size h/h₀ (finer to the right)")
     axes.set_ylabel(f"relative error, {chart.measure.replace('_', ' ')}")
-    axes.grid(True, which="major", color="#b3b3b4", linewidth=0.5)
-    axes.set_axisbelow(True)
-    axes.tick_params(which="both", colors=INK, labelcolor=INK)
-    for spine in axes.spines.values():
-        spine.set_color(INK)
-    for text in (axes.xaxis.label, axes.yaxis.label):
-        text.set_color(INK)
-    for axis in (axes.xaxis, axes.yaxis):  # few decades: labels between them would run into each other
-        axis.set_minor_formatter(NullFormatter())
+    dress(axes)
+    hide_minor_labels(axes)
     columns = min(4, len(axes.get_legend_handles_labels()[0]))
     axes.figure.legend(  # above the axes, where it hides no point
         loc="outside upper center",

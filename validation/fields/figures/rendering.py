@@ -1,4 +1,4 @@
-"""Rendering with PyVista: on a screen where there is one, else off-screen, and a clear word where neither.
+"""Rendering with PyVista: on a screen, else off-screen, else an error that names what is missing.
 
 Without a usable OpenGL, VTK ends the whole process instead of raising an error. Whether it can draw is
 therefore tried once in a process of its own, which also finds out which of VTK's windows works without a
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 CHOICE = "VTK_DEFAULT_OPENGL_WINDOW"
 OFF_SCREEN_WINDOWS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")
-PATIENCE = 60.0  # seconds for the attempt; software rendering on a busy machine is slow to start
+ATTEMPT_LIMIT = 60.0  # seconds for the attempt; software rendering on a busy machine is slow to start
 _ATTEMPT = """
 import pyvista
 plotter = pyvista.Plotter(off_screen=True, window_size=(8, 8))
@@ -38,7 +38,7 @@ class NoRendering(OSError):
 
 
 @dataclass(frozen=True)
-class Drawing:
+class RenderingWindow:
     """How VTK draws here: ``window`` to ask for (empty: its own choice), and whether there is a screen."""
 
     window: str
@@ -46,7 +46,7 @@ class Drawing:
 
 
 @cache
-def drawing() -> Drawing:
+def rendering_window() -> RenderingWindow:
     """Find out how to draw, once a process.
 
     Raises
@@ -55,10 +55,10 @@ def drawing() -> Drawing:
         If no way works.
     """
     for window in _candidates():
-        said = _attempt(window)
-        if said is not None:
-            screen = "EGL" not in said and "vtkOSOpenGL" not in said
-            return Drawing(window, screen and not _unwanted())
+        used = _attempt(window)
+        if used is not None:
+            screen = "EGL" not in used and "vtkOSOpenGL" not in used
+            return RenderingWindow(window, screen and not _off_screen_only())
     raise NoRendering(
         "PyVista cannot draw on this machine: no screen, and neither EGL nor OSMesa works. Install a "
         "software OpenGL (Debian: libegl1 libgl1-mesa-dri, or libosmesa6); the VTU files need none"
@@ -74,12 +74,12 @@ def _candidates() -> tuple[str, ...]:
     return ("", *OFF_SCREEN_WINDOWS) if os.environ.get("DISPLAY") else OFF_SCREEN_WINDOWS
 
 
-def _unwanted() -> bool:
+def _off_screen_only() -> bool:
     return os.environ.get("PYVISTA_OFF_SCREEN", "").lower() in ("1", "true")
 
 
 def _attempt(window: str) -> str | None:
-    """What another process says after drawing; ``None`` if it did not survive."""
+    """The window another process drew with, in its words; ``None`` if it did not survive."""
     chosen = {CHOICE: window} if window else {}
     try:
         tried = subprocess.run(
@@ -87,7 +87,7 @@ def _attempt(window: str) -> str | None:
             env=os.environ | chosen,
             capture_output=True,
             text=True,
-            timeout=PATIENCE,
+            timeout=ATTEMPT_LIMIT,
         )
     except subprocess.TimeoutExpired:
         return None
@@ -102,7 +102,7 @@ def picture(fill: Fill, size: tuple[int, int]) -> NDArray[np.uint8]:
     NoRendering
         If VTK cannot draw here.
     """
-    plotter = _plotter(drawing(), off_screen=True, window_size=size)
+    plotter = _plotter(rendering_window(), off_screen=True, window_size=size)
     try:
         fill(plotter)
         return np.asarray(plotter.screenshot(None, return_img=True))[:, :, :3].copy()
@@ -112,7 +112,7 @@ def picture(fill: Fill, size: tuple[int, int]) -> NDArray[np.uint8]:
 
 def show(fill: Fill, title: str) -> bool:
     """Open an interactive window where there is a screen; return whether there was one."""
-    here = drawing()
+    here = rendering_window()
     if not here.screen:
         return False
     plotter = _plotter(here, off_screen=False, window_size=(1200, 800), title=title)
@@ -124,7 +124,7 @@ def show(fill: Fill, title: str) -> bool:
     return True
 
 
-def _plotter(here: Drawing, **options: Any) -> Any:
+def _plotter(here: RenderingWindow, **options: Any) -> Any:
     if here.window:
         os.environ[CHOICE] = here.window
     import pyvista

@@ -9,8 +9,8 @@ import numpy as np
 
 from contact_scene import Scene
 from validation.fields.figures import sections
-from validation.fields.figures.colours import Colours
-from validation.fields.figures.geometry import Section, View, magnification, section, whole
+from validation.fields.figures.colours import ColourRange
+from validation.fields.figures.geometry import BodySection, View, magnification, section, whole
 from validation.fields.figures.quantities import Quantity
 from validation.fields.figures.sections import LENGTH_UNIT, SMALL
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from fem_solver.fields.states import FieldState
 
 
-def alike(
+def sections_alike(
     states: Sequence[FieldState], scene: Scene, quantity: Quantity
-) -> tuple[list[Section], View, Colours]:
+) -> tuple[list[BodySection], View, ColourRange]:
     """Sections, and the one view and table of colours that serve all of them."""
     largest = max(state.contact_radius for state in states)
     displaced = max(float(np.abs(state.displacement).max()) for state in states)
@@ -41,7 +41,7 @@ def figure(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> Fi
     """
     from matplotlib.figure import Figure as New
 
-    cut, view, shown = alike(states, scene, quantity)
+    cut, view, shown = sections_alike(states, scene, quantity)
     rows = (len(cut) + 1) // 2
     made = New(figsize=(10.0, 0.6 + 2.85 * rows), layout="compressed")
     panels = made.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)

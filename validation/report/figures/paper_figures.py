@@ -1,8 +1,7 @@
 """The paper's figures, redrawn from the runs its claims are judged on.
 
-Axes as in the paper, dimensionless. Colours are Okabe and Ito's; what colour tells apart, line style or
-marker tells apart too. Where the text of the paper does not say which speeds, penetrations or forces a figure
-shows, those of the claims' sweeps are shown.
+Axes as in the paper, dimensionless. Where the text of the paper does not say which speeds, penetrations or
+forces a figure shows, those of the claims' sweeps are shown.
 """
 
 from __future__ import annotations
@@ -12,24 +11,22 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from validation.claims.evidence import Evidence, MissingRun
-from validation.drawing.figures import INK
-from validation.report import paper_panels as panels
+from validation.drawing.axes import SIZE, dress
+from validation.drawing.styles import INK
+from validation.report.figures import paper_panels as panels
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-SIZE = (4.2, 3.1)  # inches
 
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """One figure or panel: ``name`` is a file name, ``draw`` fills axes; ``whole``: as wide as the page."""
+    """One figure or panel: ``name`` is a file name, ``draw`` fills axes; ``wide``: as wide as the page."""
 
     name: str
     caption: str
     draw: Callable[[Figure, Evidence], None]
-    whole: bool = False
+    wide: bool = False
 
 
 def drawn(figure: PaperFigure, found: Evidence) -> Figure | None:
@@ -42,32 +39,14 @@ def drawn(figure: PaperFigure, found: Evidence) -> Figure | None:
     except MissingRun:
         return None
     for axes in made.axes:
-        _dress(axes)
+        dress(axes, (-2, 4))
+        if axes.get_legend_handles_labels()[0]:
+            legend = axes.legend(
+                frameon=False, labelcolor=INK, fontsize=7, handlelength=2.8, labelspacing=0.3
+            )
+            if axes.child_axes:
+                legend.set_loc("lower right")
     return made
-
-
-def _dress(axes: Axes) -> None:
-    axes.grid(True, color="#b3b3b4", linewidth=0.5)
-    axes.set_axisbelow(True)
-    axes.tick_params(which="both", colors=INK, labelcolor=INK)
-    for spine in axes.spines.values():
-        spine.set_color(INK)
-    for text in (
-        axes.xaxis.label,
-        axes.yaxis.label,
-        axes.xaxis.offsetText,
-        axes.yaxis.offsetText,
-        axes.title,
-    ):
-        text.set_color(INK)
-    if axes.get_xscale() == "linear":
-        axes.ticklabel_format(axis="x", style="sci", scilimits=(-2, 4), useOffset=False)
-    if axes.get_yscale() == "linear":
-        axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 4), useOffset=False)
-    if axes.get_legend_handles_labels()[0]:
-        legend = axes.legend(frameon=False, labelcolor=INK, fontsize=7, handlelength=2.8, labelspacing=0.3)
-        if axes.child_axes:
-            legend.set_loc("lower right")
 
 
 _BY_DEPTH, _BY_FORCE = ("penetration", "force"), ("force", "contact_radius")
@@ -79,7 +58,7 @@ FIGURES = (
                 panels.diagram(panels.cycles(), *_BY_FORCE)),
     PaperFigure("fig2c", "Fig. 2 (c): pull-off force of cycles against speed", panels.pull_off_of_cycles),
     PaperFigure("fig3", "Fig. 3: surface, and pressure (insets), along the cycle at speed 0.002",
-                panels.surfaces, whole=True),
+                panels.surfaces, wide=True),
     PaperFigure("fig4a", "Fig. 4 (a): relaxed, then withdrawn: force against penetration",
                 panels.diagram(panels.retractions(), *_BY_DEPTH)),
     PaperFigure("fig4b", "Fig. 4 (b): the same, contact radius against force",

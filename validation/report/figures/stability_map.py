@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from validation.drawing.figures import INK
+from validation.drawing.styles import INK, VERMILION
 from validation.stability.verdict import Cell, Verdict
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 LEAST, MOST = -8.0, 0.0  # log10 of the errors that are told apart
 BLANK = "#c9c9c9"  # a field without an error: an answer that there is none
-FAULT = "#d55e00"
+FAULT = VERMILION
 LETTERS = {
     "completed": "c",
     "detached": "d",

@@ -1,4 +1,4 @@
-"""All figures of a run that were asked for, into one folder.
+"""The figures of a run that a command asks for, into one folder.
 
 ``sections/QUANTITY_NNNN.png`` one a state, ``strip_QUANTITY.png`` the key moments, ``cycle_QUANTITY.gif`` the
 whole run, ``revolution_QUANTITY_NNNN.png`` the body in three dimensions.
@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact_scene import Scene, SceneError, Trace
-from validation.drawing.figures import png
+from validation.drawing.export import png
 from validation.execution.files import write_whole
-from validation.fields.figures import animation, moments, revolution, sections, strip
+from validation.fields.figures import animation, moment_panels, moments, revolution, sections
 from validation.fields.figures.geometry import magnification, section
 from validation.fields.figures.quantities import QUANTITIES, Quantity
-from validation.fields.figures.window import NoRendering
+from validation.fields.figures.rendering import NoRendering
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,14 +34,14 @@ Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
-class Album:
+class FigureSet:
     """What is to be drawn.
 
     Parameters
     ----------
     quantities : tuple of str
         Names in ``QUANTITIES``; animation, body of revolution and window show the first.
-    strip : bool
+    moments : bool
         The key moments side by side.
     animate : bool
         An animation of the whole run.
@@ -54,7 +54,7 @@ class Album:
     """
 
     quantities: tuple[str, ...] = USUAL
-    strip: bool = False
+    moments: bool = False
     animate: bool = False
     revolve: bool = False
     show: bool = False
@@ -66,16 +66,16 @@ class Album:
                 raise SceneError("--quantity", f"got {name!r:.40}", ", ".join(QUANTITIES))
 
     @property
-    def moments(self) -> bool:
-        """Whether the figures ask for moments of their own."""
-        return self.strip or self.animate
+    def chooses_moments(self) -> bool:
+        """Whether the figures choose moments of their own."""
+        return self.moments or self.animate
 
     def rows(self, trace: Trace, scene: Scene) -> dict[int, str]:
         """Rows of a trace whose fields the figures need, and their labels."""
         found = dict.fromkeys(moments.in_contact(trace, self.frames), "") if self.animate else {}
-        return dict(sorted((found | (moments.key_moments(trace, scene) if self.strip else {})).items()))
+        return dict(sorted((found | (moments.key_moments(trace, scene) if self.moments else {})).items()))
 
-    def lines(
+    def draw(
         self,
         folder: Path,
         states: Sequence[FieldState],
@@ -84,7 +84,7 @@ class Album:
         progress: Progress,
         asked: Collection[int] = (),
     ) -> list[str]:
-        """Draw, and say what was drawn, or why not.
+        """Draw, and report what was drawn, or why not.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class Album:
             ):
                 lines.append("no window: there is no screen")
         except NoRendering as error:
-            if self.moments or self.revolve or self.show:
+            if self.chooses_moments or self.revolve or self.show:
                 raise
             return [f"no figures: {error}"]
         return lines
@@ -131,14 +131,15 @@ class Album:
         for state in single:
             for one in self._chosen:
                 name = f"sections/{one.name}_{state.row:06d}.png"
-                drawings.append((name, partial(one_section, state, scene, one)))
+                drawings.append((name, partial(single_section, state, scene, one)))
             if self.revolve:
                 name = f"revolution/{first.name}_{state.row:06d}.png"
                 drawings.append((name, partial(revolution.figure, state, scene, first)))
-        named = [state for state in touching if state.row in key] if self.strip else []
+        named = [state for state in touching if state.row in key] if self.moments else []
         if named:
             drawings += [
-                (f"strip_{one.name}.png", partial(strip.figure, named, scene, one)) for one in self._chosen
+                (f"strip_{one.name}.png", partial(moment_panels.figure, named, scene, one))
+                for one in self._chosen
             ]
         written = []
         frames = [state for state in touching if state.row in moving]
@@ -152,8 +153,8 @@ class Album:
         if frames:
             path = folder / f"cycle_{first.name}.gif"
             begun = len(drawings) / todo
-            tell = partial(_rest, progress, begun)
-            write_whole(path, animation.film(frames, trace, scene, first, tell))
+            rest = partial(_rest, progress, begun)
+            write_whole(path, animation.film(frames, trace, scene, first, rest))
             written.append(path)
         return written
 
@@ -162,20 +163,20 @@ class Album:
         return [QUANTITIES[name] for name in self.quantities]
 
 
-def wanted(options: argparse.Namespace) -> Album | None:
-    """What the command line asks for; ``None`` for no figures.
+def of_options(options: argparse.Namespace) -> FigureSet | None:
+    """The figures that options of the command line ask for; ``None`` for none.
 
     Raises
     ------
     SceneError
         If a quantity has no such name, or figures are both asked for and not.
     """
-    asked = {name: getattr(options, name) for name in ("strip", "animate", "revolve", "show")}
     if options.no_figures:
-        if options.quantity or any(asked.values()):
+        if options.quantity or options.strip or options.animate or options.revolve or options.show:
             raise SceneError("--no-figures", "figures are asked for beside it", "one or the other")
         return None
-    return Album(tuple(dict.fromkeys(options.quantity or USUAL)), **asked)
+    quantities = tuple(dict.fromkeys(options.quantity or USUAL))
+    return FigureSet(quantities, options.strip, options.animate, options.revolve, options.show)
 
 
 def _rest(progress: Progress, begun: float, done: float) -> None:
@@ -186,8 +187,8 @@ def _touching(states: Sequence[FieldState]) -> list[FieldState]:
     return [state for state in states if state.contact_radius > 0.0]
 
 
-def one_section(state: FieldState, scene: Scene, quantity: Quantity) -> Figure:
+def single_section(state: FieldState, scene: Scene, quantity: Quantity) -> Figure:
     """The section of one state, with caption and a magnification of its own."""
     scale = magnification(float(np.abs(state.displacement).max()), state.contact_radius)
     length = moments.zone(scene, state.contact_radius)
-    return sections.figure(section(state, scene, scale), quantity, length, strip.caption(state))
+    return sections.figure(section(state, scene, scale), quantity, length, moment_panels.caption(state))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from validation.claims.evidence import (
     retraction,
 )
 from validation.drawing.curves import of_trace
-from validation.drawing.figures import CLOSED, INK
+from validation.drawing.styles import BLUE, CLOSED_FORM, DASHES, INK, MARKERS, ORANGE, SERIES
 from validation.measure.dimensionless import units
 from validation.measure.observables import end_of_approach
 
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = ("#0072b2", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9", INK)
-DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1)), (0, (8, 2, 2, 2)), "-.")
-MARKERS = "os^Dvx"
 OPEN: dict[str, Any] = {"markersize": 4, "fillstyle": "none"}
 DEPTH, FORCE, RADIUS = r"$\tilde{\Delta}$", r"$\tilde{F}$", r"$\tilde{a}$"
 SPEED, PULL_OFF = r"$\tilde{V}$", r"$F_\mathrm{off}/F_\mathrm{JKR}$"
@@ -43,18 +40,18 @@ SPEED, PULL_OFF = r"$\tilde{V}$", r"$F_\mathrm{off}/F_\mathrm{JKR}$"
 SHOWN_CYCLES = (2e-5, 2e-3, 6e-3, 2e-2, 0.1, 10.0)
 SHOWN_RETRACTIONS = (1e-6, 2e-4, 2e-3, 6e-3, 2e-2, 10.0)
 SHOWN_DWELLS = (0.0, 0.3, 1.0, 3.0, 10.0, 100.0)
+LabelledScenes = Sequence[tuple[str, Scene]]
 
 
-Runs = Sequence[tuple[str, Scene]]
-
-
-def diagram(runs: Runs, across: str, up: str, jkr: bool = True) -> Callable[[Figure, Evidence], None]:
+def diagram(
+    runs: LabelledScenes, across: str, up: str, jkr: bool = True
+) -> Callable[[Figure, Evidence], None]:
     """Equilibrium diagram: approach dashed, withdrawal solid, the largest tension marked."""
     names = {"penetration": DEPTH, "force": FORCE, "contact_radius": RADIUS}
 
     def draw(figure: Figure, found: Evidence) -> None:
         axes = figure.subplots()
-        for (label, scene), colour, marker in zip(runs, COLOURS, MARKERS, strict=False):
+        for (label, scene), colour, marker in zip(runs, SERIES, MARKERS, strict=False):
             trace = found.trace(scene)
             curve, turn = of_trace(trace, scene), end_of_approach(trace)
             x, y = curve.columns[across], curve.columns[up]
@@ -64,10 +61,9 @@ def diagram(runs: Runs, across: str, up: str, jkr: bool = True) -> Callable[[Fig
             if curve.pull_off is not None:
                 axes.plot(x[curve.pull_off], y[curve.pull_off], marker, color=colour, **OPEN)
             axes.plot([], [], color=colour, marker=marker, **OPEN, label=label)
-        if jkr:
-            limits = axes.axis()
-            _jkr(axes, across, up)
-            axes.axis(limits)
+        limits = axes.axis()
+        _jkr(axes, across, up)
+        axes.axis(limits)
         axes.set(xlabel=names[across], ylabel=names[up])
 
     return draw
@@ -78,21 +74,21 @@ def _jkr(axes: Axes, across: str, up: str) -> None:
         law = elastic.vanishing(glassy)
         a = np.linspace(law.pull_off_penetration_control().contact_radius, 0.26, 200)
         columns = {"penetration": law.penetration(a), "force": law.force(a) / np.pi, "contact_radius": a}
-        style = CLOSED | {"linestyle": ":" if glassy else (0, (4, 1, 1, 1))}
+        style = CLOSED_FORM | {"linestyle": ":" if glassy else (0, (4, 1, 1, 1))}
         axes.plot(columns[across], columns[up], label=label, **style)
 
 
-def cycles() -> Runs:
+def cycles() -> LabelledScenes:
     """Approach and retraction at the speeds of Fig. 2."""
     return [(rf"{SPEED} = {v:g}", cycle(v)) for v in SHOWN_CYCLES]
 
 
-def retractions() -> Runs:
+def retractions() -> LabelledScenes:
     """Retraction of a relaxed contact at the speeds of Fig. 4."""
     return [(rf"{SPEED} = {v:g}", retraction(v)) for v in SHOWN_RETRACTIONS]
 
 
-def dwells() -> Runs:
+def dwells() -> LabelledScenes:
     """Fast cycles with rests of several lengths at the deepest point."""
     return [(rf"$\tilde{{t}}_d$ = {t:g}", cycle(0.1, dwell=t)) for t in SHOWN_DWELLS]
 
@@ -100,9 +96,8 @@ def dwells() -> Runs:
 def pull_off_of_cycles(figure: Figure, found: Evidence) -> None:
     """Largest tension of cycles against their speed, in units of ``F_JKR``."""
     axes = figure.subplots()
-    axes.semilogx(
-        CYCLE_SPEEDS, [found.pull_off(cycle(v)) for v in CYCLE_SPEEDS], "o-", color=COLOURS[0], markersize=4
-    )
+    values = [found.pull_off(cycle(v)) for v in CYCLE_SPEEDS]
+    axes.semilogx(CYCLE_SPEEDS, values, "o-", color=SERIES[0], markersize=4)
     axes.set(xlabel=SPEED, ylabel=PULL_OFF, ylim=(0.0, None))
 
 
@@ -116,13 +111,13 @@ def surfaces(figure: Figure, found: Evidence) -> None:
         sphere, skin = ("sphere", "surface") if letter == "a" else (None, None)
         height = 0.5 * r**2 - profile.penetration
         axes.plot(r, height, color=INK, linestyle="--", linewidth=1.0, label=sphere)
-        axes.plot(r, -profile.displacement[:n], color=COLOURS[0], linewidth=1.4, label=skin)
+        axes.plot(r, -profile.displacement[:n], color=SERIES[0], linewidth=1.4, label=skin)
         way = "approach" if profile.time <= surface.REVERSAL else "retraction"
         axes.set_title(f"({letter}) {way}, {DEPTH} = {profile.penetration:.3f}", fontsize=8)
         axes.set(xlim=(0.0, 0.5), ylim=(-0.035, 0.09))
         inside = r < 0.995 * profile.contact_radius
         inset = axes.inset_axes((0.2, 0.6, 0.32, 0.36))
-        inset.plot(r[inside], profile.pressure[:n][inside] / np.pi, color=COLOURS[1], linewidth=1.2)
+        inset.plot(r[inside], profile.pressure[:n][inside] / np.pi, color=SERIES[1], linewidth=1.2)
         inset.set_xlabel(r"$\tilde{r}$", fontsize=7, labelpad=0)
         inset.set_ylabel(r"$\tilde{p}$", fontsize=7, labelpad=0)
         inset.tick_params(labelsize=6, colors=INK, labelcolor=INK)
@@ -136,37 +131,28 @@ def surfaces(figure: Figure, found: Evidence) -> None:
 def preload(figure: Figure, found: Evidence) -> None:
     """Largest tension against the penetration at which the retraction begins, at several speeds."""
     axes = figure.subplots()
-    for speed, colour, dashes, marker in zip(PRELOAD_SPEEDS, COLOURS, DASHES, MARKERS, strict=False):
-        values = [found.pull_off(retraction(speed, depth)) for depth in PRELOADS]
-        axes.plot(
-            PRELOADS,
-            values,
-            color=colour,
-            linestyle=dashes,
-            marker=marker,
-            **OPEN,
-            label=f"{SPEED} = {speed:g}",
-        )
-    axes.axhline(10.0, label=r"$E_\infty/E_0$", **CLOSED)
+    by_speed = {v: [found.pull_off(retraction(v, depth)) for depth in PRELOADS] for v in PRELOAD_SPEEDS}
+    _series(axes, PRELOADS, {f"{SPEED} = {speed:g}": values for speed, values in by_speed.items()})
+    axes.axhline(10.0, label=r"$E_\infty/E_0$", **CLOSED_FORM)
     axes.set(xlabel=r"$\tilde{\Delta}_B$", ylabel=PULL_OFF)
+
+
+def _series(axes: Axes, across: Sequence[float], curves: Mapping[str, Sequence[float]]) -> None:
+    """Several curves over the same values, told apart by colour, line style and marker."""
+    for (label, values), colour, dash, marker in zip(curves.items(), SERIES, DASHES, MARKERS, strict=False):
+        axes.plot(across, values, color=colour, linestyle=dash, marker=marker, **OPEN, label=label)
 
 
 def forces(figure: Figure, found: Evidence) -> None:
     """Withdrawal under constant tension beside the retraction of the same pull-off force."""
     axes = figure.subplots()
-    for force, colour in zip(FORCES, COLOURS, strict=False):
+    for force, colour in zip(FORCES, SERIES, strict=False):
         scene, same = load(f"force-{force}").scene, retraction(MATCHED[force])
         held, moved = of_trace(found.trace(scene), scene), of_trace(found.trace(same), same)
         label = rf"{FORCE} = {held.columns['force'][-1]:.2e}"
-        for curve, line in ((held, "-"), (moved, "--")):
-            axes.plot(
-                curve.columns["penetration"],
-                curve.columns["force"],
-                color=colour,
-                linestyle=line,
-                linewidth=1.2,
-                label=label if line == "-" else None,
-            )
+        for curve, line, shown in ((held, "-", label), (moved, "--", None)):
+            x, y = curve.columns["penetration"], curve.columns["force"]
+            axes.plot(x, y, color=colour, linestyle=line, linewidth=1.2, label=shown)
         axes.plot(held.columns["penetration"][-1], held.columns["force"][-1], "o", color=colour, markersize=4)
     axes.plot([], [], color=INK, linestyle="--", label="constant speed, same pull-off")
     axes.set(xlabel=DEPTH, ylabel=FORCE)
@@ -175,7 +161,7 @@ def forces(figure: Figure, found: Evidence) -> None:
 def forces_over_time(figure: Figure, found: Evidence) -> None:
     """Penetration over time under constant tension."""
     axes = figure.subplots()
-    for force, colour, dashes in zip(FORCES, COLOURS, DASHES, strict=False):
+    for force, colour, dashes in zip(FORCES, SERIES, DASHES, strict=False):
         scene = load(f"force-{force}").scene
         columns = of_trace(found.trace(scene), scene).columns
         after = columns["time"] > 0.0
@@ -192,7 +178,7 @@ def sweep(first: float, last: float) -> Callable[[Figure, Evidence], None]:
         chirp = 0.006
         columns = of_trace(found.trace("sweep"), load("sweep").scene).columns
         rows = (columns["time"] * chirp >= first) & (columns["time"] * chirp <= last)
-        axes.plot(columns["penetration"][rows], columns["force"][rows], color=COLOURS[0], linewidth=0.9)
+        axes.plot(columns["penetration"][rows], columns["force"][rows], color=SERIES[0], linewidth=0.9)
         axes.set(xlabel=DEPTH, ylabel=FORCE)
 
     return draw
@@ -204,21 +190,19 @@ def cycle_losses(figure: Figure, found: Evidence) -> None:
     cycles = oscillations.losses(found)[1:]
     size = units(load("sweep").scene)["energy"]
     frequencies, loops = [one.angular_frequency for one in cycles], [one.loop / size for one in cycles]
-    axes.plot(frequencies, loops, "o-", color=COLOURS[0], markersize=3, linewidth=1.0)
+    axes.plot(frequencies, loops, "o-", color=SERIES[0], markersize=3, linewidth=1.0)
     axes.set(xlabel=r"$\tilde{\omega}_a$", ylabel=r"$\tilde{L}$", ylim=(0.0, None))
 
 
 def oscillation(figure: Figure, found: Evidence) -> None:
     """Retraction with an oscillation: each cycle, the line through its lowest forces, and none."""
     axes = figure.subplots()
-    for frequency, colour in zip(FREQUENCIES[::-1], ("#0072b2", "#e69f00"), strict=True):
+    for frequency, colour in zip(FREQUENCIES[::-1], (BLUE, ORANGE), strict=True):
         scene = load(f"oscillation-w{frequency}").scene
         columns = of_trace(found.trace(scene), scene).columns
         label = rf"$\tilde{{\omega}}$ = {frequency}"
-        axes.plot(
-            columns["penetration"], columns["force"], color=colour, linewidth=0.4, alpha=0.4, rasterized=True
-        )
         depth, force = columns["penetration"], columns["force"]
+        axes.plot(depth, force, color=colour, linewidth=0.4, alpha=0.4, rasterized=True)
         lowest = np.flatnonzero((force[1:-1] < force[:-2]) & (force[1:-1] <= force[2:])) + 1
         axes.plot(depth[lowest], force[lowest], color=colour, linestyle="--", linewidth=2.2, label=label)
     columns = of_trace(found.trace("retraction-steady"), load("retraction-steady").scene).columns
@@ -231,42 +215,23 @@ def release_rates(figure: Figure, found: Evidence) -> None:
     axes = figure.subplots()
     rates = [release.at_pull_off(found, v) for v in RETRACTION_SPEEDS]
     pulls = [found.pull_off(retraction(v)) for v in RETRACTION_SPEEDS]
-    axes.semilogx(RETRACTION_SPEEDS, rates, "o-", color=COLOURS[0], markersize=4, label=r"$G/\Delta\gamma$")
-    axes.semilogx(RETRACTION_SPEEDS, pulls, "s--", color=COLOURS[1], **OPEN, label=PULL_OFF)
+    axes.semilogx(RETRACTION_SPEEDS, rates, "o-", color=SERIES[0], markersize=4, label=r"$G/\Delta\gamma$")
+    axes.semilogx(RETRACTION_SPEEDS, pulls, "s--", color=SERIES[1], **OPEN, label=PULL_OFF)
     axes.set(xlabel=SPEED, ylabel=rf"$G/\Delta\gamma$, {PULL_OFF}", ylim=(0.0, None))
 
 
 def approaching(figure: Figure, found: Evidence) -> None:
     """Energy release rate at given penetrations while approaching, against speed."""
     axes = figure.subplots()
-    for depth, colour, dashes, marker in zip(release.DEPTHS, COLOURS, DASHES, MARKERS, strict=False):
-        values = [release.approaching(found, v, depth) for v in CYCLE_SPEEDS]
-        axes.semilogx(
-            CYCLE_SPEEDS,
-            values,
-            color=colour,
-            linestyle=dashes,
-            marker=marker,
-            markersize=4,
-            fillstyle="none",
-            label=f"{DEPTH} = {depth:g}",
-        )
+    by_depth = {d: [release.approaching(found, v, d) for v in CYCLE_SPEEDS] for d in release.DEPTHS}
+    _series(axes, CYCLE_SPEEDS, {f"{DEPTH} = {depth:g}": values for depth, values in by_depth.items()})
     axes.axhline(0.0, color=INK, linewidth=0.6)
-    axes.set(xlabel=SPEED, ylabel=r"$G/\Delta\gamma$")
+    axes.set(xlabel=SPEED, ylabel=r"$G/\Delta\gamma$", xscale="log")
 
 
 def rests(figure: Figure, found: Evidence) -> None:
     """Largest tension against the length of the rest, at several speeds."""
     axes = figure.subplots()
-    for speed, colour, dashes, marker in zip(DWELL_SPEEDS, COLOURS, DASHES, MARKERS, strict=False):
-        values = [found.pull_off(cycle(speed, dwell=t)) for t in DWELLS[1:]]
-        axes.semilogx(
-            DWELLS[1:],
-            values,
-            color=colour,
-            linestyle=dashes,
-            marker=marker,
-            **OPEN,
-            label=f"{SPEED} = {speed:g}",
-        )
-    axes.set(xlabel=r"$\tilde{t}_d$", ylabel=PULL_OFF)
+    by_speed = {v: [found.pull_off(cycle(v, dwell=t)) for t in DWELLS[1:]] for v in DWELL_SPEEDS}
+    _series(axes, DWELLS[1:], {f"{SPEED} = {speed:g}": values for speed, values in by_speed.items()})
+    axes.set(xlabel=r"$\tilde{t}_d$", ylabel=PULL_OFF, xscale="log")

@@ -1,0 +1,66 @@
+"""The command ``crosscontact study --poisson``."""
+
+from __future__ import annotations
+
+import sys
+
+from validation import cases
+from validation.execution.files import output_folder
+from validation.execution.processes import processes
+from validation.execution.progress import Progress
+from validation.report import terminal
+from validation.report.sections.poisson import section
+from validation.report.write import write_poisson
+from validation.studies.poisson import RATIOS, RatioComparison, compare_ratios
+
+
+def poisson(
+    scenes: list[str], ratios: list[float], out: str | None, jobs: int, resolution: int | None = None
+) -> int:
+    """Compare an elastic bulk with a constant Poisson's ratio.
+
+    Parameters
+    ----------
+    scenes : list of str
+        Files or names of built-in scenes.
+    ratios : list of float
+        Bulk over relaxed shear modulus; empty: ``RATIOS``.
+    out : str or None
+        Folder for tables and numbers.
+    jobs : int
+        Processes.
+    resolution : int or None
+        Default: the solvers' choice.
+
+    Returns
+    -------
+    int
+        Exit code 1 if a run does not finish, or the full path and the surface modulus disagree.
+    """
+    loaded = cases.load_all(scenes)
+    folder = None if out is None else output_folder(out)
+    code = 0
+    with processes(jobs) as executor:
+        for case in loaded:
+            progress = Progress(f"{case.name} poisson")
+            try:
+                comparisons = compare_ratios(case, ratios or RATIOS, resolution, executor, progress)
+            finally:
+                progress.close()
+            print(terminal.text(section(case.name, comparisons)))
+            if folder is not None:
+                print(f"written to {write_poisson(case.name, comparisons, folder)}")
+            code = max(code, _exit_code(case.name, comparisons))
+    return code
+
+
+def _exit_code(name: str, comparisons: list[RatioComparison]) -> int:
+    failures = []
+    for one in comparisons:
+        where = f"{name}: K/G = {one.ratio:g}"
+        unfinished = ((label, run) for label, run in one.runs.items() if not run.finished)
+        failures += [f"not finished: {where}: {label}: {run.ending}" for label, run in unfinished]
+        failures += [f"failed: {where}: {name}: beyond the error estimates" for name in one.disagreements]
+    for line in failures:
+        print(line, file=sys.stderr)
+    return 1 if failures else 0

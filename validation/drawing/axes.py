@@ -1,0 +1,47 @@
+"""How axes look in every figure: grid, ink, notation of numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from validation.drawing.styles import GRID, INK
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SIZE = (4.2, 3.1)  # inches of a figure with one pair of axes
+
+
+def dress(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5) -> None:
+    """Give axes and their insets grid, ink and notation.
+
+    Parameters
+    ----------
+    axes : Axes
+    powers : pair of int
+        Linear axes are labelled without a power of ten between these.
+    grid_width : float
+        Points.
+    """
+    axes.grid(True, which="major", color=GRID, linewidth=grid_width)
+    axes.set_axisbelow(True)
+    for one in (axes, *axes.child_axes):
+        one.tick_params(which="both", colors=INK, labelcolor=INK)
+        for spine in one.spines.values():
+            spine.set_color(INK)
+        one.title.set_color(INK)
+        for axis in (one.xaxis, one.yaxis):
+            axis.label.set_color(INK)
+            axis.get_offset_text().set_color(INK)
+        if one.get_xscale() == "linear":
+            one.ticklabel_format(axis="x", style="sci", scilimits=powers, useOffset=False)
+        if one.get_yscale() == "linear":
+            one.ticklabel_format(axis="y", style="sci", scilimits=powers, useOffset=False)
+
+
+def hide_minor_labels(axes: Axes) -> None:
+    """No labels between the decades of logarithmic axes, where they would run into each other."""
+    from matplotlib.ticker import NullFormatter
+
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_minor_formatter(NullFormatter())

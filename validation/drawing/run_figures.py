@@ -1,0 +1,90 @@
+"""Figures of a scene: force against penetration, contact radius against force, and both over time.
+
+Drawn from saved columns only (those of ``trace.csv``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.drawing.axes import SIZE, dress
+from validation.drawing.curves import Labels, RunCurves
+from validation.drawing.styles import CLOSED_FORM, INK, curve_style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WIDE = 3.0  # points; a wider line gets a larger mark at its largest tension
+MANY = 6000  # points beyond which a line is drawn as pixels inside the SVG
+
+
+@dataclass(frozen=True)
+class CurvePanel:
+    """One figure: which column against which."""
+
+    name: str
+    caption: str
+    across: str
+    up: str
+
+
+PANELS = (
+    CurvePanel("force-penetration", "Force against penetration", "penetration", "force"),
+    CurvePanel("radius-force", "Contact radius against force", "force", "contact_radius"),
+    CurvePanel("force-time", "Force over time", "time", "force"),
+    CurvePanel("radius-time", "Contact radius over time", "time", "contact_radius"),
+    CurvePanel("penetration-time", "Penetration over time", "time", "penetration"),
+    CurvePanel("difference-time", "Force: difference from the reference", "shared_time", "difference"),
+)
+
+
+def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figure:
+    """One panel with all curves laid over each other; the largest tension of each is marked."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    axes = figure.add_subplot()
+    for curve in sorted(curves, key=_width, reverse=True):
+        x, y = curve.columns.get(panel.across), curve.columns.get(panel.up)
+        if x is None or y is None or x.size == 0:
+            continue
+        if not curve.style:
+            axes.plot(x, y, label=curve.label, **CLOSED_FORM)
+            continue
+        size = 5 if _width(curve) < WIDE else 8
+        style = curve_style(curve.style) | {"marker": "o" if x.size == 1 else None, "markersize": size}
+        axes.plot(x, y, label=curve.label, rasterized=x.size > MANY, **style)
+        if curve.pull_off is not None and x.size > curve.pull_off:
+            at = ([x[curve.pull_off]], [y[curve.pull_off]])
+            axes.plot(*at, "o", markersize=size, color=style["color"], fillstyle="none")
+    solved = [curve for curve in curves if curve.style]
+    for column, limit in ((panel.across, axes.set_xlim), (panel.up, axes.set_ylim)):
+        span = _span([curve.columns[column] for curve in solved if column in curve.columns])
+        if span is not None:
+            limit(*span)
+    axes.set(xlabel=labels[panel.across], ylabel=labels[panel.up])
+    dress(axes)
+    axes.locator_params(axis="x", nbins=6)  # more would run into each other where numbers are long
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(frameon=False, labelcolor=INK, fontsize="small", handlelength=2.6)
+    return figure
+
+
+def _width(curve: RunCurves) -> float:
+    """Line width in points; the widest is drawn first and stays visible on both sides of the others."""
+    return (curve_style(curve.style) if curve.style else CLOSED_FORM)["linewidth"]
+
+
+def _span(columns: Sequence[NDArray[np.float64]]) -> tuple[float, float] | None:
+    """Limits around what was solved; closed forms may run out of the picture."""
+    filled = [column for column in columns if column.size]
+    if not filled:
+        return None
+    low, high = min(c.min() for c in filled), max(c.max() for c in filled)
+    spare = 0.06 * (high - low)
+    return (low - spare, high + spare) if spare > 0.0 else None

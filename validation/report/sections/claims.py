@@ -1,0 +1,72 @@
+"""The paper's statements with their verdicts, and the paper's figures redrawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from validation.claims.claim import Finding, Verdict
+from validation.drawing import export
+from validation.report.document import Figure, Figures, Paragraph, Record, Section, Table, VerdictCell
+from validation.report.figures.paper_figures import FIGURES, drawn
+from validation.report.pictures import with_drawing
+from validation.report.report import Claims
+
+TITLE = "What the paper says"
+COUNTED = dict(zip(Verdict, ("hold", "hold in part", "do not hold", "could not be judged"), strict=True))
+EXPLAINED = (
+    "Statements of the paper, paraphrased, each judged on boundary-element runs (and on the reference "
+    "where it says so). A statement that does not hold as worded is a finding, not a failed check; a "
+    "verdict that is no longer the recorded one is. Within a line, NOT marks what does not hold. The "
+    "process zone has the paper's length, 0.013 R, and is part of the model: the elastic pull-off force "
+    "is then 1.027 (soft) to 1.058 (stiff) times that of JKR."
+)
+
+
+def section(claims: Claims) -> Section:
+    """Figures, and every statement."""
+    figures = Figures(tuple(_figures(claims)))
+    table = Table.of(map(_cells, claims.findings))
+    return Section(
+        TITLE, (Paragraph(in_words(claims.findings)), Paragraph(EXPLAINED), figures, table), "claims"
+    )
+
+
+def summary(claims: Claims) -> Section:
+    """The count, and whatever does not simply hold."""
+    shown = (one for one in claims.findings if one.verdict is not Verdict.HOLDS or one.changed)
+    return Section(TITLE, (Paragraph(in_words(claims.findings)), Table.of(map(_cells, shown))))
+
+
+def in_words(findings: Sequence[Finding]) -> str:
+    """How many statements hold, and how many not."""
+    counts = ((sum(one.verdict is verdict for one in findings), text) for verdict, text in COUNTED.items())
+    verdicts = ", ".join(f"{count} {text}" for count, text in counts if count)
+    changed = sum(one.changed for one in findings)
+    changes = f"{changed or 'no'} verdict{'s' if changed > 1 else ''}"
+    return f"{len(findings)} statements: {verdicts}; {changes} changed."
+
+
+def outputs(findings: Sequence[Finding]) -> list[str]:
+    """What is printed beside each check: verdict, statement and what was found."""
+    return [f"{one.verdict}: {one.wording} Found: {one.shown}" for one in findings]
+
+
+def _figures(claims: Claims) -> list[Figure]:
+    figures = []
+    for paper in FIGURES:
+        drawing = drawn(paper, claims.evidence)
+        files = {} if drawing is None else {f"{paper.name}.png": export.png(drawing)}
+        figure = Figure(f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files)
+        figures.append(with_drawing(figure, drawing))
+    return figures
+
+
+def _cells(finding: Finding) -> Record:
+    verdict = str(finding.verdict) + (f" (recorded: {finding.recorded})" if finding.changed else "")
+    passed = False if finding.changed else True if finding.verdict is Verdict.HOLDS else None
+    return {
+        "verdict": VerdictCell(verdict, passed),
+        "place in the paper": finding.place,
+        "what it says": finding.wording,
+        "what was found": finding.shown,
+    }

@@ -1,0 +1,106 @@
+"""The head of a report, a line for each scene, and what did not pass."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from validation.report.document import (
+    ABSENT,
+    Bullets,
+    Cell,
+    LinkCell,
+    Paragraph,
+    Part,
+    Record,
+    Section,
+    Table,
+    number,
+    passed_or_not,
+    plain,
+)
+from validation.report.sections import checks
+from validation.report.sections.scene import anchor, skipped_work
+
+if TYPE_CHECKING:
+    from validation.compare.suite import SceneComparison
+    from validation.report.report import Report
+
+EXPLAINED = (
+    "Differences are relative; each stands beside the error estimates of solver and reference and beside the "
+    "scene's tolerance. Two runs agree where they differ by no more than both estimates together, at most by "
+    "the tolerance; where an estimate is missing, by the tolerance. A coarse or failed run stays in the "
+    "tables and figures."
+)
+
+
+def title(report: Report) -> str:
+    """Title of the page and of the summary."""
+    return f"crosscontact report, suite {report.suite}"
+
+
+def lead(report: Report) -> Paragraph:
+    """How many checks, and how many not passed."""
+    failed = len(report.failures)
+    verdict = f"{failed} not passed" if failed else "all passed"
+    return Paragraph(f"{len(report.checks)} checks on {len(report.scenes)} scenes: {verdict}.", not failed)
+
+
+def section(report: Report) -> Section:
+    """One line for each scene, which leads to its section."""
+    rows: Iterator[Record] = (
+        {
+            "scene": LinkCell(scene.case.name, anchor(scene)),
+            "paper": scene.case.figure,
+            "checks": _counted(scene),
+            "verdict": passed_or_not(scene.passed),
+            "closest to its limit": _closest(scene),
+        }
+        for scene in report.scenes
+    )
+    return Section("Overview", (Table.of(rows),))
+
+
+def summary(report: Report) -> tuple[Part, ...]:
+    """The same for a summary: pull-off forces and outcomes, work left out, and what did not pass."""
+    left_out = tuple(f"{scene.case.name}: {skipped_work(scene)}" for scene in report.scenes)
+    parts: tuple[Part, ...] = (
+        Paragraph(f"{report.wall_seconds:.0f} s on {report.environment['processor']}."),
+        Table.of(map(_line, report.scenes)),
+        Paragraph("Left out, by the counters of work:"),
+        Bullets(left_out),
+    )
+    if report.failures:
+        parts += (Section("Not passed", (checks.table(report.failures, with_scene=True),)),)
+    return parts
+
+
+def _line(scene: SceneComparison) -> Record:
+    forces = (run.measures.get("pull_off_force") for run in scene.runs.values())
+    cells: dict[str, Cell] = {
+        "scene": scene.case.name,
+        "checks": _counted(scene),
+        "verdict": passed_or_not(scene.passed),
+        "pull-off force": " / ".join(number(force, 5) for force in forces),
+    }
+    return cells | {
+        solver: f"{run.trace.outcome.kind}, {run.wall_seconds:.2g} s" if run.trace else run.ending
+        for solver, run in scene.runs.items()
+    }
+
+
+def _counted(scene: SceneComparison) -> str:
+    return f"{sum(check.passed for check in scene.checks)}/{len(scene.checks)}"
+
+
+def _closest(scene: SceneComparison) -> str:
+    """The check that uses the largest share of its limit."""
+    shares = [
+        (abs(check.difference) / check.limit, check)
+        for check in scene.checks
+        if check.difference is not None and check.limit
+    ]
+    if not shares:
+        return ABSENT
+    share, check = max(shares, key=lambda pair: pair[0])
+    return f"{100 * share:.0f} %: {plain(check.quantity)}, {check.solver}"

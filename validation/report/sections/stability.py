@@ -1,0 +1,117 @@
+"""The stiff and extreme matrix: limits in words, heat maps, growth of work, all cells."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from validation.drawing import export
+from validation.report.document import (
+    Bullets,
+    Figure,
+    Figures,
+    Fold,
+    Paragraph,
+    Record,
+    Section,
+    Table,
+    VerdictCell,
+)
+from validation.report.figures import stability_map
+from validation.report.pictures import with_drawing
+from validation.stability import verdict as judged
+from validation.stability.growth import fit
+from validation.stability.limits import limits
+from validation.stability.runner import StabilityMatrix
+
+TITLE = "Stiff and extreme cases"
+EXPLAINED = (
+    "Every field is one run of one solver on one scene, in a process of its own that is killed if it hangs. "
+    "Its error is the largest of several observables against a closed form where there is one, else against "
+    "the front tracking, whose own error estimate is added to the tolerance. A run is within its tolerance, "
+    "or says that it has no answer; anything else is a fault. Resolutions are coarse and tolerances chosen "
+    "for them, with the reason beside each. Balance: what stored energy, branch dissipation and release at "
+    "the edge, each integrated on its own, leave of the work, relative to the largest of them."
+)
+MAP_DOTS = 150  # per inch of a heat map saved as PNG: its numbers are small
+
+
+def section(matrix: StabilityMatrix) -> Section:
+    """Everything about the matrix."""
+    growth = tuple(one.words for one in fit(matrix.cells))
+    work = Bullets(growth) if growth else Paragraph("No series was long enough.")
+    return Section(
+        TITLE,
+        (
+            Paragraph(EXPLAINED),
+            Section("Limits found", (Bullets(tuple(limits(matrix.cells))), _maps(matrix))),
+            Section("Work against stiffness", (work,)),
+            Fold(f"All {len(matrix.cells)} cells", (_table(matrix, matrix.cells),)),
+        ),
+        "stability",
+    )
+
+
+def summary(matrix: StabilityMatrix) -> Section:
+    """The limits, and every cell that is not simply within its tolerance."""
+    shown = [cell for cell in matrix.cells if cell.verdict is not judged.Verdict.MEETS]
+    table = (_table(matrix, shown),) if shown else ()
+    return Section(TITLE, (Bullets(tuple(limits(matrix.cells))), *table))
+
+
+def lead(matrix: StabilityMatrix) -> Paragraph:
+    """How many cells, and how many at fault."""
+    faults = len(matrix.faults)
+    verdict = f"{faults} at fault" if faults else "no fault"
+    return Paragraph(f"{len(matrix.cells)} cells: {verdict}.", not faults)
+
+
+def numbers(cells: Sequence[judged.Cell]) -> dict[tuple[str, str], int]:
+    """Probes numbered in their order, from one, by axis and label."""
+    return {key: i for i, key in enumerate(dict.fromkeys((cell.axis, cell.label) for cell in cells), 1)}
+
+
+def _maps(matrix: StabilityMatrix) -> Figures:
+    """A heat map for every solver."""
+    counted, figures = numbers(matrix.cells), []
+    for solver in dict.fromkeys(cell.solver for cell in matrix.cells):
+        name = f"stability-{solver}"
+        drawing = stability_map.draw([cell for cell in matrix.cells if cell.solver == solver], counted)
+        caption = f"{solver}: {stability_map.LEGEND}."
+        files = {f"{name}.png": export.png(drawing, MAP_DOTS)}
+        figure = Figure(name, caption, wide=True, files=files)
+        figures.append(with_drawing(figure, drawing, f"Heat map, {solver}"))
+    return Figures(tuple(figures))
+
+
+def _table(matrix: StabilityMatrix, cells: Iterable[judged.Cell]) -> Table:
+    counted = numbers(matrix.cells)
+    return Table.of(_cells(cell, counted[cell.axis, cell.label]) for cell in cells)
+
+
+def _cells(cell: judged.Cell, number: int) -> Record:
+    meets = cell.verdict is judged.Verdict.MEETS
+    return {
+        "no.": str(number),
+        "axis": cell.axis,
+        "place": cell.label,
+        "solver": cell.solver,
+        "verdict": VerdictCell(str(cell.verdict), False if cell.fault else True if meets else None),
+        "error": _short(cell.error),
+        "in": cell.worst,
+        "tolerance": _short(cell.tolerance),
+        "truth ±": _short(cell.truth_error) if cell.truth_error else "",
+        "outcome": cell.outcome if meets else f"{cell.outcome}: {cell.reason}",
+        "steps": str(cell.steps),
+        "rejected": str(cell.rejected_steps),
+        "balance": _short(cell.residual),
+        "s": f"{cell.seconds:.2f}",
+        "measured against": cell.source,
+        "why this tolerance": cell.why,
+    }
+
+
+def _short(value: float | None) -> str:
+    if value is None:
+        return ""
+    return f"{value:.1e}" if math.isfinite(value) else "none given"

@@ -1,0 +1,125 @@
+"""Documents of each kind of report, and the folder they are written to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from validation.claims.all import checks as claim_checks
+from validation.execution.environment import stamp
+from validation.execution.files import to_json, write_whole
+from validation.execution.run_folder import write_run
+from validation.report import html, json_data, junit, markdown
+from validation.report.document import Document, Paragraph, figures_of
+from validation.report.report import Report
+from validation.report.sections import (
+    claims,
+    costs,
+    environment,
+    fields,
+    overview,
+    poisson,
+    regression,
+    scene,
+    stability,
+    study,
+)
+from validation.stability.checks import checks as stability_checks
+from validation.stability.runner import StabilityMatrix
+from validation.studies.poisson import RatioComparison
+from validation.studies.study import Study
+
+STABILITY_JSON = "stability.json"
+
+
+def page(report: Report) -> Document:
+    """Everything, with figures."""
+    parts = [overview.section(report)]
+    parts += [] if report.baseline is None else [regression.section(report.baseline)]
+    parts += [] if report.claims is None else [claims.section(report.claims)]
+    parts += [] if report.stability is None else [stability.section(report.stability)]
+    parts += [] if report.fields is None else [fields.section(report.fields)]
+    parts += map(scene.section, report.scenes)
+    parts += [costs.section(report.runs), environment.section(report.environment, report.wall_seconds)]
+    return Document(
+        overview.title(report), (overview.lead(report), Paragraph(overview.EXPLAINED)), tuple(parts)
+    )
+
+
+def summary(report: Report) -> Document:
+    """Short enough for the summary of a CI job: one line a scene, and whatever did not pass."""
+    parts = list(overview.summary(report))
+    parts += [] if report.claims is None else [claims.summary(report.claims)]
+    parts += [] if report.stability is None else [stability.summary(report.stability)]
+    parts += [] if report.baseline is None else [regression.summary(report.baseline)]
+    return Document(overview.title(report), (overview.lead(report),), tuple(parts))
+
+
+def suites(report: Report) -> list[junit.CheckSuite]:
+    """Checks grouped by scene and kind of evidence."""
+    made = [
+        junit.CheckSuite(one.case.name, one.checks, sum(run.wall_seconds for run in one.runs.values()))
+        for one in report.scenes
+    ]
+    if report.claims is not None:
+        findings = report.claims.findings
+        made.append(junit.CheckSuite("claims", claim_checks(findings), outputs=claims.outputs(findings)))
+    if report.stability is not None:
+        matrix = report.stability
+        made.append(junit.CheckSuite("stability", stability_checks(matrix.cells), matrix.wall_seconds))
+    return made
+
+
+def write(report: Report, folder: Path) -> None:
+    """Write ``index.html``, ``summary.md``, ``report.json``, ``junit.xml``, ``runs/SCENE/SOLVER/``.
+
+    Figures of the paper, of the matrix and of fields also come as files in ``figures/``.
+    """
+    (folder / "index.html").unlink(missing_ok=True)  # if it is there, the set is complete
+    for one in report.scenes:
+        for solver, run in one.runs.items():
+            write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
+    write_whole(folder / "report.json", to_json(json_data.of_report(report)))
+    checks = junit.text(f"crosscontact {report.suite}", suites(report), report.wall_seconds)
+    write_whole(folder / "junit.xml", checks)
+    write_whole(folder / "summary.md", markdown.text(summary(report)))
+    _write_page(page(report), folder)
+
+
+def write_study(result: Study, folder: Path) -> None:
+    """Write ``index.html``, ``study.md``, ``study.json`` and ``figures/SCENE-NAME.png`` and ``.svg``."""
+    document = study.document(result)
+    write_whole(folder / "study.json", to_json(json_data.of_study(result)))
+    write_whole(folder / "study.md", markdown.text(document))
+    _write_page(document, folder)
+
+
+def write_matrix(matrix: StabilityMatrix, folder: Path) -> None:
+    """Write ``index.html``, ``stability.md``, ``stability.json`` and ``figures/``."""
+    write_cells(matrix, folder, complete=True)
+    title, lead = "crosscontact stability", (stability.lead(matrix),)
+    write_whole(folder / "stability.md", markdown.text(Document(title, lead, (stability.summary(matrix),))))
+    parts = stability.section(matrix), environment.section(stamp(), matrix.wall_seconds)
+    _write_page(Document(title, lead, parts), folder)
+
+
+def write_cells(matrix: StabilityMatrix, folder: Path, complete: bool) -> None:
+    """Write ``stability.json`` alone, which also holds the cells of an interrupted run."""
+    write_whole(folder / STABILITY_JSON, to_json(json_data.of_matrix(matrix, complete)))
+
+
+def write_poisson(name: str, compressibilities: list[RatioComparison], folder: Path) -> Path:
+    """Write ``poisson-NAME.md`` and ``.json``; returns the first."""
+    section, path = poisson.section(name, compressibilities), folder / f"poisson-{name}.md"
+    write_whole(path, markdown.text(Document(section.title, (), section.parts)))
+    data = json_data.of_compressibilities(name, compressibilities)
+    write_whole(path.with_suffix(".json"), to_json(data))
+    return path
+
+
+def _write_page(document: Document, folder: Path) -> None:
+    """Write the copies of the figures and, last, ``index.html``."""
+    for figure in figures_of(document.parts):
+        for name, data in figure.files.items():
+            (folder / "figures").mkdir(exist_ok=True)
+            write_whole(folder / "figures" / name, data)
+    write_whole(folder / "index.html", html.text(document))
