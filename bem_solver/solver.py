@@ -22,9 +22,11 @@ from bem_solver.start import contact_scale, start_front
 from bem_solver.stepping import Stepper
 from bem_solver.trial import Problem
 from contact_scene import Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
+from contact_scene.run_control import single_threaded
 from contact_scene.scene import zone_too_long
 
 
+@single_threaded()
 def solve(
     scene: Scene,
     options: Options | None = None,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Outcome, OutcomeKind, RunMonitor, Scene, Trace
+from contact_scene.run_control import single_threaded
 from contact_scene.scene import zone_too_long
 from fem_solver.checkpoint import put_back, taken
 from fem_solver.fields.history import Log, watch
@@ -91,6 +92,7 @@ def solve(
     return record(scene, mesh, options, progress, watch).trace
 
 
+@single_threaded()
 def record(
     scene: Scene,
     mesh: Any,

@@ -24,6 +24,7 @@ from contact_scene import (
     Trace,
     UnsupportedScene,
 )
+from contact_scene.run_control import single_threaded
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.checkpoint import put_back, taken
 from validation.reference.tracking.equilibrium import pressed_radius, start_surface, touching_radius
@@ -43,6 +44,7 @@ ROWS = (1.0, 12.0)  # deviations from straight between rows, under a linear and 
 DENSE = (0.25, 0.25)  # the same for a run that another is compared with
 
 
+@single_threaded()
 def solve(
     scene: Scene,
     options: Options | None = None,
