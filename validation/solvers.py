@@ -30,8 +30,14 @@ def _bem() -> Solver:
         profile_times: tuple[float, ...],
         progress: Progress | None,
         watch: RunMonitor | None = None,
+        max_steps: int = 200_000,
     ) -> Trace:
-        return solve(scene, Options(resolution, tolerance, profile_times=profile_times), progress, watch)
+        return solve(
+            scene,
+            Options(resolution, tolerance, profile_times=profile_times, max_steps=max_steps),
+            progress,
+            watch,
+        )
 
     return call
 
@@ -53,12 +59,15 @@ class FiniteElements:
         profile_times: tuple[float, ...],
         progress: Progress | None,
         watch: RunMonitor | None = None,
+        max_steps: int = 200_000,
     ) -> Trace:
         from fem_solver import Options, solve
         from validation.contact_range import mesh_for
 
         mesh = mesh_for(scene, resolution, self.grading)
-        return solve(scene, mesh, Options(resolution, tolerance, profile_times), progress, watch)
+        return solve(
+            scene, mesh, Options(resolution, tolerance, profile_times, max_steps=max_steps), progress, watch
+        )
 
     @property
     def coarser(self) -> FiniteElements:
@@ -82,11 +91,16 @@ class FrontTracking:
         profile_times: tuple[float, ...],
         progress: Progress | None,
         watch: RunMonitor | None = None,
+        max_steps: int = 200_000,
     ) -> Trace:
         from validation.reference import Options, solve
 
         options = Options(
-            resolution, tolerance, profile_times=profile_times, estimate_errors=self.estimate_errors
+            resolution,
+            tolerance,
+            profile_times=profile_times,
+            max_steps=max_steps,
+            estimate_errors=self.estimate_errors,
         )
         return solve(scene, options, progress, watch)
 

@@ -7,13 +7,16 @@ import json
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
+from setuptools import find_packages
 from support.spring_solver import SCENE, fake, named
 
 from contact_scene import OutcomeKind, UnsupportedScene, read_scene
-from crosscontact.cli import SOLVER_NAMES, SUITE_NAMES, main
+from crosscontact import registry
+from crosscontact.cli import main, parser
 from validation import solvers
 from validation.cases import SUITES, names
 from validation.execution import files
@@ -46,7 +49,7 @@ def fakes(monkeypatch):
     """Both solvers replaced; ``fakes(bem=..., reference=...)`` replaces them again."""
 
     def put(**factories):
-        for name in SOLVER_NAMES:
+        for name in registry.names():
             monkeypatch.setitem(solvers.SOLVERS, name, named(name, factories.get(name, fake())))
 
     put()
@@ -72,8 +75,9 @@ def refused(capsys, *arguments: str) -> str:
 
 
 def test_names_agree():
-    assert tuple(solvers.SOLVERS) == SOLVER_NAMES
-    assert SUITES == SUITE_NAMES
+    assert tuple(solvers.SOLVERS) == registry.names()
+    for suite in SUITES:
+        assert parser().parse_args(["report", "--suite", suite]).suite == suite
 
 
 def test_scenes(capsys):
@@ -85,10 +89,15 @@ def test_scenes(capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ((), "COMMAND"),
         (("dance",), "invalid choice: 'dance'"),
         (("solve",), "SCENE"),
-        (("solve", "cycle-v0.1"), "--solver"),
+        (("solve", "cycle-v0.1", "--solver"), "expected one argument"),
+        (("compare", "cycle-v0.1", "--solvers", "bem"), "reference"),
+        (("compare", "cycle-v0.1", "--solvers", "reference"), "at least one other"),
+        (("compare", "cycle-v0.1", "--solvers", "bem,fem"), "reference"),
+        (("compare", "cycle-v0.1", "--solvers", "reference,magic"), "magic"),
+        (("compare", "cycle-v0.1", "--solvers", ""), "--solvers"),
+        (("stability", "--solver", "magic"), "choose from"),
         (("solve", "cycle-v0.1", "--solver", "magic"), "choose from"),
         (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "3"), "a whole number >= 4"),
         (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "8.5"), "a whole number >= 4"),
@@ -272,7 +281,7 @@ def test_quick_questions_load_nothing_heavy():
 
 
 def test_reader_that_leaves_early_is_no_error():
-    command = f"{sys.executable} -m validation scenes | head -1 && echo ${{PIPESTATUS[0]}}"
+    command = f"{sys.executable} -m crosscontact scenes | head -1 && echo ${{PIPESTATUS[0]}}"
     said = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
     assert said.stderr == ""
     assert said.stdout.splitlines()[-1] == "0"
@@ -282,4 +291,12 @@ def test_packaged_scenes_are_declared():
     with open("pyproject.toml", "rb") as stream:
         declared = tomllib.load(stream)["tool"]["setuptools"]
     assert "*.toml" in declared["package-data"]["validation.scenes"]
-    assert "validation.report" in declared["packages"]
+    assert "py.typed" in declared["package-data"]["*"]
+    packages = find_packages(include=declared["packages"]["find"]["include"])
+    assert {"validation.report", "validation.scenes", "crosscontact.commands"} <= set(packages)
+
+
+def test_every_package_says_that_it_is_typed():
+    with open("pyproject.toml", "rb") as stream:
+        packages = tomllib.load(stream)["tool"]["mypy"]["packages"]
+    assert [name for name in packages if not Path(name, "py.typed").is_file()] == []

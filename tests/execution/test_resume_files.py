@@ -15,9 +15,9 @@ import pytest
 from support.spring_solver import fake
 
 from contact_scene import SceneError, Sphere, read_columns
-from crosscontact.commands.all_commands import write_run
 from validation import cases
 from validation.execution import checked_pickle, checkpoints, files, lock
+from validation.execution.run_folder import write_run
 from validation.execution.runs import Run
 from validation.execution.store import Store
 

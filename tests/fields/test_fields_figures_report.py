@@ -16,7 +16,8 @@ from support.synthetic_fields import SCENE, states, trace
 from test_fields_figures import surfaces
 from test_report_browser import CHROMIUM, look
 
-from crosscontact.cli import SOLVER_NAMES, main
+from crosscontact import registry
+from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
 from validation.drawing import figures
@@ -106,7 +107,7 @@ def test_report_draws_fields_only_when_asked(monkeypatch, tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH")
 def test_section_fits_a_phone(section, monkeypatch, tmp_path):
-    for name in SOLVER_NAMES:
+    for name in registry.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
     own = tmp_path / "small.toml"
     own.write_text(SMALL)

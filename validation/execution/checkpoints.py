@@ -149,16 +149,17 @@ def run_kept(
     progress: solvers.Progress,
     folder: Path,
     fresh: bool = False,
+    estimate: bool = False,
 ) -> tuple[Run, Keeper]:
     """A run that is kept in a folder, goes on from there, and ends with its step when it is interrupted."""
     patience = Patience()
-    asked = question("solve", case.scene, solver, resolution, output_times(case))
+    asked = question("solve", case.scene, solver, resolution, output_times(case), estimate)
     keeper = Keeper(folder / CHECKPOINT, asked, lambda: patience.asked, fresh)
     patience.patient = lambda: keeper.watching
     if keeper.said:
         print(f"crosscontact: {keeper.said}", file=sys.stderr)
     with patience.waiting():
-        result = run(case, solver, resolution, progress, watch=keeper)
+        result = run(case, solver, resolution, progress, estimate, watch=keeper)
     wall, cpu = result.wall_seconds + keeper.seconds, result.cpu_seconds + keeper.cpu_seconds
     measures = result.measures | ({"wall_seconds": wall} if "wall_seconds" in result.measures else {})
     return replace(result, wall_seconds=wall, cpu_seconds=cpu, measures=measures), keeper

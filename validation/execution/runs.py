@@ -83,11 +83,15 @@ def run(
     progress: solvers.Progress | None = None,
     estimate: bool = False,
     watch: RunMonitor | None = None,
+    stop_times: Collection[float] = (),
+    max_steps: int | None = None,
+    raise_failures: bool = False,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
     With ``estimate`` the run is judged by a coarser one (see ``error_estimate``), which takes half as long
-    again. A ``watch`` may keep the run, stop it, and let it go on.
+    again. A ``watch`` may keep the run, stop it, and let it go on. ``stop_times`` are stepped onto too;
+    ``max_steps`` bounds the steps; with ``raise_failures`` a failure is raised instead of carried.
     """
     begin, spent = time.perf_counter(), time.process_time()
     try:
@@ -95,12 +99,17 @@ def run(
         if estimate:
             function = getattr(function, "estimating", function)
         begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
-        times = output_times(case)
+        times = tuple(sorted({*output_times(case), *stop_times}))
         watched = () if watch is None else (watch,)
-        trace = function(case.scene, resolution, None, times, progress, *watched)
+        budget = {} if max_steps is None else {"max_steps": max_steps}
+        trace = function(case.scene, resolution, None, times, progress, *watched, **budget)
     except SceneError as error:
+        if raise_failures:
+            raise
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
+        if raise_failures:
+            raise
         said = " ".join(str(error).split())
         return Run(
             case.name,
@@ -113,6 +122,8 @@ def run(
     wall, cpu = time.perf_counter() - begin, time.process_time() - spent
     result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu)
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
+    if broken and raise_failures:
+        raise FloatingPointError(f"{solver}: not finite: {', '.join(broken)}")
     if broken:
         return replace(result, trace=None, failure=f"not finite: {', '.join(broken)}")
     result = replace(result, measures=measure(trace, case.scene, wall))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from validation.execution.checkpoints import question
 from validation.execution.environment import stamp
 from validation.execution.files import write_whole
 from validation.execution.processes import processes
+from validation.execution.run_folder import write_run
 from validation.execution.runs import Run, output_times, run_all
 from validation.execution.store import Store
 from validation.report import fields_section, stability_section
@@ -84,15 +86,17 @@ def build(
     estimate: bool = True,
     claims: bool = False,
     store: Store | None = None,
+    solvers: Sequence[str] | None = None,
 ) -> Report:
-    """Run every solver on every scene, in parallel processes if there is more than one worker.
+    """Run solvers, by default all, on every scene, in parallel processes if there is more than one worker.
 
     With ``estimate`` every run on these scenes is judged by a coarser one, and agreement by what they say of
     their errors. With ``claims`` the paper's statements are judged too, on these runs and those they need
     beside them; a question that comes up in both is asked once. Runs that ``store`` holds are taken over.
     """
     store = store or Store()
-    tasks = [(case, solver) for case in loaded for solver in SOLVERS]
+    solvers = tuple(SOLVERS) if solvers is None else solvers
+    tasks = [(case, solver) for case in loaded for solver in solvers]
     if claims:
         tasks += evidence.outstanding(tasks)
     estimated = {case.name for case in loaded} if estimate else set()
@@ -129,7 +133,7 @@ def build(
         progress.close()
     pages = []
     for case in loaded:
-        runs = {solver: results[case.name, solver] for solver in SOLVERS}
+        runs = {solver: results[case.name, solver] for solver in solvers}
         pages.append(Page(case, runs, check_case(case, runs)))
     judged = None
     if claims:
@@ -148,7 +152,6 @@ def write(report: Report, folder: Path) -> None:
 
     With the paper's statements also ``figures/``, the paper's figures as PNG.
     """
-    from crosscontact.commands.all_commands import write_run
     from validation.report import html, jsonreport, junit, markdown
 
     (folder / "index.html").unlink(missing_ok=True)  # whoever finds it finds a whole set
