@@ -13,7 +13,6 @@ Names are loaded where they are first used: the import itself loads no package t
 
 from __future__ import annotations
 
-from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from crosscontact.shadowing import check_packages
@@ -103,6 +102,8 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'crosscontact' has no attribute {name!r}")
     if name == "__version__":
+        from importlib import metadata
+
         return metadata.version("crosscontact")
     if name in _API:
         from crosscontact import api

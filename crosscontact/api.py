@@ -13,6 +13,7 @@ from contact_scene.errors import NOT_NEGATIVE, number, shown
 from contact_scene.run_control import whole_number
 from crosscontact import registry
 from crosscontact.key_numbers import aligned
+from crosscontact.limits import SMALLEST_RESOLUTION
 from crosscontact.result import Result
 from validation import cases
 from validation.compare.against_reference import check_case
@@ -21,8 +22,6 @@ from validation.execution import runs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-SMALLEST_RESOLUTION = 4
 
 
 def builtin(name: str) -> Scene:

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 import crosscontact
+from crosscontact.limits import SMALLEST_RESOLUTION
 from validation import cases
 from validation.execution.memory import keep_freed
 from validation.execution.signals import interrupting
@@ -36,7 +37,6 @@ AXIS_NAMES = (
     "dead-load",
     "scale",
 )
-SMALLEST_RESOLUTION = 4
 
 
 class _Parser(argparse.ArgumentParser):

@@ -64,7 +64,7 @@ _UNITS = {
     "branch_dissipation": "energy",
 }
 INK: dict[str, Any] = {"color": "#0a0a0a", "linestyle": "-", "linewidth": 1.5}
-"""Line of a result that is drawn alone; beside others each has the style of its solver."""
+"""Line of a figure that shows this result alone: black, whichever solver it comes from."""
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,6 @@ class Result:
             from matplotlib import pyplot
 
             axes = pyplot.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")[1]
-            line = INK | line
         left, right = axes
         self._draw(left, right, registry.curve_style(self.solver) | line)
         return left, right
@@ -206,24 +205,22 @@ class Result:
 
     def _draw(self, left: Axes, right: Axes, line: dict[str, Any]) -> None:
         curve, names = of_trace(self.trace, self.scene), labels(self.scene)
-        for axes, across, up in ((left, "penetration", "force"), (right, "force", "contact_radius")):
+        panels = (
+            (left, "penetration", "force", (4.0, -12.0)),
+            (right, "force", "contact_radius", (9.0, -3.0)),
+        )
+        for axes, across, up, offset in panels:
             x, y = curve.columns[across], curve.columns[up]
             axes.plot(x, y, label=self.solver, marker="o" if len(x) == 1 else None, **line)
             if curve.pull_off is not None and curve.pull_off < len(x):
                 at = (x[curve.pull_off], y[curve.pull_off])
                 axes.plot(*at, "o", color=line["color"], fillstyle="none", markersize=6)
                 if not any(text.get_text() == "pull-off" for text in axes.texts):
-                    axes.annotate(
-                        "pull-off",
-                        at,
-                        xytext=(9, 0),
-                        textcoords="offset points",
-                        va="center",
-                        fontsize="small",
-                    )
+                    axes.annotate("pull-off", at, offset, textcoords="offset points", fontsize="small")
             axes.set(xlabel=names[across], ylabel=names[up])
             axes.grid(True, color="#e2e2e2", linewidth=0.5)
             axes.set_axisbelow(True)
+            axes.margins(0.06, 0.12)
             axes.ticklabel_format(style="sci", scilimits=(-3, 4), useOffset=False)
         left.legend(frameon=False, fontsize="small")
 
@@ -293,10 +290,8 @@ def load(folder: str | os.PathLike[str]) -> Result:
     except SceneError:
         raise
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise SceneError(
-            "trace.csv", f"cannot be read: {reason}", "a whole folder of a run", str(place)
-        ) from None
+        problem = f"cannot be read: {error.strerror or error}"
+        raise SceneError("trace.csv", problem, "the trace of the run", str(place)) from None
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
     return Result(scene, run)

@@ -7,11 +7,11 @@ import json
 import subprocess
 import sys
 import tomllib
+from fnmatch import fnmatch
 from pathlib import Path
 
 import numpy as np
 import pytest
-from setuptools import find_packages
 from support.spring_solver import SCENE, fake, named
 
 from contact_scene import OutcomeKind, UnsupportedScene, read_scene
@@ -292,8 +292,9 @@ def test_packaged_scenes_are_declared():
         declared = tomllib.load(stream)["tool"]["setuptools"]
     assert "*.toml" in declared["package-data"]["validation.scenes"]
     assert "py.typed" in declared["package-data"]["*"]
-    packages = find_packages(include=declared["packages"]["find"]["include"])
-    assert {"validation.report", "validation.scenes", "crosscontact.commands"} <= set(packages)
+    included = declared["packages"]["find"]["include"]
+    for package in ("validation.report", "validation.scenes", "crosscontact.commands"):
+        assert any(fnmatch(package, pattern) for pattern in included)
 
 
 def test_every_package_says_that_it_is_typed():
