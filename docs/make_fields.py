@@ -20,8 +20,8 @@ from validation.fields.request import Request, answer
 def draw() -> Figure:
     """Four panels."""
     scene = load("cycle-v0.002").scene
-    found = answer(scene, Request(picked=key_moments))
-    return strip.figure(list(found.states()), scene, QUANTITIES["stress-zz"])
+    answered = answer(scene, Request(picked=key_moments))
+    return strip.figure(list(answered.states()), scene, QUANTITIES["stress-zz"])
 
 
 if __name__ == "__main__":

@@ -99,9 +99,6 @@ def test_compare_finds_agreement_and_names_what_failed():
     assert compared["bem"].solver == "bem"
     assert "all agree" in repr(compared)
     assert "<table>" in compared._repr_html_()
-    bulk = dataclasses.replace(
-        SPHERE, material=dataclasses.replace(SPHERE.material, poisson=0.3, bulk="elastic")
-    )
     refused = cc.compare(BULK, solvers=["bem", "reference"], estimate_errors=False)
     assert not refused.agree
     assert set(refused.failures) == {"bem", "reference"}
@@ -141,9 +138,6 @@ def test_bad_input_is_one_line(call, text):
 
 
 def test_a_refused_scene_is_raised():
-    bulk = dataclasses.replace(
-        SPHERE, material=dataclasses.replace(SPHERE.material, poisson=0.3, bulk="elastic")
-    )
     with pytest.raises(cc.UnsupportedScene):
         cc.solve(BULK, "bem")
 
