@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 from crosscontact.shadowing import check_packages
 
+__version__ = "0.1.0"
+
 check_packages()
 
 if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and SciPy unloaded
@@ -51,8 +53,6 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     )
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
     from crosscontact.result import ContactState, Result, load
-
-    __version__: str
 
 __all__ = [
     "Adhesion",
@@ -101,10 +101,6 @@ _RESULT = ("ContactState", "Result", "load")
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'crosscontact' has no attribute {name!r}")
-    if name == "__version__":
-        from importlib import metadata
-
-        return metadata.version("crosscontact")
     if name in _API:
         from crosscontact import api
 

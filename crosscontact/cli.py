@@ -11,10 +11,10 @@ import argparse
 import math
 import os
 import sys
-from collections.abc import Sequence
 from typing import NoReturn
 
-import crosscontact
+from crosscontact import __version__
+from crosscontact.commands import scenes
 from crosscontact.limits import SMALLEST_RESOLUTION
 from validation import cases
 from validation.execution.memory import keep_freed
@@ -108,7 +108,7 @@ def parser() -> argparse.ArgumentParser:
         prog="crosscontact",
         description="Adhesive viscoelastic contact of a rigid indenter, solved independently and compared.",
     )
-    top.add_argument("--version", action=_Version, help="show the version and end")
+    top.add_argument("--version", action="version", version=f"crosscontact {__version__}")
     commands = top.add_subparsers(dest="command", metavar="COMMAND")
 
     commands.add_parser("scenes", help="list the built-in scenes")
@@ -232,17 +232,6 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-class _Version(argparse.Action):
-    """``--version``; the number is looked up only when it is asked for."""
-
-    def __init__(self, option_strings: Sequence[str], dest: str, help: str | None = None) -> None:
-        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, help=help)
-
-    def __call__(self, parser: argparse.ArgumentParser, *unused: object) -> NoReturn:
-        print(f"crosscontact {crosscontact.__version__}")
-        parser.exit()
-
-
 def _solver_option(command: argparse.ArgumentParser, help: str) -> None:
     command.add_argument("--solver", type=_solver, metavar="NAME", help=help)
 
@@ -298,8 +287,6 @@ def _command(options: argparse.Namespace) -> int:
     keep_freed()
     jobs = getattr(options, "jobs", None) or _available_cores()
     if options.command == "scenes":
-        from crosscontact.commands import scenes
-
         return scenes.run()
     from crosscontact import registry
 
