@@ -21,10 +21,11 @@ from bem_solver.start import contact_scale, start_state
 from bem_solver.stepping import SOLVER, GradedRun
 from bem_solver.trial import Problem
 from contact_scene import Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
-from contact_scene.run_control import LoadingCursor, kept_state
+from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 
 
+@single_threaded()
 def solve(
     scene: Scene,
     options: Options | None = None,

@@ -7,9 +7,13 @@ state is kept. None of it chooses a step size or looks at a solution.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+import threading
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol
+
+from threadpoolctl import threadpool_limits
 
 from contact_scene.errors import SceneError, number
 from contact_scene.loading import Loading, Segment
@@ -177,3 +181,37 @@ def whole_number(value: int, key: str, least: int) -> int:
 def moments(times: Collection[float]) -> tuple[float, ...]:
     """An option of requested times, as floats."""
     return tuple(float(time) for time in times)
+
+
+class _LinearAlgebraThreads:
+    """Runs that are under way in this process, and the limit they share on the threads of BLAS."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.runs = 0
+        self.limit: threadpool_limits | None = None
+
+
+_THREADS = _LinearAlgebraThreads()
+
+
+@contextmanager
+def single_threaded() -> Iterator[None]:
+    """Limit BLAS to one thread during a run; also a decorator: ``@single_threaded()``.
+
+    The dense systems of a run are small: further threads wait for each other, at several times the processor
+    time, and the last bits of a result would depend on their number. The first of several simultaneous runs
+    sets the limit, the last one restores what was there.
+    """
+    with _THREADS.lock:
+        if _THREADS.runs == 0:
+            _THREADS.limit = threadpool_limits(1, user_api="blas")
+        _THREADS.runs += 1
+    try:
+        yield
+    finally:
+        with _THREADS.lock:
+            _THREADS.runs -= 1
+            if _THREADS.runs == 0 and _THREADS.limit is not None:
+                _THREADS.limit.restore_original_limits()
+                _THREADS.limit = None

@@ -1,1 +1,118 @@
-"""The door: Python API and command line."""
+"""Adhesive viscoelastic contact of a rigid indenter: scenes, solvers, results.
+
+::
+
+    import crosscontact as cc
+
+    result = cc.solve("cycle-v0.02")
+    result.pull_off.force
+    result.plot()
+
+Names are loaded where they are first used: the import itself loads no package that computes or draws.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from crosscontact.shadowing import check_packages
+
+__version__ = "0.1.0"
+
+check_packages()
+
+if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and SciPy unloaded
+    from contact_scene import (
+        Adhesion,
+        Branch,
+        BulkRelaxation,
+        Cone,
+        FlatPunch,
+        Force,
+        ForceRamp,
+        Hold,
+        Loading,
+        Material,
+        Oscillate,
+        Outcome,
+        OutcomeKind,
+        PowerLaw,
+        Profile,
+        Ramp,
+        Scene,
+        SceneError,
+        Sphere,
+        Sweep,
+        Table,
+        TabulatedProfile,
+        Trace,
+        UnsupportedScene,
+        read_scene,
+        scene_from_dict,
+        write_scene,
+    )
+    from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
+    from crosscontact.result import ContactState, Result, load
+
+__all__ = [
+    "Adhesion",
+    "Branch",
+    "BulkRelaxation",
+    "Cone",
+    "ContactState",
+    "FlatPunch",
+    "Force",
+    "ForceRamp",
+    "Hold",
+    "Loading",
+    "Material",
+    "Oscillate",
+    "Outcome",
+    "OutcomeKind",
+    "PowerLaw",
+    "Profile",
+    "Ramp",
+    "Result",
+    "Scene",
+    "SceneError",
+    "SolverComparison",
+    "Sphere",
+    "Sweep",
+    "Table",
+    "TabulatedProfile",
+    "Trace",
+    "UnsupportedScene",
+    "__version__",
+    "builtin",
+    "compare",
+    "load",
+    "read_scene",
+    "scene_from_dict",
+    "scenes",
+    "solve",
+    "solvers",
+    "write_scene",
+]
+
+_API = ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers")
+_RESULT = ("ContactState", "Result", "load")
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module 'crosscontact' has no attribute {name!r}")
+    if name in _API:
+        from crosscontact import api
+
+        return getattr(api, name)
+    if name in _RESULT:
+        from crosscontact import result
+
+        return getattr(result, name)
+    import contact_scene
+
+    return getattr(contact_scene, name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,7 +1,8 @@
 """The command line: ``crosscontact scenes | solve | compare | study | fields | stability | report``.
 
-Exit codes: 0 all well; 1 a check failed or a run did not finish, interrupted ones included; 2 bad input, said
-in one line. Nothing heavy is imported until a command needs it.
+Parser and dispatch; what a command does is in ``commands``, one file each. Exit codes: 0 all well; 1 a check
+failed or a run did not finish, interrupted ones included; 2 bad input, reported in one line. Nothing heavy is
+imported until a command needs it.
 """
 
 from __future__ import annotations
@@ -12,6 +13,10 @@ import os
 import sys
 from typing import NoReturn
 
+from crosscontact import __version__
+from crosscontact.commands import scenes
+from crosscontact.limits import SMALLEST_RESOLUTION
+from validation import cases
 from validation.execution.memory import keep_freed
 from validation.execution.signals import interrupting
 
@@ -19,8 +24,6 @@ from validation.execution.signals import interrupting
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
-SOLVER_NAMES = ("bem", "fem", "reference")
-SUITE_NAMES = ("quick", "paper", "full")
 AXIS_NAMES = (
     "contrast",
     "relaxation-time",
@@ -34,11 +37,10 @@ AXIS_NAMES = (
     "dead-load",
     "scale",
 )
-SMALLEST_RESOLUTION = 4
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line."""
+    """Reports bad input in one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: error: {' '.join(message.split())}\n")
@@ -54,6 +56,24 @@ def _resolution(text: str) -> int:
             f"got {text!r:.40}; allowed: a whole number >= {SMALLEST_RESOLUTION}"
         )
     return value
+
+
+def _solver(text: str) -> str:
+    from crosscontact import registry
+
+    if text not in registry.names():
+        names = ", ".join(registry.names())
+        raise argparse.ArgumentTypeError(f"invalid choice: {text!r:.40} (choose from {names})")
+    return text
+
+
+def _solvers(text: str) -> tuple[str, ...]:
+    from crosscontact import registry
+
+    try:
+        return registry.chosen([name.strip() for name in text.split(",")], "")
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _jobs(text: str) -> int:
@@ -88,13 +108,14 @@ def parser() -> argparse.ArgumentParser:
         prog="crosscontact",
         description="Adhesive viscoelastic contact of a rigid indenter, solved independently and compared.",
     )
-    commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    top.add_argument("--version", action="version", version=f"crosscontact {__version__}")
+    commands = top.add_subparsers(dest="command", metavar="COMMAND")
 
     commands.add_parser("scenes", help="list the built-in scenes")
 
     solve = commands.add_parser("solve", help="run one solver on one scene")
     solve.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
-    solve.add_argument("--solver", choices=SOLVER_NAMES, required=True)
+    _solver_option(solve, "default: the reference")
     solve.add_argument(
         "--resolution",
         type=_resolution,
@@ -103,10 +124,26 @@ def parser() -> argparse.ArgumentParser:
         "N >= 4; default: the solver's choice",
     )
     solve.add_argument("--out", metavar="DIR", help="write trace.csv, summary.json and scene.toml there")
+    solve.add_argument(
+        "--estimate",
+        action="store_true",
+        help="estimate the errors, by a second, coarser run where the solver has no estimate of its own",
+    )
+    solve.add_argument(
+        "--plot",
+        action="store_true",
+        help="draw force.png and force.svg, into --out or the current folder",
+    )
     _fresh(solve)
 
     compare = commands.add_parser("compare", help="run all solvers on scenes; exit 1 when out of tolerance")
     compare.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
+    compare.add_argument(
+        "--solvers",
+        type=_solvers,
+        metavar="A,B",
+        help="these only, the reference among them; default: all",
+    )
     compare.add_argument("--out", metavar="DIR", help="write the report and every run there")
     compare.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
     _fresh(compare)
@@ -165,14 +202,14 @@ def parser() -> argparse.ArgumentParser:
     stability = commands.add_parser("stability", help="stiff and extreme cases: where each solver holds")
     stability.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and heat maps there")
     stability.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
-    stability.add_argument("--solver", choices=SOLVER_NAMES, help="this one only; default: all")
+    _solver_option(stability, "this one only; default: all")
     stability.add_argument(
         "--only", choices=AXIS_NAMES, metavar="AXIS", help=f"one of {', '.join(AXIS_NAMES)}"
     )
     _fresh(stability)
 
     report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
-    report.add_argument("--suite", choices=SUITE_NAMES, default="quick")
+    report.add_argument("--suite", choices=cases.SUITES, default="quick")
     report.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
     report.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
     report.add_argument(
@@ -195,6 +232,10 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+def _solver_option(command: argparse.ArgumentParser, help: str) -> None:
+    command.add_argument("--solver", type=_solver, metavar="NAME", help=help)
+
+
 def _fresh(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--fresh",
@@ -206,6 +247,9 @@ def _fresh(command: argparse.ArgumentParser) -> None:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     options = parser().parse_args(arguments)
+    if options.command is None:
+        parser().print_help()
+        return 0
     try:
         with interrupting():
             code = _run(options)
@@ -240,28 +284,40 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _command(options: argparse.Namespace) -> int:
-    from crosscontact.commands import all_commands
-
     keep_freed()
+    jobs = getattr(options, "jobs", None) or _available_cores()
     if options.command == "scenes":
-        return all_commands.scenes()
+        return scenes.run()
+    from crosscontact import registry
+
     if options.command == "solve":
-        return all_commands.solve(
-            options.scene, options.solver, options.resolution, options.out, options.fresh
+        from crosscontact.commands import solve
+
+        return solve.run(
+            options.scene,
+            options.solver or registry.REFERENCE,
+            options.resolution,
+            options.out,
+            fresh=options.fresh,
+            estimate=options.estimate,
+            plot=options.plot,
         )
     if options.command == "compare":
-        return all_commands.compare(options.scenes, options.out, options.jobs, options.fresh)
+        from crosscontact.commands import compare
+
+        solvers = options.solvers or registry.names()
+        return compare.run(options.scenes, solvers, options.out, jobs, options.fresh)
     if options.command == "study" and options.poisson is not None:
         from crosscontact.commands.poisson import poisson
 
-        jobs = all_commands.workers(options.jobs)
         return poisson(options.scenes, options.poisson, options.out, jobs)
     if options.command == "study":
-        return all_commands.study(options.scenes, options.out, options.jobs, options.fresh)
+        from crosscontact.commands import study
+
+        return study.run(options.scenes, options.out, jobs, options.fresh)
     if options.command == "stability":
         from crosscontact.commands.stability import stability
 
-        jobs = all_commands.workers(options.jobs)
         return stability(options.out, jobs, options.solver, options.only, options.fresh)
     if options.command == "fields":
         from crosscontact.commands import fields
@@ -276,15 +332,24 @@ def _command(options: argparse.Namespace) -> int:
             options.out,
             of_options(options),
         )
-    return all_commands.report(
+    from crosscontact.commands import report
+
+    return report.run(
         options.suite,
         options.out,
-        options.jobs,
+        jobs,
         options.estimates,
         options.baseline,
         options.fresh,
         options.fields,
     )
+
+
+def _available_cores() -> int:
+    """Cores this process may use, not those of the machine."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from contact_scene import Outcome, RunMonitor, Scene, Trace
-from contact_scene.run_control import kept_state
+from contact_scene.run_control import kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, history_log
 from fem_solver.fields.recording import Recording
@@ -60,6 +60,7 @@ def solve(
     return record(scene, mesh, options, progress, monitor).trace
 
 
+@single_threaded()
 def record(
     scene: Scene,
     mesh: Any,

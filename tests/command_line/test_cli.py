@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import subprocess
 import sys
 import tomllib
+from fnmatch import fnmatch
+from pathlib import Path
 
 import numpy as np
 import pytest
 from support.spring_solver import SCENE, fake, named
 
+import crosscontact
 from contact_scene import OutcomeKind, UnsupportedScene, read_scene
-from crosscontact.cli import SOLVER_NAMES, SUITE_NAMES, main
+from crosscontact import registry
+from crosscontact.cli import main, parser
 from validation import solvers
 from validation.cases import SUITES, names
 from validation.execution import files
@@ -46,7 +51,7 @@ def fakes(monkeypatch):
     """Both solvers replaced; ``fakes(bem=..., reference=...)`` replaces them again."""
 
     def put(**factories):
-        for name in SOLVER_NAMES:
+        for name in registry.names():
             monkeypatch.setitem(solvers.SOLVERS, name, named(name, factories.get(name, fake())))
 
     put()
@@ -72,8 +77,9 @@ def refused(capsys, *arguments: str) -> str:
 
 
 def test_names_agree():
-    assert tuple(solvers.SOLVERS) == SOLVER_NAMES
-    assert SUITES == SUITE_NAMES
+    assert tuple(solvers.SOLVERS) == registry.names()
+    for suite in SUITES:
+        assert parser().parse_args(["report", "--suite", suite]).suite == suite
 
 
 def test_scenes(capsys):
@@ -85,10 +91,15 @@ def test_scenes(capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ((), "COMMAND"),
         (("dance",), "invalid choice: 'dance'"),
         (("solve",), "SCENE"),
-        (("solve", "cycle-v0.1"), "--solver"),
+        (("solve", "cycle-v0.1", "--solver"), "expected one argument"),
+        (("compare", "cycle-v0.1", "--solvers", "bem"), "reference"),
+        (("compare", "cycle-v0.1", "--solvers", "reference"), "at least one other"),
+        (("compare", "cycle-v0.1", "--solvers", "bem,fem"), "reference"),
+        (("compare", "cycle-v0.1", "--solvers", "reference,magic"), "magic"),
+        (("compare", "cycle-v0.1", "--solvers", ""), "--solvers"),
+        (("stability", "--solver", "magic"), "choose from"),
         (("solve", "cycle-v0.1", "--solver", "magic"), "choose from"),
         (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "3"), "a whole number >= 4"),
         (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "8.5"), "a whole number >= 4"),
@@ -272,7 +283,7 @@ def test_quick_questions_load_nothing_heavy():
 
 
 def test_reader_that_leaves_early_is_no_error():
-    command = f"{sys.executable} -m validation scenes | head -1 && echo ${{PIPESTATUS[0]}}"
+    command = f"{sys.executable} -m crosscontact scenes | head -1 && echo ${{PIPESTATUS[0]}}"
     said = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
     assert said.stderr == ""
     assert said.stdout.splitlines()[-1] == "0"
@@ -282,4 +293,76 @@ def test_packaged_scenes_are_declared():
     with open("pyproject.toml", "rb") as stream:
         declared = tomllib.load(stream)["tool"]["setuptools"]
     assert "*.toml" in declared["package-data"]["validation.scenes"]
-    assert "validation.report" in declared["packages"]
+    assert "py.typed" in declared["package-data"]["*"]
+    included = declared["packages"]["find"]["include"]
+    for package in ("validation.report", "validation.scenes", "crosscontact.commands"):
+        assert any(fnmatch(package, pattern) for pattern in included)
+
+
+def test_every_package_says_that_it_is_typed():
+    with open("pyproject.toml", "rb") as stream:
+        packages = tomllib.load(stream)["tool"]["mypy"]["packages"]
+    assert [name for name in packages if not Path(name, "py.typed").is_file()] == []
+
+
+def test_help_alone_and_the_version(capsys):
+    assert code_of() == 0
+    assert capsys.readouterr().out == parser().format_help()
+    assert code_of("--version") == 0
+    assert capsys.readouterr().out == f"crosscontact {crosscontact.__version__}\n"
+
+
+def test_solve_takes_the_reference_unless_told(capsys, tmp_path, scene_file, fakes):
+    assert code_of("solve", scene_file, "--out", str(tmp_path)) == 0
+    assert json.loads((tmp_path / "summary.json").read_text())["solver"] == "reference"
+    assert "small by reference: detached" in capsys.readouterr().out
+
+
+def test_solve_prints_what_numbers_are_relative_to(capsys, scene_file, fakes):
+    assert code_of("solve", scene_file) == 0
+    out = capsys.readouterr().out.splitlines()
+    head, line = out[1], out[4]
+    assert re.split(r" {2,}", head.strip()) == ["in scene units", "dimensionless", "F/F_JKR"]
+    scene = read_scene(scene_file)
+    shown = re.split(r" {2,}", line.strip())
+    assert shown[0] == "pull_off_force"
+    assert float(shown[1]) == pytest.approx(0.01)
+    assert shown[2].endswith(" πE₀R²/(1−ν²)")
+    assert float(shown[2].split()[0]) == pytest.approx(0.01 / (np.pi * scene.material.relaxed_plane_modulus))
+    assert float(shown[3]) == pytest.approx(0.01 / (1.5 * np.pi * 5e-4), rel=1e-5)
+
+
+def test_solve_estimates_errors_where_asked(capsys, tmp_path, scene_file, fakes):
+    assert code_of("solve", scene_file, "--solver", "bem") == 0
+    assert "no error estimate (add --estimate)" in capsys.readouterr().out
+    for more in ((), ("--out", str(tmp_path))):
+        assert code_of("solve", scene_file, "--solver", "bem", "--estimate", *more) == 0
+        out = capsys.readouterr().out
+        assert "error estimate" in out.splitlines()[1]
+        assert "errors are relative: of penetrations to the largest of the run, else to the value" in out
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["error_estimates"]["approach_force"] == 0.0  # a fake is the same at any resolution
+
+
+def test_solve_draws_into_out_or_the_current_folder(capsys, tmp_path, scene_file, fakes, monkeypatch):
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    for folder, more in ((Path(), ()), (tmp_path / "there", ("--out", str(tmp_path / "there")))):
+        assert code_of("solve", scene_file, "--solver", "bem", "--plot", *more) == 0
+        assert f"drawn in {folder / 'force.png'} and {folder / 'force.svg'}" in capsys.readouterr().out
+        assert (folder / "force.png").read_bytes().startswith(b"\x89PNG")
+        assert "<svg" in (folder / "force.svg").read_text("utf-8")
+    assert sorted(file.name for file in Path().iterdir()) == ["force.png", "force.svg"]
+
+
+def test_a_run_without_an_answer_is_not_drawn(tmp_path, scene_file, fakes):
+    fakes(bem=fake(poison=True))
+    assert code_of("solve", scene_file, "--solver", "bem", "--plot", "--out", str(tmp_path)) == 1
+    assert not (tmp_path / "force.png").exists()
+
+
+def test_compare_of_some_solvers(capsys, scene_file, fakes):
+    fakes(fem=fake(stiffness=1.02))
+    assert code_of("compare", scene_file, "--jobs", "1", "--solvers", "reference, bem") == 0
+    out = capsys.readouterr().out
+    assert {line.split()[0] for line in out.splitlines()[2:] if line.strip()} == {"bem", "reference"}

@@ -108,7 +108,11 @@ def test_commands_in_the_readme_are_commands():
 
 
 def test_files_named_in_the_readme_exist():
-    named = re.findall(r"`((?:validation|scene|bem_solver)/[\w/]*(?:\.py)?)`", README)
+    named = re.findall(r"`((?:validation|contact_scene|bem_solver|crosscontact)/[\w/]*(?:\.py)?)`", README)
     assert len(named) >= 8
     assert [name for name in named if not Path(name).exists()] == []
-    assert Path("docs/make_figure.py").exists()
+    for script in ("docs/make_figure.py", "docs/make_fields.py", "docs/make_first_scene.py"):
+        assert Path(script).exists()
+    pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", README)
+    assert len(pictures) == 3
+    assert [picture for picture in pictures if not Path(picture).exists()] == []

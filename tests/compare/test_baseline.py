@@ -8,7 +8,8 @@ import json
 import pytest
 from support.spring_solver import fake, named
 
-from crosscontact.cli import SOLVER_NAMES, main
+from crosscontact import registry
+from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
 from validation.compare import regression
@@ -23,14 +24,14 @@ def reported(monkeypatch, tmp_path):
     """Writes a report of one scene with fakes of the given stiffness; returns exit code and folder."""
     monkeypatch.setattr("validation.cases.suite", lambda suite: [NAME])
     monkeypatch.setattr(
-        "crosscontact.commands.all_commands._verdict", lambda failures: 0
+        "crosscontact.commands.report.exit_code", lambda failures: 0
     )  # only the baseline counts here
     monkeypatch.setattr(
         "validation.report.sections.scene.figures", lambda scene: Figures(())
     )  # drawn elsewhere
 
     def report(name: str, *more: str, **factories):
-        for solver in SOLVER_NAMES:
+        for solver in registry.names():
             monkeypatch.setitem(solvers.SOLVERS, solver, named(solver, factories.get(solver, fake())))
         folder = tmp_path / name
         # without estimates: a fake is the same at any resolution, hence says it is exact

@@ -15,7 +15,8 @@ from support.spring_solver import SCENE as SMALL
 from support.spring_solver import fake, named
 from support.synthetic_fields import SCENE, states, surfaces, trace
 
-from crosscontact.cli import SOLVER_NAMES, main
+from crosscontact import registry
+from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
 from validation.drawing import export
@@ -113,7 +114,7 @@ def test_report_draws_fields_only_when_asked(monkeypatch, tmp_path):
 @pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH")
 def test_section_fits_a_phone(section, monkeypatch, tmp_path):
-    for name in SOLVER_NAMES:
+    for name in registry.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
     own = tmp_path / "small.toml"
     own.write_text(SMALL)

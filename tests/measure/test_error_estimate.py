@@ -10,7 +10,8 @@ from support.spring_solver import SCENE, FunctionSolver, fake, named
 from support.spring_solver import spring as spring_solve
 
 from contact_scene import Counters, Outcome, OutcomeKind, Trace
-from crosscontact.cli import SOLVER_NAMES, main
+from crosscontact import registry
+from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
 from validation.compare.against_reference import against_reference, check_case
@@ -148,7 +149,7 @@ def test_agreement_is_within_the_estimates_capped_by_the_tolerance(difference, m
 
 def test_compare_prints_estimates_and_names_a_disagreement(capsys, tmp_path, monkeypatch):
     """A fake gives the same answer at any resolution, hence claims to be exact: a small difference counts."""
-    for name in SOLVER_NAMES:
+    for name in registry.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
     scene = tmp_path / "small.toml"
     scene.write_text(SCENE)
@@ -173,7 +174,7 @@ def test_compare_prints_estimates_and_names_a_disagreement(capsys, tmp_path, mon
 def test_real_solvers_estimate_what_they_miss():
     """Static states, against the reference: true differences lie within the estimates."""
     case = load("relaxed-equilibrium")
-    found = {solver: run(case, solver, estimate=True) for solver in SOLVER_NAMES}
+    found = {solver: run(case, solver, estimate=True) for solver in registry.names()}
     checks = [check for check in check_case(case, found) if check.quantity == "start_radius"]
     judged = [check for check in checks if check.source == "front tracking"]
     assert {check.solver for check in judged} == {"bem", "fem"}

@@ -6,7 +6,7 @@ import pytest
 from support.browser import CHROMIUM, NAMES, measure_page
 from support.spring_solver import SCENE, fake, named
 
-from crosscontact.cli import SOLVER_NAMES
+from crosscontact import registry
 from validation import solvers
 from validation.cases import load
 from validation.execution.progress import Progress
@@ -24,7 +24,7 @@ def page(tmp_path_factory):
     own = folder / "small.toml"
     own.write_text(SCENE)
     with pytest.MonkeyPatch.context() as patch:
-        for name in SOLVER_NAMES:
+        for name in registry.names():
             patch.setitem(solvers.SOLVERS, name, named(name, fake(1.0 if name == "reference" else 1.1)))
         write(build("quick", [load(str(own)), load("cycle-v0.1")], 1, Progress("test")), folder)
     return (folder / "index.html").read_text()

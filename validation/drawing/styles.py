@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from validation.solvers import SOLVERS
+
 BLUE, VERMILION, PURPLE, ORANGE, SKY, GREEN = (
     "#0072b2", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9", "#009e73"
 )  # fmt: skip
@@ -28,11 +30,8 @@ CSS_VARIABLES = {
     GRID: "var(--grid)",
 }
 CLOSED_FORM: dict[str, Any] = {"color": GREEN, "linestyle": ":", "linewidth": 1.3}
-# Widest first: a line drawn later leaves the earlier one visible on both sides.
-_CURVES: dict[str, dict[str, Any]] = {
-    "reference": {"color": GREY, "linestyle": "-", "linewidth": 3.6, "marker": "D"},
-    "bem": {"color": BLUE, "linestyle": "-", "linewidth": 1.4, "marker": "o"},
-    "fem": {"color": VERMILION, "linestyle": (0, (4, 2)), "linewidth": 1.4, "marker": "s"},
+# Of variants of a solver that a study compares with it.
+_VARIANTS: dict[str, dict[str, Any]] = {
     "fem-volume": {"color": PURPLE, "linestyle": (0, (5, 1.5, 1, 1.5)), "linewidth": 1.4, "marker": "v"},
     "baseline": {"color": GREEN, "linestyle": (0, (1, 1.2)), "linewidth": 1.4, "marker": "^"},
 }
@@ -41,4 +40,7 @@ _OTHER: dict[str, Any] = {"color": ORANGE, "linestyle": (0, (8, 2, 2, 2)), "line
 
 def curve_style(name: str) -> dict[str, Any]:
     """Line properties of a solver or scheme: colour, line style and width, marker."""
-    return _CURVES.get(name, _OTHER)
+    method = SOLVERS.get(name)
+    if method is None:
+        return _VARIANTS.get(name, _OTHER)
+    return {**method.curve_style, "marker": method.marker}

@@ -103,6 +103,7 @@ def run_with_checkpoints(
     progress: solvers.Progress,
     folder: Path,
     fresh: bool = False,
+    estimate: bool = False,
 ) -> tuple[Run, CheckpointWriter]:
     """Run one solver; continue from a checkpoint, and end with the present step when interrupted.
 
@@ -114,6 +115,8 @@ def run_with_checkpoints(
         Where the checkpoint is.
     fresh : bool
         Whether to start at the beginning even if there is one.
+    estimate : bool
+        Whether to estimate errors.
 
     Returns
     -------
@@ -122,13 +125,13 @@ def run_with_checkpoints(
     writer : CheckpointWriter
     """
     stop = GracefulStop()
-    key = fingerprint("solve", case.scene, solver, resolution, output_times(case))
+    key = fingerprint("solve", case.scene, solver, resolution, output_times(case), estimate)
     writer = CheckpointWriter(folder / CHECKPOINT, key, lambda: stop.requested, fresh)
     stop.possible = lambda: writer.stepping
     if writer.message:
         print(f"crosscontact: {writer.message}", file=sys.stderr)
     with stop.handling_signals():
-        result = run(case, solver, resolution, progress, monitor=writer)
+        result = run(case, solver, resolution, progress, estimate, monitor=writer)
     wall, cpu = result.wall_seconds + writer.seconds, result.cpu_seconds + writer.cpu_seconds
     measures = result.measures | ({"wall_seconds": wall} if "wall_seconds" in result.measures else {})
     return replace(result, wall_seconds=wall, cpu_seconds=cpu, measures=measures), writer

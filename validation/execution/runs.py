@@ -89,6 +89,9 @@ def run(
     progress: solvers.Progress | None = None,
     estimate: bool = False,
     monitor: RunMonitor | None = None,
+    stop_times: Collection[float] = (),
+    max_steps: int | None = None,
+    raise_failures: bool = False,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
@@ -105,6 +108,12 @@ def run(
         Whether to estimate errors (see ``error_estimate``): by a coarser run, half as long again.
     monitor : RunMonitor or None
         May save the run's state, stop it, and have it continued.
+    stop_times : collection of float
+        Times that are stepped onto beside the ends of cycles.
+    max_steps : int or None
+        Bound on the steps; ``None``: the solver's own.
+    raise_failures : bool
+        Whether a failure is raised instead of carried.
 
     Returns
     -------
@@ -115,18 +124,24 @@ def run(
         method = solvers.solver(solver)
         method.load()
         begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
+        stops = tuple(sorted({*cycle_times(case.scene.loading), *stop_times}))
         trace = method.solve(
             case.scene,
             resolution,
-            stop_times=cycle_times(case.scene.loading),
+            stop_times=stops,
             profile_times=case.profile_times,
+            max_steps=max_steps,
             progress=progress,
             monitor=monitor,
             estimate_errors=estimate,
         )
     except SceneError as error:
+        if raise_failures:
+            raise
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
+        if raise_failures:
+            raise
         return Run(
             case.name,
             solver,
@@ -138,6 +153,8 @@ def run(
     wall, cpu = time.perf_counter() - begin, time.process_time() - spent
     result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu)
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
+    if broken and raise_failures:
+        raise FloatingPointError(f"{solver}: not finite: {', '.join(broken)}")
     if broken:
         return replace(result, trace=None, failure=f"not finite: {', '.join(broken)}")
     result = replace(result, measures=measure(trace, case.scene, wall))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from validation.cases import Case
@@ -24,8 +25,9 @@ def build(
     estimate: bool = True,
     claims: bool = False,
     store: Store | None = None,
+    solvers: Sequence[str] | None = None,
 ) -> Report:
-    """Run every solver on every scene and check the runs.
+    """Run solvers, by default all, on every scene and check the runs.
 
     Parameters
     ----------
@@ -37,15 +39,17 @@ def build(
     claims : bool
         Whether the paper's statements are judged too, on these runs and those they need beside them; a run
         that both need is done once.
+    solvers : sequence of str, optional
+        Names of the solvers, the reference among them.
 
     Returns
     -------
     Report
     """
     store = store or Store()
-    pairs = all_pairs(loaded)
+    pairs = all_pairs(loaded, solvers)
     further = evidence.missing_runs(pairs) if claims else []
-    pages, runs = compare_scenes(loaded, workers, progress, estimate, store, further)
+    pages, runs = compare_scenes(loaded, workers, progress, estimate, store, further, solvers)
     judged = None
     if claims:
         collected = evidence.collect([*pairs, *further], runs)

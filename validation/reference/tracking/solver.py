@@ -24,7 +24,7 @@ from contact_scene import (
     Trace,
     UnsupportedScene,
 )
-from contact_scene.run_control import LoadingCursor, kept_state
+from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.options import Fineness, Options
@@ -42,6 +42,7 @@ DENSE_ROW_TOLERANCES = RowTolerances(0.25, 0.25)
 """The same for the coarser run of an error estimate, whose curves another run is compared with."""
 
 
+@single_threaded()
 def solve(
     scene: Scene,
     options: Options | None = None,

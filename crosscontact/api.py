@@ -1,0 +1,228 @@
+"""Solving and comparing from Python."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from html import escape
+from typing import TYPE_CHECKING
+
+from contact_scene import Scene, SceneError
+from contact_scene.errors import NOT_NEGATIVE, number, shown
+from contact_scene.run_control import whole_number
+from crosscontact import registry
+from crosscontact.key_numbers import aligned
+from crosscontact.limits import SMALLEST_RESOLUTION
+from crosscontact.result import Result
+from validation import cases
+from validation.compare.against_reference import check_case
+from validation.compare.checks import Check
+from validation.execution import runs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def builtin(name: str) -> Scene:
+    """A built-in scene; :func:`scenes` lists them."""
+    if name not in cases.names():
+        raise SceneError("name", f"no built-in scene {shown(name)}", "a name listed by crosscontact.scenes()")
+    return cases.load(name).scene
+
+
+def scenes() -> dict[str, str]:
+    """Titles of the built-in scenes by name."""
+    return cases.titles()
+
+
+def solvers() -> tuple[str, ...]:
+    """Names of the solvers."""
+    return registry.names()
+
+
+def solve(
+    scene: Scene | str | os.PathLike[str],
+    solver: str = registry.REFERENCE,
+    resolution: int | None = None,
+    *,
+    estimate_errors: bool = False,
+    stop_times: Collection[float] = (),
+    profile_times: Collection[float] | None = None,
+    max_steps: int | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Solve a scene.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a built-in one, or a scene file.
+    solver : str
+        One of :func:`solvers`.
+    resolution : int, optional
+        Divisions per process zone (without adhesion: per hundredth of the largest contact radius), at least
+        4; by default the solver's choice.
+    estimate_errors : bool
+        Whether to estimate the errors; takes a second run, about half as long again.
+    stop_times : collection of float
+        Times that are stepped onto exactly, in units of the scene. The ends of oscillation cycles always are.
+    profile_times : collection of float, optional
+        Times that are stepped onto and whose surface profile the trace holds; by default those of the
+        built-in scene, if it is given by name.
+    max_steps : int, optional
+        Bounds accepted and rejected steps together.
+    progress : callable, optional
+        Called with the share of the run that is done, 0 to 1.
+
+    Returns
+    -------
+    Result
+        Also of a run that did not reach its end: ``result.outcome`` says why.
+
+    Raises
+    ------
+    SceneError
+        If an argument is wrong or the solver does not take the scene (``UnsupportedScene``); one line.
+    """
+    case = _case(scene)
+    _check_solver(solver)
+    if resolution is not None:
+        resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
+    if max_steps is not None:
+        max_steps = whole_number(max_steps, "max_steps", 1)
+    if profile_times is not None:
+        case = replace(case, profile_times=_times(profile_times, "profile_times"))
+    run = runs.run(
+        case,
+        solver,
+        resolution,
+        progress,
+        estimate_errors,
+        stop_times=_times(stop_times, "stop_times"),
+        max_steps=max_steps,
+        raise_failures=True,
+    )
+    return Result(case.scene, run)
+
+
+def compare(
+    scene: Scene | str | os.PathLike[str],
+    solvers: Collection[str] | None = None,
+    resolution: int | None = None,
+    estimate_errors: bool = True,
+) -> SolverComparison:
+    """Solve a scene by several solvers and compare each with the reference.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a built-in one (then with its check values and tolerances), or a scene file.
+    solvers : collection of str, optional
+        Names, the reference among them; by default all.
+    resolution : int, optional
+        As for :func:`solve`.
+    estimate_errors : bool
+        Whether agreement is judged by error estimates, as ``crosscontact compare`` does, or by the
+        tolerances of the scene alone.
+
+    Returns
+    -------
+    SolverComparison
+    """
+    case = _case(scene)
+    if resolution is not None:
+        resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
+    names = registry.names() if solvers is None else registry.chosen(solvers, "solvers")
+    found = {name: runs.run(case, name, resolution, estimate=estimate_errors) for name in names}
+    results = {name: Result(case.scene, run) for name, run in found.items() if run.trace is not None}
+    failures = {name: run.failure for name, run in found.items() if run.trace is None}
+    return SolverComparison(case.scene, results, failures, tuple(check_case(case, found)))
+
+
+@dataclass(frozen=True)
+class SolverComparison:
+    """Several solvers on one scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    results : mapping of str to Result
+        By solver.
+    failures : mapping of str to str
+        Why a solver gave no answer, by solver.
+    checks : tuple of Check
+        Differences from the reference and from known values, each with its verdict.
+    """
+
+    scene: Scene
+    results: Mapping[str, Result]
+    failures: Mapping[str, str]
+    checks: tuple[Check, ...]
+
+    @property
+    def agree(self) -> bool:
+        """Whether every check passed."""
+        return all(check.passed for check in self.checks)
+
+    def __getitem__(self, solver: str) -> Result:
+        return self.results[solver]
+
+    def plot(self, axes: Sequence[Axes] | None = None) -> tuple[Axes, Axes]:
+        """All results laid over each other, as :meth:`Result.plot`."""
+        if axes is None:
+            from matplotlib import pyplot
+
+            axes = pyplot.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")[1]
+        left, right = axes
+        for result in sorted(self.results.values(), key=lambda result: result.solver != registry.REFERENCE):
+            result.plot((left, right))
+        return left, right
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        head = ("solver", "quantity", "found", "expected", "difference", "limit", "verdict")
+        return [head, *(_row(check) for check in self.checks)]
+
+    def __repr__(self) -> str:
+        verdict = "all agree" if self.agree else "they disagree"
+        return "\n".join([f"{self.scene.title or 'a scene'}: {verdict}", *aligned(self._rows())])
+
+    def _repr_html_(self) -> str:
+        head, *rows = self._rows()
+        lines = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
+        heading = "".join(f"<th>{cell}</th>" for cell in head)
+        return f"<table><thead><tr>{heading}</tr></thead><tbody>{lines}</tbody></table>"
+
+
+def _row(check: Check) -> tuple[str, ...]:
+    def text(value: object) -> str:
+        return "-" if value is None else format(value, ".6g") if isinstance(value, float) else str(value)
+
+    return (
+        check.solver,
+        check.quantity,
+        text(check.found),
+        f"{'' if check.relation == '=' else check.relation + ' '}{text(check.expected)}",
+        "-" if check.difference is None else f"{check.difference:+.1e}",
+        "-" if check.limit is None else f"{check.limit:.1e}",
+        "pass" if check.passed else "FAIL",
+    )
+
+
+def _case(scene: Scene | str | os.PathLike[str]) -> cases.Case:
+    if isinstance(scene, Scene):
+        return cases.Case(scene.title or "scene", scene)
+    if isinstance(scene, (str, os.PathLike)):
+        return cases.load(os.fspath(scene))
+    raise SceneError("scene", f"got {shown(scene)}", "a Scene, the name of a built-in scene, or a scene file")
+
+
+def _check_solver(name: str) -> None:
+    if name not in registry.names():
+        raise SceneError("solver", f"got {shown(name)}", f"one of {', '.join(registry.names())}")
+
+
+def _times(values: Collection[float], key: str) -> tuple[float, ...]:
+    if isinstance(values, str) or not isinstance(values, Collection):
+        raise SceneError(key, f"got {shown(values)}", "several times")
+    return tuple(number(value, f"{key}[{i}]", NOT_NEGATIVE, low=0.0) for i, value in enumerate(values))

@@ -1,0 +1,49 @@
+"""``crosscontact compare``: several solvers on the given scenes, one table with error estimates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from crosscontact.commands.failures import exit_code
+from validation import cases
+from validation.execution.files import output_folder
+from validation.execution.progress import Progress
+from validation.execution.store import Store
+from validation.report import terminal
+from validation.report.build import build
+from validation.report.sections.scene import verdicts
+from validation.report.write import write
+
+
+def run(names: Sequence[str], solvers: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -> int:
+    """Compare and print.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Scene files or names of built-in scenes.
+    solvers : sequence of str
+        Names of the solvers; the reference among them.
+    out : str or None
+        Folder of the report, if one is to be written.
+    jobs : int
+        Processes.
+    fresh : bool
+        Whether runs stored by an earlier, interrupted command are ignored.
+
+    Returns
+    -------
+    int
+        1 if solvers disagree.
+    """
+    loaded = cases.load_all(names)
+    folder = None if out is None else output_folder(out)
+    store = Store(folder, fresh)
+    result = build("compare", loaded, jobs, Progress("compare"), store=store, solvers=solvers)
+    for scene in result.scenes:
+        print(terminal.text(verdicts(scene)))
+    if folder is not None:
+        write(result, folder)
+        store.clear()
+        print(f"written to {folder / 'index.html'}")
+    return exit_code(result.failures)

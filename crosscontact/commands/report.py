@@ -1,0 +1,89 @@
+"""``crosscontact report``: a suite of built-in scenes, checked and drawn."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+
+from crosscontact.commands import stability
+from crosscontact.commands.failures import exit_code, short
+from validation import cases
+from validation.compare import regression
+from validation.compare.suite import SceneComparison
+from validation.execution.files import output_folder
+from validation.execution.progress import Progress
+from validation.execution.store import Store
+from validation.fields import cycle_fields
+from validation.report.build import build
+from validation.report.json_data import of_report
+from validation.report.write import write
+
+
+def run(
+    suite: str,
+    out: str,
+    jobs: int,
+    estimate: bool = True,
+    baseline: str | None = None,
+    fresh: bool = False,
+    fields: bool = False,
+) -> int:
+    """Run a suite and write the report.
+
+    Parameters
+    ----------
+    suite : str
+        "quick", "paper" or "full".
+    out : str
+        Folder of the report.
+    jobs : int
+        Processes.
+    estimate : bool
+        Whether agreement is judged by error estimates, each from a second run, or by tolerances alone.
+    baseline : str or None
+        An earlier ``report.json`` to compare with.
+    fresh : bool
+        Whether runs stored by an earlier, interrupted command are ignored.
+    fields : bool
+        Whether the fields under the surface are drawn too.
+
+    Returns
+    -------
+    int
+        1 if a check failed or a value moved beyond tolerance from the earlier report.
+    """
+    old = None if baseline is None else regression.read(baseline)
+    folder = output_folder(out)
+    loaded = cases.load_all(cases.suite(suite))
+    store, claims = Store(folder, fresh), suite != "quick"
+    result = build(suite, loaded, jobs, Progress("report"), estimate, claims, store)
+    if suite == "full":
+        result = replace(result, stability=stability.compute(jobs, store))
+    if fields:
+        result = replace(result, fields=_fields(result.scenes))
+    if baseline is not None and old is not None:
+        result = replace(result, baseline=regression.compare(baseline, old, of_report(result), loaded))
+    write(result, folder)
+    store.clear()
+    print(f"{len(result.checks)} checks, {len(result.failures)} failed: {folder / 'index.html'}")
+    code = exit_code(result.failures)
+    if result.baseline is None:
+        return code
+    print(result.baseline.verdict)
+    for move in result.baseline.beyond:
+        print(
+            f"moved: {move.scene}: {move.solver}: {move.what}: {short(move.before)} -> {short(move.after)}",
+            file=sys.stderr,
+        )
+    return 1 if result.baseline.beyond else code
+
+
+def _fields(scenes: Sequence[SceneComparison]) -> cycle_fields.CycleFields:
+    """Fields in the body for the report's section, with progress."""
+    progress = Progress("fields")
+    runs = next((one.runs for one in scenes if one.case.name == cycle_fields.SCENE), {})
+    try:
+        return cycle_fields.compute(runs, progress)
+    finally:
+        progress.close()

@@ -1,0 +1,13 @@
+"""``crosscontact scenes``: the built-in scenes."""
+
+from validation import cases
+
+
+def run() -> int:
+    """Name, quick suite or not, and title of every built-in scene."""
+    titles = cases.titles()
+    width = max(map(len, titles))
+    quick = set(cases.suite("quick"))
+    for name, title in titles.items():
+        print(f"{name:<{width}}  {'quick' if name in quick else '     '}  {title}")
+    return 0

@@ -1,0 +1,50 @@
+"""``crosscontact study``: refinement ladders and error against run time."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from validation import cases
+from validation.execution.files import output_folder
+from validation.execution.progress import Progress
+from validation.execution.store import Store
+from validation.report import terminal
+from validation.report.sections.study import short
+from validation.report.write import write_study
+from validation.studies.study import study
+
+
+def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -> int:
+    """Refine every solver on the given scenes.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Scene files or names of built-in scenes.
+    out : str or None
+        Folder of the report, if one is to be written.
+    jobs : int
+        Processes for what is not timed.
+    fresh : bool
+        Whether levels stored by an earlier, interrupted command are ignored.
+
+    Returns
+    -------
+    int
+        1 if a level gave no answer.
+    """
+    loaded = cases.load_all(names)
+    folder = None if out is None else output_folder(out)
+    store = Store(folder, fresh)
+    result = study(loaded, jobs, Progress("study"), store)
+    print(terminal.text(short(result)))
+    if folder is not None:
+        write_study(result, folder)
+        store.clear()
+        print(f"written to {folder / 'index.html'}")
+    for scene in result.scenes:
+        for ladder, level in scene.failed:
+            name = f"{scene.case.name}: {ladder.ladder.scheme}: {ladder.ladder.kind} {level.level.label}"
+            print(f"failed: {name}: {level.failure}", file=sys.stderr)
+    return 1 if any(scene.failed for scene in result.scenes) else 0

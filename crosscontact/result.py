@@ -1,0 +1,329 @@
+"""What a solver found on a scene: trace, measures, error estimates; as tables, figure, files."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import (
+    COLUMNS,
+    Counters,
+    Event,
+    Outcome,
+    OutcomeKind,
+    Scene,
+    SceneError,
+    Trace,
+    read_columns,
+    read_scene,
+)
+from contact_scene.files import read_text
+from crosscontact.key_numbers import aligned, key_numbers, table
+from validation.drawing.curves import labels, of_trace
+from validation.drawing.export import png
+from validation.drawing.styles import curve_style
+from validation.execution.files import output_folder
+from validation.execution.run_folder import write_run
+from validation.execution.runs import Run
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_NO_MEASURES = (  # keys of summary.json beside the measures
+    "solver",
+    "scene",
+    "outcome",
+    "reason",
+    "finished",
+    "cpu_seconds",
+    "estimate_seconds",
+    "counters",
+    "error_estimates",
+    "events",
+)
+_UNITS = {
+    "time": "time",
+    "penetration": "length",
+    "force": "force",
+    "contact_radius": "length",
+    "stored_energy": "energy",
+    "external_work": "energy",
+    "dissipated_energy": "energy",
+    "branch_dissipation": "energy",
+}
+INK: dict[str, Any] = {"color": "#0a0a0a", "linestyle": "-", "linewidth": 1.5}
+"""Line of a figure that shows this result alone: black, whichever solver it comes from."""
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """Contact at one moment of a run, in units of the scene; ``None`` where the run has no such moment.
+
+    Parameters
+    ----------
+    time, penetration, radius : float or None
+        Penetration positive downwards.
+    force : float or None
+        Positive in compression; at pull-off the largest tension, positive.
+    """
+
+    time: float | None
+    penetration: float | None
+    force: float | None
+    radius: float | None
+
+
+class Result:
+    """What one solver found on one scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    run : Run
+        With a trace.
+
+    Attributes
+    ----------
+    trace : Trace
+        Time series, one row per accepted step, with profiles where asked for.
+    name, solver : str
+        Names of scene and solver.
+    measures : dict
+        Every scalar by name, as in ``summary.json``; ``None`` where it does not apply.
+    errors : dict
+        Relative error estimates by measure and by column; empty unless asked for.
+    """
+
+    def __init__(self, scene: Scene, run: Run) -> None:
+        if run.trace is None:
+            raise ValueError(f"{run.solver} gave no answer: {run.failure}")
+        self.scene, self.run, self.trace = scene, run, run.trace
+        self.name, self.solver = run.scene, run.solver
+        self.measures, self.errors = run.measures, run.errors
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the run ended and why; ``outcome.finished`` tells a full answer from a partial one."""
+        return self.trace.outcome
+
+    @property
+    def approach(self) -> ContactState:
+        """End of the approach: largest penetration of the run."""
+        return self._state("approach")
+
+    @property
+    def pull_off(self) -> ContactState:
+        """Largest tension."""
+        return self._state("pull_off")
+
+    @property
+    def detachment(self) -> ContactState:
+        """Last state in contact of a run that lost contact."""
+        return self._state("detachment")
+
+    @property
+    def final(self) -> ContactState:
+        """Last row of the trace."""
+        return self._state("final")
+
+    def _state(self, moment: str) -> ContactState:
+        return ContactState(*(self.measures.get(f"{moment}_{entry.name}") for entry in fields(ContactState)))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The trace as a table, one row per step; units and names in ``attrs``."""
+        try:
+            import pandas
+        except ImportError:
+            raise _missing("pandas") from None
+        frame = pandas.DataFrame(self.trace.columns())
+        frame.attrs |= self._attributes() | {"units": {name: _unit(name) for name in frame.columns}}
+        return frame
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The trace over ``step``, with the time as a coordinate; units and names in ``attrs``."""
+        try:
+            import xarray
+        except ImportError:
+            raise _missing("xarray") from None
+        variables = {
+            name: ("step", column, {"units": _unit(name), "long_name": name.replace("_", " ")})
+            for name, column in self.trace.columns().items()
+        }
+        return xarray.Dataset(variables, attrs=self._attributes()).set_coords("time")
+
+    def _attributes(self) -> dict[str, Any]:
+        return {
+            "scene": self.name,
+            "title": self.scene.title,
+            "solver": self.solver,
+            "outcome": str(self.outcome.kind),
+            "reason": self.outcome.reason,
+        }
+
+    def plot(self, axes: Sequence[Axes] | None = None, **line: Any) -> tuple[Axes, Axes]:
+        """Draw force against penetration and contact radius against force; the pull-off is marked.
+
+        Parameters
+        ----------
+        axes : two Axes, optional
+            Where to draw, e.g. what another result's ``plot`` returned; by default a new figure.
+        **line
+            Line properties of Matplotlib, e.g. ``color``.
+
+        Returns
+        -------
+        tuple of Axes
+            Spheres in the paper's dimensionless quantities, other shapes in units of the scene.
+        """
+        if axes is None:
+            from matplotlib import pyplot
+
+            axes = pyplot.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")[1]
+        left, right = axes
+        self._draw(left, right, curve_style(self.solver) | line)
+        return left, right
+
+    def figure(self) -> Figure:
+        """The two panels of :meth:`plot` as a figure that no window shows, to be saved."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(8.4, 3.4), layout="constrained")
+        self.plot(figure.subplots(1, 2), **INK)
+        return figure
+
+    def _draw(self, left: Axes, right: Axes, line: dict[str, Any]) -> None:
+        curve, names = of_trace(self.trace, self.scene), labels(self.scene)
+        panels = (
+            (left, "penetration", "force", (4.0, -12.0)),
+            (right, "force", "contact_radius", (9.0, -3.0)),
+        )
+        for axes, across, up, offset in panels:
+            x, y = curve.columns[across], curve.columns[up]
+            axes.plot(x, y, label=self.solver, marker="o" if len(x) == 1 else None, **line)
+            if curve.pull_off is not None and curve.pull_off < len(x):
+                at = (x[curve.pull_off], y[curve.pull_off])
+                axes.plot(*at, "o", color=line["color"], fillstyle="none", markersize=6)
+                if not any(text.get_text() == "pull-off" for text in axes.texts):
+                    axes.annotate("pull-off", at, offset, textcoords="offset points", fontsize="small")
+            axes.set(xlabel=names[across], ylabel=names[up])
+            axes.grid(True, color="#e2e2e2", linewidth=0.5)
+            axes.set_axisbelow(True)
+            axes.margins(0.06, 0.12)
+            axes.ticklabel_format(style="sci", scilimits=(-3, 4), useOffset=False)
+        left.legend(frameon=False, fontsize="small")
+
+    def __repr__(self) -> str:
+        rows = table(key_numbers(self.scene, self.measures, self.errors))
+        return "\n".join([self._heading(), *aligned(rows)])
+
+    def _heading(self) -> str:
+        return f"{self.name} by {self.solver}: {self.outcome.kind}: {self.outcome.reason}"
+
+    def _repr_html_(self) -> str:
+        head, *rows = table(key_numbers(self.scene, self.measures, self.errors))
+        cells = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+        lines = "".join(
+            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in (row[0].replace('_', ' '), *row[1:]))}</tr>"
+            for row in rows
+        )
+        picture = base64.b64encode(png(self.figure(), 80)).decode()
+        return (
+            f"<p><b>{escape(self._heading())}</b></p>"
+            f'<img alt="force against penetration and contact radius against force" '
+            f'src="data:image/png;base64,{picture}">'
+            f"<table><thead><tr>{cells}</tr></thead><tbody>{lines}</tbody></table>"
+        )
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
+        return {"text/plain": repr(self), "text/html": self._repr_html_()}
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Write ``scene.toml``, ``trace.csv`` and ``summary.json`` as the command line does.
+
+        Profiles are not kept. :func:`load` reads the folder back.
+        """
+        write_run(output_folder(folder, "folder"), self.scene, self.run)
+
+
+def _unit(column: str) -> str:
+    kind = _UNITS.get(column)
+    return "scene units" if kind is None else f"{kind} in scene units"
+
+
+def _missing(package: str) -> ImportError:
+    return ImportError(f"{package} is not installed: pip install 'crosscontact[data]'")
+
+
+def load(folder: str | os.PathLike[str]) -> Result:
+    """Read what :meth:`Result.save` or ``crosscontact solve --out`` wrote, bit for bit.
+
+    Raises
+    ------
+    SceneError
+        One line, if a file is missing or damaged, or the run gave no answer.
+    """
+    place = Path(folder)
+    for name in ("scene.toml", "summary.json"):
+        if not (place / name).is_file():
+            allowed = "a folder written by `crosscontact solve --out`"
+            raise SceneError("", f"has no {name}", allowed, str(place))
+    scene = read_scene(place / "scene.toml")
+    file = str(place / "summary.json")
+    try:
+        summary = json.loads(read_text(Path(file)))
+        if summary["outcome"] in ("failed", "refused"):
+            problem = f"{summary['solver']} gave no answer: {summary['reason']}"
+            raise SceneError("outcome", problem, "a run with a trace", file)
+        run = _run(summary, read_columns(place / "trace.csv"))
+    except SceneError:
+        raise
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror or error}"
+        raise SceneError("trace.csv", problem, "the trace of the run", str(place)) from None
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
+    return Result(scene, run)
+
+
+def _run(summary: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run:
+    """The run that a folder holds; its outcome is dated by the last row of the trace."""
+    end = float(columns["time"][-1]) if columns["time"].size else 0.0
+    trace = Trace(
+        summary["solver"],
+        columns["time"],
+        columns["penetration"],
+        columns["force"],
+        columns["contact_radius"],
+        columns["stored_energy"],
+        columns["external_work"],
+        columns["dissipated_energy"],
+        Outcome(OutcomeKind(summary["outcome"]), summary["reason"], end),
+        Counters(**summary["counters"]),
+        extra={name: column for name, column in columns.items() if name not in COLUMNS},
+        events=tuple(Event(**event) for event in summary["events"]),
+        wall_seconds=summary["wall_seconds"],
+    )
+    measures = {name: value for name, value in summary.items() if name not in _NO_MEASURES}
+    measures |= {f"counters.{name}": float(count) for name, count in summary["counters"].items()}
+    return Run(
+        summary["scene"],
+        summary["solver"],
+        trace,
+        wall_seconds=summary["wall_seconds"],
+        cpu_seconds=summary["cpu_seconds"],
+        estimate_seconds=summary["estimate_seconds"],
+        measures=measures,
+        errors=summary["error_estimates"] or {},
+    )

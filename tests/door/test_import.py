@@ -1,0 +1,101 @@
+"""``import crosscontact``: quick, loads nothing heavy, names the file that hides one of its packages."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import crosscontact as cc
+from crosscontact.shadowing import PACKAGES
+
+ROOT = Path(__file__).parents[2]
+HEAVY = ("numpy", "scipy", "skfem", "gmsh", "pyvista", "matplotlib", "pandas", "xarray", "meshio")
+
+
+def python(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a script that lies in ``folder``, as a notebook or a user's script does."""
+    script = folder / "script.py"
+    script.write_text(code)
+    return subprocess.run([sys.executable, str(script)], capture_output=True, text=True, cwd=folder)
+
+
+def loaded_by(statement: str, folder: Path) -> set[str]:
+    code = f"import sys\n{statement}\nprint(*{{name.split('.')[0] for name in sys.modules}})"
+    ended = python(code, folder)
+    assert ended.returncode == 0, ended.stderr
+    return set(ended.stdout.split())
+
+
+def test_the_import_loads_nothing_heavy(tmp_path):
+    loaded = loaded_by("import crosscontact", tmp_path)
+    assert "crosscontact" in loaded
+    assert not loaded & {*HEAVY, *PACKAGES}
+
+
+def test_solving_draws_and_tabulates_only_when_asked(tmp_path):
+    statement = "import crosscontact as cc; cc.solve('relaxed-equilibrium').measures"
+    assert not loaded_by(statement, tmp_path) & {"skfem", "gmsh", "pyvista", "matplotlib", "pandas", "xarray"}
+
+
+def test_every_name_is_there():
+    for name in cc.__all__:
+        assert getattr(cc, name) is not None
+    assert set(cc.__all__) <= set(dir(cc))
+    with pytest.raises(AttributeError, match="no attribute 'Indentor'"):
+        cc.Indentor  # noqa: B018
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_file_that_hides_a_package_is_named(tmp_path, package):
+    file = tmp_path / f"{package}.py"
+    file.write_text("")
+    ended = python("import crosscontact", tmp_path)
+    assert ended.returncode == 1
+    last = ended.stderr.splitlines()[-1]
+    assert last.startswith(f"ImportError: crosscontact: {file} hides its package {package}: ")
+    assert ended.stdout == ""
+
+
+def test_a_file_loaded_before_is_named_too(tmp_path):
+    (tmp_path / "meshes.py").write_text("")
+    ended = python("import meshes, crosscontact", tmp_path)
+    assert str(tmp_path / "meshes.py") in ended.stderr.splitlines()[-1]
+
+
+def test_a_folder_that_hides_a_package_is_named(tmp_path):
+    (tmp_path / "validation").mkdir()
+    (tmp_path / "validation" / "__init__.py").write_text("")
+    ended = python("import crosscontact", tmp_path)
+    assert str(tmp_path / "validation" / "__init__.py") in ended.stderr.splitlines()[-1]
+
+
+def test_other_files_of_a_user_hide_nothing(tmp_path):
+    for name in ("scene", "solver", "result", "material", "loading", "options"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('imported')")
+    assert python("import crosscontact as cc; cc.Scene; cc.solve", tmp_path).returncode == 0
+
+
+@pytest.mark.benchmark
+def test_seconds_of_the_import(tmp_path):
+    code = "import time; begin = time.perf_counter(); import crosscontact; print(time.perf_counter() - begin)"
+    seconds = min(float(python(code, tmp_path).stdout) for _ in range(5))
+    assert seconds < 0.15
+
+
+@pytest.mark.benchmark
+def test_a_solver_called_from_python_keeps_to_one_thread(tmp_path, monkeypatch):
+    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        monkeypatch.delenv(variable, raising=False)
+    code = (
+        "import time, bem_solver, crosscontact as cc\n"
+        "scene, begin, spent = cc.builtin('cycle-v0.02'), time.perf_counter(), time.process_time()\n"
+        "bem_solver.solve(scene)\n"
+        "print((time.process_time() - spent) / (time.perf_counter() - begin))"
+    )
+    begin = time.perf_counter()
+    assert float(python(code, tmp_path).stdout) < 1.2
+    assert time.perf_counter() - begin < 60.0

@@ -1,0 +1,213 @@
+"""What a result can be turned into: tables, figure, notebook representation, files and back."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import crosscontact as cc
+
+SCENE = cc.Scene(
+    cc.Material(0.75, 0.5, (cc.Branch(6.75, 1.0),)),
+    cc.Sphere(1.0),
+    cc.Loading("jump-in", 0.0, (cc.Ramp(0.01, 0.02), cc.Ramp(-0.5, 0.02))),
+    cc.Adhesion(5.026548e-4, 0.013),
+    "a <short> cycle",
+)
+CONE = dataclasses.replace(
+    SCENE,
+    indenter=cc.Cone(70.0),
+    loading=cc.Loading("jump-in", 0.03, (cc.Ramp(0.05, 0.05), cc.Ramp(-0.5, 0.05))),
+)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return cc.solve(SCENE, estimate_errors=True)
+
+
+@pytest.fixture(scope="module")
+def axes_free():
+    """Figures that are drawn here are closed."""
+    import matplotlib
+    from matplotlib import pyplot
+
+    matplotlib.use("agg")
+    yield
+    pyplot.close("all")
+
+
+def test_saved_and_loaded_bit_for_bit(result, tmp_path):
+    result.save(tmp_path / "first")
+    again = cc.load(tmp_path / "first")
+    assert again.scene == result.scene
+    for name, column in result.trace.columns().items():
+        assert again.trace.columns()[name].tobytes() == column.tobytes(), name
+    assert list(again.trace.columns()) == list(result.trace.columns())
+    assert again.outcome == result.outcome
+    assert again.trace.events == result.trace.events
+    assert again.trace.counters == result.trace.counters
+    assert again.measures == result.measures
+    assert again.errors == result.errors
+    assert repr(again) == repr(result)
+    again.save(tmp_path / "second")
+    for name in ("scene.toml", "trace.csv", "summary.json"):
+        assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes()
+
+
+@pytest.mark.parametrize("solver", ["bem", "fem"])
+def test_every_solver_round_trips(solver, tmp_path):
+    result = cc.solve("relaxed-equilibrium", solver, resolution=8)
+    result.save(tmp_path)
+    again = cc.load(tmp_path)
+    assert (again.outcome, again.measures) == (result.outcome, result.measures)
+
+
+def test_an_unfinished_run_round_trips(tmp_path):
+    result = cc.solve(SCENE, max_steps=5)
+    result.save(tmp_path)
+    assert cc.load(tmp_path).outcome == result.outcome
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "text"),
+    [
+        ("summary.json", None, "has no summary.json"),
+        ("trace.csv", None, "trace.csv: cannot be read"),
+        ("scene.toml", "x = 1", "scene.toml: x: unknown key"),
+        ("summary.json", "{", "summary.json: damaged"),
+        ("summary.json", "[]", "summary.json: damaged"),
+        ("summary.json", "{}", "summary.json: damaged"),
+        ("trace.csv", "time\n1\n", "damaged"),
+        ("trace.csv", "", "damaged"),
+    ],
+)
+def test_a_damaged_folder_is_one_line(result, tmp_path, name, content, text):
+    result.save(tmp_path)
+    if content is None:
+        (tmp_path / name).unlink()
+    else:
+        (tmp_path / name).write_text(content)
+    with pytest.raises(cc.SceneError) as error:
+        cc.load(tmp_path)
+    assert text in str(error.value)
+    assert str(tmp_path) in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_run_without_an_answer_is_one_line(result, tmp_path):
+    result.save(tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    (tmp_path / "summary.json").write_text(json.dumps(summary | {"outcome": "failed", "reason": "overflow"}))
+    with pytest.raises(cc.SceneError, match="reference gave no answer: overflow"):
+        cc.load(tmp_path)
+
+
+def test_a_place_that_cannot_be_written_is_one_line(result, tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(cc.SceneError, match="is a file"):
+        result.save(tmp_path / "taken")
+
+
+def test_pandas(result):
+    frame = result.to_pandas()
+    assert list(frame.columns) == list(result.trace.columns())
+    assert np.array_equal(frame["force"].to_numpy(), result.trace.force)
+    assert frame.attrs["solver"] == "reference"
+    assert frame.attrs["title"] == SCENE.title
+    assert frame.attrs["units"]["force"] == "force in scene units"
+    assert set(frame.attrs["units"]) == set(frame.columns)
+
+
+def test_xarray(result):
+    data = result.to_xarray()
+    assert data.sizes == {"step": len(result.trace)}
+    assert "time" in data.coords
+    assert data["contact_radius"].attrs == {"units": "length in scene units", "long_name": "contact radius"}
+    assert np.array_equal(data["force"].values, result.trace.force)
+    assert data.attrs["outcome"] == "detached"
+
+
+@pytest.mark.parametrize("package", ["pandas", "xarray"])
+def test_without_the_extra_one_line_says_what_to_install(result, monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)  # as if it were not installed
+    with pytest.raises(ImportError) as error:
+        getattr(result, f"to_{package}")()
+    assert str(error.value) == f"{package} is not installed: pip install 'crosscontact[data]'"
+
+
+def test_plot_draws_two_panels_and_marks_the_pull_off(result, axes_free):
+    left, right = result.plot()
+    assert left.get_xlabel() == "penetration Δ/R"
+    assert left.get_ylabel() == right.get_xlabel() == "force (1−ν²)F/(πE₀R²)"
+    assert right.get_ylabel() == "contact radius a/R"
+    curve, mark = left.lines
+    assert np.max(curve.get_xdata()) == pytest.approx(0.01)
+    size = np.pi * SCENE.material.relaxed_plane_modulus
+    assert mark.get_xdata()[0] == pytest.approx(result.pull_off.penetration)
+    assert mark.get_ydata()[0] == pytest.approx(-result.pull_off.force / size)
+    assert [text.get_text() for text in left.texts] == ["pull-off"]
+
+
+def test_axes_in_axes_out(result, axes_free):
+    from matplotlib.figure import Figure
+
+    given = Figure().subplots(1, 2)
+    other = cc.solve(SCENE, "bem", resolution=8)
+    assert result.plot(given) == tuple(given)
+    other.plot(given, linewidth=0.7)
+    assert len(given[0].lines) == 4
+    assert given[0].lines[2].get_linewidth() == 0.7
+    colours = {given[0].lines[0].get_color(), given[0].lines[2].get_color()}
+    assert len(colours) == 2
+    assert len(given[0].texts) == 1  # said once
+    assert [text.get_text() for text in given[0].get_legend().get_texts()] == ["reference", "bem"]
+
+
+def test_other_shapes_are_drawn_in_units_of_the_scene(axes_free):
+    result = cc.solve(CONE)
+    left, _ = result.plot()
+    assert left.get_ylabel() == "force F (scene units)"
+    assert "F_JKR" not in repr(result)
+    assert "dimensionless" not in repr(result)
+
+
+def test_compared_results_are_laid_over_each_other(axes_free):
+    compared = cc.compare("relaxed-equilibrium", ["bem", "reference"], estimate_errors=False)
+    left, _ = compared.plot()
+    assert [text.get_text() for text in left.get_legend().get_texts()] == ["reference", "bem"]
+
+
+def test_text_names_units_jkr_ratio_and_errors(result):
+    line = next(line for line in repr(result).splitlines() if "pull_off_force" in line)
+    jkr = 1.5 * np.pi * 5.026548e-4
+    assert f"{result.pull_off.force / jkr:.6g}" in line
+    assert "πE₀R²/(1−ν²)" in line
+    assert f"{result.errors['pull_off_force']:.1e}" in line
+    assert "F/F_JKR" in repr(result)
+
+
+def test_notebook_representation(result):
+    bundle = result._repr_mimebundle_()
+    assert set(bundle) == {"text/plain", "text/html"}
+    html = bundle["text/html"]
+    assert html == result._repr_html_()
+    assert "a &lt;short&gt; cycle by reference" in html
+    assert html.count("<img ") == html.count('src="data:image/png;base64,') == 1
+    assert "pull off force" in html
+    assert len(html) < 100_000
+
+
+def test_a_notebook_figure_opens_no_window(result):
+    code = (
+        "import sys, crosscontact as cc\n"
+        "cc.solve('relaxed-equilibrium')._repr_mimebundle_()\n"
+        "print('matplotlib.pyplot' in sys.modules)"
+    )
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ended.stdout == "False\n"
