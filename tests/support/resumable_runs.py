@@ -40,15 +40,15 @@ RICH = Scene(TWO, Sphere(1.0), LOADING, Adhesion(5e-4, 0.02))
 SHORT = Scene(APART, Sphere(1.0), Loading("relaxed", 0.02, (Ramp(0.018, 0.05),)), Adhesion(5e-4, 0.02))
 
 
-def bem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:
-    return bem_solver.solve(scene, bem_solver.Options(4, profile_times=TIMES, **options), None, watch)
+def bem(scene: Scene, monitor: RunMonitor | None = None, **options) -> Trace:
+    return bem_solver.solve(scene, bem_solver.Options(4, profile_times=TIMES, **options), None, monitor)
 
 
-def fem(scene: Scene, watch: RunMonitor | None = None, **options) -> Trace:
+def fem(scene: Scene, monitor: RunMonitor | None = None, **options) -> Trace:
     fineness = 4 if scene.is_adhesive else 1
-    asked = fem_solver.Options(fineness, 5e-3, TIMES, **options)
-    return fem_solver.solve(scene, mesh_for(scene, fineness), asked, None, watch)
+    asked = fem_solver.Options(fineness, 5e-3, profile_times=TIMES, **options)
+    return fem_solver.solve(scene, mesh_for(scene, fineness), asked, None, monitor)
 
 
-def front(scene: Scene, watch: RunMonitor | None = None) -> Trace:
-    return reference.solve(scene, reference.Options(5, profile_times=TIMES), None, watch)
+def front(scene: Scene, monitor: RunMonitor | None = None) -> Trace:
+    return reference.solve(scene, reference.Options(5, profile_times=TIMES), None, monitor)
