@@ -45,8 +45,8 @@ BESIDE = {
 }
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds.
 HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "pandas", "xarray", "dask", "distributed"}
-# Modules that load light names too at first use: the user's interface is to be imported within 0.15 s, and NumPy
-# and SciPy alone take longer.
+# Modules that load light names too at first use: importing the user's interface may take 0.15 s, which
+# NumPy and SciPy alone exceed.
 LOADED_AT_FIRST_USE = {"crosscontact"}
 
 
