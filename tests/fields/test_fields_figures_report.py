@@ -10,7 +10,7 @@ import re
 import numpy as np
 import pytest
 from PIL import Image
-from support.browser import CHROMIUM, look
+from support.browser import CHROMIUM, measure_page
 from support.spring_solver import SCENE as SMALL
 from support.spring_solver import fake, named
 from support.synthetic_fields import SCENE, states, surfaces, trace
@@ -113,7 +113,7 @@ def test_section_fits_a_phone(section, monkeypatch, tmp_path):
     write(dataclasses.replace(made, fields=section), tmp_path)
     text = (tmp_path / "index.html").read_text()
     assert len(section.pictures) == 7
-    seen = look(tmp_path, text, 375)
+    seen = measure_page(tmp_path, text, 375)
     assert seen["content"] <= 375
     assert (seen["trouble"], seen["broken"], seen["flat"], seen["wide"]) == (0, 0, 0, 0)
     assert seen["figures"] == 7  # six of the scene, and Fig. 3

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from support.browser import CHROMIUM, NAMES, look
+from support.browser import CHROMIUM, NAMES, measure_page
 from support.spring_solver import SCENE, fake, named
 
 from crosscontact.cli import SOLVER_NAMES
@@ -31,7 +31,7 @@ def page(tmp_path_factory):
 
 @pytest.mark.parametrize("width", [375, 1280])
 def test_page_fits_and_shows_everything(page, tmp_path, width):
-    seen = look(tmp_path, page, width)
+    seen = measure_page(tmp_path, page, width)
     assert seen["width"] == width
     assert seen["content"] <= width
     assert (seen["trouble"], seen["broken"], seen["flat"], seen["wide"]) == (0, 0, 0, 0)
@@ -41,8 +41,8 @@ def test_page_fits_and_shows_everything(page, tmp_path, width):
 
 @pytest.mark.slow
 def test_dark_page_has_light_ink(page, tmp_path):
-    light = look(tmp_path, page, 800, "--blink-settings=preferredColorScheme=1")
-    dark = look(tmp_path, page, 800, "--blink-settings=preferredColorScheme=0")
+    light = measure_page(tmp_path, page, 800, "--blink-settings=preferredColorScheme=1")
+    dark = measure_page(tmp_path, page, 800, "--blink-settings=preferredColorScheme=0")
     assert sum(_rgb(light["paper"])) > 600 > 200 > sum(_rgb(light["ink"]))
     assert sum(_rgb(dark["paper"])) < 200 < 600 < sum(_rgb(dark["ink"]))
 
@@ -51,7 +51,7 @@ def test_the_probe_sees_a_page_that_is_too_wide_and_a_picture_that_is_missing(pa
     spoilt = page.replace(
         "<main>", '<main><div style="width:900px">x</div><img src="gone.png"><script>nosuch()</script>'
     )
-    seen = look(tmp_path, spoilt, 375)
+    seen = measure_page(tmp_path, spoilt, 375)
     assert seen["content"] > 375
     assert seen["broken"] == 1
     assert seen["trouble"] >= 1

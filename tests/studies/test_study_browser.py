@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-from support.browser import CHROMIUM, look
+from support.browser import CHROMIUM, measure_page
 from support.converging_schemes import ORDERS, converging
 from support.spring_solver import SCENE
 
@@ -23,7 +23,7 @@ def test_page_fits_a_phone_and_shows_everything(tmp_path, monkeypatch):
     own = tmp_path / "small.toml"
     own.write_text(SCENE)
     assert main(["study", str(own), "--jobs", "1", "--out", str(tmp_path / "out")]) == 0
-    seen = look(tmp_path, (tmp_path / "out" / "index.html").read_text(), 375)
+    seen = measure_page(tmp_path, (tmp_path / "out" / "index.html").read_text(), 375)
     assert seen["width"] == 375
     assert seen["content"] <= 375
     assert (seen["trouble"], seen["broken"], seen["flat"], seen["wide"]) == (0, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""A page in a headless Chromium: its measured width, missing pictures, script errors and figures."""
+"""Measures a page in a headless Chromium: script errors, missing pictures, width of the content."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ frame.onload = () => setTimeout(() => { document.title = frame.contentDocument.t
 </script>"""
 
 
-def look(folder, html: str, width: int, *flags: str) -> dict:
+def measure_page(folder, html: str, width: int, *flags: str) -> dict:
     """What the page says about itself when it is ``width`` pixels wide (a frame: windows have a minimum)."""
     (folder / "page.html").write_text(html.replace("<head>", "<head>" + PROBE))
     (folder / "frame.html").write_text(FRAME.replace("{width}", str(width)))
