@@ -10,7 +10,7 @@ from dataclasses import replace
 from itertools import cycle
 
 import pytest
-from support.resumable_runs import APART, RICH, SHORT, bem, fem, front
+from support.resumable_runs import APART, RICH, SHORT, bem, fem, front, uninterrupted
 from support.stopped_runs import assert_same_columns
 
 from bem_solver.step import TrialStep
@@ -65,7 +65,7 @@ def twice(monkeypatch):
 
 @pytest.mark.parametrize(("name", "solve"), [("bem", bem), ("fem", fem), ("reference", front)])
 def test_a_step_tried_in_vain_leaves_nothing(twice, name, solve):
-    once = solve(RICH)
+    once = uninterrupted(solve)
     vain = twice()
     again = solve(RICH)
     assert vain[name] >= once.counters.steps // 2

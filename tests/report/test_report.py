@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, fake, named
+from support.unlaid_figures import without_layout
 
 from contact_scene import OutcomeKind
 from crosscontact import registry
@@ -36,7 +37,8 @@ def built(tmp_path_factory):
         for name in registry.names():
             patch.setitem(solvers.SOLVERS, name, named(name, fake(1.0 if name == "reference" else 1.1)))
         report = build("quick", [load(str(own)), load("cycle-v0.1")], 1, Progress("test"))
-    write(report, folder / "out")
+    with without_layout():
+        write(report, folder / "out")
     return report, folder / "out"
 
 
@@ -148,9 +150,11 @@ def test_tables_are_rectangular_and_hold_every_check(built):
 
 def test_a_run_without_an_answer_is_shown(tmp_path, monkeypatch):
     monkeypatch.setitem(solvers.SOLVERS, "bem", FunctionSolver(refuse))
+    monkeypatch.setitem(solvers.SOLVERS, "fem", named("fem", fake(1.1)))
     monkeypatch.setitem(solvers.SOLVERS, "reference", named("reference", fake(kind=OutcomeKind.STEP_BUDGET)))
     report = build("quick", [load("cycle-v0.1")], 1, Progress("test"))
-    write(report, tmp_path)
+    with without_layout():
+        write(report, tmp_path)
     text = (tmp_path / "index.html").read_text()
     assert "broke &lt;b&gt;down&lt;/b&gt; &amp; more" in text
     assert "step budget exhausted" in text

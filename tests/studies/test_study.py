@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from support.converging_schemes import ORDERS, converging
 from support.spring_solver import SCENE
+from support.unlaid_figures import without_layout
 
 from contact_scene import OutcomeKind, SceneError
 from crosscontact.cli import main
@@ -66,7 +67,8 @@ def observable(ladder: dict, name: str) -> dict:
 
 def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
     out = tmp_path / "out"
-    assert main(["study", scene_file, "--jobs", "1", "--out", str(out)]) == 0
+    with without_layout():
+        assert main(["study", scene_file, "--jobs", "1", "--out", str(out)]) == 0
     data = json.loads((out / "study.json").read_text())
     assert sorted(file.name for file in out.iterdir()) == ["figures", "index.html", "study.json", "study.md"]
     shown, progress = capsys.readouterr()

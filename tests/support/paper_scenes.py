@@ -1,4 +1,7 @@
-"""The paper's sphere on rubber, with its glue, and scenes made of them: the same for every solver's tests."""
+"""The paper's sphere, rubber and adhesion, and scenes made of them: the same for the tests of every solver.
+
+Units of the sphere's radius and of the relaxed plane modulus: ``E0/(1 - nu^2) = 1``.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,10 @@ import numpy as np
 
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere, Step
 
-WORK = 1.6e-4 * np.pi
-ZONE = 0.013
+WORK = 1.6e-4 * np.pi  # of adhesion
+ZONE = 0.013  # length of the process zone
 PULL = 1.5 * np.pi * WORK  # JKR pull-off force
-ELASTIC = Material(0.75, 0.5)
+ELASTIC = Material(0.75, 0.5)  # relaxed
 ONE = Material(0.75, 0.5, (Branch(6.75, 1.0),))
 THREE = Material(0.75, 0.5, (Branch(3.0, 0.1), Branch(2.75, 1.0), Branch(1.0, 8.0)))
 STICKY = Adhesion(WORK, ZONE)
@@ -17,7 +20,7 @@ SPHERE = Sphere(1.0)
 
 
 def scene(*steps: Step, start="jump-in", at=0.0, material=ONE, indenter=SPHERE, adhesion=STICKY) -> Scene:
-    """A scene, the paper's sphere unless told otherwise."""
+    """A scene of the paper's sphere, rubber and adhesion, where no others are named."""
     return Scene(material, indenter, Loading(start, at, steps), adhesion)
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
+
 import bem_solver
 import fem_solver
 from contact_scene import (
@@ -52,3 +55,9 @@ def fem(scene: Scene, monitor: RunMonitor | None = None, **options) -> Trace:
 
 def front(scene: Scene, monitor: RunMonitor | None = None) -> Trace:
     return reference.solve(scene, reference.Options(5, profile_times=TIMES), None, monitor)
+
+
+@cache
+def uninterrupted(solve: Callable[..., Trace]) -> Trace:
+    """The whole run of ``RICH`` by ``bem``, ``fem`` or ``front``, computed once in a process."""
+    return solve(RICH)
