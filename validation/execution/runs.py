@@ -30,7 +30,7 @@ EXPECTED_SECONDS = {"bem": (1.5, 0.3), "fem": (2.5, 0.1), solvers.REFERENCE: (1.
 
 @dataclass(frozen=True)
 class Run:
-    """What came out of one solver on one scene.
+    """The outcome of one solver on one scene.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class Run:
     measures : dict
         Every scalar by name (see :func:`measure`).
     errors : dict
-        Relative error estimates by observable and column (see ``error_estimate``); empty if not asked for.
+        Relative error estimates by observable and column (see ``error_estimate``); empty if not estimated.
     """
 
     scene: str
@@ -69,7 +69,7 @@ class Run:
 
     @property
     def finished(self) -> bool:
-        """Whether all that was asked has been computed."""
+        """Whether the run reached its end."""
         return self.trace is not None and self.trace.outcome.finished
 
     @property
@@ -123,25 +123,27 @@ def run(
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
-        return Run(
-            case.name,
-            solver,
-            failure=one_line(error),
-            details=traceback.format_exc(),
-            wall_seconds=time.perf_counter() - begin,
-            cpu_seconds=time.process_time() - spent,
-        )
+        result = Run(case.name, solver, failure=one_line(error), details=traceback.format_exc())
+    else:
+        result = Run(case.name, solver, trace)
     wall, cpu = time.perf_counter() - begin, time.process_time() - spent
-    result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu)
+    result = _measured(replace(result, wall_seconds=wall, cpu_seconds=cpu), case.scene)
+    if not estimate or not result.finished:
+        return result
+    spent = time.process_time()
+    errors = _errors(case, result, function, resolution)
+    return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
+
+
+def _measured(result: Run, scene: Scene) -> Run:
+    """The run with its measures; a trace that is not finite is no answer."""
+    trace = result.trace
+    if trace is None:
+        return result
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
     if broken:
         return replace(result, trace=None, failure=f"not finite: {', '.join(broken)}")
-    result = replace(result, measures=measure(trace, case.scene, wall))
-    if estimate and result.finished:
-        spent = time.process_time()
-        errors = _errors(case, result, function, resolution)
-        return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
-    return result
+    return replace(result, measures=measure(trace, scene, result.wall_seconds))
 
 
 def _solve(
