@@ -36,6 +36,7 @@ def compare_scenes(
     estimate: bool = True,
     store: Store | None = None,
     further: Sequence[tuple[Case, str]] = (),
+    solvers: Sequence[str] | None = None,
 ) -> tuple[list[SceneComparison], dict[tuple[str, str], Run]]:
     """Run every solver on every scene and check the runs.
 
@@ -52,6 +53,8 @@ def compare_scenes(
         Runs of an earlier attempt are taken over.
     further : sequence of (Case, str)
         Cases and solvers to be run at the same time, for other evidence.
+    solvers : sequence of str or None
+        Names; ``None``: all.
 
     Returns
     -------
@@ -59,21 +62,20 @@ def compare_scenes(
     runs : dict of (str, str) to Run
         All of them by scene and solver, the further ones included.
     """
-    pairs = [*all_pairs(cases), *further]
+    pairs = [*all_pairs(cases, solvers), *further]
+    estimated = [case.name for case in cases] if estimate else []
     try:
         with processes(min(workers, len(pairs))) as executor:
-            runs = run_all(
-                pairs, executor, store, progress, [case.name for case in cases] if estimate else []
-            )
+            runs = run_all(pairs, executor, store, progress, estimated)
     finally:
         progress.close()
     comparisons = []
     for case in cases:
-        by_solver = {solver: runs[case.name, solver] for solver in SOLVERS}
+        by_solver = {solver: runs[case.name, solver] for solver in solvers or SOLVERS}
         comparisons.append(SceneComparison(case, by_solver, check_case(case, by_solver)))
     return comparisons, runs
 
 
-def all_pairs(cases: Sequence[Case]) -> list[tuple[Case, str]]:
-    """Every scene with every solver."""
-    return [(case, solver) for case in cases for solver in SOLVERS]
+def all_pairs(cases: Sequence[Case], solvers: Sequence[str] | None = None) -> list[tuple[Case, str]]:
+    """Every scene with every solver, by default all solvers."""
+    return [(case, solver) for case in cases for solver in solvers or SOLVERS]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import json
 import math
 import os
@@ -10,23 +9,17 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from contact_scene import files
 from contact_scene.errors import SceneError
-from contact_scene.files import write_file
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file whole or not at all, and remove what a program left that was killed while writing it.
+    """Write a file atomically, and remove what a program that was killed while writing it left beside it.
 
-    Not for two writers at once, which ``folder_lock`` excludes.
+    Two writers of one file at a time are excluded by ``folder_lock``.
     """
-    remove_partial(path)
-    write_file(path, content)
-
-
-def remove_partial(path: Path) -> None:
-    """Remove what a program that was killed while writing this file left beside it."""
-    for partial in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
-        partial.unlink(missing_ok=True)
+    files.remove_partial(path)
+    files.write_whole(path, content)
 
 
 def move_files(stage: Path, folder: Path) -> None:

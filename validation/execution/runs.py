@@ -85,6 +85,10 @@ class Run:
         return f"{self.trace.outcome.kind}: {self.trace.outcome.reason}"
 
 
+class NotFiniteError(ArithmeticError):
+    """A trace has columns with infinities or NaN."""
+
+
 def run(
     case: Case,
     solver: str,
@@ -92,6 +96,33 @@ def run(
     progress: solvers.Progress | None = None,
     estimate: bool = False,
     monitor: RunMonitor | None = None,
+) -> Run:
+    """Run one solver; a refusal or a breakdown is part of the answer. Parameters: :func:`run_or_raise`."""
+    begin, spent = time.perf_counter(), time.process_time()
+    try:
+        return run_or_raise(case, solver, resolution, progress, estimate, monitor)
+    except SceneError as error:
+        return Run(case.name, solver, failure=str(error), refused=True)
+    except Exception as error:
+        return Run(
+            case.name,
+            solver,
+            failure=str(error) if isinstance(error, NotFiniteError) else one_line(error),
+            details=traceback.format_exc(),
+            wall_seconds=time.perf_counter() - begin,
+            cpu_seconds=time.process_time() - spent,
+        )
+
+
+def run_or_raise(
+    case: Case,
+    solver: str,
+    resolution: int | None = None,
+    progress: solvers.Progress | None = None,
+    estimate: bool = False,
+    monitor: RunMonitor | None = None,
+    stop_times: Collection[float] = (),
+    max_steps: int | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
@@ -108,63 +139,58 @@ def run(
         Whether to estimate errors (see ``error_estimate``): by a coarser run, half as long again.
     monitor : RunMonitor or None
         May save the run's state, stop it, and have it continued.
+    stop_times : collection of float
+        Further times that are stepped onto.
+    max_steps : int or None
+        Largest number of steps, accepted and rejected together; ``None``: the solver's choice.
 
     Returns
     -------
     Run
+
+    Raises
+    ------
+    SceneError
+        If the solver does not take the scene or an option.
+    NotFiniteError
+        If the answer is not finite.
     """
-    begin, spent = time.perf_counter(), time.process_time()
-    try:
-        function = solvers.SOLVERS[solver]()
-        if estimate:
-            function = getattr(function, "estimating", function)
-        begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
-        trace = _solve(function, case, resolution, progress, monitor)
-    except SceneError as error:
-        return Run(case.name, solver, failure=str(error), refused=True)
-    except Exception as error:
-        result = Run(case.name, solver, failure=one_line(error), details=traceback.format_exc())
-    else:
-        result = Run(case.name, solver, trace)
+    method = solvers.SOLVERS[solver]()
+    if estimate:
+        method = getattr(method, "estimating", method)
+    begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
+    trace = _solve(method, case, resolution, None, stop_times, max_steps, progress, monitor)
     wall, cpu = time.perf_counter() - begin, time.process_time() - spent
-    result = _measured(replace(result, wall_seconds=wall, cpu_seconds=cpu), case.scene)
+    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
+    if broken:
+        raise NotFiniteError(f"not finite: {', '.join(broken)}")
+    measures = measure(trace, case.scene, wall)
+    result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures)
     if not estimate or not result.finished:
         return result
     spent = time.process_time()
-    errors = _errors(case, result, function, resolution)
+    errors = _errors(case, result, method, resolution)
     return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
 
 
-def _measured(result: Run, scene: Scene) -> Run:
-    """The run with its measures; a trace that is not finite is no answer."""
-    trace = result.trace
-    if trace is None:
-        return result
-    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
-    if broken:
-        return replace(result, trace=None, failure=f"not finite: {', '.join(broken)}")
-    return replace(result, measures=measure(trace, scene, result.wall_seconds))
-
-
 def _solve(
-    solve: solvers.Solver,
+    method: solvers.Solver,
     case: Case,
     resolution: int | None,
-    progress: solvers.Progress | None = None,
-    monitor: RunMonitor | None = None,
     tolerance: float | None = None,
+    stop_times: Collection[float] = (),
+    max_steps: int | None = None,
+    *monitors: Any,
 ) -> Trace:
     """The call of a solver: the only place that knows its parameters."""
+    times = sorted({*cycle_times(case.scene.loading), *case.profile_times, *stop_times})
+    progress, monitor = monitors or (None, None)
     monitored = () if monitor is None else (monitor,)
-    return solve(case.scene, resolution, tolerance, output_times(case), progress, *monitored)
+    budget = {} if max_steps is None else {"max_steps": max_steps}
+    return method(case.scene, resolution, tolerance, tuple(times), progress, *monitored, **budget)
 
 
-def output_times(case: Case) -> tuple[float, ...]:
-    """Times that a run steps onto."""
-    return tuple(sorted({*cycle_times(case.scene.loading), *case.profile_times}))
-
-
-def _errors(case: Case, result: Run, solve: solvers.Solver, resolution: int | None) -> dict[str, float]:
+def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | None) -> dict[str, float]:
     """Error estimates of a finished run; none if the coarser run ends otherwise."""
     trace = result.trace
     if trace is None:
@@ -173,7 +199,7 @@ def _errors(case: Case, result: Run, solve: solvers.Solver, resolution: int | No
         return error_estimate.from_own(trace, result.measures)
     coarser_resolution, tolerance = error_estimate.coarser(result.solver, case.scene, resolution)
     try:
-        coarse = _solve(getattr(solve, "coarser", solve), case, coarser_resolution, tolerance=tolerance)
+        coarse = _solve(getattr(method, "coarser", method), case, coarser_resolution, tolerance)
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
     if coarse.outcome.kind is not trace.outcome.kind:
@@ -228,7 +254,7 @@ def expected_seconds(case: Case, solver: str) -> float:
 def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
     """A run as a task; parameters as of :func:`run`."""
     return Task(
-        fingerprint("run", case.scene, solver, resolution, output_times(case), estimate),
+        fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate),
         f"{case.name} {solver}",
         run,
         (case, solver, resolution, None, estimate),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -68,6 +69,7 @@ def build(
     estimate: bool = True,
     claims: bool = False,
     store: Store | None = None,
+    solvers: Sequence[str] | None = None,
 ) -> Report:
     """Run every solver on every scene and check the runs.
 
@@ -76,7 +78,7 @@ def build(
     suite : str
         Name, for the title.
     loaded : list of Case
-    workers, progress, estimate, store
+    workers, progress, estimate, store, solvers
         As of :func:`~validation.compare.suite.compare_scenes`.
     claims : bool
         Whether the paper's statements are judged too, on these runs and those they need beside them; a run
@@ -87,9 +89,9 @@ def build(
     Report
     """
     store = store or Store()
-    pairs = all_pairs(loaded)
+    pairs = all_pairs(loaded, solvers)
     further = evidence.outstanding(pairs) if claims else []
-    pages, runs = compare_scenes(loaded, workers, progress, estimate, store, further)
+    pages, runs = compare_scenes(loaded, workers, progress, estimate, store, further, solvers)
     judged = None
     if claims:
         collected = evidence.collect([*pairs, *further], runs)
