@@ -22,7 +22,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
     files.write_whole(path, content)
 
 
-def move_files(stage: Path, folder: Path) -> None:
+def move_whole(stage: Path, folder: Path) -> None:
     """Move all files of a folder to another one on the same disk, each in one step."""
     for file in sorted(stage.iterdir()):
         with file.open("rb") as stream:
