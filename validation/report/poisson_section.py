@@ -17,9 +17,9 @@ from validation.studies.poisson import (
     FULL,
     OBSERVED,
     RATIOS,
-    RatioComparison,
-    RunDifference,
-    compare_ratios,
+    CompressibilityComparison,
+    Difference,
+    compare,
 )
 
 HEAD = ("K/G", "ν(0)", "ν(∞)", "quantity", "full − E*(t)", "estimates", *ASSUMPTIONS)
@@ -31,7 +31,7 @@ relative; curves: root mean square over time. For K >> G the plane modulus is 4 
 takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if measured in tension."""
 
 
-def rows(found: Iterable[RatioComparison]) -> list[tuple[str, ...]]:
+def rows(found: Iterable[CompressibilityComparison]) -> list[tuple[str, ...]]:
     """One row for every compressibility and quantity, in the order of ``HEAD``."""
     table = []
     for one in found:
@@ -44,17 +44,17 @@ def rows(found: Iterable[RatioComparison]) -> list[tuple[str, ...]]:
     return table
 
 
-def _shown(difference: RunDifference | None) -> str:
+def _shown(difference: Difference | None) -> str:
     return "–" if difference is None else f"{difference.value:+.1e}"
 
 
-def _estimates(difference: RunDifference | None) -> str:
+def _estimates(difference: Difference | None) -> str:
     if difference is None or difference.estimate is None or difference.base_estimate is None:
         return "–"
     return f"{difference.estimate:.1e} + {difference.base_estimate:.1e}"
 
 
-def text(found: list[RatioComparison]) -> str:
+def text(found: list[CompressibilityComparison]) -> str:
     """A table for a terminal."""
     table = [HEAD, *rows(found)]
     widths = [max(len(row[column]) for row in table) for column in range(len(HEAD))]
@@ -62,7 +62,7 @@ def text(found: list[RatioComparison]) -> str:
     return "\n".join([*lines, "", NOTES])
 
 
-def markdown(name: str, found: list[RatioComparison]) -> str:
+def markdown(name: str, found: list[CompressibilityComparison]) -> str:
     """The same as Markdown."""
     table = [HEAD, ("---",) * len(HEAD), *rows(found)]
     lines = [f"| {' | '.join(row)} |" for row in table]
@@ -71,7 +71,7 @@ def markdown(name: str, found: list[RatioComparison]) -> str:
     )
 
 
-def data(name: str, found: list[RatioComparison]) -> dict[str, Any]:
+def data(name: str, found: list[CompressibilityComparison]) -> dict[str, Any]:
     """Every number."""
     return {
         "scene": name,
@@ -111,7 +111,7 @@ def command(
         for case in loaded:
             progress = Progress(f"{case.name} poisson")
             try:
-                found = compare_ratios(case, ratios or RATIOS, resolution, executor, progress)
+                found = compare(case, ratios or RATIOS, resolution, executor, progress)
             finally:
                 progress.close()
             print(f"{case.name}: elastic bulk against a constant Poisson's ratio\n{text(found)}")
@@ -123,7 +123,7 @@ def command(
     return code
 
 
-def _verdict(name: str, found: list[RatioComparison]) -> int:
+def _verdict(name: str, found: list[CompressibilityComparison]) -> int:
     failed = False
     for one in found:
         where = f"{name}: K/G = {one.ratio:g}"
