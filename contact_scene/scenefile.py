@@ -15,7 +15,7 @@ from typing import Any
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.errors import FINITE, POSITIVE, SceneError, one_of, shown
-from contact_scene.files import read_pairs, read_text, write_file, write_pairs
+from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Profile, Sphere
 from contact_scene.loading import STARTS, STEPS, Loading, Step, Table
 from contact_scene.material import Branch, BulkRelaxation, Material
@@ -107,7 +107,7 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
             lines.append(f"file = {_quoted(name)}")
         else:
             lines += _keys(step)
-    write_file(target, "\n".join(lines) + "\n")
+    write_whole(target, "\n".join(lines) + "\n")
 
 
 def _under(prefix: str, build: Callable[[], Any]) -> Any:

@@ -93,7 +93,7 @@ def solve(
         max_steps = whole_number(max_steps, "max_steps", 1)
     if profile_times is not None:
         case = replace(case, profile_times=_times(profile_times, "profile_times"))
-    run = runs.run(
+    run = runs.run_or_raise(
         case,
         solver,
         resolution,
@@ -101,7 +101,6 @@ def solve(
         estimate_errors,
         stop_times=_times(stop_times, "stop_times"),
         max_steps=max_steps,
-        raise_failures=True,
     )
     return Result(case.scene, run)
 

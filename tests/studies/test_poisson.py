@@ -140,7 +140,7 @@ def test_impossible_bulk_is_bad_input(ratio, capsys):
 def test_finite_elements_with_elastic_bulk_meet_the_modulus_of_the_surface():
     """Two methods for nu(t): internal variables in the body, and a constant ratio with ``E*(t)``."""
     case = cases.load("cycle-v0.02")
-    for one in poisson.compare_ratios(case, (10.0, 100.0), resolution=4):
+    for one in poisson.compare(case, (10.0, 100.0), resolution=4):
         assert one.finished
         assert one.disagreements == []
         for name in (*poisson.OBSERVED, *poisson.CURVES):
@@ -158,7 +158,7 @@ def test_what_a_constant_ratio_costs_falls_like_the_compressibility():
     for ratio in (300.0, 1000.0):
         asked = poisson.ratio_runs(case, ratio)
         done = {name: run(*task, estimate=True) for name, task in asked.items() if task[1] != "fem"}
-        one = poisson.RatioComparison(ratio, 0.0, 0.0, done)
+        one = poisson.CompressibilityComparison(ratio, 0.0, 0.0, done)
         first = GLASSY / ratio
         assert_allclose(one.difference("shear", "pull_off_force").value, first, rtol=0.1)
         assert_allclose(one.difference("tension", "pull_off_force").value, first * 2.0 / 3.0, rtol=0.15)

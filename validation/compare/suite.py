@@ -38,7 +38,7 @@ def compare_scenes(
     further: Sequence[tuple[Case, str]] = (),
     solvers: Sequence[str] | None = None,
 ) -> tuple[list[SceneComparison], dict[tuple[str, str], Run]]:
-    """Run solvers, by default all, on every scene and check the runs.
+    """Run every solver on every scene and check the runs.
 
     Parameters
     ----------
@@ -53,8 +53,8 @@ def compare_scenes(
         Runs of an earlier attempt are taken over.
     further : sequence of (Case, str)
         Cases and solvers to be run at the same time, for other evidence.
-    solvers : sequence of str, optional
-        Names of the solvers.
+    solvers : sequence of str or None
+        Names; ``None``: all.
 
     Returns
     -------
@@ -63,11 +63,10 @@ def compare_scenes(
         All of them by scene and solver, the further ones included.
     """
     pairs = [*all_pairs(cases, solvers), *further]
+    estimated = [case.name for case in cases] if estimate else []
     try:
         with processes(min(workers, len(pairs))) as executor:
-            runs = run_all(
-                pairs, executor, store, progress, [case.name for case in cases] if estimate else []
-            )
+            runs = run_all(pairs, executor, store, progress, estimated)
     finally:
         progress.close()
     comparisons = []
@@ -78,5 +77,5 @@ def compare_scenes(
 
 
 def all_pairs(cases: Sequence[Case], solvers: Sequence[str] | None = None) -> list[tuple[Case, str]]:
-    """Every scene with every one of the solvers, by default all."""
+    """Every scene with every solver, by default all solvers."""
     return [(case, solver) for case in cases for solver in solvers or SOLVERS]

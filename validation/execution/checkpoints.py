@@ -12,12 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from contact_scene.files import remove_partial
 from validation import solvers
 from validation.cases import Case
 from validation.execution import checked_pickle
-from validation.execution.files import remove_partial
 from validation.execution.fingerprints import fingerprint
-from validation.execution.runs import Run, output_times, run
+from validation.execution.runs import Run, run
 from validation.execution.signals import GracefulStop
 
 CHECKPOINT = "checkpoint"
@@ -109,14 +109,12 @@ def run_with_checkpoints(
 
     Parameters
     ----------
-    case, solver, resolution, progress
+    case, solver, resolution, progress, estimate
         As of :func:`~validation.execution.runs.run`.
     folder : Path
         Where the checkpoint is.
     fresh : bool
         Whether to start at the beginning even if there is one.
-    estimate : bool
-        Whether to estimate errors.
 
     Returns
     -------
@@ -125,13 +123,13 @@ def run_with_checkpoints(
     writer : CheckpointWriter
     """
     stop = GracefulStop()
-    key = fingerprint("solve", case.scene, solver, resolution, output_times(case), estimate)
+    key = fingerprint("solve", case.scene, solver, resolution, case.profile_times, estimate)
     writer = CheckpointWriter(folder / CHECKPOINT, key, lambda: stop.requested, fresh)
     stop.possible = lambda: writer.stepping
     if writer.message:
         print(f"crosscontact: {writer.message}", file=sys.stderr)
     with stop.handling_signals():
-        result = run(case, solver, resolution, progress, estimate, monitor=writer)
+        result = run(case, solver, resolution, progress, estimate, writer)
     wall, cpu = result.wall_seconds + writer.seconds, result.cpu_seconds + writer.cpu_seconds
     measures = result.measures | ({"wall_seconds": wall} if "wall_seconds" in result.measures else {})
     return replace(result, wall_seconds=wall, cpu_seconds=cpu, measures=measures), writer

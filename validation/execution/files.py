@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import json
 import math
 import os
@@ -10,26 +9,20 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from contact_scene import files
 from contact_scene.errors import SceneError
-from contact_scene.files import write_file
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file whole or not at all, and remove what a program left that was killed while writing it.
+    """Write a file atomically, and remove what a program that was killed while writing it left beside it.
 
-    Not for two writers at once, which ``folder_lock`` excludes.
+    Two writers of one file at a time are excluded by ``folder_lock``.
     """
-    remove_partial(path)
-    write_file(path, content)
+    files.remove_partial(path)
+    files.write_whole(path, content)
 
 
-def remove_partial(path: Path) -> None:
-    """Remove what a program that was killed while writing this file left beside it."""
-    for partial in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
-        partial.unlink(missing_ok=True)
-
-
-def move_files(stage: Path, folder: Path) -> None:
+def move_whole(stage: Path, folder: Path) -> None:
     """Move all files of a folder to another one on the same disk, each in one step."""
     for file in sorted(stage.iterdir()):
         with file.open("rb") as stream:

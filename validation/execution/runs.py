@@ -27,7 +27,7 @@ from validation.measure.observables import Observables, at_last_contact, cycle_l
 
 @dataclass(frozen=True)
 class Run:
-    """What came out of one solver on one scene.
+    """The outcome of one solver on one scene.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Run:
     measures : dict
         Every scalar by name (see :func:`measure`).
     errors : dict
-        Relative error estimates by observable and column (see ``error_estimate``); empty if not asked for.
+        Relative error estimates by observable and column (see ``error_estimate``); empty if not estimated.
     """
 
     scene: str
@@ -66,7 +66,7 @@ class Run:
 
     @property
     def finished(self) -> bool:
-        """Whether all that was asked has been computed."""
+        """Whether the run reached its end."""
         return self.trace is not None and self.trace.outcome.finished
 
     @property
@@ -82,7 +82,36 @@ class Run:
         return f"{self.trace.outcome.kind}: {self.trace.outcome.reason}"
 
 
+class NotFiniteError(ArithmeticError):
+    """A trace has columns with infinities or NaN."""
+
+
 def run(
+    case: Case,
+    solver: str,
+    resolution: int | None = None,
+    progress: solvers.Progress | None = None,
+    estimate: bool = False,
+    monitor: RunMonitor | None = None,
+) -> Run:
+    """Run one solver; a refusal or a breakdown is part of the answer. Parameters: :func:`run_or_raise`."""
+    begin, spent = time.perf_counter(), time.process_time()
+    try:
+        return run_or_raise(case, solver, resolution, progress, estimate, monitor)
+    except SceneError as error:
+        return Run(case.name, solver, failure=str(error), refused=True)
+    except Exception as error:
+        return Run(
+            case.name,
+            solver,
+            failure=str(error) if isinstance(error, NotFiniteError) else one_line(error),
+            details=traceback.format_exc(),
+            wall_seconds=time.perf_counter() - begin,
+            cpu_seconds=time.process_time() - spent,
+        )
+
+
+def run_or_raise(
     case: Case,
     solver: str,
     resolution: int | None = None,
@@ -91,7 +120,6 @@ def run(
     monitor: RunMonitor | None = None,
     stop_times: Collection[float] = (),
     max_steps: int | None = None,
-    raise_failures: bool = False,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
@@ -109,65 +137,46 @@ def run(
     monitor : RunMonitor or None
         May save the run's state, stop it, and have it continued.
     stop_times : collection of float
-        Times that are stepped onto beside the ends of cycles.
+        Further times that are stepped onto.
     max_steps : int or None
-        Bound on the steps; ``None``: the solver's own.
-    raise_failures : bool
-        Whether a failure is raised instead of carried.
+        Largest number of steps, accepted and rejected together; ``None``: the solver's choice.
 
     Returns
     -------
     Run
+
+    Raises
+    ------
+    SceneError
+        If the solver does not take the scene or an option.
+    NotFiniteError
+        If the answer is not finite.
     """
-    begin, spent = time.perf_counter(), time.process_time()
-    try:
-        method = solvers.solver(solver)
-        method.load()
-        begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
-        stops = tuple(sorted({*cycle_times(case.scene.loading), *stop_times}))
-        trace = method.solve(
-            case.scene,
-            resolution,
-            stop_times=stops,
-            profile_times=case.profile_times,
-            max_steps=max_steps,
-            progress=progress,
-            monitor=monitor,
-            estimate_errors=estimate,
-        )
-    except SceneError as error:
-        if raise_failures:
-            raise
-        return Run(case.name, solver, failure=str(error), refused=True)
-    except Exception as error:
-        if raise_failures:
-            raise
-        return Run(
-            case.name,
-            solver,
-            failure=one_line(error),
-            details=traceback.format_exc(),
-            wall_seconds=time.perf_counter() - begin,
-            cpu_seconds=time.process_time() - spent,
-        )
+    method = solvers.solver(solver)
+    method.load()
+    stops = (*cycle_times(case.scene.loading), *stop_times)
+    begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
+    trace = method.solve(
+        case.scene,
+        resolution,
+        stop_times=stops,
+        profile_times=case.profile_times,
+        max_steps=max_steps,
+        progress=progress,
+        monitor=monitor,
+        estimate_errors=estimate,
+    )
     wall, cpu = time.perf_counter() - begin, time.process_time() - spent
-    result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu)
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
-    if broken and raise_failures:
-        raise FloatingPointError(f"{solver}: not finite: {', '.join(broken)}")
     if broken:
-        return replace(result, trace=None, failure=f"not finite: {', '.join(broken)}")
-    result = replace(result, measures=measure(trace, case.scene, wall))
-    if estimate and result.finished:
-        spent = time.process_time()
-        errors = _errors(case, result, method, resolution)
-        return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
-    return result
-
-
-def output_times(case: Case) -> tuple[float, ...]:
-    """Times that a run steps onto."""
-    return tuple(sorted({*cycle_times(case.scene.loading), *case.profile_times}))
+        raise NotFiniteError(f"not finite: {', '.join(broken)}")
+    measures = measure(trace, case.scene, wall)
+    result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures)
+    if not estimate or not result.finished:
+        return result
+    spent = time.process_time()
+    errors = _errors(case, result, method, resolution)
+    return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
 
 
 def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | None) -> dict[str, float]:
@@ -226,14 +235,14 @@ def summary(result: Run) -> dict[str, Any]:
 
 
 def expected_seconds(case: Case, solver: str) -> float:
-    """A guess at the run time that is good enough to sort by: a start, and so much for every cycle."""
+    """Rough run time (s), to start long runs first."""
     return solvers.SOLVERS[solver].expected_seconds(case.scene) if solver in solvers.SOLVERS else 1.0
 
 
 def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
     """A run as a task; parameters as of :func:`run`."""
     return Task(
-        fingerprint("run", case.scene, solver, resolution, output_times(case), estimate),
+        fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate),
         f"{case.name} {solver}",
         run,
         (case, solver, resolution, None, estimate),

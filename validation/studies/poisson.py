@@ -36,7 +36,7 @@ ASSUMPTIONS = {
 
 
 @dataclass(frozen=True)
-class RunDifference:
+class Difference:
     """Of one run from the reference on the surface modulus, relative; estimates of both, where there are."""
 
     value: float
@@ -50,7 +50,7 @@ class RunDifference:
 
 
 @dataclass(frozen=True)
-class RatioComparison:
+class CompressibilityComparison:
     """One compressibility.
 
     Parameters
@@ -73,7 +73,7 @@ class RatioComparison:
         """Whether every run reached its end."""
         return all(result.finished for result in self.runs.values())
 
-    def difference(self, name: str, observable: str) -> RunDifference | None:
+    def difference(self, name: str, observable: str) -> Difference | None:
         """Of a run by name, in an observable or (root mean square over time) a column of the trace."""
         result, base = self.runs[name], self.runs[SURFACE]
         if result.trace is None or base.trace is None:
@@ -81,12 +81,12 @@ class RatioComparison:
         estimates = result.errors.get(observable), base.errors.get(observable)
         if observable in CURVES:
             apart = distance(result.trace, base.trace, observable)
-            return None if apart is None else RunDifference(apart.rms, *estimates)
+            return None if apart is None else Difference(apart.rms, *estimates)
         value, expected = result.measures.get(observable), base.measures.get(observable)
         if value is None or expected is None:
             return None
         relative_to = scale(observable, expected, base.trace)
-        return RunDifference((value - expected) / relative_to if relative_to > 0.0 else 0.0, *estimates)
+        return Difference((value - expected) / relative_to if relative_to > 0.0 else 0.0, *estimates)
 
     @property
     def disagreements(self) -> list[str]:
@@ -106,13 +106,13 @@ def ratio_runs(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
     }
 
 
-def compare_ratios(
+def compare(
     case: Case,
     ratios: Iterable[float] = RATIOS,
     resolution: int | None = None,
     executor: Executor | None = None,
     progress: Callable[[float, str], None] | None = None,
-) -> list[RatioComparison]:
+) -> list[CompressibilityComparison]:
     """Run everything, for every ratio.
 
     Parameters
@@ -127,7 +127,7 @@ def compare_ratios(
 
     Returns
     -------
-    list of RatioComparison
+    list of CompressibilityComparison
         In the order of ``ratios``.
 
     Raises
@@ -148,5 +148,7 @@ def compare_ratios(
     comparisons = []
     for ratio, pairs in named.items():
         initial, final = materials.poisson_range(pairs[FULL][0].scene.material)
-        comparisons.append(RatioComparison(ratio, initial, final, {name: next(runs) for name in pairs}))
+        comparisons.append(
+            CompressibilityComparison(ratio, initial, final, {name: next(runs) for name in pairs})
+        )
     return comparisons
