@@ -205,13 +205,14 @@ class Result:
 
     def _draw(self, left: Axes, right: Axes, line: dict[str, Any]) -> None:
         curve, names = of_trace(self.trace, self.scene), labels(self.scene)
+        marker = line.pop("marker", "o")  # of a run of a single row; a curve has none
         panels = (
             (left, "penetration", "force", (4.0, -12.0)),
             (right, "force", "contact_radius", (9.0, -3.0)),
         )
         for axes, across, up, offset in panels:
             x, y = curve.columns[across], curve.columns[up]
-            axes.plot(x, y, label=self.solver, marker="o" if len(x) == 1 else None, **line)
+            axes.plot(x, y, label=self.solver, marker=marker if len(x) == 1 else None, **line)
             if curve.pull_off is not None and curve.pull_off < len(x):
                 at = (x[curve.pull_off], y[curve.pull_off])
                 axes.plot(*at, "o", color=line["color"], fillstyle="none", markersize=6)

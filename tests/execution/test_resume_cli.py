@@ -17,7 +17,6 @@ from support.spring_solver import SCENE, FunctionSolver, spring
 
 from contact_scene import read_columns
 from crosscontact.cli import main
-from crosscontact.commands import all_commands
 from validation import solvers
 from validation.execution import checked_pickle, checkpoints, fingerprints, folder_lock
 
@@ -243,7 +242,7 @@ def test_run_times_of_a_report_are_those_of_the_runs(tmp_path, scene_file, monke
 
 @pytest.mark.parametrize("command", ["report", "compare", "solve", "study"])
 def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, monkeypatch, command):
-    monkeypatch.setattr(all_commands, command, lambda *given: pytest.fail("it ran"))
+    monkeypatch.setattr(f"crosscontact.commands.{command}.run", lambda *given, **more: pytest.fail("it ran"))
     given = {"report": [], "solve": [scene_file, "--solver", "bem"]}.get(command, [scene_file])
     with folder_lock.locked_folder(tmp_path):
         assert main([command, *given, "--out", str(tmp_path)]) == 2
