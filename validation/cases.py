@@ -23,8 +23,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from validation.solvers import SOLVERS
-
 if TYPE_CHECKING:
     from contact_scene import Scene
 
@@ -69,6 +67,8 @@ class Case:
         squares a stress that is singular at the edge: both have wider tolerances, unless the scene says so.
         Where the scene has no tolerances for this solver, its defaults hold; ``None``: no such solver.
         """
+        from validation.solvers import SOLVERS  # NumPy stays unloaded where scenes are only listed
+
         method = SOLVERS.get(solver)
         if method is None:
             return None

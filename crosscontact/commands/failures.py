@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Collection
 
-from validation.compare.checks import Check
+from validation.measure.check import Check
 
 
 def exit_code(failures: Collection[Check]) -> int:

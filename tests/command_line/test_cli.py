@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.spring_solver import SCENE, fake, named
+from support.spring_solver import SCENE, FunctionSolver, fake, named
 
 import crosscontact
 from contact_scene import OutcomeKind, UnsupportedScene, read_scene
@@ -188,10 +188,10 @@ def test_unfinished_run_leaves_its_partial_trace(capsys, tmp_path, scene_file, f
 
 
 def test_refused_scene_is_bad_input(capsys, tmp_path, scene_file, fakes):
-    def refuse(*arguments):
+    def refuse(*arguments, **options):
         raise UnsupportedScene("material.bulk", "not with this solver", "--solver fem")
 
-    fakes(bem=lambda: refuse)
+    fakes(bem=FunctionSolver(refuse))
     assert "not with this solver" in refused(
         capsys, "solve", scene_file, "--solver", "bem", "--out", str(tmp_path)
     )
@@ -201,10 +201,10 @@ def test_refused_scene_is_bad_input(capsys, tmp_path, scene_file, fakes):
 def test_breakdown_is_one_line_and_replaces_old_results(capsys, tmp_path, scene_file, fakes):
     assert code_of("solve", scene_file, "--solver", "bem", "--out", str(tmp_path)) == 0
 
-    def fall(*arguments):
+    def fall(*arguments, **options):
         raise FloatingPointError("overflow\nsomewhere")
 
-    fakes(bem=lambda: fall)
+    fakes(bem=FunctionSolver(fall))
     assert code_of("solve", scene_file, "--solver", "bem", "--out", str(tmp_path)) == 1
     err = capsys.readouterr().err
     assert "FloatingPointError: overflow somewhere" in err
@@ -243,10 +243,10 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
 
 
 def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
-    def interrupt(*arguments):
+    def interrupt(*arguments, **options):
         raise KeyboardInterrupt
 
-    fakes(bem=lambda: interrupt)
+    fakes(bem=FunctionSolver(interrupt))
     assert code_of("solve", scene_file, "--solver", "bem") == 1
     assert capsys.readouterr().err == "crosscontact: interrupted\n"
 

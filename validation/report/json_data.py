@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from validation.report.report import Report
     from validation.stability.runner import StabilityMatrix
     from validation.studies.convergence import Convergence
-    from validation.studies.poisson import RatioComparison
+    from validation.studies.poisson import CompressibilityComparison
     from validation.studies.study import SceneStudy, Study
 
 FORMAT = 1
@@ -139,7 +139,7 @@ def _ladder(entry: Convergence) -> Data:
     }
 
 
-def of_compressibilities(name: str, compressibilities: Iterable[RatioComparison]) -> Data:
+def of_compressibilities(name: str, compressibilities: Iterable[CompressibilityComparison]) -> Data:
     """``poisson-SCENE.json``."""
     return {
         "scene": name,
@@ -155,7 +155,7 @@ def of_compressibilities(name: str, compressibilities: Iterable[RatioComparison]
     }
 
 
-def _assumption(one: RatioComparison, label: str, run: Run) -> Data:
+def _assumption(one: CompressibilityComparison, label: str, run: Run) -> Data:
     names = (*OBSERVED, *CURVES)
     differences = {name: one.difference(label, name) for name in names}
     return {

@@ -25,7 +25,7 @@ from validation.report.sections import (
 )
 from validation.stability.checks import checks as stability_checks
 from validation.stability.runner import StabilityMatrix
-from validation.studies.poisson import RatioComparison
+from validation.studies.poisson import CompressibilityComparison
 from validation.studies.study import Study
 
 STABILITY_JSON = "stability.json"
@@ -107,7 +107,7 @@ def write_cells(matrix: StabilityMatrix, folder: Path, complete: bool) -> None:
     write_whole(folder / STABILITY_JSON, to_json(json_data.of_matrix(matrix, complete)))
 
 
-def write_poisson(name: str, compressibilities: list[RatioComparison], folder: Path) -> Path:
+def write_poisson(name: str, compressibilities: list[CompressibilityComparison], folder: Path) -> Path:
     """Write ``poisson-NAME.md`` and ``.json``; returns the first."""
     section, path = poisson.section(name, compressibilities), folder / f"poisson-{name}.md"
     write_whole(path, markdown.text(Document(section.title, (), section.parts)))

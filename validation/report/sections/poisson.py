@@ -6,7 +6,14 @@ from collections.abc import Iterable, Iterator
 
 from validation.report.document import ABSENT, Paragraph, Section, Table, formatted, plain
 from validation.report.sections.checks import estimates
-from validation.studies.poisson import ASSUMPTIONS, CURVES, FULL, OBSERVED, RatioComparison, RunDifference
+from validation.studies.poisson import (
+    ASSUMPTIONS,
+    CURVES,
+    FULL,
+    OBSERVED,
+    CompressibilityComparison,
+    Difference,
+)
 
 NOTES = """\
 full − E*(t): ν(t) by the finite elements against the reference on E*(t), the one modulus the surface feels;
@@ -16,14 +23,14 @@ relative; curves: root mean square over time. For K >> G the plane modulus is 4 
 takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if measured in tension."""
 
 
-def section(name: str, compressibilities: Iterable[RatioComparison]) -> Section:
+def section(name: str, compressibilities: Iterable[CompressibilityComparison]) -> Section:
     """One row for every compressibility and quantity."""
     rows = (row for one in compressibilities for row in _rows(one))
     title = f"{name}: elastic bulk against a constant Poisson's ratio"
     return Section(title, (Table.of(rows), Paragraph(NOTES)))
 
 
-def _rows(one: RatioComparison) -> Iterator[dict[str, str]]:
+def _rows(one: CompressibilityComparison) -> Iterator[dict[str, str]]:
     for name in (*OBSERVED, *CURVES):
         full = one.difference(FULL, name)
         yield {
@@ -36,5 +43,5 @@ def _rows(one: RatioComparison) -> Iterator[dict[str, str]]:
         } | {assumption: _relative(one.difference(assumption, name)) for assumption in ASSUMPTIONS}
 
 
-def _relative(difference: RunDifference | None) -> str:
+def _relative(difference: Difference | None) -> str:
     return formatted(None if difference is None else difference.value, "+.1e")
