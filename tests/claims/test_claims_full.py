@@ -10,7 +10,7 @@ import pytest
 
 from validation.claims.all import CLAIMS, judge
 from validation.claims.evidence import gather, questions
-from validation.report.figures.paper_figures import FIGURES, drawn
+from validation.report.figures.paper_figures import FIGURES, draw_figure
 
 
 @pytest.mark.slow
@@ -20,4 +20,4 @@ def test_every_statement_has_its_recorded_verdict():
     findings = judge(found)
     assert len(findings) == len(CLAIMS)
     assert {one.name: (str(one.verdict), one.shown) for one in findings if one.changed} == {}
-    assert [paper.name for paper in FIGURES if drawn(paper, found) is None] == []
+    assert [paper.name for paper in FIGURES if draw_figure(paper, found) is None] == []

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 SIZE = (4.2, 3.1)  # inches of a figure with one pair of axes
 
 
-def dress(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5) -> None:
+def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5) -> None:
     """Give axes and their insets grid, ink and notation.
 
     Parameters

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from validation.claims.claim import Finding, Verdict
 from validation.drawing import export
 from validation.report.document import Figure, Figures, Paragraph, Record, Section, Table, VerdictCell
-from validation.report.figures.paper_figures import FIGURES, drawn
+from validation.report.figures.paper_figures import FIGURES, draw_figure
 from validation.report.pictures import with_drawing
 from validation.report.report import Claims
 
@@ -54,7 +54,7 @@ def outputs(findings: Sequence[Finding]) -> list[str]:
 def _figures(claims: Claims) -> list[Figure]:
     figures = []
     for paper in FIGURES:
-        drawing = drawn(paper, claims.evidence)
+        drawing = draw_figure(paper, claims.evidence)
         files = {} if drawing is None else {f"{paper.name}.png": export.png(drawing)}
         figure = Figure(f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files)
         figures.append(with_drawing(figure, drawing))
