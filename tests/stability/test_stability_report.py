@@ -64,11 +64,11 @@ def test_json_is_strict_and_whole():
 
 
 def test_checks_and_junit_fail_where_a_cell_is_at_fault():
-    checks = {check.solver: check for check in stability_checks(MATRIX)}
+    checks = {check.solver: check for check in stability_checks(CELLS)}
     assert [(checks[s].found, checks[s].passed) for s in ("bem", "fem")] == [(1.0, False), (1.0, False)]
     assert "10: SILENTLY WRONG" in checks["bem"].note
-    assert stability_checks(Matrix(CELLS[:2], 0.0))[0].passed
-    suite = junit.element(junit.CheckSuite("stability", stability_checks(MATRIX)))
+    assert stability_checks(CELLS[:2])[0].passed
+    suite = junit.element(junit.CheckSuite("stability", stability_checks(CELLS)))
     assert suite.attrib["failures"] == "2"
     assert len(tree.tostring(suite)) > 100
 

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 
 from validation.claims.claim import Finding, Verdict
 from validation.compare.checks import Check
-from validation.stability.runner import Matrix
 from validation.stability.verdict import Cell
 
 
@@ -27,10 +26,10 @@ def claim_checks(findings: Iterable[Finding]) -> list[Check]:
     ]
 
 
-def stability_checks(matrix: Matrix) -> list[Check]:
+def stability_checks(cells: Iterable[Cell]) -> list[Check]:
     """One check for every axis and solver: no cell of it is at fault."""
     groups: dict[tuple[str, str], list[Cell]] = {}
-    for cell in matrix.cells:
+    for cell in cells:
         groups.setdefault((cell.axis, cell.solver), []).append(cell)
     return [
         Check(
@@ -39,10 +38,10 @@ def stability_checks(matrix: Matrix) -> list[Check]:
             f"faults: {axis}",
             "within tolerance, or said that there is no answer",
             0.0,
-            float(sum(cell.fault for cell in cells)),
-            not any(cell.fault for cell in cells),
+            float(sum(cell.fault for cell in group)),
+            not any(cell.fault for cell in group),
             relation="<=",
-            note="; ".join(f"{cell.label}: {cell.verdict}" for cell in cells if cell.fault),
+            note="; ".join(f"{cell.label}: {cell.verdict}" for cell in group if cell.fault),
         )
-        for (axis, solver), cells in groups.items()
+        for (axis, solver), group in groups.items()
     ]

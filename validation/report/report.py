@@ -58,7 +58,7 @@ class Report:
         """All checks, those of the paper's statements and of the matrix too."""
         checks = [check for scene in self.scenes for check in scene.checks]
         checks += [] if self.claims is None else claim_checks(self.claims.findings)
-        return checks + ([] if self.stability is None else stability_checks(self.stability))
+        return checks + ([] if self.stability is None else stability_checks(self.stability.cells))
 
     @property
     def runs(self) -> list[Run]:

@@ -64,7 +64,7 @@ def suites(report: Report) -> list[junit.CheckSuite]:
         made.append(junit.CheckSuite("claims", claim_checks(findings), outputs=claims.outputs(findings)))
     if report.stability is not None:
         matrix = report.stability
-        made.append(junit.CheckSuite("stability", stability_checks(matrix), matrix.wall_seconds))
+        made.append(junit.CheckSuite("stability", stability_checks(matrix.cells), matrix.wall_seconds))
     return made
 
 
