@@ -10,7 +10,7 @@ import pytest
 
 from validation.claims.all import CLAIMS, findings
 from validation.claims.evidence import gather, required_runs
-from validation.report.figures.paper_figures import FIGURES, drawn
+from validation.report.figures.paper_figures import FIGURES, draw_figure
 
 
 @pytest.mark.slow
@@ -20,4 +20,4 @@ def test_every_statement_has_its_recorded_verdict():
     results = findings(evidence)
     assert len(results) == len(CLAIMS)
     assert {one.name: (str(one.verdict), one.shown) for one in results if one.changed} == {}
-    assert [paper.name for paper in FIGURES if drawn(paper, evidence) is None] == []
+    assert [paper.name for paper in FIGURES if draw_figure(paper, evidence) is None] == []

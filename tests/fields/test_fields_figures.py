@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[2]
 @given(largest=st.floats(1e-9, 1e9), radius=st.floats(1e-9, 1e9))
 def test_magnification_is_the_largest_round_number_within_the_swing(largest, radius):
     scale = geometry.magnification(largest, radius)
-    room = geometry.SWING * geometry.REACH * radius / largest
+    room = geometry.LARGEST_SHOWN * geometry.HALF_WIDTH * radius / largest
     assert scale <= room * (1 + 1e-6) < 2.5 * scale * (1 + 1e-6)
     digit = scale / 10.0 ** np.floor(np.log10(scale * (1 + 1e-9)))
     assert round(digit) in (1, 2, 5)
@@ -222,7 +222,8 @@ def test_screens_are_recognised(monkeypatch, display, said, expected):
 def test_nothing_that_draws_is_loaded_before_something_is_drawn():
     code = (
         "import sys, validation.fields.figures.figure_set, validation.report.sections.fields as f\n"
-        "from validation.report import html; html.fragment(f.section(f.CycleFields(None)))\n"
+        "from validation.report import document, html\n"
+        "html.text(document.Document('', (), (f.section(f.CycleFields(None)),)))\n"
         "print(*sorted({m.split('.')[0] for m in sys.modules}))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)

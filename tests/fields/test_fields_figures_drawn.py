@@ -144,7 +144,7 @@ def test_body_of_revolution(cut, view, shown):
     assert edge[-1].tolist() == pytest.approx(line[-1].tolist())
     assert along[-1] == pytest.approx(values[-1], abs=0.02)
     swept = revolution.turned(line)
-    assert swept.n_points == revolution.STEPS * len(line)
+    assert swept.n_points == revolution.PLANES * len(line)
     np.testing.assert_allclose(np.asarray(swept.points)[: len(line), 2], line[:, 1], rtol=1e-6, atol=1e-9)
     drawn = revolution.figure(cut.state, SCENE, STRESS)
     picture = np.asarray(drawn.axes[0].images[0].get_array())

@@ -28,7 +28,7 @@ from validation.fields.figures import animation, rendering
 from validation.fields.figures.moments import key_moments
 from validation.report import html
 from validation.report.build import build
-from validation.report.document import figures_of
+from validation.report.document import Document, figures_of
 from validation.report.sections import fields
 from validation.report.write import write
 
@@ -72,7 +72,7 @@ def test_section_holds_strips_edge_body_and_film(section, monkeypatch):
     assert section.images[1].caption == "Key moments: stress σzz (force/length²)"
     monkeypatch.setattr(export, "png", lambda drawn: b"")
     part = fields.section(section)
-    text = html.fragment(part)
+    text = html.text(Document("", (), (part,)))
     assert text.count("<img ") == len(names)
     assert 'id="fields-fig3-' in text
     assert ">pull-off</td>" in text
@@ -88,7 +88,8 @@ def test_fig3_needs_both_solvers():
     short = dataclasses.replace(run, profiles=run.profiles[:4])
     assert cycle_fields.surface_figure(runs(bem=run, fem=short), CASE) is None
     assert cycle_fields.surface_figure({}, CASE) is None
-    text = html.fragment(fields.section(CycleFields(None, failure="PyVista cannot <draw>")))
+    failed = CycleFields(None, failure="PyVista cannot <draw>")
+    text = html.text(Document("", (), (fields.section(failed),)))
     assert "No Fig. 3: a run is missing." in text
     assert '<p class="fail">No pictures of fields: PyVista cannot &lt;draw&gt;</p>' in text
 

@@ -41,7 +41,7 @@ MATRIX = StabilityMatrix(CELLS, 3.0)
 
 
 def test_page_and_markdown_show_faults_refusals_and_limits():
-    page = html.fragment(section.section(MATRIX))
+    page = html.text(Document("", (), (section.section(MATRIX),)))
     assert "SILENTLY WRONG" in page
     assert "a | b &lt;c&gt;" in page
     assert page.count("<svg") == 2

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 SIZE = (4.2, 3.1)  # inches of a figure with one pair of axes
 
 
-def dress(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5) -> None:
+def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5) -> None:
     """Give axes and their insets grid, ink and notation.
 
     Parameters
@@ -37,11 +37,3 @@ def dress(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5
             one.ticklabel_format(axis="x", style="sci", scilimits=powers, useOffset=False)
         if one.get_yscale() == "linear":
             one.ticklabel_format(axis="y", style="sci", scilimits=powers, useOffset=False)
-
-
-def hide_minor_labels(axes: Axes) -> None:
-    """No labels between the decades of logarithmic axes, where they would run into each other."""
-    from matplotlib.ticker import NullFormatter
-
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_minor_formatter(NullFormatter())

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.drawing.axes import SIZE, dress
+from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.curves import Labels, RunCurves
 from validation.drawing.styles import CLOSED_FORM, INK, curve_style
 
@@ -68,7 +68,7 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
         if span is not None:
             limit(*span)
     axes.set(xlabel=labels[panel.across], ylabel=labels[panel.up])
-    dress(axes)
+    format_axes(axes)
     axes.locator_params(axis="x", nbins=6)  # more would run into each other where numbers are long
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, labelcolor=INK, fontsize="small", handlelength=2.6)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.fields.states import COMPONENTS, FieldState
+from validation.fields.section_mesh import surface_nodes, triangle_areas
 
 if TYPE_CHECKING:
     import pyvista
@@ -74,10 +75,7 @@ def cell_data(state: FieldState) -> dict[str, Array]:
 
 def triangle_volumes(state: FieldState) -> Array:
     """Volume of revolution of each triangle, ``2 pi`` times area times mean radius; shape (4 m,)."""
-    corners = state.points[state.triangles]
-    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    area = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
-    return 2.0 * np.pi * area * corners[:, :, 0].mean(axis=1)
+    return 2.0 * np.pi * triangle_areas(state) * state.points[state.triangles][:, :, 0].mean(axis=1)
 
 
 def surface(state: FieldState) -> pyvista.PolyData:
@@ -86,15 +84,13 @@ def surface(state: FieldState) -> pyvista.PolyData:
     The linear theory lets it meet the indenter at undeformed radii; moved sideways as well, which a
     compressible body does, it leaves the indenter by the product of slope and displacement.
     """
-    found = state.surface
-    on_top = np.flatnonzero(state.points[:, 1] == 0.0)
-    on_top = on_top[np.argsort(state.points[on_top, 0])]
-    sideways = np.interp(found.radius, state.points[on_top, 0], state.displacement[on_top, 0])
-    moved = np.column_stack([sideways, -found.displacement])
-    result = _line(np.column_stack([found.radius, np.zeros_like(found.radius)]) + moved)
+    profile, on_top = state.surface, surface_nodes(state)
+    sideways = np.interp(profile.radius, state.points[on_top, 0], state.displacement[on_top, 0])
+    moved = np.column_stack([sideways, -profile.displacement])
+    result = _line(np.column_stack([profile.radius, np.zeros_like(profile.radius)]) + moved)
     result.point_data[DISPLACEMENT] = _in_plane(moved)
-    result.point_data[f"pressure [{STRESS}]"] = found.pressure
-    result.point_data["gap [length]"] = found.gap
+    result.point_data[f"pressure [{STRESS}]"] = profile.pressure
+    result.point_data["gap [length]"] = profile.gap
     _tell(result, state)
     return result
 

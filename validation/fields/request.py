@@ -2,8 +2,8 @@
 
 Moments are times, each stepped onto exactly, the largest tension, every n-th row of the trace, or rows that
 a function of the trace picks. A time at which the load jumps means the state before. With a constant
-Poisson's ratio one run serves all; with separate bulk relaxation whole states have to be kept on the way, so
-rows picked from the trace take a second run, which is the same to the bit.
+Poisson's ratio one run serves all; with separate bulk relaxation whole states have to be stored on the way,
+so rows picked from the trace take a second run, which is the same to the bit.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ class FieldRequest:
 
 @dataclass(frozen=True)
 class RecordedFields:
-    """A run and the rows asked for.
+    """A run and the requested rows.
 
-    ``missing`` are times it did not reach, ``sampled`` rows that count only as every n-th; ``never_pulls``
-    tells that a pull-off was asked for and there is none.
+    ``missing`` are times it did not reach, ``sampled`` rows requested only as every n-th; ``never_pulls``: a
+    pull-off was requested and there is none.
     """
 
     recording: Recording
@@ -68,7 +68,19 @@ class RecordedFields:
 def record_fields(
     scene: Scene, request: FieldRequest, resolution: int | None = None, progress: Progress | None = None
 ) -> RecordedFields:
-    """Run the finite elements and find the rows.
+    """Run the finite elements and select the rows.
+
+    Parameters
+    ----------
+    scene : Scene
+    request : FieldRequest
+    resolution : int, optional
+        Divisions per process zone; default: the solver's choice.
+    progress : callable(float), optional
+
+    Returns
+    -------
+    RecordedFields
 
     Raises
     ------
@@ -81,7 +93,7 @@ def record_fields(
 
     request = replace(request, times=check_times(request.times, scene.loading))
     mesh = mesh_for(scene, resolution)
-    # a row is recorded in any case: fields are asked for, if only at rows not known yet
+    # the pull-off in any case: rows picked from the trace are not known yet, and need a run with a history
     options = Options(
         resolution,
         record_times=request.times,

@@ -58,7 +58,7 @@ class Bullets:
 
 
 @dataclass(frozen=True)
-class Table:
+class DataTable:
     """Rows of cells under a head; a head of empty strings is not shown.
 
     Cells of columns named in ``unbroken`` stay on one line. With ``numeric``, columns that mostly hold
@@ -73,7 +73,7 @@ class Table:
     numeric: bool = True
 
     @classmethod
-    def of(cls, records: Iterable[Record], caption: str = "", unbroken: tuple[str, ...] = ()) -> Table:
+    def of(cls, records: Iterable[Record], caption: str = "", unbroken: tuple[str, ...] = ()) -> DataTable:
         """A table of records with the same keys, which become the head."""
         rows = list(records)
         head = tuple(rows[0]) if rows else ()
@@ -147,7 +147,7 @@ class Section:
     verdict: VerdictCell | None = None
 
 
-Part = Paragraph | Bullets | Table | Figures | Fold | Section
+Part = Paragraph | Bullets | DataTable | Figures | Fold | Section
 
 
 @dataclass(frozen=True)

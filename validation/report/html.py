@@ -6,7 +6,7 @@ import base64
 from functools import cache
 from typing import TYPE_CHECKING
 
-from validation.report.document import Document, Part
+from validation.report.document import Document
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -19,11 +19,6 @@ def text(document: Document) -> str:
     assert loader is not None
     style = loader.get_source(templates, "style.css")[0]
     return templates.get_template("document.html").render(document=document, style=style)
-
-
-def fragment(part: Part, level: int = 2) -> str:
-    """One part as it stands in a page, its heading of the given rank."""
-    return str(_templates().get_template("parts.html").module.part(part, level))  # type: ignore[attr-defined]
 
 
 @cache

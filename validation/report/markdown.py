@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from validation.report.document import Bullets, Cell, Document, Figures, Paragraph, Part, Table, VerdictCell
+from validation.report.document import (
+    Bullets,
+    Cell,
+    DataTable,
+    Document,
+    Figures,
+    Paragraph,
+    Part,
+    VerdictCell,
+)
 
 
 def text(document: Document) -> str:
@@ -21,7 +30,7 @@ def _part(part: Part, level: int) -> list[str]:
         return [f"**{_line(part.text)}**" if part.passed is False else _line(part.text), ""]
     if isinstance(part, Bullets):
         return [*(f"- {_line(item)}" for item in part.items), ""]
-    if isinstance(part, Table):
+    if isinstance(part, DataTable):
         return _table(part)
     if isinstance(part, Figures):
         shown = [(one.caption, name) for one in part.figures for name in list(one.files)[:1]]
@@ -34,7 +43,7 @@ def _part(part: Part, level: int) -> list[str]:
     return lines
 
 
-def _table(table: Table) -> list[str]:
+def _table(table: DataTable) -> list[str]:
     if not table.head:
         return []
     rule = ("---:" if kind == "number" else "---" for kind in table.columns)

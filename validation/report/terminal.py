@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from validation.report.document import Bullets, Figures, Paragraph, Part, Table
+from validation.report.document import Bullets, DataTable, Figures, Paragraph, Part
 
 INDENT = "  "
 
@@ -18,14 +18,14 @@ def lines(part: Part) -> list[str]:
         return [part.text]
     if isinstance(part, Bullets):
         return [f"- {item}" for item in part.items]
-    if isinstance(part, Table):
+    if isinstance(part, DataTable):
         return _table(part)
     if isinstance(part, Figures):
         return []
     return [part.title, *(line for one in part.parts for line in lines(one))]
 
 
-def _table(table: Table) -> list[str]:
+def _table(table: DataTable) -> list[str]:
     rows = [table.head, *(tuple(map(str, row)) for row in table.rows)]
     kinds = table.columns
     widths = [max(len(row[column]) for row in rows) for column in range(len(kinds))]

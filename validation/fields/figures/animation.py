@@ -38,7 +38,21 @@ def film(
     quantity: Quantity,
     progress: Callable[[float], None] = lambda done: None,
 ) -> bytes:
-    """Draw all states; returns a GIF.
+    """Draw all states as an animation.
+
+    Parameters
+    ----------
+    states : sequence of FieldState
+        In order of time.
+    trace : Trace
+    scene : Scene
+    quantity : Quantity
+    progress : callable(float)
+
+    Returns
+    -------
+    bytes
+        A GIF file.
 
     Raises
     ------
@@ -62,7 +76,7 @@ def film(
 
 
 def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Quantity) -> Iterator[Figure]:
-    """One figure a state."""
+    """One figure a state; parameters as in :func:`film`."""
     from matplotlib.figure import Figure as New
 
     cut, view, shown = sections_alike(states, scene, quantity)

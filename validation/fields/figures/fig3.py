@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Profile, Scene
-from validation.drawing.axes import dress
+from validation.drawing.axes import format_axes
 from validation.drawing.styles import GRID, INK, MARKERS, SERIES
 from validation.measure.dimensionless import units
 
@@ -110,7 +110,7 @@ def figure(scene: Scene, bem: Sequence[Profile], fem: Sequence[Profile], turn: f
     _crack(three[2], size, ways[1])
     three[2].set_title(f"({next(letters)}) retraction: trumpet crack", fontsize=9)
     for axes in (*panels.flat, *three):
-        dress(axes, (-2, 4), 0.4)
+        format_axes(axes, (-2, 4), 0.4)
         for inset in axes.child_axes:
             for axis in (inset.xaxis, inset.yaxis):
                 axis.get_offset_text().set_fontsize(7)

@@ -1,4 +1,4 @@
-"""The figures of a run that a command asks for, into one folder.
+"""The figures of a run that a command requests, into one folder.
 
 ``sections/QUANTITY_NNNN.png`` one a state, ``strip_QUANTITY.png`` the key moments, ``cycle_QUANTITY.gif`` the
 whole run, ``revolution_QUANTITY_NNNN.png`` the body in three dimensions.
@@ -82,17 +82,33 @@ class FigureSet:
         trace: Trace,
         scene: Scene,
         progress: Progress,
-        asked: Collection[int] = (),
+        requested: Collection[int] = (),
     ) -> list[str]:
         """Draw, and report what was drawn, or why not.
+
+        Parameters
+        ----------
+        folder : Path
+        states : sequence of FieldState
+            In order of time.
+        trace : Trace
+        scene : Scene
+        progress : callable(float)
+        requested : collection of int
+            Rows of the trace that get a section although the animation shows them.
+
+        Returns
+        -------
+        list of str
+            Lines for a reader.
 
         Raises
         ------
         NoRendering
-            If VTK cannot draw here, and more was asked for than the sections that come by themselves.
+            If VTK cannot draw here, and more was requested than the sections drawn by default.
         """
         try:
-            written = self.write(folder, states, trace, scene, progress, asked)
+            written = self.write(folder, states, trace, scene, progress, requested)
             lines = [f"drawn: {path}" for path in written]
             if (
                 self.show
@@ -113,11 +129,19 @@ class FigureSet:
         trace: Trace,
         scene: Scene,
         progress: Progress,
-        asked: Collection[int] = (),
+        requested: Collection[int] = (),
     ) -> list[Path]:
-        """Draw everything but the window; states in contact only, in the order of time.
+        """Draw everything but the window; states in contact only.
 
-        Frames of the animation get a section only if they have a label or their row is in ``asked``.
+        Parameters
+        ----------
+        folder, states, trace, scene, progress, requested
+            As in :meth:`draw`. Frames of the animation get a section only if labelled or requested.
+
+        Returns
+        -------
+        list of Path
+            What was written.
 
         Raises
         ------
@@ -126,7 +150,9 @@ class FigureSet:
         """
         touching, key, first = _touching(states), moments.key_moments(trace, scene), self._chosen[0]
         moving = set(moments.in_contact(trace, self.frames)) if self.animate else set()
-        single = [state for state in touching if state.label or state.row in asked or state.row not in moving]
+        single = [
+            state for state in touching if state.label or state.row in requested or state.row not in moving
+        ]
         drawings: list[tuple[str, Callable[[], Figure]]] = []
         for state in single:
             for one in self._chosen:
@@ -169,7 +195,7 @@ def of_options(options: argparse.Namespace) -> FigureSet | None:
     Raises
     ------
     SceneError
-        If a quantity has no such name, or figures are both asked for and not.
+        If a quantity has no such name, or figures are both requested and excluded.
     """
     if options.no_figures:
         if options.quantity or options.strip or options.animate or options.revolve or options.show:

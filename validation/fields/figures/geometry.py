@@ -16,14 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene
+from validation.fields.section_mesh import surface_nodes, triangle_areas
 
 if TYPE_CHECKING:
     from fem_solver.fields.states import FieldState
 
 Array = NDArray[np.float64]
 
-REACH = 2.0  # half the width of a view, over the largest contact radius
-SWING = 0.2  # largest displacement shown, over half the width of the view
+HALF_WIDTH = 2.0  # half the width of a view, over the largest contact radius
+LARGEST_SHOWN = 0.2  # largest displacement shown, over half the width of the view
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class View:
 
 def whole(contact_radius: float) -> View:
     """The view that holds a contact of this radius and what is under it."""
-    half = REACH * contact_radius
+    half = HALF_WIDTH * contact_radius
     return View(-half, half, -0.8 * half, 0.4 * half)
 
 
@@ -63,7 +64,7 @@ def magnification(largest: float, contact_radius: float) -> float:
     """The largest of 1, 2, 5, 10, ... (or 1/2, 1/5, ...) that keeps a displacement within the swing."""
     if largest <= 0.0:
         return 1.0
-    room = SWING * REACH * contact_radius / largest * (1.0 + 1e-9)
+    room = LARGEST_SHOWN * HALF_WIDTH * contact_radius / largest * (1.0 + 1e-9)
     power = 10.0 ** math.floor(math.log10(room))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= room)
 
@@ -105,9 +106,7 @@ class BodySection:
     @cached_property
     def areas(self) -> Array:
         """Undeformed area of the section that each node stands for, shape (n,)."""
-        corners = self.state.points[self.state.triangles]
-        one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        area = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+        area = triangle_areas(self.state)
         return np.bincount(self.state.triangles.ravel(), np.repeat(area / 3.0, 3), len(self.moved)).astype(
             float
         )
@@ -136,14 +135,23 @@ def section(state: FieldState, scene: Scene, scale: float = 1.0) -> BodySection:
     return BodySection(state, scale, moved, surface, body, on_surface(np.array([a]))[0], zone)
 
 
-def surface_nodes(state: FieldState) -> NDArray[np.int64]:
-    """Nodes of the surface from the axis outwards."""
-    found = np.flatnonzero(state.points[:, 1] == 0.0)
-    return found[np.argsort(state.points[found, 0])]
-
-
 def outline(scene: Scene, penetration: float, scale: float, reach: float) -> Array:
-    """The indenter from the axis outwards, shape (j, 2); a flat punch has an upright side."""
+    """The indenter from the axis outwards; a flat punch has an upright side.
+
+    Parameters
+    ----------
+    scene : Scene
+    penetration : float
+    scale : float
+        Magnification of heights.
+    reach : float
+        Largest radius.
+
+    Returns
+    -------
+    (j, 2) array
+        Radii and heights.
+    """
     edge = scene.indenter.edge
     r = np.concatenate(([0.0], np.geomspace(1e-4 * reach, min(reach, edge), 400)))
     y = scale * (scene.indenter.height(r) - penetration)

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-OPEN = np.radians((-135.0, 135.0))  # of the body; the quarter around the direction of the eye is left out
-STEPS = 73  # planes through the axis
+ANGLES = np.radians((-135.0, 135.0))  # of the body; the quarter around the direction of the eye is left out
+PLANES = 73  # planes through the axis
 SIZE = (1200, 840)  # pixels
-EYE = (-1.0, 0.0, 0.55)
+VIEW_DIRECTION = (-1.0, 0.0, 0.55)
 
 
 def figure(state: FieldState, scene: Scene, quantity: Quantity) -> Figure:
@@ -78,7 +78,17 @@ def prepared(state: FieldState, scene: Scene, quantity: Quantity) -> tuple[BodyS
 
 
 def add(plotter: Any, cut: BodySection, view: View, quantity: Quantity, shown: ColourRange) -> None:
-    """Put body, indenter and marks into a window and look at them."""
+    """Put body, indenter and marks into a window, the camera on them.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+    cut : BodySection
+    view : View
+        The part that is turned about the axis.
+    quantity : Quantity
+    shown : ColourRange
+    """
     style: dict[str, Any] = {
         "scalars": "shade",
         "cmap": shown.map,
@@ -87,11 +97,11 @@ def add(plotter: Any, cut: BodySection, view: View, quantity: Quantity, shown: C
     }
     shade = shown.shade(quantity.values(cut.state))
     flat = half_section(cut, view, shade)
-    for angle in OPEN:
+    for angle in ANGLES:
         plotter.add_mesh(standing(flat, angle), **style, lighting=False)
     for name, (points, shades) in (("top", top(cut, view, shade)), ("side", side(cut, view, shade))):
         skin = turned(points)
-        skin.point_data["shade"] = np.tile(shades, STEPS)
+        skin.point_data["shade"] = np.tile(shades, PLANES)
         plotter.add_mesh(skin, **style, lighting=False, name=name)
     for line in outlines(cut, view):
         drawn = plotter.add_mesh(line, color=MARK, line_width=1.0, lighting=False)
@@ -105,7 +115,7 @@ def add(plotter: Any, cut: BodySection, view: View, quantity: Quantity, shown: C
     if cut.zone.size:
         plotter.add_mesh(ring(cut.zone[-1] + lift), color=ZONE, line_width=3.0, lighting=False, name="zone")
     plotter.camera.parallel_projection = True
-    plotter.view_vector(EYE, viewup=(0.0, 0.0, 1.0))
+    plotter.view_vector(VIEW_DIRECTION, viewup=(0.0, 0.0, 1.0))
     plotter.camera.focal_point = (0.0, 0.0, 0.36 * view.bottom)
     plotter.camera.parallel_scale = 0.82 * view.right
     plotter.reset_camera_clipping_range()
@@ -120,7 +130,7 @@ def outlines(cut: BodySection, view: View) -> list[pyvista.PolyData]:
     skin = np.column_stack([across, np.interp(across, x, y)])
     around = np.vstack([skin, [view.right, view.bottom], [0.0, view.bottom]])
     faces = []
-    for angle in OPEN:
+    for angle in ANGLES:
         r, z = around.T
         points = np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
         faces.append(pyvista.lines_from_points(points, close=True))
@@ -169,10 +179,10 @@ def side(cut: BodySection, view: View, shade: Array) -> tuple[Array, Array]:
 
 
 def turned(line: Array) -> pyvista.StructuredGrid:
-    """The surface that a line (k, 2) of the half-plane sweeps; points in STEPS copies of the line."""
+    """The surface that a line (k, 2) of the half-plane sweeps; points in PLANES copies of the line."""
     import pyvista
 
-    angle = np.linspace(OPEN[0], OPEN[1], STEPS)[None, :]
+    angle = np.linspace(ANGLES[0], ANGLES[1], PLANES)[None, :]
     r, z = line[:, :1], line[:, 1:]
     return pyvista.StructuredGrid(r * np.cos(angle), r * np.sin(angle), z + 0.0 * angle)
 
@@ -181,6 +191,6 @@ def ring(point: Array) -> pyvista.PolyData:
     """The circle that a point (r, z) describes, as far as the body goes."""
     import pyvista
 
-    angle = np.linspace(OPEN[0], OPEN[1], STEPS)
-    around = np.column_stack([point[0] * np.cos(angle), point[0] * np.sin(angle), np.full(STEPS, point[1])])
+    angle = np.linspace(ANGLES[0], ANGLES[1], PLANES)
+    around = np.column_stack([point[0] * np.cos(angle), point[0] * np.sin(angle), np.full(PLANES, point[1])])
     return pyvista.lines_from_points(around)

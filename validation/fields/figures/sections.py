@@ -74,7 +74,21 @@ def figure(section: BodySection, quantity: Quantity, zone: float, title: str) ->
 
 
 def draw(axes: Axes, section: BodySection, view: View, quantity: Quantity, shown: ColourRange) -> None:
-    """Field, indenter, surface and marks of one view."""
+    """Draw field, indenter, surface and marks of one view.
+
+    Parameters
+    ----------
+    axes : Axes
+    section : BodySection
+    view : View
+    quantity : Quantity
+    shown : ColourRange
+
+    Raises
+    ------
+    NoRendering
+        If VTK cannot draw here.
+    """
     size = (PIXELS, max(2, round(PIXELS / view.aspect)))
     image = rendering.picture(lambda plotter: add_field(plotter, section, view, quantity, shown), size)
     axes.imshow(image, extent=view.extent, aspect="equal", interpolation="lanczos", zorder=0)
@@ -118,7 +132,19 @@ def bar(
     label: bool = True,
     **options: Any,
 ) -> None:
-    """A colour bar beside the panels, with name and unit."""
+    """A colour bar next to the panels.
+
+    Parameters
+    ----------
+    figure : Figure
+    panels : list of Axes
+    quantity : Quantity
+    shown : ColourRange
+    label : bool
+        Whether name and unit stand at the bar.
+    **options
+        Of ``Figure.colorbar``.
+    """
     from matplotlib.cm import ScalarMappable
 
     table = ScalarMappable(shown.norm, shown.map)
@@ -132,7 +158,16 @@ def bar(
 
 
 def add_field(plotter: Any, section: BodySection, view: View, quantity: Quantity, shown: ColourRange) -> None:
-    """Put the coloured body into a window, the camera on the view."""
+    """Put the coloured body into a window, the camera on the view.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+    section : BodySection
+    view : View
+    quantity : Quantity
+    shown : ColourRange
+    """
     plotter.add_mesh(
         mirrored(section, quantity, shown),
         scalars="shade",

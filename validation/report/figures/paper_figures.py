@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from validation.claims.evidence import Evidence, MissingRun
-from validation.drawing.axes import SIZE, dress
+from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.styles import INK
 from validation.report.figures import paper_panels as panels
 
@@ -29,24 +29,24 @@ class PaperFigure:
     wide: bool = False
 
 
-def drawn(figure: PaperFigure, found: Evidence) -> Figure | None:
+def draw_figure(figure: PaperFigure, evidence: Evidence) -> Figure | None:
     """The figure; ``None`` if a run it shows is missing."""
     from matplotlib.figure import Figure as New
 
-    made = New(figsize=SIZE, layout="constrained")
+    drawing = New(figsize=SIZE, layout="constrained")
     try:
-        figure.draw(made, found)
+        figure.draw(drawing, evidence)
     except MissingRun:
         return None
-    for axes in made.axes:
-        dress(axes, (-2, 4))
+    for axes in drawing.axes:
+        format_axes(axes, (-2, 4))
         if axes.get_legend_handles_labels()[0]:
             legend = axes.legend(
                 frameon=False, labelcolor=INK, fontsize=7, handlelength=2.8, labelspacing=0.3
             )
             if axes.child_axes:
                 legend.set_loc("lower right")
-    return made
+    return drawing
 
 
 _BY_DEPTH, _BY_FORCE = ("penetration", "force"), ("force", "contact_radius")

@@ -49,10 +49,10 @@ def diagram(
     """Equilibrium diagram: approach dashed, withdrawal solid, the largest tension marked."""
     names = {"penetration": DEPTH, "force": FORCE, "contact_radius": RADIUS}
 
-    def draw(figure: Figure, found: Evidence) -> None:
+    def draw(figure: Figure, evidence: Evidence) -> None:
         axes = figure.subplots()
         for (label, scene), colour, marker in zip(runs, SERIES, MARKERS, strict=False):
-            trace = found.trace(scene)
+            trace = evidence.trace(scene)
             curve, turn = of_trace(trace, scene), end_of_approach(trace)
             x, y = curve.columns[across], curve.columns[up]
             if turn > 0:
@@ -93,19 +93,19 @@ def dwells() -> LabelledScenes:
     return [(rf"$\tilde{{t}}_d$ = {t:g}", cycle(0.1, dwell=t)) for t in SHOWN_DWELLS]
 
 
-def pull_off_of_cycles(figure: Figure, found: Evidence) -> None:
+def pull_off_of_cycles(figure: Figure, evidence: Evidence) -> None:
     """Largest tension of cycles against their speed, in units of ``F_JKR``."""
     axes = figure.subplots()
-    values = [found.pull_off(cycle(v)) for v in CYCLE_SPEEDS]
+    values = [evidence.pull_off(cycle(v)) for v in CYCLE_SPEEDS]
     axes.semilogx(CYCLE_SPEEDS, values, "o-", color=SERIES[0], markersize=4)
     axes.set(xlabel=SPEED, ylabel=PULL_OFF, ylim=(0.0, None))
 
 
-def surfaces(figure: Figure, found: Evidence) -> None:
+def surfaces(figure: Figure, evidence: Evidence) -> None:
     """Deformed surface at six moments of a cycle, the pressure inset."""
     figure.set_size_inches(9.0, 5.2)
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
-    for axes, profile, letter in zip(panels.flat, surface.profiles(found), "abcdef", strict=False):
+    for axes, profile, letter in zip(panels.flat, surface.profiles(evidence), "abcdef", strict=False):
         r = profile.radius[profile.radius < 0.5]
         n = r.size
         sphere, skin = ("sphere", "surface") if letter == "a" else (None, None)
@@ -128,10 +128,10 @@ def surfaces(figure: Figure, found: Evidence) -> None:
         axes.set_ylabel(r"$\tilde{u}$")
 
 
-def preload(figure: Figure, found: Evidence) -> None:
+def preload(figure: Figure, evidence: Evidence) -> None:
     """Largest tension against the penetration at which the retraction begins, at several speeds."""
     axes = figure.subplots()
-    by_speed = {v: [found.pull_off(retraction(v, depth)) for depth in PRELOADS] for v in PRELOAD_SPEEDS}
+    by_speed = {v: [evidence.pull_off(retraction(v, depth)) for depth in PRELOADS] for v in PRELOAD_SPEEDS}
     _series(axes, PRELOADS, {f"{SPEED} = {speed:g}": values for speed, values in by_speed.items()})
     axes.axhline(10.0, label=r"$E_\infty/E_0$", **CLOSED_FORM)
     axes.set(xlabel=r"$\tilde{\Delta}_B$", ylabel=PULL_OFF)
@@ -143,12 +143,12 @@ def _series(axes: Axes, across: Sequence[float], curves: Mapping[str, Sequence[f
         axes.plot(across, values, color=colour, linestyle=dash, marker=marker, **OPEN, label=label)
 
 
-def forces(figure: Figure, found: Evidence) -> None:
+def forces(figure: Figure, evidence: Evidence) -> None:
     """Withdrawal under constant tension beside the retraction of the same pull-off force."""
     axes = figure.subplots()
     for force, colour in zip(FORCES, SERIES, strict=False):
         scene, same = load(f"force-{force}").scene, retraction(MATCHED[force])
-        held, moved = of_trace(found.trace(scene), scene), of_trace(found.trace(same), same)
+        held, moved = of_trace(evidence.trace(scene), scene), of_trace(evidence.trace(same), same)
         label = rf"{FORCE} = {held.columns['force'][-1]:.2e}"
         for curve, line, shown in ((held, "-", label), (moved, "--", None)):
             x, y = curve.columns["penetration"], curve.columns["force"]
@@ -158,12 +158,12 @@ def forces(figure: Figure, found: Evidence) -> None:
     axes.set(xlabel=DEPTH, ylabel=FORCE)
 
 
-def forces_over_time(figure: Figure, found: Evidence) -> None:
+def forces_over_time(figure: Figure, evidence: Evidence) -> None:
     """Penetration over time under constant tension."""
     axes = figure.subplots()
     for force, colour, dashes in zip(FORCES, SERIES, DASHES, strict=False):
         scene = load(f"force-{force}").scene
-        columns = of_trace(found.trace(scene), scene).columns
+        columns = of_trace(evidence.trace(scene), scene).columns
         after = columns["time"] > 0.0
         t, depth = columns["time"][after], columns["penetration"][after]
         axes.plot(t, depth, color=colour, linestyle=dashes, label=rf"{force} $F_\mathrm{{JKR}}$")
@@ -173,10 +173,10 @@ def forces_over_time(figure: Figure, found: Evidence) -> None:
 def sweep(first: float, last: float) -> Callable[[Figure, Evidence], None]:
     """Equilibrium diagram of the sweep while the frequency lies in a range."""
 
-    def draw(figure: Figure, found: Evidence) -> None:
+    def draw(figure: Figure, evidence: Evidence) -> None:
         axes = figure.subplots()
         chirp = 0.006
-        columns = of_trace(found.trace("sweep"), load("sweep").scene).columns
+        columns = of_trace(evidence.trace("sweep"), load("sweep").scene).columns
         rows = (columns["time"] * chirp >= first) & (columns["time"] * chirp <= last)
         axes.plot(columns["penetration"][rows], columns["force"][rows], color=SERIES[0], linewidth=0.9)
         axes.set(xlabel=DEPTH, ylabel=FORCE)
@@ -184,54 +184,54 @@ def sweep(first: float, last: float) -> Callable[[Figure, Evidence], None]:
     return draw
 
 
-def cycle_losses(figure: Figure, found: Evidence) -> None:
+def cycle_losses(figure: Figure, evidence: Evidence) -> None:
     """Energy lost in each cycle of the sweep against its frequency."""
     axes = figure.subplots()
-    cycles = oscillations.losses(found)[1:]
+    cycles = oscillations.losses(evidence)[1:]
     size = units(load("sweep").scene)["energy"]
     frequencies, loops = [one.angular_frequency for one in cycles], [one.loop / size for one in cycles]
     axes.plot(frequencies, loops, "o-", color=SERIES[0], markersize=3, linewidth=1.0)
     axes.set(xlabel=r"$\tilde{\omega}_a$", ylabel=r"$\tilde{L}$", ylim=(0.0, None))
 
 
-def oscillation(figure: Figure, found: Evidence) -> None:
+def oscillation(figure: Figure, evidence: Evidence) -> None:
     """Retraction with an oscillation: each cycle, the line through its lowest forces, and none."""
     axes = figure.subplots()
     for frequency, colour in zip(FREQUENCIES[::-1], (BLUE, ORANGE), strict=True):
         scene = load(f"oscillation-w{frequency}").scene
-        columns = of_trace(found.trace(scene), scene).columns
+        columns = of_trace(evidence.trace(scene), scene).columns
         label = rf"$\tilde{{\omega}}$ = {frequency}"
         depth, force = columns["penetration"], columns["force"]
         axes.plot(depth, force, color=colour, linewidth=0.4, alpha=0.4, rasterized=True)
         lowest = np.flatnonzero((force[1:-1] < force[:-2]) & (force[1:-1] <= force[2:])) + 1
         axes.plot(depth[lowest], force[lowest], color=colour, linestyle="--", linewidth=2.2, label=label)
-    columns = of_trace(found.trace("retraction-steady"), load("retraction-steady").scene).columns
+    columns = of_trace(evidence.trace("retraction-steady"), load("retraction-steady").scene).columns
     axes.plot(columns["penetration"], columns["force"], color=INK, linewidth=1.3, label="steady")
     axes.set(xlabel=DEPTH, ylabel=FORCE)
 
 
-def release_rates(figure: Figure, found: Evidence) -> None:
+def release_rates(figure: Figure, evidence: Evidence) -> None:
     """Energy release rate at pull-off and pull-off force against speed."""
     axes = figure.subplots()
-    rates = [release.at_pull_off(found, v) for v in RETRACTION_SPEEDS]
-    pulls = [found.pull_off(retraction(v)) for v in RETRACTION_SPEEDS]
+    rates = [release.at_pull_off(evidence, v) for v in RETRACTION_SPEEDS]
+    pulls = [evidence.pull_off(retraction(v)) for v in RETRACTION_SPEEDS]
     axes.semilogx(RETRACTION_SPEEDS, rates, "o-", color=SERIES[0], markersize=4, label=r"$G/\Delta\gamma$")
     axes.semilogx(RETRACTION_SPEEDS, pulls, "s--", color=SERIES[1], **OPEN, label=PULL_OFF)
     axes.set(xlabel=SPEED, ylabel=rf"$G/\Delta\gamma$, {PULL_OFF}", ylim=(0.0, None))
 
 
-def approaching(figure: Figure, found: Evidence) -> None:
+def approaching(figure: Figure, evidence: Evidence) -> None:
     """Energy release rate at given penetrations while approaching, against speed."""
     axes = figure.subplots()
-    by_depth = {d: [release.approaching(found, v, d) for v in CYCLE_SPEEDS] for d in release.DEPTHS}
+    by_depth = {d: [release.approaching(evidence, v, d) for v in CYCLE_SPEEDS] for d in release.DEPTHS}
     _series(axes, CYCLE_SPEEDS, {f"{DEPTH} = {depth:g}": values for depth, values in by_depth.items()})
     axes.axhline(0.0, color=INK, linewidth=0.6)
     axes.set(xlabel=SPEED, ylabel=r"$G/\Delta\gamma$", xscale="log")
 
 
-def rests(figure: Figure, found: Evidence) -> None:
+def rests(figure: Figure, evidence: Evidence) -> None:
     """Largest tension against the length of the rest, at several speeds."""
     axes = figure.subplots()
-    by_speed = {v: [found.pull_off(cycle(v, dwell=t)) for t in DWELLS[1:]] for v in DWELL_SPEEDS}
+    by_speed = {v: [evidence.pull_off(cycle(v, dwell=t)) for t in DWELLS[1:]] for v in DWELL_SPEEDS}
     _series(axes, DWELLS[1:], {f"{SPEED} = {speed:g}": values for speed, values in by_speed.items()})
     axes.set(xlabel=r"$\tilde{t}_d$", ylabel=PULL_OFF, xscale="log")

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from validation.drawing.axes import SIZE, dress, hide_minor_labels
+from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.styles import INK, curve_style
 from validation.studies.convergence import Convergence
 from validation.studies.work_precision import cost
@@ -137,10 +137,13 @@ def _slopes(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
 
 
 def _label(axes: Axes, chart: Chart) -> None:
+    from matplotlib.ticker import NullFormatter
+
     axes.set_xlabel(WORK_LABELS[chart.work] if chart.work else "level size h/h₀ (finer to the right)")
     axes.set_ylabel(f"relative error, {chart.measure.replace('_', ' ')}")
-    dress(axes)
-    hide_minor_labels(axes)
+    format_axes(axes)
+    for axis in (axes.xaxis, axes.yaxis):  # few decades: labels between them would run into each other
+        axis.set_minor_formatter(NullFormatter())
     columns = min(4, len(axes.get_legend_handles_labels()[0]))
     axes.figure.legend(  # above the axes, where it hides no point
         loc="outside upper center",

@@ -6,15 +6,15 @@ from collections.abc import Iterable
 
 from validation.measure.check import Check
 from validation.measure.dimensionless import SYMBOLS
-from validation.report.document import ABSENT, Record, Table, VerdictCell, formatted, number, plain
+from validation.report.document import ABSENT, DataTable, Record, VerdictCell, formatted, number, plain
 
 _RELATIONS = {"<=": "≤ ", ">=": "≥ "}
 
 
-def table(checks: Iterable[Check], with_scene: bool = False) -> Table:
+def table(checks: Iterable[Check], with_scene: bool = False) -> DataTable:
     """A row for each check; ``with_scene`` adds a column for its scene."""
     rows = ({**({"scene": check.scene} if with_scene else {}), **cells(check)} for check in checks)
-    return Table.of(rows, unbroken=("estimates",))
+    return DataTable.of(rows, unbroken=("estimates",))
 
 
 def cells(check: Check) -> Record:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from validation.claims.claim import Finding, Verdict
 from validation.drawing import export
-from validation.report.document import Figure, Figures, Paragraph, Record, Section, Table, VerdictCell
-from validation.report.figures.paper_figures import FIGURES, drawn
+from validation.report.document import DataTable, Figure, Figures, Paragraph, Record, Section, VerdictCell
+from validation.report.figures.paper_figures import FIGURES, draw_figure
 from validation.report.pictures import with_drawing
 from validation.report.report import Claims
 
@@ -25,7 +25,7 @@ EXPLAINED = (
 def section(claims: Claims) -> Section:
     """Figures, and every statement."""
     figures = Figures(tuple(_figures(claims)))
-    table = Table.of(map(_cells, claims.findings))
+    table = DataTable.of(map(_cells, claims.findings))
     return Section(
         TITLE, (Paragraph(in_words(claims.findings)), Paragraph(EXPLAINED), figures, table), "claims"
     )
@@ -34,7 +34,7 @@ def section(claims: Claims) -> Section:
 def summary(claims: Claims) -> Section:
     """The count, and whatever does not simply hold."""
     shown = (one for one in claims.findings if one.verdict is not Verdict.HOLDS or one.changed)
-    return Section(TITLE, (Paragraph(in_words(claims.findings)), Table.of(map(_cells, shown))))
+    return Section(TITLE, (Paragraph(in_words(claims.findings)), DataTable.of(map(_cells, shown))))
 
 
 def in_words(findings: Sequence[Finding]) -> str:
@@ -54,7 +54,7 @@ def outputs(findings: Sequence[Finding]) -> list[str]:
 def _figures(claims: Claims) -> list[Figure]:
     figures = []
     for paper in FIGURES:
-        drawing = drawn(paper, claims.evidence)
+        drawing = draw_figure(paper, claims.evidence)
         files = {} if drawing is None else {f"{paper.name}.png": export.png(drawing)}
         figure = Figure(f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files)
         figures.append(with_drawing(figure, drawing))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from validation.execution.runs import Run
-from validation.report.document import Section, Table, number
+from validation.report.document import DataTable, Section, number
 
 LONGEST = 10  # runs listed one by one, those that took longest
 
@@ -17,7 +17,7 @@ def section(runs: Sequence[Run]) -> Section:
     rows.append(_row("all", runs))
     longest = sorted(runs, key=spent, reverse=True)[:LONGEST]
     rows += [_row(f"{run.scene} by {run.solver}", [run]) for run in longest]
-    return Section("Where the time went", (Table.of(rows),))
+    return Section("Where the time went", (DataTable.of(rows),))
 
 
 def spent(run: Run) -> float:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from validation.report.document import Section, Table
+from validation.report.document import DataTable, Section
 
 
 def section(stamp: Mapping[str, object], wall_seconds: float) -> Section:
     """One line for each fact of ``environment.stamp``, and the wall time of the whole."""
     rows = [(name, in_words(value)) for name, value in stamp.items()]
     rows.append(("whole report", f"{wall_seconds:.1f} s"))
-    return Section("Computed on", (Table(("", ""), tuple(rows), numeric=False),))
+    return Section("Computed on", (DataTable(("", ""), tuple(rows), numeric=False),))
 
 
 def in_words(value: object) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from validation.drawing import export
 from validation.fields.cycle_fields import CycleFields
-from validation.report.document import Figure, Figures, Paragraph, Section, Table
+from validation.report.document import DataTable, Figure, Figures, Paragraph, Section
 from validation.report.pictures import with_drawing
 
 TITLE = "Under the surface"
@@ -33,7 +33,7 @@ def section(fields: CycleFields) -> Section:
             Paragraph(EXPLAINED),
             *failed,
             Figures((_surfaces(fields), *images)),
-            Section(LOST, (Table(HEAD, fields.rows),)),
+            Section(LOST, (DataTable(HEAD, fields.rows),)),
         ),
         "fields",
     )

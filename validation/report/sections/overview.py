@@ -9,12 +9,12 @@ from validation.report.document import (
     ABSENT,
     Bullets,
     Cell,
+    DataTable,
     LinkCell,
     Paragraph,
     Part,
     Record,
     Section,
-    Table,
     number,
     passed_or_not,
     plain,
@@ -58,7 +58,7 @@ def section(report: Report) -> Section:
         }
         for scene in report.scenes
     )
-    return Section("Overview", (Table.of(rows),))
+    return Section("Overview", (DataTable.of(rows),))
 
 
 def summary(report: Report) -> tuple[Part, ...]:
@@ -66,7 +66,7 @@ def summary(report: Report) -> tuple[Part, ...]:
     left_out = tuple(f"{scene.case.name}: {skipped_work(scene)}" for scene in report.scenes)
     parts: tuple[Part, ...] = (
         Paragraph(f"{report.wall_seconds:.0f} s on {report.environment['processor']}."),
-        Table.of(map(_line, report.scenes)),
+        DataTable.of(map(_line, report.scenes)),
         Paragraph("Left out, by the counters of work:"),
         Bullets(left_out),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from validation.report.document import ABSENT, Paragraph, Section, Table, formatted, plain
+from validation.report.document import ABSENT, DataTable, Paragraph, Section, formatted, plain
 from validation.report.sections.checks import estimates
 from validation.studies.poisson import (
     ASSUMPTIONS,
@@ -27,7 +27,7 @@ def section(name: str, compressibilities: Iterable[CompressibilityComparison]) -
     """One row for every compressibility and quantity."""
     rows = (row for one in compressibilities for row in _rows(one))
     title = f"{name}: elastic bulk against a constant Poisson's ratio"
-    return Section(title, (Table.of(rows), Paragraph(NOTES)))
+    return Section(title, (DataTable.of(rows), Paragraph(NOTES)))
 
 
 def _rows(one: CompressibilityComparison) -> Iterator[dict[str, str]]:

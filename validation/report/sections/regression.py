@@ -5,10 +5,10 @@ from __future__ import annotations
 from validation.compare.regression import Comparison, Move
 from validation.report.document import (
     ABSENT,
+    DataTable,
     Paragraph,
     Record,
     Section,
-    Table,
     VerdictCell,
     formatted,
     number,
@@ -31,8 +31,8 @@ def summary(baseline: Comparison) -> Section:
     return Section("Since the baseline", (Paragraph(baseline.verdict), *_listed(shown), *rest))
 
 
-def _listed(moves: tuple[Move, ...]) -> tuple[Table, ...]:
-    return (Table.of(map(_cells, moves)),) if moves else ()
+def _listed(moves: tuple[Move, ...]) -> tuple[DataTable, ...]:
+    return (DataTable.of(map(_cells, moves)),) if moves else ()
 
 
 def _cells(move: Move) -> Record:

@@ -9,13 +9,13 @@ from validation.drawing import run_figures
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
 from validation.measure.skipped_work import in_words
 from validation.report.document import (
+    DataTable,
     Figure,
     Figures,
     Fold,
     Paragraph,
     Part,
     Section,
-    Table,
     number,
     passed_or_not,
 )
@@ -72,9 +72,9 @@ def figures(scene: SceneComparison) -> Part:
     return Figures(tuple(drawn))
 
 
-def runs(scene: SceneComparison) -> Table:
+def runs(scene: SceneComparison) -> DataTable:
     """How each run ended, and the work and time it took."""
-    return Table.of(
+    return DataTable.of(
         {"solver": solver, "ending": run.ending}
         | {title: number(run.measures.get(f"counters.{name}")) for title, name in COUNTERS.items()}
         | {"seconds": number(run.wall_seconds, 3), "processor": number(run.cpu_seconds, 3)}
@@ -89,7 +89,7 @@ def skipped_work(scene: SceneComparison) -> str:
     return in_words(work) if work else "No run has counters of its work."
 
 
-def parameters(scene: SceneComparison) -> Table:
+def parameters(scene: SceneComparison) -> DataTable:
     """What the scene consists of, as name and value."""
     question = scene.case.scene
     material, adhesion = question.material, question.adhesion
@@ -105,7 +105,7 @@ def parameters(scene: SceneComparison) -> Table:
     ]
     if adhesion is not None:
         rows[4:4] = [("work of adhesion", f"{adhesion.work:g}"), ("process zone", f"{adhesion.zone:g}")]
-    return Table(("", ""), tuple(rows), numeric=False)
+    return DataTable(("", ""), tuple(rows), numeric=False)
 
 
 def _numbers(stated: object) -> str:

@@ -8,13 +8,13 @@ from collections.abc import Iterable, Sequence
 from validation.drawing import export
 from validation.report.document import (
     Bullets,
+    DataTable,
     Figure,
     Figures,
     Fold,
     Paragraph,
     Record,
     Section,
-    Table,
     VerdictCell,
 )
 from validation.report.figures import stability_map
@@ -84,9 +84,9 @@ def _maps(matrix: StabilityMatrix) -> Figures:
     return Figures(tuple(figures))
 
 
-def _table(matrix: StabilityMatrix, cells: Iterable[judged.Cell]) -> Table:
+def _table(matrix: StabilityMatrix, cells: Iterable[judged.Cell]) -> DataTable:
     counted = numbers(matrix.cells)
-    return Table.of(_cells(cell, counted[cell.axis, cell.label]) for cell in cells)
+    return DataTable.of(_cells(cell, counted[cell.axis, cell.label]) for cell in cells)
 
 
 def _cells(cell: judged.Cell, number: int) -> Record:

@@ -11,6 +11,7 @@ from dataclasses import replace
 from validation.drawing import export
 from validation.report.document import (
     ABSENT,
+    DataTable,
     Document,
     Figure,
     Figures,
@@ -18,7 +19,6 @@ from validation.report.document import (
     Paragraph,
     Record,
     Section,
-    Table,
     VerdictCell,
     formatted,
     number,
@@ -68,7 +68,7 @@ def short(study: Study) -> Section:
     """What a terminal shows: the orders of each scene, and the prices in words."""
     scenes = []
     for scene in study.scenes:
-        orders = [part for part in overview(scene).parts if isinstance(part, Table)]
+        orders = [part for part in overview(scene).parts if isinstance(part, DataTable)]
         words = [Paragraph(line) for line in work_precision.in_words(scene.timed)]
         scenes.append(Section(f"{scene.case.name}: {scene.reference}", (*orders, *words)))
     return Section(TITLE, (*scenes, Paragraph(verdict(study))))
@@ -126,7 +126,7 @@ def overview(scene: SceneStudy) -> Section:
     stated.append(f"{len(failed)} levels failed." if failed else "Every level has an answer.")
     rows = (_headline(study, row) for study, row in _headlines(scene.timed))
     title = "Observed orders, everything refined together"
-    return _section(title, [*stated, NOTES, TRUTH_NOTE], Table.of(rows))
+    return _section(title, [*stated, NOTES, TRUTH_NOTE], DataTable.of(rows))
 
 
 def _headlines(studies: Sequence[Convergence]) -> Iterator[tuple[Convergence, Row]]:
@@ -146,7 +146,7 @@ def zones(scene: SceneStudy) -> Section | None:
         | {"Richardson, no zone": number(row.alone.richardson if row.alone else None, 6)}
         for study, row in _headlines(studies)
     )
-    return _section("Shorter and longer process zones", [ZONE_NOTE], Table.of(rows))
+    return _section("Shorter and longer process zones", [ZONE_NOTE], DataTable.of(rows))
 
 
 def _by_level(study: Convergence, values: Iterable[str]) -> dict[str, str]:
@@ -205,9 +205,9 @@ def ladder(study: Convergence) -> Section:
         if any(error is not None for error in row.errors)
     )
     tables = (
-        Table.of(map(_level, study.runs), "Levels"),
-        Table.of(values, "Values alone"),
-        Table.of(errors, "Errors against the reference"),
+        DataTable.of(map(_level, study.runs), "Levels"),
+        DataTable.of(values, "Values alone"),
+        DataTable.of(errors, "Errors against the reference"),
     )
     title = f"{SCHEMES[study.ladder.scheme].title}: {study.ladder.kind}"
     return _section(title, stated, *(table for table in tables if table.rows))
@@ -252,11 +252,11 @@ def prices(scene: SceneStudy, threads: str) -> Section:
     return _section("Error against run time", stated, _price_table(studies), _growth_table(studies))
 
 
-def _section(title: str, paragraphs: Sequence[str], *tables: Table) -> Section:
+def _section(title: str, paragraphs: Sequence[str], *tables: DataTable) -> Section:
     return Section(title, (*map(Paragraph, paragraphs), *tables))
 
 
-def _price_table(studies: Sequence[Convergence]) -> Table:
+def _price_table(studies: Sequence[Convergence]) -> DataTable:
     rows = []
     for measure in work_precision.measures(list(studies)):
         for asked in work_precision.ASKED:
@@ -269,10 +269,10 @@ def _price_table(studies: Sequence[Convergence]) -> Table:
                 | dict(zip((study.ladder.scheme for study in studies), shown, strict=True))
                 | {"cheapest": best.scheme if best else ABSENT}
             )
-    return Table.of(rows, "Processor seconds to an error")
+    return DataTable.of(rows, "Processor seconds to an error")
 
 
-def _growth_table(studies: Sequence[Convergence]) -> Table:
+def _growth_table(studies: Sequence[Convergence]) -> DataTable:
     rows = []
     for study in studies:
         fitted = {plain(work): work_precision.growth(study, work) for work in work_precision.WORK}
@@ -280,7 +280,7 @@ def _growth_table(studies: Sequence[Convergence]) -> Table:
         by_error = {work: formatted(one.with_error, ".2f") for work, one in fitted.items()}
         rows.append({"scheme": study.ladder.scheme} | by_resolution)
         rows.append({"scheme": f"{study.ladder.scheme}, over 1/error"} | by_error)
-    return Table.of(rows, "Exponents of cost over resolution, and over 1/error of F(t)")
+    return DataTable.of(rows, "Exponents of cost over resolution, and over 1/error of F(t)")
 
 
 def _orders(values: Sequence[float | None]) -> str:

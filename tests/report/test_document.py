@@ -1,0 +1,80 @@
+"""One document in every form: nothing is lost, numbers stand to the right, markup in a text stays text."""
+
+from __future__ import annotations
+
+import re
+
+from validation.report import html, markdown, terminal
+from validation.report.document import (
+    Bullets,
+    DataTable,
+    Document,
+    Figure,
+    Figures,
+    Fold,
+    LinkCell,
+    Paragraph,
+    Section,
+    VerdictCell,
+    figures_of,
+)
+
+TABLE = DataTable.of(
+    [
+        {"run": LinkCell("first", "runs"), "force": "1.5e-3", "verdict": VerdictCell("pass", True)},
+        {"run": "a | b <c>", "force": "–", "verdict": VerdictCell("FAIL", False)},
+        {"run": "third", "force": "≤ 12", "verdict": VerdictCell("holds in part", None)},
+    ],
+    "Forces & radii",
+)
+IMAGE = Figure("f", "A curve", b"\x89PNG", files={"curve.png": b"\x89PNG"})
+PARTS = (
+    Section("Runs", (TABLE, Fold("More", (Bullets(("one", "two")),))), "runs", VerdictCell("FAIL", False)),
+    Figures((IMAGE, Figure("g", "Another", missing="No run."))),
+)
+DOCUMENT = Document("Title & more", (Paragraph("1 not passed.", False),), PARTS)
+
+
+def test_columns_of_numbers_are_recognised():
+    assert TABLE.columns == ("text", "number", "text")
+    assert DataTable(("t",), (("1.0",),), unbroken=("t",)).columns == ("unbroken",)
+    assert DataTable(("t",), (("1.0",),), numeric=False).columns == ("text",)
+    for text in ("1", "-2.5", "+3.1e-05", "≥ 4", "2.5 s", "12 %", "inf"):
+        assert DataTable(("t",), ((text,),)).columns == ("number",), text
+    for text in ("1.2 1.3", "7.1e-04 + 0.0e+00", "e5", "fig2a"):
+        assert DataTable(("t",), ((text,),)).columns == ("text",), text
+
+
+def test_page_escapes_links_and_marks():
+    page = html.text(DOCUMENT)
+    assert "<h1>Title &amp; more</h1>" in page
+    assert "a | b &lt;c&gt;" in page
+    assert '<a href="#runs">first</a>' in page
+    assert '<td class="number">1.5e-3</td>' in page
+    assert page.count('class="fail"') == 3
+    assert "<summary>More</summary>" in page
+    assert "data:image/png;base64,iVBORw==" in page
+    assert "<p>No run.</p>" in page
+
+
+def test_markdown_holds_the_same():
+    text = markdown.text(DOCUMENT)
+    rows = [line for line in text.splitlines() if line.startswith("|")]
+    assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {4}
+    assert rows[1] == "|---|---:|---|"
+    for said in ("# Title & more", "## Runs: **FAIL**", "### More", "- two", "**1 not passed.**", r"a \| b"):
+        assert said in text
+    assert "![A curve](figures/curve.png)" in text
+
+
+def test_terminal_aligns_columns():
+    lines = terminal.lines(PARTS[0])
+    table = lines[lines.index("Forces & radii") + 1 :][:4]
+    assert table[0] == f"  run{9 * ' '}force  verdict"
+    assert table[1].startswith("  first      1.5e-3  pass")
+    assert lines[-3:] == ["More", "- one", "- two"]
+
+
+def test_figures_are_found_at_any_depth():
+    nested = (Section("a", (Fold("b", (Figures((IMAGE,)),)),)),)
+    assert list(figures_of(nested)) == [IMAGE]
