@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, at_start
+from bem_solver.energy import Energies, initial_energies
 from bem_solver.history import SurfaceHistory, distinct
 from bem_solver.root_search import rising_root
 from bem_solver.state_update import split_at_edge
@@ -20,8 +20,10 @@ from contact_scene import Indenter, Material, Scene
 
 Array = NDArray[np.float64]
 
-_RATIO = 1.04  # between neighbouring edges of a scan
-_TRAVEL = 64.0  # a scan starts this many scales up, and ends a millionfold below
+_SCAN_RATIO = 1.04
+"""Ratio of neighbouring contact radii in the scan for the largest stable one."""
+_SCAN_START, _SCAN_END = 64.0, 1e-6
+"""Largest and smallest radius of the scan, in the estimated contact radius."""
 
 
 def elastic_problem(problem: Problem, modulus: float) -> Problem:
@@ -31,7 +33,7 @@ def elastic_problem(problem: Problem, modulus: float) -> Problem:
 
 
 def untouched_state(problem: Problem, time: float, penetration: float) -> ContactState:
-    """No contact and no past."""
+    """No contact and no history."""
     blank = SurfaceHistory.blank(len(problem.chain))
     return ContactState(time, penetration, ContactSurface.free(problem.annuli), blank)
 
@@ -40,14 +42,14 @@ def largest_stable(trial: Callable[[float], Trial], scale: float, limit: float) 
     """Largest stable contact, or ``None``.
 
     Edges from far above ``scale`` downwards are tried until the residual falls below zero, which brackets
-    the stable root. A flat punch (``limit``) is in full contact unless it wants to recede.
+    the stable root. A flat punch (``limit``) is in full contact unless its edge recedes.
     """
-    edge = upper = min(limit, _TRAVEL * scale)
+    edge = upper = min(limit, _SCAN_START * scale)
     last = trial(edge)
     if upper == limit and last.residual <= 0.0:
         return last
-    while edge > 1e-6 * scale:
-        lower = edge / _RATIO
+    while edge > _SCAN_END * scale:
+        lower = edge / _SCAN_RATIO
         candidate = trial(lower)
         if candidate.residual <= 0.0 < last.residual:
             return rising_root(trial, lower, 0.0, lower, edge, 1e-11 * edge).trial
@@ -100,16 +102,18 @@ def start_state(problem: Problem, scale: float) -> tuple[ContactState, Energies]
     material = scene.material
     penetration = scene.loading.penetration
     if problem.work == 0.0 and penetration <= 0.0:
-        return untouched_state(problem, 0.0, penetration), at_start(problem.chain, 0.0, relaxed)
-    twin = elastic_problem(problem, material.modulus if relaxed else material.glassy_modulus)
-    found = equilibrium(twin, untouched_state(twin, 0.0, penetration), "penetration", penetration, scale)
-    if found is None:
+        return untouched_state(problem, 0.0, penetration), initial_energies(problem.chain, 0.0, relaxed)
+    elastic = elastic_problem(problem, material.modulus if relaxed else material.glassy_modulus)
+    trial = equilibrium(
+        elastic, untouched_state(elastic, 0.0, penetration), "penetration", penetration, scale
+    )
+    if trial is None:
         return None
-    surface = found.surface
+    surface = trial.surface
     state = ContactState(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
     forces = surface.edge * problem.annuli.areas * surface.scaled
     load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
-    return state, at_start(problem.chain, load_work, relaxed)
+    return state, initial_energies(problem.chain, load_work, relaxed)
 
 
 def _start_history(

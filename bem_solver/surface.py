@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.annuli import Annuli, even_cubic
-from bem_solver.kinks import Kinks
+from bem_solver.kinks import EdgeKinks
 
 Array = NDArray[np.float64]
 
@@ -46,11 +46,13 @@ class ContactSurface:
     kappa: float
     field: Array
     force: float
-    kinks: Kinks | None = None
+    kinks: EdgeKinks | None = None
     strengths: Array | None = None
 
     @classmethod
-    def under(cls, annuli: Annuli, edge: float, load: Array, kinks: Kinks | None = None) -> ContactSurface:
+    def under(
+        cls, annuli: Annuli, edge: float, load: Array, kinks: EdgeKinks | None = None
+    ) -> ContactSurface:
         """From ``v`` (M,) at the collocation radii, followed by ``v`` (3 k,) at the readings of the kinks."""
         if kinks is None:
             scaled = rest = annuli.solve(load)

@@ -4,7 +4,8 @@ A point is inside all the time, outside all the time, covered (outside, then ins
 then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
 sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, and a rest that is linear in
 time; the Voigt recursion is exact for both. A covered point meets the indenter at the moment the edge
-passes; a released one is let go, glassy, at that moment.
+passes; a released one leaves it, glassy, at that moment. Displacement ``w``, load ``v`` and penetration are
+positive downwards.
 """
 
 from __future__ import annotations

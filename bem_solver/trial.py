@@ -1,6 +1,7 @@
 """A trial: the surface for a given edge and step, and by how much it misses the closure.
 
-Nothing here changes the committed state (``Front``); only the loop in ``stepping`` does.
+Nothing here changes the committed state, only the loop in ``stepping`` does. Penetration and surface
+displacement positive downwards, force and pressure positive in compression; radii from the axis.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.history import SurfaceHistory
-from bem_solver.kinks import Kinks
+from bem_solver.kinks import EdgeKinks
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, SurfacePoints, advanced, displacement_outside, load_inside
 from contact_scene import Counters, Scene
@@ -41,7 +42,7 @@ class Problem:
 
     @property
     def viscoelastic(self) -> bool:
-        """Whether there is a history at all."""
+        """Whether the material has branches, so that the surface has a history."""
         return len(self.chain) > 0
 
     def length_at(self, edge: float) -> float:
@@ -66,7 +67,7 @@ class ContactState:
 
 @dataclass(frozen=True)
 class Trial:
-    """Surface at the end of a trial step; ``residual`` > 0 where the edge wants to recede."""
+    """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes."""
 
     motion: Motion
     surface: ContactSurface
@@ -112,8 +113,20 @@ def evaluate(
 
     Parameters
     ----------
+    problem : Problem
+    state : ContactState
+        Committed state at the start of the step.
+    duration : float
+    edge : float
+        Contact radius at the end.
     control : "penetration" or "force"
         Which of the two has ``value`` at the end of the step.
+    value : float
+
+    Returns
+    -------
+    Trial
+        Its residual is ``I - dgamma`` (Eq. closure); without adhesion the negative edge singularity.
     """
     annuli, counters = problem.annuli, problem.counters
     kinks = _kinks_inside(problem, state, duration, edge)
@@ -145,24 +158,24 @@ def evaluate(
     return Trial(motion, surface, value_of - problem.work, value_of)
 
 
-def _kinks_inside(problem: Problem, state: ContactState, duration: float, edge: float) -> Kinks | None:
+def _kinks_inside(problem: Problem, state: ContactState, duration: float, edge: float) -> EdgeKinks | None:
     """Where an edge has rested, or turns in this step, inside the new edge.
 
     Older ones are read where the history holds them. Beyond an edge that turns now, what is covered first has
-    relaxed for the whole step, as the root does; what is covered later has not, and is not looked at.
+    relaxed for the whole step, as the root does; what is covered later has not, and is left out.
     """
     history = state.history
     if not problem.viscoelastic or edge <= 0.0:
         return None
     longest = 0.25 * problem.length_at(edge)
-    marks = history.kinks if history.turning is None else (*history.kinks, history.turning)
-    kinks = Kinks.within(marks, min(edge, state.edge), longest)
+    radii = history.kinks if history.turning is None else (*history.kinks, history.turning)
+    kinks = EdgeKinks.within(radii, min(edge, state.edge), longest)
     if not history.direction <= 0 < state.edge < edge:
         return kinks
     still = 0.1 * float(problem.chain.relaxation[0])
     reach = min(longest, (edge - state.edge) * still / (still + duration))
-    nothing = Kinks(np.empty(0), np.empty(0))
-    return (kinks or nothing).and_at(state.edge, reach)
+    none = EdgeKinks(np.empty(0), np.empty(0))
+    return (kinks or none).and_at(state.edge, reach)
 
 
 def _closure(problem: Problem, state: ContactState, motion: Motion, surface: ContactSurface) -> float:
@@ -187,7 +200,22 @@ def _closure(problem: Problem, state: ContactState, motion: Motion, surface: Con
 def gap_outside(
     problem: Problem, state: ContactState, motion: Motion, surface: ContactSurface, radius: Array
 ) -> Array:
-    """Gap at radii outside the new edge at the end of the step."""
+    """Gap outside the new edge at the end of the step.
+
+    Parameters
+    ----------
+    problem : Problem
+    state : ContactState
+        Before the step.
+    motion : Motion
+    surface : ContactSurface
+        After the step.
+    radius : ndarray (m,)
+
+    Returns
+    -------
+    ndarray (m,)
+    """
     load = surface.outside(radius)
     points = points_at(problem, state, radius)
     if problem.viscoelastic:

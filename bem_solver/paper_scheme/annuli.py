@@ -219,7 +219,7 @@ class ContactCandidates:
 
 
 def equilibrium_contact(
-    instant: ContactCandidates, start: int, most: int, capped: bool, work: float
+    candidates: ContactCandidates, start: int, most: int, capped: bool, work: float
 ) -> int | None:
     """Number of annuli in contact at equilibrium, next to ``start``.
 
@@ -235,14 +235,14 @@ def equilibrium_contact(
     """
     n, above = start, None
     if work > 0.0:
-        residual = instant.closure(n) - work if n > 0 else -work
+        residual = candidates.closure(n) - work if n > 0 else -work
         while residual > 0.0:
             n, above = n - 1, residual
             if n == 0:
                 return 0
-            residual = instant.closure(n) - work
+            residual = candidates.closure(n) - work
         while above is None and n < most:
-            beyond = instant.closure(n + 1) - work
+            beyond = candidates.closure(n + 1) - work
             if beyond > 0.0:
                 above = beyond
             else:
@@ -250,8 +250,8 @@ def equilibrium_contact(
         if above is not None:
             return n + 1 if above < -residual else n
     else:
-        while n > 0 and instant.edge_pressure(n) < 0.0:
+        while n > 0 and candidates.edge_pressure(n) < 0.0:
             n -= 1
-        while n < most and instant.edge_pressure(n + 1) > 0.0:
+        while n < most and candidates.edge_pressure(n + 1) > 0.0:
             n += 1
     return n if n < most or capped else None

@@ -12,14 +12,14 @@ from __future__ import annotations
 import numpy as np
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, at_start
+from bem_solver.energy import Energies, initial_energies
 from bem_solver.paper_scheme.annuli import AnnuliState, UniformAnnuli, step_factors
 
 
 def start_energies(chain: Chain, annuli: UniformAnnuli, surface: AnnuliState, relaxed: bool) -> Energies:
     """Energies of the start state."""
     load_work = float(annuli.forces(surface.scaled) @ surface.load[: surface.contact])
-    return at_start(chain, load_work, relaxed)
+    return initial_energies(chain, load_work, relaxed)
 
 
 def step_energies(

@@ -11,8 +11,8 @@ from bem_solver.history import (
     NodalVariables,
     SurfaceHistory,
     distinct,
-    gaps_to_halve,
     graded_nodes,
+    midpoints_of_wide_intervals,
     updated_kinks,
 )
 
@@ -169,5 +169,5 @@ def test_kinks_near_the_edge_are_dropped_and_few_are_kept():
 def test_nodes_around_an_edge():
     radii = np.array([0.1, 0.5, 0.9, 0.99])
     assert_allclose(graded_nodes(radii, 2.0, 0.3), [1.8, 1.98, 2.0, 2.2, 2.02])
-    assert_allclose(gaps_to_halve(np.array([0.0, 0.1, 1.0]), np.array([0.2, 0.2])), [0.55])
+    assert_allclose(midpoints_of_wide_intervals(np.array([0.0, 0.1, 1.0]), np.array([0.2, 0.2])), [0.55])
     assert_array_equal(SurfaceHistory.blank(3).radius, np.empty(0))
