@@ -23,7 +23,7 @@ class StepSettings:
     tolerance : float
         Step tolerance (``Options.tolerance``).
     divisions : int
-        Steps in which the edge may at least be asked to travel the length it is resolved on.
+        Travel limit of the edge in one step: the length it is resolved on, divided by this.
     scale : float
         Order of magnitude of the largest contact radius.
     """

@@ -1,8 +1,9 @@
 """Stress under the surface by superposition of annular loads (Love 1929; Eason, Noble, Sneddon 1955).
 
 The pressure of a :class:`contact_scene.Profile` is ``p(r) = e(t)/cos(t)`` with ``r = a sin(t)`` and ``e``
-smooth up to the edge: a flat punch with the same edge singularity, ``e(pi/2)/cos(t)``, and a rest that goes to
-zero there, carried by annuli of constant pressure with equal steps in ``t``, each the difference of two discs.
+smooth up to the edge: a flat punch with the same edge singularity, ``e(pi/2)/cos(t)``, and a rest that
+goes to zero there. Annuli of constant pressure with equal steps in ``t`` carry the rest, each the difference
+of two discs.
 
 This needs no history. With a constant Poisson's ratio the stress is ``s = C : E * de``, the hereditary
 product of Young's modulus and strain with the one elastic tensor C of unit modulus. ``E * de`` is compatible

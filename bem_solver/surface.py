@@ -1,4 +1,4 @@
-"""The surface at one instant: pressure for a given edge, displacement and gap around it.
+"""The surface at one instant: pressure inside a given contact edge, displacement around it.
 
 Lengths in scene units; ``scaled`` pressure is pressure times contact radius at unit plane modulus, which is
 what one solve on the unit annuli gives. Signs: see ``kernel``.
@@ -24,9 +24,9 @@ class ContactSurface:
     Attributes
     ----------
     scaled : ndarray (M,)
-        Pressure times ``edge`` on each annulus, all of it.
+        Pressure times ``edge`` on each annulus, the punches included.
     kinks : Kinks or None
-        Punches taken out before the rest was given to the annuli.
+        Former edges whose punches are subtracted before the annuli carry the rest.
     strengths : ndarray (k,)
         Their displacements.
     density : ndarray (M,)

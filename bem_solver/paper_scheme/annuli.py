@@ -111,9 +111,9 @@ class AnnuliState:
 
 @dataclass(frozen=True)
 class StepFactors:
-    """``e_k = kept e_k + before v + after v`` (the last v after the step), all (K,)."""
+    """``e_k = decay e_k + before v + after v`` (the last v after the step), all (K,)."""
 
-    kept: Array
+    decay: Array
     before: Array
     after: Array
 
@@ -154,8 +154,8 @@ class ContactCandidates:
         self.control, self.value, self.counters = control, value, counters
         factors = step_factors(chain, duration)
         self._new_share = factors.after
-        self._kept = before.strains * factors.kept + np.outer(before.load, factors.before)
-        self._known = self._kept.sum(axis=1)
+        self._decayed = before.strains * factors.decay + np.outer(before.load, factors.before)
+        self._known = self._decayed.sum(axis=1)
         self._compliance = 1.0 / chain.glassy + float(self._new_share.sum())
         self._base = annuli.blocks.forward(-(annuli.heights + self._known) / self._compliance)
         self._rise = annuli.unit / self._compliance
@@ -213,7 +213,7 @@ class ContactCandidates:
             load = np.concatenate((inside, annuli.blocks.beyond(y, annuli.count)))
             scaled = annuli.blocks.backward(y)
         force = float(annuli.forces(scaled).sum())
-        strains = self._kept + np.outer(load, self._new_share)
+        strains = self._decayed + np.outer(load, self._new_share)
         intensity = annuli.stress_intensity(y)
         return AnnuliState(time, penetration, contact, load, strains, scaled, force, intensity)
 

@@ -31,11 +31,11 @@ def step_energies(
     load_work, branch_work = float(forces @ after.load[:n]), forces @ after.strains[:n]
     load_before, branch_before = float(forces @ before.load[:n]), forces @ before.strains[:n]
     energy = (
-        factors.kept**2 * energies.branch_energy
+        factors.decay**2 * energies.branch_energy
         + factors.before**2 * energies.load_work
         + factors.after**2 * load_work
-        + 2.0 * factors.kept * factors.before * energies.branch_work
-        + 2.0 * factors.kept * factors.after * branch_before
+        + 2.0 * factors.decay * factors.before * energies.branch_work
+        + 2.0 * factors.decay * factors.after * branch_before
         + 2.0 * factors.before * factors.after * load_before
     )
     gained = 0.5 * (energy - energies.branch_energy) / chain.compliances
