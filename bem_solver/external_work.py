@@ -20,8 +20,13 @@ def external_work(time: Array, penetration: Array, force: Array, kinks: list[int
 
     Parameters
     ----------
+    time, penetration, force : ndarray (n,)
     kinks : list of int
         Rows at which slopes may jump; so they may between rows of the same time.
+
+    Returns
+    -------
+    ndarray (n,)
     """
     work = 0.5 * (force[1:] + force[:-1]) * np.diff(penetration)
     at_once = np.flatnonzero(np.diff(time) <= 0.0)

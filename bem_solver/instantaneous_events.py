@@ -17,7 +17,7 @@ from bem_solver.run_state import GradedState, StepSettings
 from bem_solver.start import contact_scale, equilibrium
 from bem_solver.step import EDGE_ACCURACY
 from bem_solver.surface import ContactSurface
-from bem_solver.trial import ContactState, Problem, Trial, evaluate
+from bem_solver.trial import HalfSpaceState, Problem, TrialContact, evaluate
 from contact_scene import Outcome, OutcomeKind
 
 SMALLEST_TRAVEL_SHARE = 1.0 / 64.0
@@ -47,7 +47,7 @@ class FreeMotion:
     """A step without contact: the parameter and state it ends with."""
 
     parameter: float
-    contact: ContactState
+    contact: HalfSpaceState
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class EdgeJump:
     ----------
     parameter : float
         Parameter of the loading interval.
-    trial : Trial
+    trial : TrialContact
         The stable contact reached.
     next_step : float
         Step to continue with.
@@ -67,7 +67,7 @@ class EdgeJump:
     """
 
     parameter: float
-    trial: Trial
+    trial: TrialContact
     next_step: float
     event: bool = False
 
@@ -96,7 +96,7 @@ def without_contact(
     if interval.prescribed(later) <= 0.0:
         penetration = interval.prescribed(later) if interval.control == "penetration" else contact.penetration
         free = ContactSurface.free(problem.annuli)
-        return FreeMotion(later, ContactState(interval.time(later), penetration, free, contact.history))
+        return FreeMotion(later, HalfSpaceState(interval.time(later), penetration, free, contact.history))
     if interval.prescribed(parameter) < 0.0:
         parameter = brentq(interval.prescribed, parameter, later, xtol=1e-14 * length)
     first = min(parameter + _FIRST_CONTACT_STEP * length, length)
@@ -133,7 +133,7 @@ def unstable_motion(
     limit = problem.scene.indenter.edge
     load = interval.prescribed(parameter)
 
-    def trial(edge: float) -> Trial:
+    def trial(edge: float) -> TrialContact:
         return evaluate(problem, contact, 0.0, edge, interval.control, load)
 
     rounding = _ZERO_RESIDUAL * (problem.work or 0.5 * state.largest_force / contact.edge)
@@ -171,7 +171,7 @@ def contact_lost(problem: Problem, state: GradedState) -> bool:
 
 def lift_off(
     problem: Problem, state: GradedState, interval: LoadingInterval
-) -> tuple[ContactState, Energies]:
+) -> tuple[HalfSpaceState, Energies]:
     """State when the last, vanishing contact of an adhesionless indenter is gone.
 
     Its area is extrapolated to zero linearly; the surface outside keeps its history.
@@ -182,4 +182,4 @@ def lift_off(
     penetration = interval.prescribed(end) if interval.control == "penetration" else contact.penetration
     history = replace(SurfaceHistory.blank(len(problem.chain)), outer=contact.history.outer)
     free = ContactSurface.free(problem.annuli)
-    return ContactState(interval.time(end), penetration, free, history), state.energies.unloaded()
+    return HalfSpaceState(interval.time(end), penetration, free, history), state.energies.unloaded()

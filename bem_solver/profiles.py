@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from bem_solver.trial import ContactState, Problem, points_at
+from bem_solver.trial import HalfSpaceState, Problem, points_at
 from contact_scene import Profile
 
 _OUTER_RADIUS = 4.0
 """Largest radius of a profile, in contact radii."""
 
 
-def surface_profile(problem: Problem, state: ContactState) -> Profile:
+def surface_profile(problem: Problem, state: HalfSpaceState) -> Profile:
     """Profile of the committed state, on the annuli inside the contact and graded radii beyond."""
     edge = state.edge
     if edge > 0.0:

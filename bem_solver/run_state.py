@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 
 from bem_solver.energy import Energies
 from bem_solver.recorder import TraceRecorder
-from bem_solver.step_control import StepHistory
-from bem_solver.trial import ContactState
+from bem_solver.step_control import AcceptedSteps
+from bem_solver.trial import HalfSpaceState
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class GradedState:
     parameter
         How far it has been followed.
     rejected
-        Trial steps rejected from there: their length and how far they would have moved the edge.
+        TrialContact steps rejected from there: their length and how far they would have moved the edge.
     accepted
         Accepted states, from which rates are extrapolated.
     step
@@ -61,7 +61,7 @@ class GradedState:
         Derivative of the residual with the edge in the last accepted step; 0 if unknown.
     """
 
-    contact: ContactState
+    contact: HalfSpaceState
     energies: Energies
     record: TraceRecorder
     largest_force: float
@@ -69,7 +69,7 @@ class GradedState:
     begun: bool = False
     parameter: float = 0.0
     rejected: list[tuple[float, float]] = field(default_factory=list)
-    accepted: StepHistory = field(default_factory=StepHistory)
+    accepted: AcceptedSteps = field(default_factory=AcceptedSteps)
     step: float = 0.0
     travel_share: float = 1.0
     slope: float = 0.0

@@ -44,6 +44,22 @@ def annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
 def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> float:
     """Thinnest boundary layer behind an advancing edge that changes the closure noticeably; zero without.
 
+    Parameters
+    ----------
+    scene : Scene
+    chain : Chain
+    radius : float
+        Largest contact radius.
+    zone : float
+        Length of the process zone; zero without adhesion.
+
+    Returns
+    -------
+    float
+        Thickness in the scene's unit of length.
+
+    Notes
+    -----
     Advancing at speed v, the stress of branch k relaxes over ``v tau_k``, which changes the closure by the
     order of ``(E_k/E0) v tau_k/da``. On a ramp the speed is that of a contact that follows the profile,
     ``rate/(2 df/dr)``; while the load rests, or turns round in an oscillation that leaves it time to relax,

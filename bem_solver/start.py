@@ -15,7 +15,7 @@ from bem_solver.root_search import rising_root
 from bem_solver.state_update import split_at_edge
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, advanced
-from bem_solver.trial import ContactState, Problem, Trial, evaluate, points_at
+from bem_solver.trial import HalfSpaceState, Problem, TrialContact, evaluate, points_at
 from contact_scene import Indenter, Material, Scene
 
 Array = NDArray[np.float64]
@@ -32,13 +32,13 @@ def elastic_problem(problem: Problem, modulus: float) -> Problem:
     return replace(problem, chain=Chain(material), scene=replace(problem.scene, material=material))
 
 
-def untouched_state(problem: Problem, time: float, penetration: float) -> ContactState:
+def untouched_state(problem: Problem, time: float, penetration: float) -> HalfSpaceState:
     """No contact and no history."""
     blank = SurfaceHistory.blank(len(problem.chain))
-    return ContactState(time, penetration, ContactSurface.free(problem.annuli), blank)
+    return HalfSpaceState(time, penetration, ContactSurface.free(problem.annuli), blank)
 
 
-def largest_stable(trial: Callable[[float], Trial], scale: float, limit: float) -> Trial | None:
+def largest_stable(trial: Callable[[float], TrialContact], scale: float, limit: float) -> TrialContact | None:
     """Largest stable contact, or ``None``.
 
     Edges from far above ``scale`` downwards are tried until the residual falls below zero, which brackets
@@ -58,11 +58,28 @@ def largest_stable(trial: Callable[[float], Trial], scale: float, limit: float) 
 
 
 def equilibrium(
-    problem: Problem, state: ContactState, control: str, value: float, scale: float
-) -> Trial | None:
-    """Instantaneous equilibrium from ``state`` under the given control, or ``None``."""
+    problem: Problem, state: HalfSpaceState, control: str, value: float, scale: float
+) -> TrialContact | None:
+    """Instantaneous equilibrium under the given control.
 
-    def trial(edge: float) -> Trial:
+    Parameters
+    ----------
+    problem : Problem
+    state : HalfSpaceState
+        From which the load jumps.
+    control : "penetration" or "force"
+        Which of the two has ``value``.
+    value : float
+    scale : float
+        Order of magnitude of the contact radius.
+
+    Returns
+    -------
+    TrialContact or None
+        The largest stable contact.
+    """
+
+    def trial(edge: float) -> TrialContact:
         return evaluate(problem, state, 0.0, edge, control, value)
 
     return largest_stable(trial, scale, problem.scene.indenter.edge)
@@ -95,7 +112,7 @@ def contact_scale(scene: Scene, penetration: float) -> float:
     return max(geometric, adhesive)
 
 
-def start_state(problem: Problem, scale: float) -> tuple[ContactState, Energies] | None:
+def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energies] | None:
     """The start state of the scene, or ``None`` without equilibrium."""
     scene = problem.scene
     relaxed = scene.loading.start == "relaxed"
@@ -110,7 +127,7 @@ def start_state(problem: Problem, scale: float) -> tuple[ContactState, Energies]
     if trial is None:
         return None
     surface = trial.surface
-    state = ContactState(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
+    state = HalfSpaceState(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
     forces = surface.edge * problem.annuli.areas * surface.scaled
     load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
     return state, initial_energies(problem.chain, load_work, relaxed)

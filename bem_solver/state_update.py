@@ -17,7 +17,7 @@ from bem_solver.history import (
 )
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, advanced, load_inside
-from bem_solver.trial import ContactState, Problem, Trial, points_at
+from bem_solver.trial import HalfSpaceState, Problem, TrialContact, points_at
 
 Array = NDArray[np.float64]
 
@@ -84,23 +84,23 @@ def spacing(radius: Array, edge: float, length: float, divisions: int) -> Array:
 
 def updated_state(
     problem: Problem,
-    state: ContactState,
+    state: HalfSpaceState,
     energies: Energies,
-    trial: Trial,
+    trial: TrialContact,
     time: float,
     divisions: int,
     tolerance: float,
-) -> tuple[ContactState, Energies]:
+) -> tuple[HalfSpaceState, Energies]:
     """The state after an accepted trial.
 
     Parameters
     ----------
     problem : Problem
-    state : ContactState
+    state : HalfSpaceState
         Before the step.
     energies : Energies
         Before the step.
-    trial : Trial
+    trial : TrialContact
     time : float
         At the end of the step.
     divisions : int
@@ -110,7 +110,7 @@ def updated_state(
 
     Returns
     -------
-    state : ContactState
+    state : HalfSpaceState
     energies : Energies
     """
     motion, surface = trial.motion, trial.surface
@@ -126,12 +126,12 @@ def updated_state(
         problem.chain, state.surface, surface, variables, points.load, points.variables
     )
     after = updated_energies(problem.chain, energies, increment, motion.duration)
-    return ContactState(time, motion.new_penetration, surface, history), after
+    return HalfSpaceState(time, motion.new_penetration, surface, history), after
 
 
 def _new_history(
     problem: Problem,
-    state: ContactState,
+    state: HalfSpaceState,
     motion: Motion,
     surface: ContactSurface,
     length: float,

@@ -16,7 +16,7 @@ from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import GradedState, StepSettings
 from bem_solver.step_control import departure_from_line, shrunk
-from bem_solver.trial import ContactState, Problem, Trial, evaluate
+from bem_solver.trial import HalfSpaceState, Problem, TrialContact, evaluate
 
 EDGE_ACCURACY = 4e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
@@ -56,12 +56,12 @@ class Candidate:
     """
 
     parameter: float
-    trial: Trial
+    trial: TrialContact
     error: float
     slope: float = 0.0
 
 
-def free_load(interval: LoadingInterval, contact: ContactState) -> float:
+def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
     """The quantity that is not prescribed: force under controlled penetration, penetration under force."""
     return contact.surface.force if interval.control == "penetration" else contact.penetration
 
@@ -146,7 +146,7 @@ class TrialStep:
         return self._to_travel_limit(receding, low if receding else high, reach, root)
 
     def _to_travel_limit(
-        self, receding: bool, edge: float, reach: float, root: RootSearchResult[Trial]
+        self, receding: bool, edge: float, reach: float, root: RootSearchResult[TrialContact]
     ) -> Candidate | FailedStep:
         """The shorter step that takes the edge to its travel limit ``edge``, if it is stable there."""
         start, beyond = self.state.parameter, root.trial
@@ -181,13 +181,13 @@ class TrialStep:
         trial = self._trial(end, edge)
         return Candidate(end, trial, self._error(trial, end - start))
 
-    def _trial(self, parameter: float, edge: float) -> Trial:
+    def _trial(self, parameter: float, edge: float) -> TrialContact:
         interval, contact = self.interval, self.state.contact
         duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
         prescribed = interval.prescribed(parameter)
         return evaluate(self.problem, contact, duration, edge, interval.control, prescribed)
 
-    def _error(self, trial: Trial, step: float, rate_step: float | None = None) -> float:
+    def _error(self, trial: TrialContact, step: float, rate_step: float | None = None) -> float:
         """Departure of edge and load from straight lines, in tolerances.
 
         ``rate_step`` is the step for which rates are taken, ``step`` itself by default.

@@ -35,7 +35,7 @@ from bem_solver.step import (
     limited_step,
 )
 from bem_solver.step_control import grown, shrunk
-from bem_solver.trial import Problem, Trial
+from bem_solver.trial import Problem, TrialContact
 from contact_scene import Outcome, OutcomeKind, RunMonitor
 from contact_scene.run_control import KeptState, LoadingCursor, budget_outcome, interruption
 
@@ -198,7 +198,7 @@ class GradedRun:
         state.record.kink()
         return None
 
-    def _commit(self, trial: Trial, time: float, report: Callable[[float], None]) -> None:
+    def _commit(self, trial: TrialContact, time: float, report: Callable[[float], None]) -> None:
         """Make the trial the state."""
         state, surface = self.state, trial.surface
         if not (math.isfinite(surface.force) and math.isfinite(trial.motion.new_penetration)):

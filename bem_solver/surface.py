@@ -53,7 +53,20 @@ class ContactSurface:
     def under(
         cls, annuli: Annuli, edge: float, load: Array, kinks: EdgeKinks | None = None
     ) -> ContactSurface:
-        """From ``v`` (M,) at the collocation radii, followed by ``v`` (3 k,) at the readings of the kinks."""
+        """The surface under a required displacement.
+
+        Parameters
+        ----------
+        annuli : Annuli
+        edge : float
+        load : ndarray (M + 3 k,)
+            ``v`` at the collocation radii, then at the readings of the kinks.
+        kinks : EdgeKinks, optional
+
+        Returns
+        -------
+        ContactSurface
+        """
         if kinks is None:
             scaled = rest = annuli.solve(load)
             strengths, carried = None, 0.0

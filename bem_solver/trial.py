@@ -51,7 +51,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class ContactState:
+class HalfSpaceState:
     """Committed state: the surface, its history, time and penetration."""
 
     time: float
@@ -66,7 +66,7 @@ class ContactState:
 
 
 @dataclass(frozen=True)
-class Trial:
+class TrialContact:
     """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes."""
 
     motion: Motion
@@ -75,7 +75,7 @@ class Trial:
     closure: float
 
 
-def points_at(problem: Problem, state: ContactState, radius: Array) -> SurfacePoints:
+def points_at(problem: Problem, state: HalfSpaceState, radius: Array) -> SurfacePoints:
     """State of surface points at the start of a step."""
     chain, history = problem.chain, state.history
     height = problem.scene.indenter.height(radius)
@@ -107,14 +107,14 @@ def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> A
 
 
 def evaluate(
-    problem: Problem, state: ContactState, duration: float, edge: float, control: str, value: float
-) -> Trial:
+    problem: Problem, state: HalfSpaceState, duration: float, edge: float, control: str, value: float
+) -> TrialContact:
     """The surface with the edge at ``edge`` after ``duration``, and its residual.
 
     Parameters
     ----------
     problem : Problem
-    state : ContactState
+    state : HalfSpaceState
         Committed state at the start of the step.
     duration : float
     edge : float
@@ -125,7 +125,7 @@ def evaluate(
 
     Returns
     -------
-    Trial
+    TrialContact
         Its residual is ``I - dgamma`` (Eq. closure); without adhesion the negative edge singularity.
     """
     annuli, counters = problem.annuli, problem.counters
@@ -150,15 +150,15 @@ def evaluate(
         surface = one.towards(two, share)
     counters.linear_solves += 1
     if problem.work == 0.0:
-        return Trial(motion, surface, -surface.kappa, 0.0)
+        return TrialContact(motion, surface, -surface.kappa, 0.0)
     counters.closure_evaluations += 1
     value_of = _closure(problem, state, motion, surface)
     if surface.kappa > 0.0:
         value_of = -abs(value_of)
-    return Trial(motion, surface, value_of - problem.work, value_of)
+    return TrialContact(motion, surface, value_of - problem.work, value_of)
 
 
-def _kinks_inside(problem: Problem, state: ContactState, duration: float, edge: float) -> EdgeKinks | None:
+def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge: float) -> EdgeKinks | None:
     """Where an edge has rested, or turns in this step, inside the new edge.
 
     Older ones are read where the history holds them. Beyond an edge that turns now, what is covered first has
@@ -178,7 +178,7 @@ def _kinks_inside(problem: Problem, state: ContactState, duration: float, edge: 
     return (kinks or none).and_at(state.edge, reach)
 
 
-def _closure(problem: Problem, state: ContactState, motion: Motion, surface: ContactSurface) -> float:
+def _closure(problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface) -> float:
     """``I``, the punches at kinks integrated from their own edges on."""
     rule, zone, edge, kinks = problem.rule, problem.zone, surface.edge, surface.kinks
     inner = rule.inside(zone, edge)
@@ -198,14 +198,14 @@ def _closure(problem: Problem, state: ContactState, motion: Motion, surface: Con
 
 
 def gap_outside(
-    problem: Problem, state: ContactState, motion: Motion, surface: ContactSurface, radius: Array
+    problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface, radius: Array
 ) -> Array:
     """Gap outside the new edge at the end of the step.
 
     Parameters
     ----------
     problem : Problem
-    state : ContactState
+    state : HalfSpaceState
         Before the step.
     motion : Motion
     surface : ContactSurface

@@ -224,14 +224,23 @@ def equilibrium_contact(
     """Number of annuli in contact at equilibrium, next to ``start``.
 
     With adhesion, the stable edge lies where the closure rises through the work of adhesion; of the two
-    borders around that place the one whose closure comes closer is taken. Zero where no stable contact is
+    borders around it the one whose closure comes closer is taken. Zero where no stable contact is
     left. Without adhesion, tensile edge annuli are released and overlapping ones covered.
 
     Parameters
     ----------
+    candidates : ContactCandidates
+    start : int
+        Number of annuli from which the search begins.
     most : int
         Largest contact; ``capped`` says that the indenter ends there. Otherwise the result is ``None`` where
         contact would spread further.
+    work : float
+        Work of adhesion.
+
+    Returns
+    -------
+    int or None
     """
     n, above = start, None
     if work > 0.0:

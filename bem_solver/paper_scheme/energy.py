@@ -1,4 +1,4 @@
-"""Energies of the baseline, exact for its discrete fields.
+"""Energies of the paper scheme, exact for its discrete fields.
 
 The quadratic forms of ``energy`` (Y, X_k, W_k: products of a displacement field with the pressures behind
 another) follow a step without approximation, since a step makes each new branch field a combination of three
@@ -17,7 +17,20 @@ from bem_solver.paper_scheme.annuli import AnnuliState, UniformAnnuli, step_fact
 
 
 def start_energies(chain: Chain, annuli: UniformAnnuli, surface: AnnuliState, relaxed: bool) -> Energies:
-    """Energies of the start state."""
+    """Energies of the start state.
+
+    Parameters
+    ----------
+    chain : Chain
+    annuli : UniformAnnuli
+    surface : AnnuliState
+    relaxed : bool
+        Whether the start state is the relaxed equilibrium rather than the glassy one.
+
+    Returns
+    -------
+    Energies
+    """
     load_work = float(annuli.forces(surface.scaled) @ surface.load[: surface.contact])
     return initial_energies(chain, load_work, relaxed)
 
@@ -25,7 +38,20 @@ def start_energies(chain: Chain, annuli: UniformAnnuli, surface: AnnuliState, re
 def step_energies(
     chain: Chain, annuli: UniformAnnuli, energies: Energies, before: AnnuliState, after: AnnuliState
 ) -> Energies:
-    """Energies after a step."""
+    """Energies after a step.
+
+    Parameters
+    ----------
+    chain : Chain
+    annuli : UniformAnnuli
+    energies : Energies
+        Before the step.
+    before, after : AnnuliState
+
+    Returns
+    -------
+    Energies
+    """
     factors = step_factors(chain, after.time - before.time)
     forces, n = annuli.forces(after.scaled), after.contact
     load_work, branch_work = float(forces @ after.load[:n]), forces @ after.strains[:n]

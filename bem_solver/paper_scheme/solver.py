@@ -1,4 +1,4 @@
-"""The paper's own discretisation (Appendix A) as a baseline: uniform annuli and a fixed time step.
+"""The paper's own discretisation (Appendix A): uniform annuli and a fixed time step.
 
 First order in the annulus width and in the step, by construction: the contact edge moves from border to
 border. One factorisation a run, one forward and one backward solution a step, whatever the control.
