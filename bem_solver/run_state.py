@@ -9,23 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from bem_solver.energy import Energies
+from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.recorder import TraceRecorder
 from bem_solver.step_control import AcceptedSteps
-from bem_solver.trial import HalfSpaceState
+from bem_solver.trial import HalfSpaceState, Problem
 
 
 @dataclass(frozen=True)
 class StepSettings:
     """What bounds the steps of a run.
 
-    Attributes
-    ----------
-    tolerance : float
-        Step tolerance (``Options.tolerance``).
-    divisions : int
-        Travel limit of the edge in one step: the length it is resolved on, divided by this.
-    scale : float
-        Order of magnitude of the largest contact radius.
+    ``tolerance`` is the step tolerance, ``divisions`` the number of steps in which the edge may travel the
+    length it is resolved on, ``scale`` the order of magnitude of the largest contact radius.
     """
 
     tolerance: float
@@ -37,28 +32,12 @@ class StepSettings:
 class GradedState:
     """Serialisable state of a run on graded annuli.
 
-    Attributes
-    ----------
-    contact, energies
-        Committed state of the surface and its energies.
-    record
-        Rows, events and profiles so far.
-    largest_force, largest_edge
-        Largest force in magnitude and largest contact radius so far.
-    begun
-        Whether the present loading interval has begun.
-    parameter
-        How far it has been followed.
-    rejected
-        TrialContact steps rejected from there: their length and how far they would have moved the edge.
-    accepted
-        Accepted states, from which rates are extrapolated.
-    step
-        Step to try next, before it is limited.
-    travel_share
-        Share of the travel limit of the edge that is in force.
-    slope
-        Derivative of the residual with the edge in the last accepted step; 0 if unknown.
+    ``contact`` and ``energies`` are the committed state, ``record`` the rows, events and profiles so far. In
+    the present loading interval (``begun``) the run has reached ``parameter``, with the ``accepted`` states
+    from which rates are extrapolated; from there steps were ``rejected``, with their length and the travel of
+    the edge. ``step`` is the step to try next before it is limited, ``travel_share`` the share of the travel
+    limit of the edge in force, ``slope`` the derivative of the residual with the edge in the last accepted
+    step (0: unknown).
     """
 
     contact: HalfSpaceState
@@ -77,3 +56,13 @@ class GradedState:
     def interval_done(self) -> None:
         """Ready for the next loading interval."""
         self.begun, self.parameter, self.rejected = False, 0.0, []
+
+
+@dataclass(frozen=True)
+class StepStart:
+    """Where a step starts: problem, settings, committed state, and the interval of the loading it lies in."""
+
+    problem: Problem
+    settings: StepSettings
+    state: GradedState
+    interval: LoadingInterval

@@ -14,9 +14,9 @@ from scipy.optimize import brentq
 
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
-from bem_solver.run_state import GradedState, StepSettings
+from bem_solver.run_state import StepStart
 from bem_solver.step_control import departure_from_line, shrunk
-from bem_solver.trial import HalfSpaceState, Problem, TrialContact, evaluate
+from bem_solver.trial import HalfSpaceState, TrialContact, evaluate
 
 EDGE_ACCURACY = 4e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
@@ -66,27 +66,14 @@ def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
     return contact.surface.force if interval.control == "penetration" else contact.penetration
 
 
-def limited_step(
-    problem: Problem, settings: StepSettings, state: GradedState, interval: LoadingInterval
-) -> tuple[float, float]:
-    """The step to try.
+def limited_step(start: StepStart) -> tuple[float, float]:
+    """Step size to start from next time, and the step to try.
 
     Within the travel limit, with no more than a slight departure of the prescribed quantity from its chord,
     and without leaving a sliver before the end of the interval.
-
-    Parameters
-    ----------
-    problem : Problem
-    settings : StepSettings
-    state : GradedState
-    interval : LoadingInterval
-
-    Returns
-    -------
-    limited, step : float
-        Step size to start from next time, and the step itself.
     """
-    limit = 0.9 * state.travel_share * problem.length_at(state.contact.edge) / settings.divisions
+    state, interval, settings = start.state, start.interval, start.settings
+    limit = 0.9 * state.travel_share * start.problem.length_at(state.contact.edge) / settings.divisions
     limited, parameter = state.step, state.parameter
     speed = abs(state.accepted.rates(limited)[0])
     if speed * limited > limit:
@@ -101,17 +88,13 @@ def limited_step(
 
 
 @dataclass(frozen=True)
-class TrialStep:
+class TrialStep(StepStart):
     """A step of length ``step`` from the committed state along a loading interval.
 
     Where the edge would go further than its travel limit, the shorter step that takes it just there is
     sought instead.
     """
 
-    problem: Problem
-    settings: StepSettings
-    state: GradedState
-    interval: LoadingInterval
     step: float
 
     @property
