@@ -38,5 +38,16 @@ class ClosureRule:
         return min(zone, edge) * self.distance
 
     def integral(self, tension: Array, gap: Array, zone: float, edge: float) -> float:
-        """``I`` from tension at ``a - s`` and gap at ``a + zone - s`` for the s of :meth:`inside`."""
+        """``I`` (Eq. closure), energy per area.
+
+        Parameters
+        ----------
+        tension, gap : ndarray (q,)
+            At ``a - s`` and at ``a + zone - s`` for the s of :meth:`inside`.
+        zone, edge : float
+
+        Returns
+        -------
+        float
+        """
         return float(min(zone, edge) * (self.weight @ (tension * gap)) / (2.0 * zone))

@@ -19,7 +19,8 @@ from scipy.special import ellipe, ellipkm1, elliprf, elliprj
 
 Array = NDArray[np.float64]
 
-_AXIS = 1e-4  # nearer to the axis than this share of the distance, its limits hold to the square of it
+_AXIS = 1e-4
+"""Distance from the axis, relative to that from the rim, below which the limits on the axis are used."""
 
 
 def disc_load(r: Array, s: Array, c: Array) -> Array:
@@ -30,7 +31,7 @@ def disc_load(r: Array, s: Array, c: Array) -> Array:
     r, s, c = np.broadcast_arrays(r, s, c)
     squared = c**2 + s**2
     near = r < _AXIS * np.sqrt(squared)
-    at = np.where(near, c, r)  # any place off the axis: replaced below
+    at = np.where(near, c, r)  # any radius off the axis: replaced below
     far = (c + at) ** 2 + s**2
     close = (c - at) ** 2 + s**2
     length = np.sqrt(far)
@@ -52,8 +53,8 @@ def disc_load(r: Array, s: Array, c: Array) -> Array:
     middle = c**2 / (distance * (distance + s))  # 1 - s/distance
     bend, twist = c**2 / distance**3, s * c**2 / distance**5
     axis = [middle, bend, 0.5 * middle, 0.5 * bend, 1.5 * twist]
-    found = [a0, a1, c0 / at, c1 / at, c2 / at]
-    return np.stack([np.where(near, limit, value) for limit, value in zip(axis, found, strict=True)])
+    general = [a0, a1, c0 / at, c1 / at, c2 / at]
+    return np.stack([np.where(near, limit, value) for limit, value in zip(axis, general, strict=True)])
 
 
 def punch_load(r: Array, s: Array) -> Array:

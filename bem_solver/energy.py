@@ -28,7 +28,8 @@ from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
 
-_MOSTLY = 0.5
+_TIP_SHARE = 0.5
+"""Share of ``int dp dv`` belonging to the moving tip above which a step counts as short."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Energies:
         )
 
     def unloaded(self) -> Energies:
-        """Without load, nothing else changed."""
+        """The same without load."""
         return replace(self, load_work=0.0, branch_work=0.0 * self.branch_work)
 
 
@@ -74,7 +75,7 @@ class WorkIncrement:
     tip: float
 
 
-def change(
+def work_increment(
     chain: Chain,
     before: ContactSurface,
     after: ContactSurface,
@@ -82,8 +83,24 @@ def change(
     load_before: Array,
     variables_before: Array,
 ) -> WorkIncrement:
-    """From the surfaces around a step and the state at the annuli of the later one, ``v`` (M,) before it and
-    variables (M, K) before and after."""
+    """Quadratic forms after a step, and what it adds to them.
+
+    Parameters
+    ----------
+    chain : Chain
+    before, after : ContactSurface
+        Around the step.
+    variables : ndarray (M, K)
+        Internal variables at the annuli of ``after``, after the step.
+    load_before : ndarray (M,)
+        ``v`` at these annuli before the step.
+    variables_before : ndarray (M, K)
+        Internal variables there before the step.
+
+    Returns
+    -------
+    WorkIncrement
+    """
     annuli = after.annuli
     forces = after.edge * annuli.areas * after.scaled
     work = float(forces @ (annuli.matrix @ after.scaled))
@@ -101,54 +118,73 @@ def change(
     )
 
 
-def at_start(chain: Chain, load_work: float, relaxed: bool) -> Energies:
-    """Energies of the start state: fully relaxed, or glassy with nothing in the branches yet."""
+def initial_energies(chain: Chain, load_work: float, relaxed: bool) -> Energies:
+    """Energies of the start state: fully relaxed, or glassy with no strain in the branches."""
     share = chain.compliances * (1.0 if relaxed else 0.0)
     return Energies(load_work, share * load_work, share * chain.compliances * load_work, 0.0)
 
 
-def stepped(chain: Chain, before: Energies, now: WorkIncrement, duration: float) -> Energies:
-    """Energies after a step, short or long as each branch sees it.
+def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, duration: float) -> Energies:
+    """Energies after a step, short or long compared with the retardation time of each branch.
 
+    Parameters
+    ----------
+    chain : Chain
+    before : Energies
+    increment : WorkIncrement
+    duration : float
+
+    Returns
+    -------
+    Energies
+
+    Notes
+    -----
     A step is short, too, if most of what changes in it changes at the tip: all of that is in the states.
     """
     y = duration / chain.retardation
-    whole = now.load_work + before.load_work - 2.0 * now.across
-    short = (y < 1.0) | (now.tip > _MOSTLY * whole)
-    ways = _short(chain, before, now, y), _long(chain, before, now, y)
+    total = increment.load_work + before.load_work - 2.0 * increment.across
+    short = (y < 1.0) | (increment.tip > _TIP_SHARE * total)
+    ways = _short(chain, before, increment, y), _long(chain, before, increment, y)
     energy, lost = (np.where(short, one, other) for one, other in zip(*ways, strict=True))
-    return Energies(now.load_work, now.branch_work, energy, before.dissipated + float(np.sum(lost)))
+    return Energies(
+        increment.load_work, increment.branch_work, energy, before.dissipated + float(np.sum(lost))
+    )
 
 
-def _short(chain: Chain, before: Energies, now: WorkIncrement, y: Array) -> tuple[Array, Array]:
+def _short(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array]:
     """W after a step shorter than the branch's time, X linear, and what it turned into heat."""
     decay, spread = np.exp(-2.0 * y), phi(2.0 * y)
     energy = decay * before.branch_energy + chain.compliances * (
-        now.branch_work * (1.0 - spread) + before.branch_work * (spread - decay)
+        increment.branch_work * (1.0 - spread) + before.branch_work * (spread - decay)
     )
     # work done on the branch, int (J Y - X)/theta dt, by the trapezoid
-    lag = chain.compliances * (now.load_work + before.load_work) - (now.branch_work + before.branch_work)
+    lag = chain.compliances * (increment.load_work + before.load_work) - (
+        increment.branch_work + before.branch_work
+    )
     return energy, 0.5 * y * lag - 0.5 * (energy - before.branch_energy) / chain.compliances
 
 
-def _long(chain: Chain, before: Energies, now: WorkIncrement, y: Array) -> tuple[Array, Array]:
+def _long(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array]:
     """The same for a longer step, v linear but for the tip."""
     compliances = chain.compliances
     decay, spread, twice = np.exp(-y), phi(y), phi(2.0 * y)
-    whole = max(now.load_work + before.load_work - 2.0 * now.across, 0.0)  # int dp dv
-    tip = min(now.tip, whole)
+    total = max(increment.load_work + before.load_work - 2.0 * increment.across, 0.0)  # int dp dv
+    tip = min(increment.tip, total)
     lag = np.maximum(before.lag_energy(chain), 0.0)
-    mixed = compliances * (now.lag_across - compliances * before.load_work + before.branch_work)
-    most = compliances * np.sqrt(lag * whole)
+    mixed = compliances * (increment.lag_across - compliances * before.load_work + before.branch_work)
+    most = compliances * np.sqrt(lag * total)
     mixed = np.minimum(np.maximum(mixed, -most), most)
-    driven = compliances**2 * (whole - tip)
+    driven = compliances**2 * (total - tip)
     after = decay**2 * lag + 2.0 * mixed * decay * spread + driven * spread**2 + compliances**2 * tip * twice
-    lost = 0.5 * (1.0 - decay**2) * lag + mixed * y * spread**2 + driven * _risen(y)
+    lost = 0.5 * (1.0 - decay**2) * lag + mixed * y * spread**2 + driven * _mean_square_rise(y)
     lost = lost / compliances + 0.5 * compliances * tip * (1.0 - twice)
-    return np.maximum(after, 0.0) - compliances**2 * now.load_work + 2.0 * compliances * now.branch_work, lost
+    return np.maximum(
+        after, 0.0
+    ) - compliances**2 * increment.load_work + 2.0 * compliances * increment.branch_work, lost
 
 
-def _risen(y: Array) -> Array:
+def _mean_square_rise(y: Array) -> Array:
     """``(1/y^2) int_0^y (1 - exp(-x))^2 dx``."""
     small = y / 3.0 - y**2 / 4.0 + 7.0 * y**3 / 60.0 - y**4 / 24.0
     safe = np.maximum(y, 0.01)

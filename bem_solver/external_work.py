@@ -20,13 +20,18 @@ def external_work(time: Array, penetration: Array, force: Array, kinks: list[int
 
     Parameters
     ----------
+    time, penetration, force : ndarray (n,)
     kinks : list of int
         Rows at which slopes may jump; so they may between rows of the same time.
+
+    Returns
+    -------
+    ndarray (n,)
     """
     work = 0.5 * (force[1:] + force[:-1]) * np.diff(penetration)
-    still = np.flatnonzero(np.diff(time) <= 0.0)
-    marks = sorted({0, *kinks, *still.tolist(), *(still + 1).tolist(), len(time) - 1})
-    for first, last in pairwise(marks):
+    at_once = np.flatnonzero(np.diff(time) <= 0.0)
+    borders = sorted({0, *kinks, *at_once.tolist(), *(at_once + 1).tolist(), len(time) - 1})
+    for first, last in pairwise(borders):
         if last - first > 2:
             rows = slice(first, last + 1)
             work[first:last] += _beyond_straight(time[rows], penetration[rows], force[rows])
@@ -34,7 +39,7 @@ def external_work(time: Array, penetration: Array, force: Array, kinks: list[int
 
 
 def _beyond_straight(time: Array, penetration: Array, force: Array) -> Array:
-    """What cubics add to the trapezoids, shape (n - 1,).
+    """Difference between cubics and trapezoids, shape (n - 1,).
 
     With ``a``, ``b`` the slopes at both ends, times the step, less the chord's: ``F = chord + a s(1-s)^2 - b
     s^2(1-s)`` and the same for D; the integral of their product is a form in these.

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_KINKS = 8  # kept at most, the newest
+_MOST_KINKS = 8
+"""Kinks represented at once; the oldest are dropped."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +36,10 @@ class NodalVariables:
 
     @cached_property
     def _bounds(self) -> list[int]:
-        """Nodes at which stretches between kinks begin, and the last node."""
+        """Nodes at which intervals between kinks begin, and the last node."""
         n = len(self.radius)
-        marks = np.searchsorted(self.radius, self.kinks)
-        return sorted({0, *(int(mark) for mark in marks if mark < n - 1), n - 1})
+        at_kinks = np.searchsorted(self.radius, self.kinks)
+        return sorted({0, *(int(node) for node in at_kinks if node < n - 1), n - 1})
 
     @cached_property
     def _origin(self) -> Array:
@@ -154,15 +155,15 @@ class SurfaceHistory:
 
     @classmethod
     def blank(cls, branches: int) -> SurfaceHistory:
-        """Nothing has happened yet."""
-        nothing = NodalVariables(np.empty(0), np.empty((0, branches)))
-        return cls(nothing, nothing)
+        """An undisturbed surface."""
+        empty = NodalVariables(np.empty(0), np.empty((0, branches)))
+        return cls(empty, empty)
 
 
 def distinct(radius: Array, fixed: tuple[float, ...], smallest: float) -> Array:
     """Sorted radii at least ``smallest`` apart, the ``fixed`` among them.
 
-    Slopes between closer nodes would mean nothing, and feed back.
+    Slopes between closer nodes would be rounding errors, and feed back into the motion of the edge.
     """
     merged = np.unique(np.concatenate((radius, fixed)))
     for value in fixed:
@@ -182,9 +183,24 @@ def updated_kinks(
 ) -> tuple[tuple[float, ...], int, float | None]:
     """Kinks, direction and turning radius after the edge went from ``edge`` to ``new_edge``.
 
+    Parameters
+    ----------
+    before : SurfaceHistory
+    edge, new_edge : float
+    apart : float
+        Smallest distance of a kink from the edge and from newer kinks.
+
+    Returns
+    -------
+    kinks : tuple of float
+    direction : int
+    turning : float or None
+
+    Notes
+    -----
     An edge that turned, or started from rest, leaves a kink once it is ``apart`` from there. Kinks closer
-    than that to the edge or to a newer one are dropped: the nodes that stay around them carry what they
-    leave.
+    than that to the edge or to a newer one are dropped: the nodes that stay around them carry their
+    history.
     """
     direction = int(np.sign(new_edge - edge)) or before.direction
     turning = before.turning if direction == before.direction else edge
@@ -192,7 +208,7 @@ def updated_kinks(
     if turning is not None and abs(new_edge - turning) >= apart:
         kinks = [k for k in kinks if abs(k - turning) >= apart] + [turning]
         turning = None
-    return tuple(sorted(kinks[-_KINKS:])), direction, turning
+    return tuple(sorted(kinks[-_MOST_KINKS:])), direction, turning
 
 
 def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:
@@ -202,7 +218,7 @@ def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:
     return np.concatenate((inside, [edge], 2.0 * edge - inside))
 
 
-def gaps_to_halve(radius: Array, spacing: Array) -> Array:
+def midpoints_of_wide_intervals(radius: Array, spacing: Array) -> Array:
     """Mid-points of the intervals that are longer than ``spacing`` (n - 1,) allows."""
     wide = np.diff(radius) > spacing
     return 0.5 * (radius[1:] + radius[:-1])[wide]

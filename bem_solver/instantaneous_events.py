@@ -11,13 +11,12 @@ from scipy.optimize import brentq
 
 from bem_solver.energy import Energies
 from bem_solver.history import SurfaceHistory
-from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import rising_root
-from bem_solver.run_state import GradedState, StepSettings
+from bem_solver.run_state import StepStart
 from bem_solver.start import contact_scale, equilibrium
 from bem_solver.step import EDGE_ACCURACY
 from bem_solver.surface import ContactSurface
-from bem_solver.trial import ContactState, Problem, Trial, evaluate
+from bem_solver.trial import HalfSpaceState, TrialContact, evaluate
 from contact_scene import Outcome, OutcomeKind
 
 SMALLEST_TRAVEL_SHARE = 1.0 / 64.0
@@ -47,48 +46,28 @@ class FreeMotion:
     """A step without contact: the parameter and state it ends with."""
 
     parameter: float
-    contact: ContactState
+    contact: HalfSpaceState
 
 
 @dataclass(frozen=True)
 class EdgeJump:
-    """A new contact radius at unchanged load.
+    """A stable contact of another radius at the load of ``parameter``, and the step to continue with.
 
-    Attributes
-    ----------
-    parameter : float
-        Parameter of the loading interval.
-    trial : Trial
-        The stable contact reached.
-    next_step : float
-        Step to continue with.
-    event : bool
-        Whether the jump is an event of its own rather than the motion of a step.
+    ``event``: the jump is an event of its own rather than the motion of a step.
     """
 
     parameter: float
-    trial: Trial
+    trial: TrialContact
     next_step: float
     event: bool = False
 
 
-def without_contact(
-    problem: Problem, settings: StepSettings, state: GradedState, interval: LoadingInterval
-) -> FreeMotion | EdgeJump | Outcome:
+def without_contact(start: StepStart) -> FreeMotion | EdgeJump | Outcome:
     """Without contact, move until the load turns positive, then make the first small contact.
 
-    Parameters
-    ----------
-    problem : Problem
-    settings : StepSettings
-    state : GradedState
-    interval : LoadingInterval
-
-    Returns
-    -------
-    FreeMotion, EdgeJump or Outcome
-        The last if the indenter is pulled away, or no first contact is in equilibrium.
+    An outcome if the indenter is pulled away, or no first contact is in equilibrium.
     """
+    problem, state, interval = start.problem, start.state, start.interval
     contact, parameter, length = state.contact, state.parameter, interval.length
     if interval.control == "force" and interval.prescribed(length) < 0.0:
         return Outcome(OutcomeKind.DETACHED, "pulled without contact", contact.time)
@@ -96,51 +75,38 @@ def without_contact(
     if interval.prescribed(later) <= 0.0:
         penetration = interval.prescribed(later) if interval.control == "penetration" else contact.penetration
         free = ContactSurface.free(problem.annuli)
-        return FreeMotion(later, ContactState(interval.time(later), penetration, free, contact.history))
+        return FreeMotion(later, HalfSpaceState(interval.time(later), penetration, free, contact.history))
     if interval.prescribed(parameter) < 0.0:
         parameter = brentq(interval.prescribed, parameter, later, xtol=1e-14 * length)
     first = min(parameter + _FIRST_CONTACT_STEP * length, length)
     while interval.prescribed(first) <= 0.0 and first < length:
         first = min(parameter + 2.0 * (first - parameter), length)
     load = interval.prescribed(first)
-    scale = contact_scale(problem.scene, load) if interval.control == "penetration" else settings.scale
+    scale = contact_scale(problem.scene, load) if interval.control == "penetration" else start.settings.scale
     trial = equilibrium(problem, contact, interval.control, load, scale)
     if trial is None:
         return Outcome(OutcomeKind.NO_EQUILIBRIUM, "no first contact found", contact.time)
     return EdgeJump(first, trial, max(first - parameter, _FIRST_CONTACT_STEP * length))
 
 
-def unstable_motion(
-    problem: Problem, settings: StepSettings, state: GradedState, interval: LoadingInterval, receding: bool
-) -> EdgeJump | Outcome:
+def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
     """The next stable contact at the present load, in the direction in which the edge moves unstably.
 
-    Parameters
-    ----------
-    problem : Problem
-    settings : StepSettings
-    state : GradedState
-    interval : LoadingInterval
-    receding : bool
-        Direction of the motion.
-
-    Returns
-    -------
-    EdgeJump or Outcome
-        The latter where there is no stable contact.
+    An outcome where there is none.
     """
+    problem, settings, state, interval = start.problem, start.settings, start.state, start.interval
     contact, parameter = state.contact, state.parameter
     limit = problem.scene.indenter.edge
     load = interval.prescribed(parameter)
 
-    def trial(edge: float) -> Trial:
+    def trial(edge: float) -> TrialContact:
         return evaluate(problem, contact, 0.0, edge, interval.control, load)
 
     rounding = _ZERO_RESIDUAL * (problem.work or 0.5 * state.largest_force / contact.edge)
     reach = problem.length_at(contact.edge) / settings.divisions
     # Start outside the interval already searched, to avoid an endless loop.
-    start = reach * SMALLEST_TRAVEL_SHARE
-    edge = contact.edge - start if receding else min(contact.edge + start, limit)
+    searched = reach * SMALLEST_TRAVEL_SHARE
+    edge = contact.edge - searched if receding else min(contact.edge + searched, limit)
     ratio = 1.0 / _SCAN_RATIO if receding else _SCAN_RATIO
     smallest = max(_SMALLEST_CONTACT * settings.scale, problem.zone)  # shorter than the zone: no contact
     while smallest < edge < _LARGEST_CONTACT * settings.scale and (receding or edge < limit):
@@ -161,25 +127,25 @@ def unstable_motion(
     return Outcome(OutcomeKind.OUT_OF_RANGE, "the contact spreads without bound", contact.time)
 
 
-def contact_lost(problem: Problem, state: GradedState) -> bool:
+def contact_lost(start: StepStart) -> bool:
     """Whether an adhesionless contact has become too small to follow."""
+    problem, state = start.problem, start.state
     return problem.work == 0.0 and (
         state.contact.edge < LOST_RADIUS * state.largest_edge
         or abs(state.contact.surface.force) < LOST_FORCE * state.largest_force
     )
 
 
-def lift_off(
-    problem: Problem, state: GradedState, interval: LoadingInterval
-) -> tuple[ContactState, Energies]:
+def lift_off(start: StepStart) -> tuple[HalfSpaceState, Energies]:
     """State when the last, vanishing contact of an adhesionless indenter is gone.
 
     Its area is extrapolated to zero linearly; the surface outside keeps its history.
     """
+    problem, state, interval = start.problem, start.state, start.interval
     (before, wide, _), (now, narrow, _) = state.accepted.rows[-2:]
     ahead = narrow**2 * (now - before) / (wide**2 - narrow**2) if wide > narrow else 0.0
     end, contact = min(now + ahead, interval.length), state.contact
     penetration = interval.prescribed(end) if interval.control == "penetration" else contact.penetration
     history = replace(SurfaceHistory.blank(len(problem.chain)), outer=contact.history.outer)
     free = ContactSurface.free(problem.annuli)
-    return ContactState(interval.time(end), penetration, free, history), state.energies.unloaded()
+    return HalfSpaceState(interval.time(end), penetration, free, history), state.energies.unloaded()

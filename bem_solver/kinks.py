@@ -6,7 +6,7 @@ inverse root inside the *old* edge. No annuli resolve the band between the two e
 flat punch with the old edge has just this pressure, ``1/(pi sqrt(b^2 - r^2))`` within its radius b, under the
 displacement 1 within and ``(2/pi) arcsin(b/r)`` beyond, at unit plane modulus. Taken out with the right
 strength it leaves to the annuli what is smooth across b. Any strength is an exact superposition: a poor one
-only leaves them more to do.
+only leaves them a less smooth rest.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Kinks:
+class EdgeKinks:
     """Punches with edges at ``radius`` (k,), their roots read up to ``reach`` (k,) beyond."""
 
     radius: Array
     reach: Array
 
     @classmethod
-    def within(cls, radii: tuple[float, ...], edge: float, reach: float) -> Kinks | None:
+    def within(cls, radii: tuple[float, ...], edge: float, reach: float) -> EdgeKinks | None:
         """Those of ``radii`` below ``edge``, each read up to the next, ``edge`` or ``reach``."""
         inside = np.array(sorted({r for r in radii if 0.0 < r < edge}))
         if len(inside) == 0:
             return None
         return cls(inside, np.minimum(np.diff(np.append(inside, edge)), reach))
 
-    def and_at(self, radius: float, reach: float) -> Kinks:
+    def and_at(self, radius: float, reach: float) -> EdgeKinks:
         """One more, beyond the others."""
-        return Kinks(np.append(self.radius, radius), np.append(self.reach, reach))
+        return EdgeKinks(np.append(self.radius, radius), np.append(self.reach, reach))
 
     @property
     def readings(self) -> Array:

@@ -33,7 +33,7 @@ class Options:
     max_steps : int
         Budget of trial steps, accepted and rejected; a run that exhausts it ends with that outcome.
     annuli : "graded" or "uniform"
-        Annuli that travel with a continuous edge, or the paper's fixed ones with the edge on their borders.
+        Annuli that move with a continuous edge, or the paper's fixed ones with the edge on their borders.
     scheme : "exponential" or "backward-euler"
         Exact exponential recursion, or the paper's scheme.
     step : float, optional

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from bem_solver.trial import ContactState, Problem, points_at
+from bem_solver.trial import HalfSpaceState, Problem, points_at
 from contact_scene import Profile
 
-_REACH = 4.0  # contact radii
+_OUTER_RADIUS = 4.0
+"""Largest radius of a profile, in contact radii."""
 
 
-def surface_profile(problem: Problem, state: ContactState) -> Profile:
+def surface_profile(problem: Problem, state: HalfSpaceState) -> Profile:
     """Profile of the committed state, on the annuli inside the contact and graded radii beyond."""
     edge = state.edge
     if edge > 0.0:
         inside = edge * problem.annuli.radii
         near = 2.0 * edge - inside[::-1]
         radius = np.concatenate(
-            ([0.0], inside, near[near < 2.0 * edge], edge * np.linspace(2.0, _REACH, 101))
+            ([0.0], inside, near[near < 2.0 * edge], edge * np.linspace(2.0, _OUTER_RADIUS, 101))
         )
     else:
-        # without any length to go by, the centre alone
-        radius = np.unique(problem.length * np.linspace(0.0, 100.0 * _REACH, 401))
+        # there is no contact radius to scale with
+        radius = np.unique(problem.length * np.linspace(0.0, 100.0 * _OUTER_RADIUS, 401))
     points = points_at(problem, state, radius)
     pressure = state.surface.pressure(radius)
     gap = points.height - state.penetration + points.displacement

@@ -9,7 +9,7 @@ import numpy as np
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies
 from bem_solver.external_work import external_work
-from bem_solver.trial import ContactState
+from bem_solver.trial import HalfSpaceState
 from contact_scene import Counters, Event, Outcome, OutcomeKind, Profile, Trace
 
 
@@ -22,7 +22,7 @@ class TraceRecorder:
     profiles: list[Profile] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
 
-    def row(self, chain: Chain, state: ContactState, energies: Energies) -> None:
+    def row(self, chain: Chain, state: HalfSpaceState, energies: Energies) -> None:
         """One accepted state."""
         surface = state.surface
         self.rows.append(
@@ -41,7 +41,7 @@ class TraceRecorder:
         """Slopes may jump at the last row."""
         self.kinks.append(max(len(self.rows) - 1, 0))
 
-    def event(self, kind: str, state: ContactState) -> None:
+    def event(self, kind: str, state: HalfSpaceState) -> None:
         """An instability of a committed state."""
         self.events.append(Event(kind, state.time, state.penetration, state.surface.force, state.edge))
 
@@ -85,7 +85,21 @@ class TraceRecorder:
 
 
 def trace_without_contact(penetration: float, reason: str, counters: Counters, work: float) -> Trace:
-    """The trace of a scene without a start state: one row without contact."""
+    """The trace of a scene without a start state: one row without contact.
+
+    Parameters
+    ----------
+    penetration : float
+    reason : str
+        Why there is no start state.
+    counters : Counters
+    work : float
+        Work of adhesion.
+
+    Returns
+    -------
+    Trace
+    """
     recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0)])
     return recorder.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters, work)
 
@@ -93,10 +107,23 @@ def trace_without_contact(penetration: float, reason: str, counters: Counters, w
 def release_rate(
     stored: np.ndarray, force: np.ndarray, penetration: np.ndarray, area: np.ndarray, work: float
 ) -> np.ndarray:
-    """``G = (dU - F dD)/dA`` (Eq. enrelrate) between neighbouring rows, shape (n,).
+    """``G = (dU - F dD)/dA`` (Eq. enrelrate) between neighbouring rows.
 
-    Where the area hardly moves (less than 1e-5 of its largest value over two steps) the quotient says
-    nothing: there the work of adhesion stands, its value without dissipation.
+    Parameters
+    ----------
+    stored, force, penetration, area : ndarray (n,)
+        Stored energy, force, penetration and contact area.
+    work : float
+        Work of adhesion.
+
+    Returns
+    -------
+    ndarray (n,)
+
+    Notes
+    -----
+    Where the area hardly moves (less than 1e-5 of its largest value over two steps) the quotient is
+    replaced by the work of adhesion, its value without dissipation.
     """
     result = np.full(len(area), work)
     if len(area) < 3:

@@ -47,7 +47,7 @@ def rising_root(
     Parameters
     ----------
     evaluate : callable
-        Trial at a contact radius, with its ``residual``.
+        TrialContact at a contact radius, with its ``residual``.
     guess : float
         Where the search starts.
     slope : float

@@ -9,23 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from bem_solver.energy import Energies
+from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.recorder import TraceRecorder
-from bem_solver.step_control import StepHistory
-from bem_solver.trial import ContactState
+from bem_solver.step_control import AcceptedSteps
+from bem_solver.trial import HalfSpaceState, Problem
 
 
 @dataclass(frozen=True)
 class StepSettings:
     """What bounds the steps of a run.
 
-    Attributes
-    ----------
-    tolerance : float
-        Step tolerance (``Options.tolerance``).
-    divisions : int
-        Steps in which the edge may at least be asked to travel the length it is resolved on.
-    scale : float
-        Order of magnitude of the largest contact radius.
+    ``tolerance`` is the step tolerance, ``divisions`` the number of steps in which the edge may travel the
+    length it is resolved on, ``scale`` the order of magnitude of the largest contact radius.
     """
 
     tolerance: float
@@ -37,31 +32,15 @@ class StepSettings:
 class GradedState:
     """Serialisable state of a run on graded annuli.
 
-    Attributes
-    ----------
-    contact, energies
-        Committed state of the surface and its energies.
-    record
-        Rows, events and profiles so far.
-    largest_force, largest_edge
-        Largest force in magnitude and largest contact radius so far.
-    begun
-        Whether the present loading interval has begun.
-    parameter
-        How far it has been followed.
-    rejected
-        Trial steps rejected from there: their length and how far they would have moved the edge.
-    accepted
-        Accepted states, from which rates are extrapolated.
-    step
-        Step to try next, before it is limited.
-    travel_share
-        Share of the travel limit of the edge that is in force.
-    slope
-        Derivative of the residual with the edge in the last accepted step; 0 if unknown.
+    ``contact`` and ``energies`` are the committed state, ``record`` the rows, events and profiles so far. In
+    the present loading interval (``begun``) the run has reached ``parameter``, with the ``accepted`` states
+    from which rates are extrapolated; from there steps were ``rejected``, with their length and the travel of
+    the edge. ``step`` is the step to try next before it is limited, ``travel_share`` the share of the travel
+    limit of the edge in force, ``slope`` the derivative of the residual with the edge in the last accepted
+    step (0: unknown).
     """
 
-    contact: ContactState
+    contact: HalfSpaceState
     energies: Energies
     record: TraceRecorder
     largest_force: float
@@ -69,7 +48,7 @@ class GradedState:
     begun: bool = False
     parameter: float = 0.0
     rejected: list[tuple[float, float]] = field(default_factory=list)
-    accepted: StepHistory = field(default_factory=StepHistory)
+    accepted: AcceptedSteps = field(default_factory=AcceptedSteps)
     step: float = 0.0
     travel_share: float = 1.0
     slope: float = 0.0
@@ -77,3 +56,13 @@ class GradedState:
     def interval_done(self) -> None:
         """Ready for the next loading interval."""
         self.begun, self.parameter, self.rejected = False, 0.0, []
+
+
+@dataclass(frozen=True)
+class StepStart:
+    """Where a step starts: problem, settings, committed state, and the interval of the loading it lies in."""
+
+    problem: Problem
+    settings: StepSettings
+    state: GradedState
+    interval: LoadingInterval

@@ -1,4 +1,4 @@
-"""How large the contact will become, how thin its boundary layer: what the number of annuli comes from."""
+"""Estimates of the largest contact and the thinnest boundary layer, which set the number of annuli."""
 
 from __future__ import annotations
 
@@ -12,18 +12,23 @@ from bem_solver.start import contact_scale, elastic_problem, equilibrium, untouc
 from bem_solver.trial import Problem
 from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Sweep
 
-FEWEST, MOST = 16, 4000
-_COARSE = 24
-_LAYER_MOST = 45  # times the divisions: annuli a boundary layer may ask for
-_LAYER_MATTERS = (
-    0.01  # change of the closure, relative to the work of adhesion, below which a layer is left out
-)
-_RESTING = 0.03  # the same change, to which a layer is followed while the load rests
+FEWEST_ANNULI, MOST_ANNULI = 16, 4000
+"""Bounds on the number of annuli: interpolation at the edge needs the first, a dense matrix the second."""
+_ANNULI_OF_ESTIMATE = 24
+"""Annuli of the elastic contacts from which the largest radius is estimated, to about a percent."""
+_LAYER_ANNULI = 45
+"""Largest number of annuli for the sake of a boundary layer, in divisions."""
+_NEGLIGIBLE_LAYER = 0.01
+"""A layer that changes the closure by less than this part of the work of adhesion is not resolved."""
+_NEGLIGIBLE_AT_REST = 0.03
+"""The same part while the load rests and the edge slows down through every speed."""
 
 
 def annuli_needed(divisions: int, share: float) -> int:
     """Number of annuli that puts ``divisions`` into the outer ``share`` of the contact radius."""
-    return min(max(int(np.ceil(divisions * 0.5 * np.pi / np.arccos(1.0 - share))), FEWEST), MOST)
+    return min(
+        max(int(np.ceil(divisions * 0.5 * np.pi / np.arccos(1.0 - share))), FEWEST_ANNULI), MOST_ANNULI
+    )
 
 
 def annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
@@ -32,13 +37,29 @@ def annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
     It grows with the resolution, as the annuli in the zone do, so that a finer run is finer here too.
     """
     if layer <= 0.0 or radius <= 0.0:
-        return FEWEST
-    return min(int(np.ceil(0.6 * divisions * np.sqrt(radius / layer))), _LAYER_MOST * divisions)
+        return FEWEST_ANNULI
+    return min(int(np.ceil(0.6 * divisions * np.sqrt(radius / layer))), _LAYER_ANNULI * divisions)
 
 
 def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> float:
     """Thinnest boundary layer behind an advancing edge that changes the closure noticeably; zero without.
 
+    Parameters
+    ----------
+    scene : Scene
+    chain : Chain
+    radius : float
+        Largest contact radius.
+    zone : float
+        Length of the process zone; zero without adhesion.
+
+    Returns
+    -------
+    float
+        Thickness in the scene's unit of length.
+
+    Notes
+    -----
     Advancing at speed v, the stress of branch k relaxes over ``v tau_k``, which changes the closure by the
     order of ``(E_k/E0) v tau_k/da``. On a ramp the speed is that of a contact that follows the profile,
     ``rate/(2 df/dr)``; while the load rests, or turns round in an oscillation that leaves it time to relax,
@@ -61,8 +82,10 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> fl
             rest = max(rest, np.sqrt(np.pi / step.chirp))  # to the first turn
     strength = chain.stress_scale**2 / chain.relaxation / chain.relaxed
     layers = slowest / (2.0 * slope) * chain.relaxation if slope > 0.0 else np.full(len(chain), np.inf)
-    layers = np.where(rest > chain.relaxation, np.minimum(layers, _RESTING * zone / strength), layers)
-    matter = (layers < zone) & (strength * layers / zone > _LAYER_MATTERS)
+    layers = np.where(
+        rest > chain.relaxation, np.minimum(layers, _NEGLIGIBLE_AT_REST * zone / strength), layers
+    )
+    matter = (layers < zone) & (strength * layers / zone > _NEGLIGIBLE_LAYER)
     return float(layers[matter].min()) if matter.any() else 0.0
 
 
@@ -71,7 +94,7 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
 
     It need not be exact: annuli travel with the edge, whatever its radius.
     """
-    twin = elastic_problem(replace(problem, annuli=Annuli(_COARSE)), scene.material.modulus)
+    elastic = elastic_problem(replace(problem, annuli=Annuli(_ANNULI_OF_ESTIMATE)), scene.material.modulus)
     radius, penetration, force = 0.0, scene.loading.penetration, 0.0
 
     def settle(control: str, value: float) -> tuple[float, float, float]:
@@ -79,14 +102,14 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
         scale = max(contact_scale(scene, deepest), radius)
         if control == "force":
             # force over 2 E* a is a length; the profile is that high somewhere
-            guess = abs(value) / (2.0 * twin.chain.relaxed)
+            guess = abs(value) / (2.0 * elastic.chain.relaxed)
             scale = max(scale, contact_scale(scene, guess / scale if scale > 0 else guess**0.5))
         if scale == 0.0:
             return 0.0, penetration, 0.0
-        found = equilibrium(twin, untouched_state(twin, 0.0, 0.0), control, value, scale)
-        if found is None:
+        trial = equilibrium(elastic, untouched_state(elastic, 0.0, 0.0), control, value, scale)
+        if trial is None:
             return 0.0, value if control == "penetration" else penetration, 0.0
-        return found.surface.edge, found.motion.new_penetration, found.surface.force
+        return trial.surface.edge, trial.motion.new_penetration, trial.surface.force
 
     radius, penetration, force = settle("penetration", penetration)
     for step in scene.loading.steps:

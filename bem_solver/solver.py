@@ -1,4 +1,8 @@
-"""``solve(scene, options) -> Trace``: the paper's boundary-element solver."""
+"""``solve(scene, options) -> Trace``: the paper's boundary-element solver.
+
+Penetration and surface displacement positive downwards, force and pressure positive in compression, radii
+from the axis; units of the scene.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +20,13 @@ from bem_solver.options import Options
 from bem_solver.paper_scheme.solver import solve_uniform
 from bem_solver.recorder import TraceRecorder, trace_without_contact
 from bem_solver.run_state import GradedState, StepSettings
-from bem_solver.size_estimates import FEWEST, annuli_for_layer, annuli_needed, largest_contact, thinnest_layer
+from bem_solver.size_estimates import (
+    FEWEST_ANNULI,
+    annuli_for_layer,
+    annuli_needed,
+    largest_contact,
+    thinnest_layer,
+)
 from bem_solver.start import contact_scale, start_state
 from bem_solver.stepping import SOLVER, GradedRun
 from bem_solver.trial import Problem
@@ -108,7 +118,7 @@ def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Pr
     zone, work = (adhesion.zone, adhesion.work) if adhesion else (0.0, 0.0)
     divisions = options.divisions
     rule = ClosureRule.resolving(divisions)
-    coarse = Problem(scene, Annuli(FEWEST), chain, zone, work, 1.0, Counters(), rule)
+    coarse = Problem(scene, Annuli(FEWEST_ANNULI), chain, zone, work, 1.0, Counters(), rule)
     initial = contact_scale(scene, scene.loading.penetration)
     largest = largest_contact(scene, coarse) or initial
     share = min(zone / largest, 1.0) if zone > 0.0 and largest > 0.0 else 0.01

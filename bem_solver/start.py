@@ -9,19 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, at_start
+from bem_solver.energy import Energies, initial_energies
 from bem_solver.history import SurfaceHistory, distinct
 from bem_solver.root_search import rising_root
 from bem_solver.state_update import split_at_edge
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, advanced
-from bem_solver.trial import ContactState, Problem, Trial, evaluate, points_at
+from bem_solver.trial import HalfSpaceState, Problem, TrialContact, evaluate, points_at
 from contact_scene import Indenter, Material, Scene
 
 Array = NDArray[np.float64]
 
-_RATIO = 1.04  # between neighbouring edges of a scan
-_TRAVEL = 64.0  # a scan starts this many scales up, and ends a millionfold below
+_SCAN_RATIO = 1.04
+"""Ratio of neighbouring contact radii in the scan for the largest stable one."""
+_SCAN_START, _SCAN_END = 64.0, 1e-6
+"""Largest and smallest radius of the scan, in the estimated contact radius."""
 
 
 def elastic_problem(problem: Problem, modulus: float) -> Problem:
@@ -30,24 +32,24 @@ def elastic_problem(problem: Problem, modulus: float) -> Problem:
     return replace(problem, chain=Chain(material), scene=replace(problem.scene, material=material))
 
 
-def untouched_state(problem: Problem, time: float, penetration: float) -> ContactState:
-    """No contact and no past."""
+def untouched_state(problem: Problem, time: float, penetration: float) -> HalfSpaceState:
+    """No contact and no history."""
     blank = SurfaceHistory.blank(len(problem.chain))
-    return ContactState(time, penetration, ContactSurface.free(problem.annuli), blank)
+    return HalfSpaceState(time, penetration, ContactSurface.free(problem.annuli), blank)
 
 
-def largest_stable(trial: Callable[[float], Trial], scale: float, limit: float) -> Trial | None:
+def largest_stable(trial: Callable[[float], TrialContact], scale: float, limit: float) -> TrialContact | None:
     """Largest stable contact, or ``None``.
 
     Edges from far above ``scale`` downwards are tried until the residual falls below zero, which brackets
-    the stable root. A flat punch (``limit``) is in full contact unless it wants to recede.
+    the stable root. A flat punch (``limit``) is in full contact unless its edge recedes.
     """
-    edge = upper = min(limit, _TRAVEL * scale)
+    edge = upper = min(limit, _SCAN_START * scale)
     last = trial(edge)
     if upper == limit and last.residual <= 0.0:
         return last
-    while edge > 1e-6 * scale:
-        lower = edge / _RATIO
+    while edge > _SCAN_END * scale:
+        lower = edge / _SCAN_RATIO
         candidate = trial(lower)
         if candidate.residual <= 0.0 < last.residual:
             return rising_root(trial, lower, 0.0, lower, edge, 1e-11 * edge).trial
@@ -56,11 +58,28 @@ def largest_stable(trial: Callable[[float], Trial], scale: float, limit: float) 
 
 
 def equilibrium(
-    problem: Problem, state: ContactState, control: str, value: float, scale: float
-) -> Trial | None:
-    """Instantaneous equilibrium from ``state`` under the given control, or ``None``."""
+    problem: Problem, state: HalfSpaceState, control: str, value: float, scale: float
+) -> TrialContact | None:
+    """Instantaneous equilibrium under the given control.
 
-    def trial(edge: float) -> Trial:
+    Parameters
+    ----------
+    problem : Problem
+    state : HalfSpaceState
+        From which the load jumps.
+    control : "penetration" or "force"
+        Which of the two has ``value``.
+    value : float
+    scale : float
+        Order of magnitude of the contact radius.
+
+    Returns
+    -------
+    TrialContact or None
+        The largest stable contact.
+    """
+
+    def trial(edge: float) -> TrialContact:
         return evaluate(problem, state, 0.0, edge, control, value)
 
     return largest_stable(trial, scale, problem.scene.indenter.edge)
@@ -93,23 +112,25 @@ def contact_scale(scene: Scene, penetration: float) -> float:
     return max(geometric, adhesive)
 
 
-def start_state(problem: Problem, scale: float) -> tuple[ContactState, Energies] | None:
+def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energies] | None:
     """The start state of the scene, or ``None`` without equilibrium."""
     scene = problem.scene
     relaxed = scene.loading.start == "relaxed"
     material = scene.material
     penetration = scene.loading.penetration
     if problem.work == 0.0 and penetration <= 0.0:
-        return untouched_state(problem, 0.0, penetration), at_start(problem.chain, 0.0, relaxed)
-    twin = elastic_problem(problem, material.modulus if relaxed else material.glassy_modulus)
-    found = equilibrium(twin, untouched_state(twin, 0.0, penetration), "penetration", penetration, scale)
-    if found is None:
+        return untouched_state(problem, 0.0, penetration), initial_energies(problem.chain, 0.0, relaxed)
+    elastic = elastic_problem(problem, material.modulus if relaxed else material.glassy_modulus)
+    trial = equilibrium(
+        elastic, untouched_state(elastic, 0.0, penetration), "penetration", penetration, scale
+    )
+    if trial is None:
         return None
-    surface = found.surface
-    state = ContactState(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
+    surface = trial.surface
+    state = HalfSpaceState(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
     forces = surface.edge * problem.annuli.areas * surface.scaled
     load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
-    return state, at_start(problem.chain, load_work, relaxed)
+    return state, initial_energies(problem.chain, load_work, relaxed)
 
 
 def _start_history(

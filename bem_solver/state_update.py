@@ -1,4 +1,4 @@
-"""From an accepted trial to the next committed state: history, energies, surface."""
+"""The next committed state from an accepted trial: surface, history, energies."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, change, stepped
+from bem_solver.energy import Energies, updated_energies, work_increment
 from bem_solver.history import (
     NodalVariables,
     SurfaceHistory,
     distinct,
-    gaps_to_halve,
     graded_nodes,
+    midpoints_of_wide_intervals,
     updated_kinks,
 )
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, advanced, load_inside
-from bem_solver.trial import ContactState, Problem, Trial, points_at
+from bem_solver.trial import HalfSpaceState, Problem, TrialContact, points_at
 
 Array = NDArray[np.float64]
 
@@ -34,10 +34,25 @@ def split_at_edge(
     displacement: float,
     kinks: tuple[float, ...] = (),
 ) -> tuple[NodalVariables, NodalVariables]:
-    """Nodal variables inside and outside the edge from variables (n, K) on nodes that include the edge and the kinks.
+    """Nodal variables inside and outside the edge.
 
-    ``load`` (n,) is used beyond the edge; at the edge itself it follows from ``displacement`` there, so that
-    both sides hold the same state.
+    Parameters
+    ----------
+    chain : Chain
+    radius : ndarray (n,)
+        Nodes, among them the edge and the kinks.
+    variables : ndarray (n, K)
+        Internal variables there.
+    load : ndarray (n,)
+        ``v``, used beyond the edge only; at the edge it follows from ``displacement``, so that both sides
+        hold the same state.
+    edge, displacement : float
+        Contact radius, and surface displacement there.
+    kinks : tuple of float
+
+    Returns
+    -------
+    inner, outer : NodalVariables
     """
     inside, outside = radius <= edge, radius >= edge
     beyond = load[outside]
@@ -48,21 +63,56 @@ def split_at_edge(
 
 
 def spacing(radius: Array, edge: float, length: float, divisions: int) -> Array:
-    """Largest distance between nodes: fine within two lengths of the edge, a share of the distance beyond."""
+    """Largest distance between nodes, shape (n,): fine within two lengths of the edge, then growing.
+
+    Parameters
+    ----------
+    radius : ndarray (n,)
+    edge : float
+    length : float
+        On which the edge is resolved.
+    divisions : int
+        Nodes in it.
+
+    Returns
+    -------
+    ndarray (n,)
+    """
     beyond = np.maximum(np.abs(radius - edge) - 2.0 * length, 0.0)
     return length / divisions + 0.05 * beyond
 
 
 def updated_state(
     problem: Problem,
-    state: ContactState,
+    state: HalfSpaceState,
     energies: Energies,
-    trial: Trial,
+    trial: TrialContact,
     time: float,
     divisions: int,
     tolerance: float,
-) -> tuple[ContactState, Energies]:
-    """The state after an accepted trial."""
+) -> tuple[HalfSpaceState, Energies]:
+    """The state after an accepted trial.
+
+    Parameters
+    ----------
+    problem : Problem
+    state : HalfSpaceState
+        Before the step.
+    energies : Energies
+        Before the step.
+    trial : TrialContact
+    time : float
+        At the end of the step.
+    divisions : int
+        Nodes of the history per length on which the edge is resolved.
+    tolerance : float
+        Step tolerance, in which the coarsening of the history is measured.
+
+    Returns
+    -------
+    state : HalfSpaceState
+    energies : Energies
+    """
     motion, surface = trial.motion, trial.surface
     points = points_at(problem, state, motion.new_edge * problem.annuli.radii)
     if not problem.viscoelastic:
@@ -72,14 +122,16 @@ def updated_state(
         length = problem.length_at(motion.new_edge)
         history = _new_history(problem, state, motion, surface, length, divisions, tolerance)
         variables = advanced(problem.chain, points, motion, None)
-    now = change(problem.chain, state.surface, surface, variables, points.load, points.variables)
-    after = stepped(problem.chain, energies, now, motion.duration)
-    return ContactState(time, motion.new_penetration, surface, history), after
+    increment = work_increment(
+        problem.chain, state.surface, surface, variables, points.load, points.variables
+    )
+    after = updated_energies(problem.chain, energies, increment, motion.duration)
+    return HalfSpaceState(time, motion.new_penetration, surface, history), after
 
 
 def _new_history(
     problem: Problem,
-    state: ContactState,
+    state: HalfSpaceState,
     motion: Motion,
     surface: ContactSurface,
     length: float,
@@ -98,16 +150,16 @@ def _new_history(
         kinks = tuple(sorted((*kinks, turning)))
     radius = distinct(np.concatenate((state.history.radius, wanted)), fixed, smallest)
     allowed = spacing(radius, edge, length, divisions)
-    halves = gaps_to_halve(radius, 0.5 * (allowed[1:] + allowed[:-1]))
+    halves = midpoints_of_wide_intervals(radius, 0.5 * (allowed[1:] + allowed[:-1]))
     radius = np.sort(np.concatenate((radius, halves)))
     load = surface.outside(np.maximum(radius, edge))
     variables = advanced(chain, points_at(problem, state, radius), motion, load)
     at_edge = motion.new_penetration - float(problem.scene.indenter.height(edge))
     inner, outer = split_at_edge(chain, radius, variables, load, edge, at_edge, kinks)
-    change = _COARSENING * tolerance * float(np.abs(variables).max(initial=0.0))
+    allowed_change = _COARSENING * tolerance * float(np.abs(variables).max(initial=0.0))
     parity = problem.counters.steps % 2
 
     def coarsen(side: NodalVariables) -> NodalVariables:
-        return side.coarsened(change, spacing(side.radius, edge, length, divisions), parity)
+        return side.coarsened(allowed_change, spacing(side.radius, edge, length, divisions), parity)
 
     return SurfaceHistory(coarsen(inner), coarsen(outer), direction, turning)

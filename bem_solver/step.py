@@ -14,9 +14,9 @@ from scipy.optimize import brentq
 
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
-from bem_solver.run_state import GradedState, StepSettings
+from bem_solver.run_state import StepStart
 from bem_solver.step_control import departure_from_line, shrunk
-from bem_solver.trial import ContactState, Problem, Trial, evaluate
+from bem_solver.trial import HalfSpaceState, TrialContact, evaluate
 
 EDGE_ACCURACY = 4e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
@@ -56,37 +56,24 @@ class Candidate:
     """
 
     parameter: float
-    trial: Trial
+    trial: TrialContact
     error: float
     slope: float = 0.0
 
 
-def free_load(interval: LoadingInterval, contact: ContactState) -> float:
+def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
     """The quantity that is not prescribed: force under controlled penetration, penetration under force."""
     return contact.surface.force if interval.control == "penetration" else contact.penetration
 
 
-def limited_step(
-    problem: Problem, settings: StepSettings, state: GradedState, interval: LoadingInterval
-) -> tuple[float, float]:
-    """The step to try.
+def limited_step(start: StepStart) -> tuple[float, float]:
+    """Step size to start from next time, and the step to try.
 
     Within the travel limit, with no more than a slight departure of the prescribed quantity from its chord,
     and without leaving a sliver before the end of the interval.
-
-    Parameters
-    ----------
-    problem : Problem
-    settings : StepSettings
-    state : GradedState
-    interval : LoadingInterval
-
-    Returns
-    -------
-    limited, step : float
-        Step size to start from next time, and the step itself.
     """
-    limit = 0.9 * state.travel_share * problem.length_at(state.contact.edge) / settings.divisions
+    state, interval, settings = start.state, start.interval, start.settings
+    limit = 0.9 * state.travel_share * start.problem.length_at(state.contact.edge) / settings.divisions
     limited, parameter = state.step, state.parameter
     speed = abs(state.accepted.rates(limited)[0])
     if speed * limited > limit:
@@ -101,17 +88,13 @@ def limited_step(
 
 
 @dataclass(frozen=True)
-class TrialStep:
+class TrialStep(StepStart):
     """A step of length ``step`` from the committed state along a loading interval.
 
     Where the edge would go further than its travel limit, the shorter step that takes it just there is
     sought instead.
     """
 
-    problem: Problem
-    settings: StepSettings
-    state: GradedState
-    interval: LoadingInterval
     step: float
 
     @property
@@ -146,7 +129,7 @@ class TrialStep:
         return self._to_travel_limit(receding, low if receding else high, reach, root)
 
     def _to_travel_limit(
-        self, receding: bool, edge: float, reach: float, root: RootSearchResult[Trial]
+        self, receding: bool, edge: float, reach: float, root: RootSearchResult[TrialContact]
     ) -> Candidate | FailedStep:
         """The shorter step that takes the edge to its travel limit ``edge``, if it is stable there."""
         start, beyond = self.state.parameter, root.trial
@@ -181,13 +164,13 @@ class TrialStep:
         trial = self._trial(end, edge)
         return Candidate(end, trial, self._error(trial, end - start))
 
-    def _trial(self, parameter: float, edge: float) -> Trial:
+    def _trial(self, parameter: float, edge: float) -> TrialContact:
         interval, contact = self.interval, self.state.contact
         duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
         prescribed = interval.prescribed(parameter)
         return evaluate(self.problem, contact, duration, edge, interval.control, prescribed)
 
-    def _error(self, trial: Trial, step: float, rate_step: float | None = None) -> float:
+    def _error(self, trial: TrialContact, step: float, rate_step: float | None = None) -> float:
         """Departure of edge and load from straight lines, in tolerances.
 
         ``rate_step`` is the step for which rates are taken, ``step`` itself by default.

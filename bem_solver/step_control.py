@@ -17,7 +17,7 @@ _MEMORY = 64
 
 
 @dataclass
-class StepHistory:
+class AcceptedSteps:
     """Accepted states of an interval: parameter, edge, and the load (force or penetration, the free one)."""
 
     rows: list[tuple[float, float, float]] = field(default_factory=list)

@@ -23,7 +23,7 @@ from bem_solver.instantaneous_events import (
 )
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.profiles import surface_profile
-from bem_solver.run_state import GradedState, StepSettings
+from bem_solver.run_state import GradedState, StepSettings, StepStart
 from bem_solver.state_update import updated_state
 from bem_solver.step import (
     EDGE_ACCURACY,
@@ -35,7 +35,7 @@ from bem_solver.step import (
     limited_step,
 )
 from bem_solver.step_control import grown, shrunk
-from bem_solver.trial import Problem, Trial
+from bem_solver.trial import Problem, TrialContact
 from contact_scene import Outcome, OutcomeKind, RunMonitor
 from contact_scene.run_control import KeptState, LoadingCursor, budget_outcome, interruption
 
@@ -102,24 +102,24 @@ class GradedRun:
     def _advance(self, interval: LoadingInterval, report: Callable[[float], None]) -> Outcome | None:
         """One trial step and what follows from it; an outcome if the run ends with it."""
         state, problem = self.state, self.problem
+        start = StepStart(problem, self.settings, state, interval)
         if state.contact.edge == 0.0:
-            event = without_contact(problem, self.settings, state, interval)
-            return self._after_event(event, interval, report)
-        state.step, step = limited_step(problem, self.settings, state, interval)
+            return self._after_event(without_contact(start), interval, report)
+        state.step, step = limited_step(start)
         if state.parameter + step <= state.parameter:
             reason = "the step fell below rounding"
             return Outcome(OutcomeKind.STEP_UNDERFLOW, reason, state.contact.time)
         result = TrialStep(problem, self.settings, state, interval, step).result()
         if isinstance(result, FailedStep):
             problem.counters.rejected_steps += 1
-            return self._after_failure(result, step, interval, report)
+            return self._after_failure(result, step, start, report)
         travel = abs(result.trial.motion.new_edge - state.contact.edge)
         if result.error > 1.0 and not self._passes_an_annulus(step, travel):
             problem.counters.rejected_steps += 1
             state.rejected.append((step, travel))
             state.step = shrunk(step, result.error)
             return None
-        return self._accept(result, interval, report)
+        return self._accept(result, start, report)
 
     def _passes_an_annulus(self, step: float, travel: float) -> bool:
         """Whether shorter steps do not shorten the travel: the edge passes an annulus at once."""
@@ -130,10 +130,10 @@ class GradedRun:
         )
 
     def _accept(
-        self, candidate: Candidate, interval: LoadingInterval, report: Callable[[float], None]
+        self, candidate: Candidate, start: StepStart, report: Callable[[float], None]
     ) -> Outcome | None:
         """Commit a candidate; an outcome if the contact ends with it."""
-        state, record = self.state, self.state.record
+        state, record, interval = self.state, self.state.record, start.interval
         state.rejected = []
         state.slope = candidate.slope or state.slope
         state.step = grown(candidate.parameter - state.parameter, candidate.error)
@@ -146,18 +146,18 @@ class GradedRun:
             record.event("pull-off", state.contact)
             reason = "the contact has become as short as the process zone"
             return Outcome(OutcomeKind.DETACHED, reason, state.contact.time)
-        if contact_lost(self.problem, state):
-            state.contact, state.energies = lift_off(self.problem, state, interval)
+        if contact_lost(start):
+            state.contact, state.energies = lift_off(start)
             record.event("pull-off", state.contact)
             record.row(self.problem.chain, state.contact, state.energies)
             return Outcome(OutcomeKind.DETACHED, "the contact area fell to zero", state.contact.time)
         return None
 
     def _after_failure(
-        self, failed: FailedStep, step: float, interval: LoadingInterval, report: Callable[[float], None]
+        self, failed: FailedStep, step: float, start: StepStart, report: Callable[[float], None]
     ) -> Outcome | None:
         """Change travel limit or step, or let the edge move unstably; an outcome if the run ends with it."""
-        state = self.state
+        state, interval = self.state, start.interval
         match failed.failure:
             case StepFailure.UNRESOLVED:
                 state.travel_share *= 4.0
@@ -172,7 +172,7 @@ class GradedRun:
                     state.rejected.append((step, failed.travel))
                     state.step = shrunk(step, math.inf)
                     return None
-        event = unstable_motion(self.problem, self.settings, state, interval, failed.receding)
+        event = unstable_motion(start, failed.receding)
         if isinstance(event, Outcome) or event.event:
             state.record.event("pull-off" if failed.receding else "snap-in", state.contact)
         return self._after_event(event, interval, report)
@@ -198,7 +198,7 @@ class GradedRun:
         state.record.kink()
         return None
 
-    def _commit(self, trial: Trial, time: float, report: Callable[[float], None]) -> None:
+    def _commit(self, trial: TrialContact, time: float, report: Callable[[float], None]) -> None:
         """Make the trial the state."""
         state, surface = self.state, trial.surface
         if not (math.isfinite(surface.force) and math.isfinite(trial.motion.new_penetration)):

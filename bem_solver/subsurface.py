@@ -1,8 +1,9 @@
 """Stress under the surface by superposition of annular loads (Love 1929; Eason, Noble, Sneddon 1955).
 
-The pressure of a :class:`scene.Profile` is ``p(r) = e(t)/cos(t)`` with ``r = a sin(t)`` and ``e`` smooth up
-to the edge: a flat punch with the same edge singularity, ``e(pi/2)/cos(t)``, and a rest that goes to zero
-there, carried by annuli of constant pressure with equal steps in ``t``, each the difference of two discs.
+The pressure of a :class:`contact_scene.Profile` is ``p(r) = e(t)/cos(t)`` with ``r = a sin(t)`` and ``e``
+smooth up to the edge: a flat punch with the same edge singularity, ``e(pi/2)/cos(t)``, and a rest that
+goes to zero there. Annuli of constant pressure with equal steps in ``t`` carry the rest, each the difference
+of two discs.
 
 This needs no history. With a constant Poisson's ratio the stress is ``s = C : E * de``, the hereditary
 product of Young's modulus and strain with the one elastic tensor C of unit modulus. ``E * de`` is compatible
@@ -25,7 +26,9 @@ from contact_scene import Profile
 Array = NDArray[np.float64]
 
 DIVISIONS = 400
-_BLOCK = 1 << 18  # points times borders at once
+"""Annuli that carry the smooth rest of the pressure."""
+_BLOCK = 1 << 18
+"""Points times discs evaluated at once: bounds the memory to a few megabytes."""
 
 
 def subsurface_stress(
@@ -89,7 +92,7 @@ def _annular(profile: Profile, divisions: int) -> tuple[float, Array, Array]:
 
 
 def _stress(loads: Array, r: Array, depth: Array, poisson: float) -> Array:
-    """Stress (4, n) from the potentials (5, n) of ``discs``; lengths in contact radii."""
+    """Stress (4, n) from the potentials (5, n) of ``disc_potentials``; lengths in contact radii."""
     a0, a1, c0, c1, c2 = loads
     ring = (1.0 - 2.0 * poisson) * c0 - depth * c1
     return np.stack([depth * a1 - a0 + ring, -a0 - depth * a1, -2.0 * poisson * a0 - ring, depth * r * c2])

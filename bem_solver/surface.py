@@ -1,4 +1,4 @@
-"""The surface at one instant: pressure for a given edge, displacement and gap around it.
+"""The surface at one instant: pressure inside a given contact edge, displacement around it.
 
 Lengths in scene units; ``scaled`` pressure is pressure times contact radius at unit plane modulus, which is
 what one solve on the unit annuli gives. Signs: see ``kernel``.
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.annuli import Annuli, even_cubic
-from bem_solver.kinks import Kinks
+from bem_solver.kinks import EdgeKinks
 
 Array = NDArray[np.float64]
 
@@ -24,9 +24,9 @@ class ContactSurface:
     Attributes
     ----------
     scaled : ndarray (M,)
-        Pressure times ``edge`` on each annulus, all of it.
+        Pressure times ``edge`` on each annulus, the punches included.
     kinks : Kinks or None
-        Punches taken out before the rest was given to the annuli.
+        Former edges whose punches are subtracted before the annuli carry the rest.
     strengths : ndarray (k,)
         Their displacements.
     density : ndarray (M,)
@@ -46,12 +46,27 @@ class ContactSurface:
     kappa: float
     field: Array
     force: float
-    kinks: Kinks | None = None
+    kinks: EdgeKinks | None = None
     strengths: Array | None = None
 
     @classmethod
-    def under(cls, annuli: Annuli, edge: float, load: Array, kinks: Kinks | None = None) -> ContactSurface:
-        """From ``v`` (M,) at the collocation radii, followed by ``v`` (3 k,) at the readings of the kinks."""
+    def under(
+        cls, annuli: Annuli, edge: float, load: Array, kinks: EdgeKinks | None = None
+    ) -> ContactSurface:
+        """The surface under a required displacement.
+
+        Parameters
+        ----------
+        annuli : Annuli
+        edge : float
+        load : ndarray (M + 3 k,)
+            ``v`` at the collocation radii, then at the readings of the kinks.
+        kinks : EdgeKinks, optional
+
+        Returns
+        -------
+        ContactSurface
+        """
         if kinks is None:
             scaled = rest = annuli.solve(load)
             strengths, carried = None, 0.0

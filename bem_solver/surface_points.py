@@ -4,7 +4,8 @@ A point is inside all the time, outside all the time, covered (outside, then ins
 then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
 sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, and a rest that is linear in
 time; the Voigt recursion is exact for both. A covered point meets the indenter at the moment the edge
-passes; a released one is let go, glassy, at that moment.
+passes; a released one leaves it, glassy, at that moment. Displacement ``w``, load ``v`` and penetration are
+positive downwards.
 """
 
 from __future__ import annotations
@@ -71,7 +72,20 @@ class SurfacePoints:
 
 
 def pressed(chain: Chain, variables: Array, rise: Array, duration: float | Array) -> Array:
-    """Variables after ``w`` rose linearly by ``rise`` (m,) over ``duration`` (scalar or (m,))."""
+    """Variables of points in contact while ``w`` rises linearly: the exact Maxwell recursion.
+
+    Parameters
+    ----------
+    chain : Chain
+    variables : ndarray (m, K)
+    rise : ndarray (m,)
+        Of the displacement ``w``.
+    duration : float or ndarray (m,)
+
+    Returns
+    -------
+    ndarray (m, K)
+    """
     y = np.asarray(duration, float)[..., None] / chain.relaxation
     response = chain.stress_scale / chain.relaxation * chain.spread(y)
     return chain.decay(y) * variables + response * rise[:, None]
@@ -100,7 +114,20 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
 
 
 def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -> Array:
-    """Variables of points that the receding edge passes; ``new_load`` is ``v`` at the end."""
+    """Variables of points that the receding edge passes.
+
+    Parameters
+    ----------
+    chain : Chain
+    points : SurfacePoints (m)
+    motion : Motion
+    new_load : ndarray (m,)
+        ``v`` at the end.
+
+    Returns
+    -------
+    ndarray (m, K)
+    """
     share = motion.passing(points.radius)
     leaving = motion.penetration_at(share) - points.height
     at_release = pressed(chain, points.variables, leaving - points.displacement, share * motion.duration)
@@ -115,7 +142,20 @@ def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
 
 
 def free(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -> Array:
-    """Variables of points outside all the time."""
+    """Variables of points outside all the time: the exact Voigt recursion.
+
+    Parameters
+    ----------
+    chain : Chain
+    points : SurfacePoints (m)
+    motion : Motion
+    new_load : ndarray (m,)
+        ``v`` at the end.
+
+    Returns
+    -------
+    ndarray (m, K)
+    """
     y = motion.duration / chain.retardation
     before, after = points.radius - motion.edge, points.radius - motion.new_edge
     even = chain.spread(y)
@@ -133,9 +173,19 @@ def displacement_outside(chain: Chain, variables: Array, load: Array) -> Array:
 
 
 def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array | None) -> Array:
-    """Variables of any points at the end of the step, shape (m, K).
+    """Variables of any points at the end of the step.
 
-    ``new_load`` (m,) is used outside the new edge only; ``None`` when all points are inside it.
+    Parameters
+    ----------
+    chain : Chain
+    points : SurfacePoints (m)
+    motion : Motion
+    new_load : ndarray (m,) or None
+        ``v`` at the end, used outside the new edge only; ``None`` when all points are inside it.
+
+    Returns
+    -------
+    ndarray (m, K)
     """
     inside_before = (points.radius <= motion.edge) & (motion.edge > 0.0)
     inside_after = points.radius <= motion.new_edge

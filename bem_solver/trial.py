@@ -1,6 +1,7 @@
 """A trial: the surface for a given edge and step, and by how much it misses the closure.
 
-Nothing here changes the committed state (``Front``); only the loop in ``stepping`` does.
+Nothing here changes the committed state, only the loop in ``stepping`` does. Penetration and surface
+displacement positive downwards, force and pressure positive in compression; radii from the axis.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.history import SurfaceHistory
-from bem_solver.kinks import Kinks
+from bem_solver.kinks import EdgeKinks
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, SurfacePoints, advanced, displacement_outside, load_inside
 from contact_scene import Counters, Scene
@@ -41,7 +42,7 @@ class Problem:
 
     @property
     def viscoelastic(self) -> bool:
-        """Whether there is a history at all."""
+        """Whether the material has branches, so that the surface has a history."""
         return len(self.chain) > 0
 
     def length_at(self, edge: float) -> float:
@@ -50,7 +51,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class ContactState:
+class HalfSpaceState:
     """Committed state: the surface, its history, time and penetration."""
 
     time: float
@@ -65,8 +66,8 @@ class ContactState:
 
 
 @dataclass(frozen=True)
-class Trial:
-    """Surface at the end of a trial step; ``residual`` > 0 where the edge wants to recede."""
+class TrialContact:
+    """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes."""
 
     motion: Motion
     surface: ContactSurface
@@ -74,7 +75,7 @@ class Trial:
     closure: float
 
 
-def points_at(problem: Problem, state: ContactState, radius: Array) -> SurfacePoints:
+def points_at(problem: Problem, state: HalfSpaceState, radius: Array) -> SurfacePoints:
     """State of surface points at the start of a step."""
     chain, history = problem.chain, state.history
     height = problem.scene.indenter.height(radius)
@@ -106,14 +107,26 @@ def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> A
 
 
 def evaluate(
-    problem: Problem, state: ContactState, duration: float, edge: float, control: str, value: float
-) -> Trial:
+    problem: Problem, state: HalfSpaceState, duration: float, edge: float, control: str, value: float
+) -> TrialContact:
     """The surface with the edge at ``edge`` after ``duration``, and its residual.
 
     Parameters
     ----------
+    problem : Problem
+    state : HalfSpaceState
+        Committed state at the start of the step.
+    duration : float
+    edge : float
+        Contact radius at the end.
     control : "penetration" or "force"
         Which of the two has ``value`` at the end of the step.
+    value : float
+
+    Returns
+    -------
+    TrialContact
+        Its residual is ``I - dgamma`` (Eq. closure); without adhesion the negative edge singularity.
     """
     annuli, counters = problem.annuli, problem.counters
     kinks = _kinks_inside(problem, state, duration, edge)
@@ -137,35 +150,35 @@ def evaluate(
         surface = one.towards(two, share)
     counters.linear_solves += 1
     if problem.work == 0.0:
-        return Trial(motion, surface, -surface.kappa, 0.0)
+        return TrialContact(motion, surface, -surface.kappa, 0.0)
     counters.closure_evaluations += 1
     value_of = _closure(problem, state, motion, surface)
     if surface.kappa > 0.0:
         value_of = -abs(value_of)
-    return Trial(motion, surface, value_of - problem.work, value_of)
+    return TrialContact(motion, surface, value_of - problem.work, value_of)
 
 
-def _kinks_inside(problem: Problem, state: ContactState, duration: float, edge: float) -> Kinks | None:
+def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge: float) -> EdgeKinks | None:
     """Where an edge has rested, or turns in this step, inside the new edge.
 
     Older ones are read where the history holds them. Beyond an edge that turns now, what is covered first has
-    relaxed for the whole step, as the root does; what is covered later has not, and is not looked at.
+    relaxed for the whole step, as the root does; what is covered later has not, and is left out.
     """
     history = state.history
     if not problem.viscoelastic or edge <= 0.0:
         return None
     longest = 0.25 * problem.length_at(edge)
-    marks = history.kinks if history.turning is None else (*history.kinks, history.turning)
-    kinks = Kinks.within(marks, min(edge, state.edge), longest)
+    radii = history.kinks if history.turning is None else (*history.kinks, history.turning)
+    kinks = EdgeKinks.within(radii, min(edge, state.edge), longest)
     if not history.direction <= 0 < state.edge < edge:
         return kinks
     still = 0.1 * float(problem.chain.relaxation[0])
     reach = min(longest, (edge - state.edge) * still / (still + duration))
-    nothing = Kinks(np.empty(0), np.empty(0))
-    return (kinks or nothing).and_at(state.edge, reach)
+    none = EdgeKinks(np.empty(0), np.empty(0))
+    return (kinks or none).and_at(state.edge, reach)
 
 
-def _closure(problem: Problem, state: ContactState, motion: Motion, surface: ContactSurface) -> float:
+def _closure(problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface) -> float:
     """``I``, the punches at kinks integrated from their own edges on."""
     rule, zone, edge, kinks = problem.rule, problem.zone, surface.edge, surface.kinks
     inner = rule.inside(zone, edge)
@@ -185,9 +198,24 @@ def _closure(problem: Problem, state: ContactState, motion: Motion, surface: Con
 
 
 def gap_outside(
-    problem: Problem, state: ContactState, motion: Motion, surface: ContactSurface, radius: Array
+    problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface, radius: Array
 ) -> Array:
-    """Gap at radii outside the new edge at the end of the step."""
+    """Gap outside the new edge at the end of the step.
+
+    Parameters
+    ----------
+    problem : Problem
+    state : HalfSpaceState
+        Before the step.
+    motion : Motion
+    surface : ContactSurface
+        After the step.
+    radius : ndarray (m,)
+
+    Returns
+    -------
+    ndarray (m,)
+    """
     load = surface.outside(radius)
     points = points_at(problem, state, radius)
     if problem.viscoelastic:

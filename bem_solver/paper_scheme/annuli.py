@@ -111,9 +111,9 @@ class AnnuliState:
 
 @dataclass(frozen=True)
 class StepFactors:
-    """``e_k = kept e_k + before v + after v`` (the last v after the step), all (K,)."""
+    """``e_k = decay e_k + before v + after v`` (the last v after the step), all (K,)."""
 
-    kept: Array
+    decay: Array
     before: Array
     after: Array
 
@@ -154,8 +154,8 @@ class ContactCandidates:
         self.control, self.value, self.counters = control, value, counters
         factors = step_factors(chain, duration)
         self._new_share = factors.after
-        self._kept = before.strains * factors.kept + np.outer(before.load, factors.before)
-        self._known = self._kept.sum(axis=1)
+        self._decayed = before.strains * factors.decay + np.outer(before.load, factors.before)
+        self._known = self._decayed.sum(axis=1)
         self._compliance = 1.0 / chain.glassy + float(self._new_share.sum())
         self._base = annuli.blocks.forward(-(annuli.heights + self._known) / self._compliance)
         self._rise = annuli.unit / self._compliance
@@ -213,36 +213,45 @@ class ContactCandidates:
             load = np.concatenate((inside, annuli.blocks.beyond(y, annuli.count)))
             scaled = annuli.blocks.backward(y)
         force = float(annuli.forces(scaled).sum())
-        strains = self._kept + np.outer(load, self._new_share)
+        strains = self._decayed + np.outer(load, self._new_share)
         intensity = annuli.stress_intensity(y)
         return AnnuliState(time, penetration, contact, load, strains, scaled, force, intensity)
 
 
 def equilibrium_contact(
-    instant: ContactCandidates, start: int, most: int, capped: bool, work: float
+    candidates: ContactCandidates, start: int, most: int, capped: bool, work: float
 ) -> int | None:
     """Number of annuli in contact at equilibrium, next to ``start``.
 
     With adhesion, the stable edge lies where the closure rises through the work of adhesion; of the two
-    borders around that place the one whose closure comes closer is taken. Zero where no stable contact is
+    borders around it the one whose closure comes closer is taken. Zero where no stable contact is
     left. Without adhesion, tensile edge annuli are released and overlapping ones covered.
 
     Parameters
     ----------
+    candidates : ContactCandidates
+    start : int
+        Number of annuli from which the search begins.
     most : int
         Largest contact; ``capped`` says that the indenter ends there. Otherwise the result is ``None`` where
         contact would spread further.
+    work : float
+        Work of adhesion.
+
+    Returns
+    -------
+    int or None
     """
     n, above = start, None
     if work > 0.0:
-        residual = instant.closure(n) - work if n > 0 else -work
+        residual = candidates.closure(n) - work if n > 0 else -work
         while residual > 0.0:
             n, above = n - 1, residual
             if n == 0:
                 return 0
-            residual = instant.closure(n) - work
+            residual = candidates.closure(n) - work
         while above is None and n < most:
-            beyond = instant.closure(n + 1) - work
+            beyond = candidates.closure(n + 1) - work
             if beyond > 0.0:
                 above = beyond
             else:
@@ -250,8 +259,8 @@ def equilibrium_contact(
         if above is not None:
             return n + 1 if above < -residual else n
     else:
-        while n > 0 and instant.edge_pressure(n) < 0.0:
+        while n > 0 and candidates.edge_pressure(n) < 0.0:
             n -= 1
-        while n < most and instant.edge_pressure(n + 1) > 0.0:
+        while n < most and candidates.edge_pressure(n + 1) > 0.0:
             n += 1
     return n if n < most or capped else None

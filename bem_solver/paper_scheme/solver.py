@@ -1,4 +1,4 @@
-"""The paper's own discretisation (Appendix A) as a baseline: uniform annuli and a fixed time step.
+"""The paper's own discretisation (Appendix A): uniform annuli and a fixed time step.
 
 First order in the annulus width and in the step, by construction: the contact edge moves from border to
 border. One factorisation a run, one forward and one backward solution a step, whatever the control.
@@ -15,14 +15,14 @@ import numpy as np
 from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, at_start
+from bem_solver.energy import Energies, initial_energies
 from bem_solver.loading_intervals import LoadingInterval, follow_loading
 from bem_solver.options import Options
 from bem_solver.paper_scheme.annuli import AnnuliState, ContactCandidates, UniformAnnuli, equilibrium_contact
 from bem_solver.paper_scheme.energy import start_energies, step_energies
 from bem_solver.paper_scheme.time_steps import step_count
 from bem_solver.recorder import TraceRecorder, trace_without_contact
-from bem_solver.size_estimates import FEWEST, MOST, largest_contact
+from bem_solver.size_estimates import FEWEST_ANNULI, MOST_ANNULI, largest_contact
 from bem_solver.start import contact_scale
 from bem_solver.trial import Problem
 from contact_scene import (
@@ -114,8 +114,8 @@ def _largest(scene: Scene, chain: Chain) -> float:
     """Estimate of the largest contact radius; any length will do where there is never contact."""
     adhesion = scene.adhesion if scene.is_adhesive else None
     zone, work = (adhesion.zone, adhesion.work) if adhesion else (0.0, 0.0)
-    rule = ClosureRule.resolving(FEWEST)
-    problem = Problem(scene, Annuli(FEWEST), chain, zone, work, 1.0, Counters(), rule)
+    rule = ClosureRule.resolving(FEWEST_ANNULI)
+    problem = Problem(scene, Annuli(FEWEST_ANNULI), chain, zone, work, 1.0, Counters(), rule)
     return largest_contact(scene, problem) or contact_scale(scene, scene.loading.penetration) or 1.0
 
 
@@ -132,11 +132,11 @@ def _annuli(scene: Scene, divisions: int, largest: float) -> tuple[UniformAnnuli
     edge = scene.indenter.edge
     most = (math.ceil(_MARGIN * largest / width) if edge == math.inf else round(edge / width)) + 1
     count = most + max(zone, most // 10 + 1)
-    if count > MOST:
+    if count > MOST_ANNULI:
         raise UnsupportedScene(
             "adhesion.zone",
             f"{count} uniform annuli would be needed",
-            f'at most {MOST}: a lower resolution, a longer zone, or annuli "graded"',
+            f'at most {MOST_ANNULI}: a lower resolution, a longer zone, or annuli "graded"',
         )
     if edge != math.inf:
         most = max(most - 1, 1)
@@ -164,7 +164,9 @@ class _Run:
         self.length = self.annuli.width * options.divisions
         self.capped = scene.indenter.edge < math.inf
         untouched = AnnuliState.untouched(self.annuli, len(self.chain), scene.loading.penetration)
-        self.state = UniformState(untouched, at_start(self.chain, 0.0, relaxed=False), TraceRecorder())
+        self.state = UniformState(
+            untouched, initial_energies(self.chain, 0.0, relaxed=False), TraceRecorder()
+        )
 
     def reached(self) -> tuple[float, float, float]:
         """Time, penetration and force of the committed state."""
@@ -181,15 +183,15 @@ class _Run:
         relaxed = self.scene.loading.start == "relaxed"
         elastic = Chain(Material(material.modulus if relaxed else material.glassy_modulus, material.poisson))
         untouched = AnnuliState.untouched(self.annuli, 0, penetration)
-        instant = ContactCandidates(
+        candidates = ContactCandidates(
             self.annuli, elastic, untouched, 0.0, "penetration", penetration, self.counters
         )
-        contact = equilibrium_contact(instant, self.most, self.most, self.capped, self.work)
+        contact = equilibrium_contact(candidates, self.most, self.most, self.capped, self.work)
         if contact is None or (contact == 0 and self.work > 0.0):
             return False
         if self.work > 0.0 and contact <= self.annuli.zone:
             raise zone_too_long(self.annuli.zone * self.annuli.width, contact * self.annuli.width)
-        surface = instant.state(contact, 0.0)
+        surface = candidates.state(contact, 0.0)
         strains = np.outer(surface.load, self.chain.compliances * (1.0 if relaxed else 0.0))
         self._commit(
             replace(surface, strains=strains), start_energies(self.chain, self.annuli, surface, relaxed)
@@ -227,10 +229,10 @@ class _Run:
         """
         before, time, value = self.state.surface, interval.time(parameter), interval.prescribed(parameter)
         duration = 0.0 if interval.jump else time - before.time
-        instant = ContactCandidates(
+        candidates = ContactCandidates(
             self.annuli, self.chain, before, duration, interval.control, value, self.counters
         )
-        contact = equilibrium_contact(instant, before.contact, self.most, self.capped, self.work)
+        contact = equilibrium_contact(candidates, before.contact, self.most, self.capped, self.work)
         if contact is None:
             reason = "the contact spreads beyond the annuli"
             return Outcome(OutcomeKind.OUT_OF_RANGE, reason, before.time)
@@ -243,7 +245,7 @@ class _Run:
             return Outcome(OutcomeKind.DETACHED, reason, before.time)
         if contact == 0 and not lost and interval.control == "force" and value < 0.0:
             return Outcome(OutcomeKind.DETACHED, "pulled without contact", before.time)
-        surface = instant.state(contact, time)
+        surface = candidates.state(contact, time)
         energies = step_energies(self.chain, self.annuli, self.state.energies, before, surface)
         self._commit(surface, energies)
         self.counters.steps += 1

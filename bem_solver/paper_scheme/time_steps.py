@@ -1,4 +1,4 @@
-"""The fixed time step of the baseline: one a loading interval, finer in proportion to the resolution."""
+"""The fixed time step of the paper scheme, per loading interval, in inverse proportion to the resolution."""
 
 from __future__ import annotations
 

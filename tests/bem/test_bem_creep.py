@@ -94,7 +94,7 @@ def voigt(chain, loads, duration):
 
 @pytest.mark.parametrize("euler", [False, True])
 @pytest.mark.parametrize("material", [ONE, THREE], ids=["one", "three"])
-def test_voigt_driven_by_maxwells_answer_returns_its_question(material, euler):
+def test_voigt_chain_inverts_maxwell_chain(material, euler):
     """Second order in the step, for the load is not linear within it; backward Euler is first order."""
     chain, errors = Chain(material, euler), []
     for count in (50, 100, 200):
@@ -146,7 +146,7 @@ def remaining(y, course):
 
 
 @given(STEPS)
-def test_weights_of_an_even_course_and_of_roots_at_either_end(y):
+def test_weights_of_linear_and_square_root_inputs(y):
     chain, given_y = Chain(ONE), np.array([[y]])
     assert_allclose(chain.spread(given_y), remaining(y, lambda x: x), rtol=1e-7)
     to_edge = remaining(y, lambda x: 1.0 - np.sqrt(1.0 - x))

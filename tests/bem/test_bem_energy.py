@@ -42,7 +42,7 @@ def test_balance(question):
 
 
 @runs
-def test_nothing_is_gained(question):
+def test_no_energy_is_gained(question):
     """Stored energy is never negative; neither the loss nor what the branches turn into heat runs back."""
     trace = bem(question)
     scale = trace.stored_energy.max()
@@ -76,7 +76,7 @@ def test_sharp_tip_releases_more_than_glass_on_opening():
     assert difference[-1] > 0.4 * WORK * np.ptp(area(trace))
 
 
-def test_branches_take_what_is_lost_without_adhesion():
+def test_branches_dissipate_the_loss_without_adhesion():
     """No singular edge, nothing released at the tip: integral and balance agree."""
     trace = bem(scene(Ramp(0.02, 0.05), Hold(2.0), start="relaxed", at=0.005, adhesion=None), resolution=16)
     lost = trace.dissipated_energy[-1]
@@ -98,7 +98,7 @@ def test_elastic_contact_stores_its_work_and_loses_nothing():
     assert_allclose(sticky.extra["branch_dissipation"], 0.0)
 
 
-def test_start_states_store_what_their_modulus_says():
+def test_stored_energy_of_start_states_follows_from_their_modulus():
     for start, modulus in (("relaxed", 1.0), ("jump-in", 10.0)):
         trace = bem(scene(start=start, at=0.03, adhesion=None))
         exact = hertz.stored_energy(trace.contact_radius[0], 1.0, modulus)

@@ -11,8 +11,8 @@ from bem_solver.history import (
     NodalVariables,
     SurfaceHistory,
     distinct,
-    gaps_to_halve,
     graded_nodes,
+    midpoints_of_wide_intervals,
     updated_kinks,
 )
 
@@ -47,7 +47,7 @@ def test_roots_of_the_distance_are_exact_beyond_a_kink():
     assert np.abs(blind.at(BETWEEN) - state(BETWEEN)).max() > 0.05
 
 
-def test_kink_at_the_first_node_is_the_edge_of_the_outer_track():
+def test_kink_at_the_first_node_is_the_edge_of_the_outer_history():
     radius = 2.0 + UNEVEN
     state = columns(np.sqrt(radius - 2.0))
     track = NodalVariables(radius, state, (2.0,))
@@ -65,7 +65,7 @@ def test_order_of_interpolation():
     assert errors[-1] < 2e-5
 
 
-def test_values_at_nodes_stand_and_few_nodes_do():
+def test_values_at_nodes_are_exact_with_few_nodes_too():
     random = np.random.default_rng(0)
     state = random.normal(size=(8, 3))
     for kinks in ((), (UNEVEN[3],), (UNEVEN[0], UNEVEN[3])):
@@ -80,7 +80,7 @@ def test_values_at_nodes_stand_and_few_nodes_do():
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 1e-6, 1e-3])
-def test_thinning_keeps_to_its_tolerance(tolerance):
+def test_coarsening_keeps_to_its_tolerance(tolerance):
     radius = np.unique(np.random.default_rng(5).uniform(0.0, 1.0, 400))
     state = columns(np.sin(3.0 * radius), np.exp(-10.0 * radius))
     spacing, track = np.full(len(radius), 0.05), NodalVariables(radius, state)
@@ -93,7 +93,7 @@ def test_thinning_keeps_to_its_tolerance(tolerance):
         assert len(thin.radius) < 0.6 * len(radius)
 
 
-def test_thinning_spares_ends_kinks_and_spacing():
+def test_coarsening_keeps_ends_kinks_and_spacing():
     radius = np.linspace(0.0, 1.0, 41)
     track = NodalVariables(radius, np.zeros((41, 2)), (radius[10], radius[23]))
     for parity in (0, 1):
@@ -104,7 +104,7 @@ def test_thinning_spares_ends_kinks_and_spacing():
         assert len(track.coarsened(1.0, np.full(41, 0.049), parity).radius) == 41
 
 
-def test_thinning_knows_the_root_of_the_distance():
+def test_coarsening_in_the_root_of_the_distance():
     radius = np.linspace(0.0, 1.0, 41)
     root = columns(np.sqrt(radius))
     aware = NodalVariables(radius, root, (0.0,)).coarsened(1e-9, np.full(41, 1.0), 0)
@@ -169,5 +169,5 @@ def test_kinks_near_the_edge_are_dropped_and_few_are_kept():
 def test_nodes_around_an_edge():
     radii = np.array([0.1, 0.5, 0.9, 0.99])
     assert_allclose(graded_nodes(radii, 2.0, 0.3), [1.8, 1.98, 2.0, 2.2, 2.02])
-    assert_allclose(gaps_to_halve(np.array([0.0, 0.1, 1.0]), np.array([0.2, 0.2])), [0.55])
+    assert_allclose(midpoints_of_wide_intervals(np.array([0.0, 0.1, 1.0]), np.array([0.2, 0.2])), [0.55])
     assert_array_equal(SurfaceHistory.blank(3).radius, np.empty(0))

@@ -8,7 +8,7 @@ from support.bem_runs import bem, front
 from support.paper_scenes import scene
 
 from bem_solver.annuli import Annuli
-from bem_solver.kinks import Kinks
+from bem_solver.kinks import EdgeKinks
 from bem_solver.surface import ContactSurface
 from contact_scene import Adhesion, Branch, Cone, Force, Material, Ramp, Sphere
 
@@ -18,7 +18,7 @@ TWO = Material(0.75, 0.5, (Branch(0.75, 0.1), Branch(0.75, 1.0)))
 def test_a_kink_alone_is_the_flat_punch_it_came_from():
     """``v`` of a punch with edge 0.7, given to a contact with edge 0.72: the annuli have nothing to do."""
     annuli, old, edge = Annuli(24), 0.7, 0.72
-    kinks = Kinks.within((old,), edge, 0.01)
+    kinks = EdgeKinks.within((old,), edge, 0.01)
     radius = np.append(edge * annuli.radii, kinks.readings)
     load = np.where(radius <= old, 1.0, 2.0 / np.pi * np.arcsin(np.minimum(old / radius, 1.0)))
     aware, blind = (
@@ -34,7 +34,7 @@ def test_a_kink_alone_is_the_flat_punch_it_came_from():
 
 @pytest.mark.parametrize("band", [1e-9, 1e-5, 1e-2])
 def test_strength_is_read_however_narrow_the_band(band):
-    kinks = Kinks.within((0.3, 0.5), 0.5 + band, 0.1)
+    kinks = EdgeKinks.within((0.3, 0.5), 0.5 + band, 0.1)
     assert_allclose(kinks.reach, [0.1, min(band, 0.1)])
     given = np.array([2.0, -3.0])
     load = 0.4 + kinks.displacement(kinks.readings) @ given
@@ -43,14 +43,14 @@ def test_strength_is_read_however_narrow_the_band(band):
 
 
 def test_punches_carry_their_force():
-    kinks = Kinks.within((0.3,), 0.5, 0.1)
+    kinks = EdgeKinks.within((0.3,), 0.5, 0.1)
     force, _ = quad(lambda s: -kinks.tension(0, s * s) * 2.0 * np.pi * (0.3 - s * s) * 2.0 * s, 0.0, 0.3**0.5)
     assert_allclose(force, 2.0 * 0.3, rtol=1e-9)
 
 
 def test_no_kinks_no_work():
-    assert Kinks.within((), 1.0, 0.1) is None
-    assert Kinks.within((1.0, 2.0, 0.0), 1.0, 0.1) is None
+    assert EdgeKinks.within((), 1.0, 0.1) is None
+    assert EdgeKinks.within((1.0, 2.0, 0.0), 1.0, 0.1) is None
 
 
 @pytest.mark.parametrize("resolution", [4, 6, 12])

@@ -139,7 +139,7 @@ def test_snap_in_is_an_event_and_a_jump(material):
     assert_allclose(mine.external_work[-1], other.external_work[-1], rtol=5e-3)
 
 
-def test_adhesionless_contact_waits_and_lifts_off():
+def test_adhesionless_first_contact_and_lift_off():
     trace = solve(scene(Ramp(0.01, 0.05), Ramp(-0.02, 0.05), at=-0.01, adhesion=None), COARSE)
     assert trace.outcome.kind is OutcomeKind.DETACHED
     waiting = trace.time < 0.2

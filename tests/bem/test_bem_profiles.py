@@ -133,13 +133,13 @@ def test_relaxed_surface_is_elastic_and_only_force_remembers():
     assert front(scene(start="relaxed", at=0.03, adhesion=None)).force[0] > 0.0
 
 
-def test_never_touched_and_no_length_to_go_by():
+def test_profile_without_contact_or_length_scale():
     question = scene(Ramp(-0.01, 0.1), start="relaxed", adhesion=None)
     profile = solve(question, Options(resolution=4, profile_times=(0.0,))).profiles[0]
     assert profile.radius.tolist() == profile.pressure.tolist() == profile.gap.tolist() == [0.0]
 
 
-def test_a_surface_let_go_keeps_its_dent():
+def test_released_surface_keeps_its_indentation():
     """Profile at the moment an adhesionless contact is lost: nowhere inside the indenter."""
     question = scene(
         ForceRamp(0.0015, 0.096),

@@ -46,7 +46,7 @@ def test_units_do_not_matter(length, modulus, time, poisson):
 
 @few
 @given(SPECTRA, st.floats(-6.0, 6.0))
-def test_branch_of_nothing_changes_nothing(branches, decade):
+def test_branch_of_zero_modulus_changes_nothing(branches, decade):
     """Of no modulus, or of one that is lost in rounding, whatever its time."""
     plain = solve(approach(Material(1.0, 0.4, branches)), COARSE)
     for modulus in (0.0, 1e-13):

@@ -163,7 +163,7 @@ def test_oscillating_punch_is_one_linear_element():
     assert_allclose(trace.contact_radius, 0.2, rtol=1e-14)
 
 
-def test_elastic_punch_lets_go_at_kendalls_force():
+def test_elastic_punch_detaches_at_kendalls_force():
     excess = []
     for zone in (8e-3, 4e-3):
         question = scene(

@@ -28,6 +28,7 @@ COARSE = Options(resolution=6)
         {"scheme": "forward-euler"},
         {"profile_times": (0.0, float("inf"))},
         {"profile_times": ("late",)},
+        {"stop_times": (0.0, float("nan"))},
         {"step": 0.0},
         {"step": float("nan")},
         {"max_steps": 0},
@@ -72,6 +73,15 @@ def test_every_step_keeps_to_the_tolerance(material):
         departures.append(0.125 * abs(force[i + 1] - line) / np.abs(force[: i + 2]).max())
     assert trace.counters.rejected_steps > 0
     assert 0.5 < 4.0 * max(departures) / COARSE.step_tolerance <= 1.0 + 1e-6
+
+
+@pytest.mark.parametrize("annuli", ["graded", "uniform"])
+def test_stop_times_are_stepped_onto_without_a_profile(annuli):
+    question = scene(Ramp(0.01, 0.02), at=0.005, adhesion=None)
+    options = Options(resolution=4, stop_times=(0.0, 0.1234, 9.0), profile_times=(0.2,), annuli=annuli)
+    trace = solve(question, options)
+    assert {0.1234, 0.2} <= set(trace.time)
+    assert [profile.time for profile in trace.profiles] == [0.2]
 
 
 def test_kinks_of_a_table_are_stepped_onto():

@@ -147,6 +147,6 @@ def _(true):
     return lambda self, outcome, counters, work: true(self, outcome, counters, -work)
 
 
-@fault("branch energies advanced by half the step", "energy:stepped")
+@fault("branch energies advanced by half the step", "energy:updated_energies")
 def _(true):
     return lambda chain, before, increment, duration: true(chain, before, increment, 0.5 * duration)

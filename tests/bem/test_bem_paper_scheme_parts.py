@@ -1,4 +1,4 @@
-"""Parts of the baseline: the factorisation of all leading blocks, and the paper's equations as written."""
+"""Parts of the paper scheme: factors of all leading blocks, and the paper's equations as written."""
 
 from __future__ import annotations
 
@@ -70,13 +70,13 @@ def influence(annuli):
 def stepped(
     material, control="penetration", values=(0.02, 0.015), contacts=(15, 13), scheme="backward-euler"
 ):
-    """Two steps of 0.1 with the given contacts; annuli, chain, sheets, the last instant."""
+    """Two steps of 0.1 with the given contacts; annuli, chain, states, the last candidates."""
     annuli, chain = uniform(), Chain(material, scheme == "backward-euler")
-    sheets, instant = [AnnuliState.untouched(annuli, len(chain), 0.0)], None
+    states, candidates = [AnnuliState.untouched(annuli, len(chain), 0.0)], None
     for index, (value, contact) in enumerate(zip(values, contacts, strict=True), 1):
-        instant = ContactCandidates(annuli, chain, sheets[-1], 0.1, control, value, Counters())
-        sheets.append(instant.sheet(contact, 0.1 * index))
-    return annuli, chain, sheets, instant
+        candidates = ContactCandidates(annuli, chain, states[-1], 0.1, control, value, Counters())
+        states.append(candidates.state(contact, 0.1 * index))
+    return annuli, chain, states, candidates
 
 
 def test_backward_euler_is_the_papers_linear_system():
@@ -84,8 +84,8 @@ def test_backward_euler_is_the_papers_linear_system():
     matrix, step = influence(annuli), 0.1 / chain.retardation[0]
     assert chain.retardation[0] == pytest.approx(10.0)  # the appendix's tau
     pressure = [np.zeros(40), np.zeros(40)]
-    for into, sheet in zip(pressure, (before, after), strict=True):
-        into[: sheet.contact] = sheet.scaled / annuli.width
+    for into, surface in zip(pressure, (before, after), strict=True):
+        into[: surface.contact] = surface.scaled / annuli.width
     known = before.displacement(chain) - matrix @ pressure[0] / chain.glassy  # Eq. knownterm
     left = (1.0 + step) * after.displacement(chain)  # Eq. linear system
     right = (1.0 / chain.glassy + step / chain.relaxed) * (matrix @ pressure[1]) + known
@@ -98,22 +98,22 @@ def test_backward_euler_is_the_papers_linear_system():
 
 @pytest.mark.parametrize("scheme", ["backward-euler", "exponential"])
 @pytest.mark.parametrize(("control", "values"), [("penetration", (0.02, 0.015)), ("force", (0.02, 0.004))])
-def test_closure_and_force_of_an_instant_are_those_of_the_state(scheme, control, values):
-    annuli, chain, (_, _, after), instant = stepped(TWO_BRANCHES, control, values, scheme=scheme)
+def test_closure_and_force_of_a_candidate_are_those_of_the_state(scheme, control, values):
+    annuli, chain, (_, _, after), candidates = stepped(TWO_BRANCHES, control, values, scheme=scheme)
     pressure = after.scaled / annuli.width
     n, zone = after.contact, annuli.zone
     gap = annuli.heights - after.penetration + after.displacement(chain)
     plain = sum(-pressure[n - 1 - i] * gap[n - 1 - i + zone] for i in range(zone)) / (
         2.0 * zone
     )  # Eq. closure
-    assert instant.closure(n) == pytest.approx(plain if pressure[-1] < 0 else -abs(plain), rel=1e-9)
+    assert candidates.closure(n) == pytest.approx(plain if pressure[-1] < 0 else -abs(plain), rel=1e-9)
     assert after.force == pytest.approx(annuli.width**2 * annuli.areas[:n] @ pressure, rel=1e-12)
     assert (after.force if control == "force" else after.penetration) == pytest.approx(values[-1], rel=1e-10)
-    assert np.sign(instant.edge_pressure(n)) == np.sign(pressure[-1])
+    assert np.sign(candidates.edge_pressure(n)) == np.sign(pressure[-1])
 
 
 def test_a_compressive_edge_over_an_overlap_counts_negative():
     """Pressure and gap both have the wrong sign there: their product must not pass for tension."""
-    annuli, _, (_, _, after), instant = stepped(RUBBER, contacts=(15, 5))
+    annuli, _, (_, _, after), candidates = stepped(RUBBER, contacts=(15, 5))
     assert after.scaled[-1] > 0.0
-    assert instant.closure(after.contact) < -0.01 * annuli.width
+    assert candidates.closure(after.contact) < -0.01 * annuli.width

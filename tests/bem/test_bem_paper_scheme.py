@@ -32,7 +32,7 @@ from contact_scene import (
 TWO_BRANCHES = Material(0.75, 0.5, (Branch(2.0, 0.1), Branch(4.75, 1.0)))
 
 
-def baseline(scene, resolution=12, scheme="backward-euler", progress=None, **more):
+def uniform(scene, resolution=12, scheme="backward-euler", progress=None, **more):
     options = Options(resolution=resolution, annuli="uniform", scheme=scheme, **more)
     return bem_solver.solve(scene, options, progress)
 
@@ -40,14 +40,14 @@ def baseline(scene, resolution=12, scheme="backward-euler", progress=None, **mor
 def test_elastic_pull_off():
     for modulus, exact in ((0.75, 1.02693), (7.5, 1.05837)):
         elastic = Material(modulus, 0.5)
-        trace = baseline(scene(Ramp(-0.5, 0.01), start="relaxed", at=0.032, material=elastic), 24)
+        trace = uniform(scene(Ramp(-0.5, 0.01), start="relaxed", at=0.032, material=elastic), 24)
         assert -trace.force.min() / JKR == pytest.approx(exact, rel=1.2e-2)
         assert trace.outcome.kind is OutcomeKind.DETACHED
         assert [event.kind for event in trace.events] == ["pull-off"]
 
 
 def test_relaxed_equilibrium():
-    trace = baseline(scene(start="relaxed", at=0.032), 24)
+    trace = uniform(scene(start="relaxed", at=0.032), 24)
     assert trace.contact_radius[0] == pytest.approx(0.245149, abs=0.013 / 24)
     assert trace.force[0] / np.pi == pytest.approx(1.8695e-3, rel=1e-2)
 
@@ -55,8 +55,8 @@ def test_relaxed_equilibrium():
 def test_a_single_large_step_lands_where_the_static_search_does():
     elastic = Material(0.75, 0.5)
     loaded = scene(Ramp(0.032, 1.0), start="relaxed", at=0.0, material=elastic)
-    trace = baseline(loaded, step=1.0)
-    at_once = baseline(scene(start="relaxed", at=0.032, material=elastic))
+    trace = uniform(loaded, step=1.0)
+    at_once = uniform(scene(start="relaxed", at=0.032, material=elastic))
     assert len(trace) == 2
     assert trace.contact_radius[-1] == at_once.contact_radius[0]
     assert trace.force[-1] == pytest.approx(at_once.force[0], rel=1e-9)
@@ -67,7 +67,7 @@ def test_a_single_large_step_lands_where_the_static_search_does():
 def test_adhesionless_sphere_lee_radok_and_ting(scheme, error):
     times, radii = (0.5, 1.0, 1.2710490), (0.1581139, 0.2236068, 0.1795367)
     loads = scene(Ramp(0.05, 0.05), Ramp(-0.5, 0.05), adhesion=None)
-    trace = baseline(loads, scheme=scheme, profile_times=times)
+    trace = uniform(loads, scheme=scheme, profile_times=times)
     assert [p.time for p in trace.profiles] == list(times)
     for profile, radius, force in zip(
         trace.profiles, radii, (0.04443517, 0.10786683, 0.03680143), strict=True
@@ -84,7 +84,7 @@ def test_adhesionless_sphere_lee_radok_and_ting(scheme, error):
 def test_a_punch_creeps_under_constant_force():
     """``D = F J*(t)/(2 a)``; the exponential scheme is exact in time."""
     held = scene(Force(0.03, 5.0), start="relaxed", at=0.0, indenter=FlatPunch(0.2), adhesion=None)
-    trace = baseline(held, scheme="exponential")
+    trace = uniform(held, scheme="exponential")
     held = trace.time > 0.0
     compliance = 0.75 * RUBBER.creep_compliance(trace.time[held])
     assert np.all(trace.contact_radius[held] == 0.2)
@@ -97,7 +97,7 @@ def test_a_punch_creeps_under_constant_force():
 @pytest.mark.parametrize("scheme", ["backward-euler", "exponential"])
 def test_energies_of_a_relaxing_punch(scheme):
     loads = scene(Hold(20.0), at=0.01, indenter=FlatPunch(0.2), adhesion=None)
-    trace = baseline(loads, scheme=scheme)
+    trace = uniform(loads, scheme=scheme)
     # U = F D/2 in the glassy and in the relaxed state: 2 a E* D^2/2
     np.testing.assert_allclose(trace.stored_energy[[0, -1]], [0.2e-4 * 10, 0.2e-4], rtol=2e-3)
     np.testing.assert_allclose(trace.dissipated_energy[-1], 0.2e-4 * 9, rtol=2e-3)
@@ -107,14 +107,14 @@ def test_energies_of_a_relaxing_punch(scheme):
 
 
 def test_the_edge_of_a_punch_is_a_border():
-    trace = baseline(scene(Ramp(-0.1, 0.01), start="relaxed", at=0.01, indenter=FlatPunch(0.2)))
+    trace = uniform(scene(Ramp(-0.1, 0.01), start="relaxed", at=0.01, indenter=FlatPunch(0.2)))
     assert np.all(trace.contact_radius == 0.2)
     assert trace.outcome.kind is OutcomeKind.DETACHED
 
 
 def test_force_control_follows_the_force():
     steps = (ForceRamp(0.02, 0.01), Hold(1.0), ForceRamp(-0.1, 0.01))
-    trace, default = baseline(scene(*steps)), bem_solver.solve(scene(*steps), Options(resolution=6))
+    trace, default = uniform(scene(*steps)), bem_solver.solve(scene(*steps), Options(resolution=6))
     ramp = trace.time <= 2.0 + 0.5
     loaded = trace.force[ramp & (np.diff(trace.time, prepend=0.0) > 0.0)]
     assert np.ptp(np.diff(loaded[:100])) < 1e-12
@@ -126,7 +126,7 @@ def test_force_control_follows_the_force():
 def test_two_like_branches_are_one():
     twin = Material(0.75, 0.5, (Branch(3.0, 1.0), Branch(3.75, 1.0 + 1e-7)))
     steps = (Ramp(0.032, 0.1), Ramp(-0.5, 0.1))
-    one, two = baseline(scene(*steps), 6), baseline(scene(*steps, material=twin), 6)
+    one, two = uniform(scene(*steps), 6), uniform(scene(*steps, material=twin), 6)
     np.testing.assert_array_equal(one.contact_radius, two.contact_radius)
     np.testing.assert_allclose(one.force, two.force, rtol=1e-5, atol=1e-9)
 
@@ -138,7 +138,7 @@ def test_first_order_when_width_and_step_are_refined_together():
     """Two-sided slopes and a cap on the finest error, against front tracking."""
     resolutions, pull_off, loop = (5, 10, 20, 40), [], []
     for resolution in resolutions:
-        trace = baseline(cycle(0.02), resolution)
+        trace = uniform(cycle(0.02), resolution)
         assert trace.counters.factorisations == 1
         assert trace.counters.linear_solves == trace.counters.steps + 2  # the start; the step that found none
         pull_off.append(abs(-trace.force.min() / JKR / 4.300 - 1.0))
@@ -153,7 +153,7 @@ def test_first_order_when_width_and_step_are_refined_together():
     [(0.002, 0.21116, 4.5242, -0.02277, 1.8872e-4), (0.1, 0.20092, 1.7023, 0.0042386, 7.469e-5)],
 )
 def test_cycles(speed, radius, pull_off, lost, loop):
-    trace = baseline(cycle(speed))
+    trace = uniform(cycle(speed))
     assert trace.contact_radius[trace.penetration.argmax()] == pytest.approx(radius, abs=0.013 / 12)
     assert -trace.force.min() / JKR == pytest.approx(pull_off, rel=2e-2)
     assert trace.penetration[-1] == pytest.approx(lost, rel=2e-2)
@@ -168,7 +168,7 @@ def test_cycles(speed, radius, pull_off, lost, loop):
     ],
 )
 def test_agreement_with_the_default_solver(case):
-    ours, default = baseline(case, 16), bem_solver.solve(case, Options(resolution=6))
+    ours, default = uniform(case, 16), bem_solver.solve(case, Options(resolution=6))
     assert ours.outcome.kind is default.outcome.kind
     assert ours.force.max() == pytest.approx(default.force.max(), rel=1e-2)
     assert ours.force.min() == pytest.approx(default.force.min(), rel=2e-2)
@@ -178,7 +178,7 @@ def test_agreement_with_the_default_solver(case):
 
 def test_profile_carries_the_force():
     annuli = np.pi * np.diff((np.arange(400) * 0.013 / 12) ** 2)
-    trace = baseline(scene(Ramp(0.032, 0.1), Hold(0.5)), profile_times=(0.0, 0.5, 9.0))
+    trace = uniform(scene(Ramp(0.032, 0.1), Hold(0.5)), profile_times=(0.0, 0.5, 9.0))
     assert [p.time for p in trace.profiles] == [0.0, 0.5]
     for p in trace.profiles:
         assert p.pressure @ annuli[: len(p.pressure)] == pytest.approx(p.force, rel=1e-10)
@@ -192,7 +192,7 @@ def test_profile_carries_the_force():
 
 def test_progress_rises_to_one():
     seen = []
-    baseline(scene(Ramp(0.01, 0.1), Hold(0.0), Hold(0.1)), 4, progress=seen.append)
+    uniform(scene(Ramp(0.01, 0.1), Hold(0.0), Hold(0.1)), 4, progress=seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
 
@@ -202,35 +202,35 @@ def test_progress_rises_to_one():
 
 def test_too_many_annuli_are_refused():
     with pytest.raises(UnsupportedScene, match=r"uniform annuli would be needed; allowed: at most 4000"):
-        baseline(scene(Hold(1.0), start="relaxed", at=0.032, adhesion=Adhesion(GAMMA, 1e-4)))
+        uniform(scene(Hold(1.0), start="relaxed", at=0.032, adhesion=Adhesion(GAMMA, 1e-4)))
 
 
 def test_a_zone_longer_than_the_contact_is_refused():
     with pytest.raises(SceneError, match="process zone"):
-        baseline(scene(Hold(1.0), adhesion=Adhesion(GAMMA, 0.2)))
+        uniform(scene(Hold(1.0), adhesion=Adhesion(GAMMA, 0.2)))
 
 
 def test_bulk_relaxation_is_refused():
     separate = Material(0.75, 0.3, (Branch(6.75, 1.0),), BulkRelaxation(2.0))
     with pytest.raises(UnsupportedScene, match="constant Poisson"):
-        baseline(scene(Hold(1.0), material=separate))
+        uniform(scene(Hold(1.0), material=separate))
 
 
 def test_no_equilibrium():
-    trace = baseline(scene(Hold(1.0), at=-0.5))
+    trace = uniform(scene(Hold(1.0), at=-0.5))
     assert trace.outcome.kind is OutcomeKind.NO_EQUILIBRIUM
     assert len(trace) == 1
 
 
 def test_step_budget():
-    trace = baseline(scene(Ramp(0.032, 0.1)), max_steps=10)
+    trace = uniform(scene(Ramp(0.032, 0.1)), max_steps=10)
     assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
     assert trace.counters.steps == 10
     assert trace.time[-1] < 0.32
 
 
-def test_waiting_without_contact():
-    trace = baseline(scene(Ramp(-0.1, 1.0), at=-0.5, adhesion=None))
+def test_motion_without_contact():
+    trace = uniform(scene(Ramp(-0.1, 1.0), at=-0.5, adhesion=None))
     assert trace.outcome.kind is OutcomeKind.COMPLETED
     assert trace.time[-1] == 0.4
     assert not trace.force.any()
@@ -238,20 +238,20 @@ def test_waiting_without_contact():
 
 
 def test_pulled_without_contact():
-    trace = baseline(scene(Force(-0.1, 1.0), at=-0.5, adhesion=None))
+    trace = uniform(scene(Force(-0.1, 1.0), at=-0.5, adhesion=None))
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert trace.outcome.reason == "pulled without contact"
 
 
 def test_contact_that_leaves_the_annuli(monkeypatch):
     monkeypatch.setattr("bem_solver.paper_scheme.solver.largest_contact", lambda scene, problem: 0.15)
-    trace = baseline(cycle(0.1))
+    trace = uniform(cycle(0.1))
     assert trace.outcome.kind is OutcomeKind.OUT_OF_RANGE
     assert 0.16 < trace.contact_radius[-1] < 0.17
 
 
 @pytest.mark.parametrize("method", ["backward", "last"])
-def test_not_a_number_never_leaves(monkeypatch, method):
+def test_no_nan_in_the_trace(monkeypatch, method):
     solve, calls = getattr(LeadingBlocks, method), []
 
     def spoiled(self, *given):
@@ -259,15 +259,15 @@ def test_not_a_number_never_leaves(monkeypatch, method):
         return solve(self, *given) * (np.nan if len(calls) > 350 else 1.0)
 
     monkeypatch.setattr(LeadingBlocks, method, spoiled)
-    trace = baseline(cycle(0.1), 20)
+    trace = uniform(cycle(0.1), 20)
     assert trace.outcome.kind is OutcomeKind.NOT_FINITE
     assert len(trace) > 1
     for column in trace.columns().values():
         assert np.isfinite(column).all()
 
 
-def test_not_a_number_at_the_start(monkeypatch):
+def test_nan_at_the_start(monkeypatch):
     monkeypatch.setattr(LeadingBlocks, "backward", lambda self, values: np.nan * values)
-    trace = baseline(cycle(0.1))
+    trace = uniform(cycle(0.1))
     assert trace.outcome.kind is OutcomeKind.NO_EQUILIBRIUM
     assert "not finite" in trace.outcome.reason
