@@ -89,8 +89,7 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
         return found.surface.edge, found.motion.new_penetration, found.surface.force
 
     radius, penetration, force = settle("penetration", penetration)
-    for step in scene.loading.steps:
-        segment = step.segment(0.0, penetration, force)
+    for _, segment in scene.loading.segments(lambda _: (penetration, force), own_time=True):
         times = np.unique(np.concatenate((np.linspace(segment.start, segment.end, 129), segment.kinks)))
         values = [segment.value(float(t)) for t in times]
         edge, _, _ = settle(segment.control, max(values))

@@ -1,8 +1,9 @@
-"""Text files: read with one-line errors, written whole or not at all; small tables as CSV."""
+"""Files: text read with one-line errors, atomic writing, small tables as CSV."""
 
 from __future__ import annotations
 
 import csv
+import glob
 import os
 import uuid
 from collections.abc import Iterable, Sequence
@@ -10,7 +11,8 @@ from pathlib import Path
 
 from contact_scene.errors import SceneError, shown
 
-TOO_LARGE = 10_000_000  # bytes; a scene or a table beyond this is a mistake
+TOO_LARGE = 10_000_000
+"""Bytes; a scene or a table larger than this is a mistake."""
 
 
 def read_text(file: Path) -> str:
@@ -42,15 +44,23 @@ def read_text(file: Path) -> str:
     return text.replace("\r\n", "\n")
 
 
-def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write UTF-8 text so that the file appears whole or not at all, also when the program is killed."""
+def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Write a file so that it appears whole or not at all, also when the program is killed; text as UTF-8."""
     target = Path(path)
     partial = target.with_name(f".{target.name}.{uuid.uuid4().hex}.part")
     try:
-        with partial.open("x", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
+        with partial.open("xb") as stream:
+            stream.write(content.encode("utf-8") if isinstance(content, str) else content)
+            stream.flush()
+            os.fsync(stream.fileno())
         partial.replace(target)
     finally:
+        partial.unlink(missing_ok=True)
+
+
+def remove_partial(target: Path) -> None:
+    """Remove what a program that was killed while it wrote ``target`` left beside it."""
+    for partial in target.parent.glob(f".{glob.escape(target.name)}.*.part"):
         partial.unlink(missing_ok=True)
 
 
@@ -87,7 +97,7 @@ def read_pairs(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], t
 def write_pairs(path: Path, names: Sequence[str], first: Iterable[float], second: Iterable[float]) -> None:
     """Two columns of numbers with all their digits, under a header."""
     rows = [",".join(names)] + [f"{a!r},{b!r}" for a, b in zip(first, second, strict=True)]
-    write_text(path, "\n".join(rows) + "\n")
+    write_whole(path, "\n".join(rows) + "\n")
 
 
 def _is_number(cell: str) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import ClassVar, Literal
@@ -273,3 +273,33 @@ class Loading:
         for index, step in enumerate(self.steps):
             if not isinstance(step, Step):
                 raise SceneError(f"steps[{index}]", f"got {shown(step)}", "a loading step")
+
+    def segments(
+        self, state: Callable[[Step], tuple[float, float]] | None = None, own_time: bool = False
+    ) -> Iterator[tuple[Step, Segment]]:
+        """The load steps with their control laws, as far as they are known before a run.
+
+        Parameters
+        ----------
+        state : callable(Step) -> (float, float), optional
+            Estimated penetration and force from which a load step starts, called when it is reached. Default:
+            what the loading prescribes; the quantity that is not controlled is unknown, nan, and so are the
+            times that depend on it.
+        own_time : bool
+            Every load step begins at time 0 instead of at the end of the one before.
+
+        Yields
+        ------
+        step : Step
+        segment : Segment
+        """
+        time, penetration, force = 0.0, self.penetration, math.nan
+        for step in self.steps:
+            if state is not None:
+                penetration, force = state(step)
+            segment = step.segment(time, penetration, force)
+            yield step, segment
+            if not own_time:
+                time = segment.end
+            last = segment.value(segment.end) if math.isfinite(segment.end) else math.nan
+            penetration, force = (last, math.nan) if segment.control == "penetration" else (math.nan, last)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.files import write_text
+from contact_scene.files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -139,7 +139,7 @@ def write_trace(trace: Trace, path: str | os.PathLike[str]) -> None:
     columns = trace.columns()
     rows = zip(*(np.asarray(column, float).tolist() for column in columns.values()), strict=True)
     lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
-    write_text(path, "\n".join(lines) + "\n")
+    write_whole(path, "\n".join(lines) + "\n")
 
 
 def read_columns(path: str | os.PathLike[str]) -> dict[str, Array]:

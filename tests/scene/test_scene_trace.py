@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace, read_columns, write_trace
-from contact_scene.files import write_text
+from contact_scene.files import write_whole
 
 
 def trace(table, **extra):
@@ -74,23 +74,23 @@ def test_bad_files(tmp_path, text, match):
 
 def test_a_failed_write_keeps_the_old_file_and_leaves_nothing(tmp_path):
     path = tmp_path / "text"
-    write_text(path, "old")
+    write_whole(path, "old")
     with pytest.raises(UnicodeEncodeError):
-        write_text(path, "new \ud800")
+        write_whole(path, "new \ud800")
     assert path.read_text() == "old"
     assert [entry.name for entry in tmp_path.iterdir()] == ["text"]
 
 
 def test_a_kill_before_the_last_move_keeps_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "text"
-    write_text(path, "old")
+    write_whole(path, "old")
 
     def killed(*args):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Path, "replace", killed)
     with pytest.raises(KeyboardInterrupt):
-        write_text(path, "new")
+        write_whole(path, "new")
     assert path.read_text() == "old"
 
 

@@ -18,10 +18,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from contact_scene.files import remove_partial
 from validation import solvers
 from validation.cases import Case
 from validation.execution import checked_pickle
-from validation.execution.files import remove_left
 from validation.execution.runs import Run, output_times, run
 from validation.execution.signals import Patience
 
@@ -139,7 +139,7 @@ class Keeper:
     def done(self) -> None:
         """The run is over, its results are written: nothing is left to go on with."""
         self.path.unlink(missing_ok=True)
-        remove_left(self.path)
+        remove_partial(self.path)
 
 
 def run_kept(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import json
 import math
 import os
@@ -10,32 +9,17 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from contact_scene import files
 from contact_scene.errors import SceneError
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file beside its place and move it there in one step.
+    """Write a file atomically, and remove what a program that was killed while writing it left beside it.
 
-    What a killed program left of the same file goes; two at once on one file are kept apart by ``lock``.
+    Two writers of one file at a time are excluded by ``lock``.
     """
-    data = content.encode("utf-8") if isinstance(content, str) else content
-    remove_left(path)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with partial.open("wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        partial.replace(path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
-
-
-def remove_left(path: Path) -> None:
-    """Remove what a program that was killed while it wrote this file has left beside it."""
-    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
-        left.unlink(missing_ok=True)
+    files.remove_partial(path)
+    files.write_whole(path, content)
 
 
 def move_whole(stage: Path, folder: Path) -> None:

@@ -174,8 +174,7 @@ def _largest_load(scene: Scene) -> tuple[float, float]:
     """Largest penetration and largest force that the loading prescribes."""
     depth = deepest = scene.loading.penetration
     force = hardest = 0.0
-    for step in scene.loading.steps:
-        segment = step.segment(0.0, depth, force)
+    for _, segment in scene.loading.segments(lambda _: (depth, force), own_time=True):
         values = [segment.value(t) for t in np.linspace(0.0, segment.end, 257)]
         if segment.control == "penetration":
             deepest, depth = max(deepest, *values), values[-1]
