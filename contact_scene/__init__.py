@@ -1,4 +1,4 @@
-"""The question and the form of the answer, shared by all solvers; no numerical method lives here."""
+"""Scene, form of the results and control of a run, shared by all solvers; no numerical method."""
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.errors import SceneError, UnsupportedScene

@@ -62,12 +62,12 @@ def _straight(control: Control, start: float, end: float, first: float, last: fl
 
 
 class Step:
-    """What every loading step offers."""
+    """A load step; each kind defines :meth:`segment`."""
 
     kind: ClassVar[str]
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        """The control law, starting at ``time`` from the given penetration and force."""
+        """The control law, starting at ``time`` from a penetration and a force."""
         raise AssertionError("defined by every kind of step")
 
 
@@ -220,23 +220,23 @@ class Table(Step):
         object.__setattr__(self, "penetrations", values)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        # Rows that a late start rounds onto one time cannot be told apart; the last of them counts.
+        # Rows that round to the same time after a late start are one row, the last of them.
         rows = dict(zip((time + (t - self.times[0]) for t in self.times), self.penetrations, strict=True))
         at, values = list(rows), list(rows.values())
 
-        def piece(now: float) -> int:
+        def interval(now: float) -> int:
             return min(max(bisect_right(at, now) - 1, 0), len(at) - 2)
 
         def value(now: float) -> float:
             if len(at) == 1 or now >= at[-1]:
                 return values[-1]
-            i = piece(now)
+            i = interval(now)
             return values[i] + (values[i + 1] - values[i]) * ((now - at[i]) / (at[i + 1] - at[i]))
 
         def rate(now: float) -> float:
             if len(at) == 1:
                 return 0.0
-            i = piece(now)
+            i = interval(now)
             return (values[i + 1] - values[i]) / (at[i + 1] - at[i])
 
         return Segment("penetration", time, at[-1], value, rate, kinks=tuple(at[1:-1]))

@@ -146,11 +146,11 @@ def _build(kind: type, data: dict[str, Any], tag: str | None = None) -> Any:
     return kind(**{k: v for k, v in data.items() if k != tag})
 
 
-def _branch_tuple(given: Any, key: str) -> tuple[Branch, ...]:
-    if not isinstance(given, (list, tuple)):
-        raise SceneError(key, f"got {shown(given)}", "a list of tables { modulus, time }")
+def _branch_tuple(entries: Any, key: str) -> tuple[Branch, ...]:
+    if not isinstance(entries, (list, tuple)):
+        raise SceneError(key, f"got {shown(entries)}", "a list of tables { modulus, time }")
     branches = []
-    for index, entry in enumerate(given):
+    for index, entry in enumerate(entries):
         if not isinstance(entry, dict):
             raise SceneError(f"{key}[{index}]", f"got {shown(entry)}", "a table { modulus, time }")
         branches.append(_under(f"{key}[{index}]", partial(_build, Branch, entry)))
@@ -198,11 +198,11 @@ def _loading(data: dict[str, Any], where: Path) -> Loading:
     _known(data, "", ("start", "penetration", "steps"))
     start = one_of(_require(data, "start", " | ".join(STARTS)), "start", STARTS)
     penetration = _require(data, "penetration", FINITE)
-    given = data.get("steps", [])
-    if not isinstance(given, (list, tuple)):
-        raise SceneError("steps", f"got {shown(given)}", "[[loading.steps]] tables")
+    entries = data.get("steps", [])
+    if not isinstance(entries, (list, tuple)):
+        raise SceneError("steps", f"got {shown(entries)}", "[[loading.steps]] tables")
     steps = tuple(
-        _under(f"steps[{index}]", partial(_step, entry, where)) for index, entry in enumerate(given)
+        _under(f"steps[{index}]", partial(_step, entry, where)) for index, entry in enumerate(entries)
     )
     return Loading(start, penetration, steps)
 

@@ -50,11 +50,24 @@ class EdgeLaw(Protocol):
         ...
 
     def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
-        """Follow the edge from ``s`` to where it settles within ``low <= s <= high``."""
+        """Follow the edge to where it rests.
+
+        Parameters
+        ----------
+        problem : ContactProblem
+        s : float
+            Edge position, in nodes, from which the search starts.
+        low, high : float
+            Range searched.
+
+        Returns
+        -------
+        EdgeSearch
+        """
         ...
 
     def radius(self, problem: ContactProblem, s: float) -> float:
-        """Contact radius of a settled edge."""
+        """Contact radius of an edge at rest."""
         ...
 
 
@@ -63,7 +76,7 @@ class AdhesiveEdge:
 
     def __init__(self, geometry: EdgeGeometry, work: float) -> None:
         self.geometry, self.work = geometry, work
-        #: contact of less than one element cannot be distinguished from no contact
+        # contact of less than one element cannot be distinguished from no contact
         self.lowest = 2.0
 
     def _excess(self, problem: ContactProblem, s: float) -> float:
@@ -88,7 +101,7 @@ class AdhesiveEdge:
         return EdgeSearch(EdgeMotion.RECEDING, self.lowest)
 
     def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
-        """Expand a bracket from ``s`` in the direction the closure asks for.
+        """Expand a bracket from ``s`` in the direction in which the closure moves the edge.
 
         Next to the last root the interval between two roots is narrower than the usual stride, so a search
         that ends in a receding edge is repeated with a far shorter one.
@@ -162,7 +175,7 @@ class AdhesionlessEdge:
 
     @staticmethod
     def _pulls(problem: ContactProblem) -> bool:
-        """Whether a tension is asked for, which nothing can carry."""
+        """Whether the prescribed force is a tension, which a contact without adhesion cannot carry."""
         return problem.control == "force" and problem.value < 0.0
 
     def radius(self, problem: ContactProblem, s: float) -> float:

@@ -34,16 +34,16 @@ def profile(state: SurfaceState, radii: Array, height: Array) -> Profile:
     full = int(np.floor(state.edge))
     gap = height - state.penetration + state.displacement
     gap[: full + 1] = 0.0
-    keep = np.ones(len(radii), bool)
+    shown = np.ones(len(radii), bool)
     if full + 1 < len(radii) and state.edge > full:
-        keep[full + 1] = False
+        shown[full + 1] = False
     return Profile(
         state.time,
         state.penetration,
         state.force,
         state.radius,
-        radii[keep],
-        pressure[keep],
-        state.displacement[keep],
-        gap[keep],
+        radii[shown],
+        pressure[shown],
+        state.displacement[shown],
+        gap[shown],
     )
