@@ -10,7 +10,7 @@ from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
 from bem_solver.start import contact_scale, elastic_twin, empty_front, equilibrium
 from bem_solver.trial import Problem
-from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Sweep
+from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Step, Sweep
 
 FEWEST, MOST = 16, 4000
 _COARSE = 24
@@ -89,7 +89,11 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
         return found.surface.edge, found.motion.new_penetration, found.surface.force
 
     radius, penetration, force = settle("penetration", penetration)
-    for _, segment in scene.loading.segments(lambda _: (penetration, force), own_time=True):
+
+    def state(_: Step) -> tuple[float, float]:
+        return penetration, force
+
+    for _, segment in scene.loading.segments(state, own_time=True):
         times = np.unique(np.concatenate((np.linspace(segment.start, segment.end, 129), segment.kinks)))
         values = [segment.value(float(t)) for t in times]
         edge, _, _ = settle(segment.control, max(values))

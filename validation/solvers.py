@@ -58,7 +58,9 @@ class FiniteElements:
         from validation.contact_range import mesh_for
 
         mesh = mesh_for(scene, resolution, self.grading)
-        return solve(scene, mesh, Options(resolution, tolerance, profile_times=profile_times), progress, watch)
+        return solve(
+            scene, mesh, Options(resolution, tolerance, profile_times=profile_times), progress, watch
+        )
 
     @property
     def coarser(self) -> FiniteElements:

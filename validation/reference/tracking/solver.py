@@ -18,9 +18,10 @@ from contact_scene import (
     Event,
     Outcome,
     OutcomeKind,
-    Profile,
     RunMonitor,
     Scene,
+    Step,
+    Profile,
     Trace,
     UnsupportedScene,
 )
@@ -174,7 +175,11 @@ def _largest_load(scene: Scene) -> tuple[float, float]:
     """Largest penetration and largest force that the loading prescribes."""
     depth = deepest = scene.loading.penetration
     force = hardest = 0.0
-    for _, segment in scene.loading.segments(lambda _: (depth, force), own_time=True):
+
+    def state(_: Step) -> tuple[float, float]:
+        return depth, force
+
+    for _, segment in scene.loading.segments(state, own_time=True):
         values = [segment.value(t) for t in np.linspace(0.0, segment.end, 257)]
         if segment.control == "penetration":
             deepest, depth = max(deepest, *values), values[-1]
