@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from bem_solver.trial import Front, Problem, points_at
-from contact_scene import Profile
+from contact_scene import SurfaceProfile
 
 _REACH = 4.0  # contact radii
 
 
-def surface_profile(problem: Problem, front: Front) -> Profile:
+def surface_profile(problem: Problem, front: Front) -> SurfaceProfile:
     """Profile of the committed state, on the annuli inside the contact and graded radii beyond."""
     edge = front.edge
     if edge > 0.0:
@@ -27,7 +27,7 @@ def surface_profile(problem: Problem, front: Front) -> Profile:
     gap = points.height - front.penetration + points.displacement
     if edge > 0.0:
         gap[radius <= edge] = 0.0
-    return Profile(
+    return SurfaceProfile(
         front.time,
         front.penetration,
         front.surface.force,

@@ -10,7 +10,7 @@ from bem_solver.creep import Chain
 from bem_solver.energy import Energies
 from bem_solver.trial import Front
 from bem_solver.work import external_work
-from contact_scene import Counters, Event, Outcome, OutcomeKind, Profile, Trace
+from contact_scene import Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
 
 
 @dataclass
@@ -21,7 +21,7 @@ class Recorder:
     work: float
     rows: list[tuple[float, ...]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
-    profiles: list[Profile] = field(default_factory=list)
+    profiles: list[SurfaceProfile] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
 
     def row(self, front: Front, energies: Energies) -> None:
@@ -46,7 +46,7 @@ class Recorder:
         """An instability at the committed state."""
         self.events.append(Event(kind, front.time, front.penetration, front.surface.force, front.edge))
 
-    def profile(self, profile: Profile) -> None:
+    def profile(self, profile: SurfaceProfile) -> None:
         """The surface at a requested time; of two at one time (a jump) the later stays."""
         self.profiles = [p for p in self.profiles if p.time != profile.time] + [profile]
 

@@ -141,7 +141,7 @@ class PowerLaw(Indenter):
 
 
 @dataclass(frozen=True)
-class Profile(Indenter):
+class TabulatedProfile(Indenter):
     """Tabulated profile: monotone cubic through the points, straight beyond the last.
 
     Parameters

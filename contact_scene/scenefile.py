@@ -18,14 +18,14 @@ import tomli_w
 from contact_scene.adhesion import Adhesion
 from contact_scene.errors import FINITE, POSITIVE, SceneError, one_of, shown
 from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
-from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Profile, Sphere
+from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import STARTS, STEPS, Loading, Step, Table
 from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.pyvisco import read_pyvisco
 from contact_scene.scene import Scene
 
 _SHAPES: dict[str, type[Indenter]] = {
-    kind.shape: kind for kind in (Sphere, Cone, FlatPunch, PowerLaw, Profile)
+    kind.shape: kind for kind in (Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile)
 }
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
 
@@ -74,12 +74,12 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     """Write a scene as TOML (tables of profiles and loading go into CSV files beside it)."""
     target = Path(path)
     data: dict[str, Any] = {"title": scene.title, "material": _material_table(scene.material)}
-    if isinstance(scene.indenter, Profile):
+    if isinstance(scene.indenter, TabulatedProfile):
         name = f"{target.stem}-profile.csv"
         write_pairs(
             target.with_name(name), ("radius", "height"), scene.indenter.radii, scene.indenter.heights
         )
-        data["indenter"] = {"shape": Profile.shape, "file": name}
+        data["indenter"] = {"shape": TabulatedProfile.shape, "file": name}
     else:
         data["indenter"] = {"shape": scene.indenter.shape} | asdict(scene.indenter)  # type: ignore[call-overload]
     if scene.adhesion is not None:
@@ -183,13 +183,13 @@ def _material(data: dict[str, Any], where: Path) -> Material:
 
 def _indenter(data: dict[str, Any], where: Path) -> Indenter:
     shape = one_of(_require(data, "shape", ", ".join(_SHAPES)), "shape", tuple(_SHAPES))
-    if shape != Profile.shape:
+    if shape != TabulatedProfile.shape:
         return _build(_SHAPES[shape], data, "shape")
     _known(data, "", ("shape", "file"))
     path = _beside(where, _require(data, "file", "a CSV file of radius, height"))
     radii, heights = read_pairs(path, ("radius", "height"))
     try:
-        return Profile(radii, heights, str(data["file"]))
+        return TabulatedProfile(radii, heights, str(data["file"]))
     except SceneError as error:
         raise error.in_file(str(path)) from None
 

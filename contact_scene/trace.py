@@ -82,7 +82,7 @@ class Event:
 
 
 @dataclass(frozen=True)
-class Profile:
+class SurfaceProfile:
     """State of the surface at one time.
 
     ``radius``, ``pressure``, ``displacement`` and ``gap`` have shape (m,), rising radii from 0 to beyond the
@@ -119,7 +119,7 @@ class Trace:
     counters: Counters
     extra: dict[str, Array] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
-    profiles: tuple[Profile, ...] = ()
+    profiles: tuple[SurfaceProfile, ...] = ()
     errors: dict[str, float] = field(default_factory=dict)
     wall_seconds: float = 0.0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Profile
+from contact_scene import SurfaceProfile
 from fem_solver.recorder import SurfaceState
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ def tributary_areas(radii: Array) -> Array:
     return areas
 
 
-def profile(state: SurfaceState, radii: Array, height: Array) -> Profile:
+def profile(state: SurfaceState, radii: Array, height: Array) -> SurfaceProfile:
     """Pressure, displacement and gap at the surface nodes.
 
     The pressure is the nodal force over the node's area; the axis takes that of its neighbour, and the
@@ -37,7 +37,7 @@ def profile(state: SurfaceState, radii: Array, height: Array) -> Profile:
     shown = np.ones(len(radii), bool)
     if full + 1 < len(radii) and state.edge > full:
         shown[full + 1] = False
-    return Profile(
+    return SurfaceProfile(
         state.time,
         state.penetration,
         state.force,

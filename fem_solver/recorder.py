@@ -24,7 +24,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import COLUMNS, Counters, Event, Outcome, Profile, Trace
+from contact_scene import COLUMNS, Counters, Event, Outcome, SurfaceProfile, Trace
 
 Array = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ class RecordedRows:
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
-    profiles: list[Profile] = field(default_factory=list)
+    profiles: list[SurfaceProfile] = field(default_factory=list)
     external_work: float = 0.0
     surface_work: float = 0.0
     largest_force: float = 0.0

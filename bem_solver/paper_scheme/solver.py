@@ -33,9 +33,9 @@ from contact_scene import (
     Material,
     Outcome,
     OutcomeKind,
-    Profile,
     RunMonitor,
     Scene,
+    SurfaceProfile,
     Trace,
     UnsupportedScene,
 )
@@ -238,7 +238,7 @@ class _Run:
         radius = sheet.contact * self.annuli.width
         self.recorder.events.append(Event(kind, sheet.time, sheet.penetration, sheet.force, radius))
 
-    def _profile(self) -> Profile:
+    def _profile(self) -> SurfaceProfile:
         """The committed state at the collocation radii, as far as the annuli reach."""
         sheet, annuli, contact = self.sheet, self.annuli, self.sheet.contact
         pressure = np.zeros(annuli.count)
@@ -246,7 +246,7 @@ class _Run:
         displacement = sheet.displacement(self.chain)
         gap = annuli.heights - sheet.penetration + displacement
         gap[:contact] = 0.0
-        return Profile(
+        return SurfaceProfile(
             sheet.time,
             sheet.penetration,
             sheet.force,

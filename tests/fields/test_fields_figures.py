@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from matplotlib import colormaps
 from support.synthetic_fields import RADIUS, SCENE, ZONE, state, states, trace
 
-from contact_scene import FlatPunch, Profile, SceneError
+from contact_scene import FlatPunch, SceneError, SurfaceProfile
 from validation.fields.figures import album, colours, fig3, geometry, moments, strip, window
 from validation.fields.figures.album import Album
 from validation.fields.figures.colours import Kind
@@ -224,14 +224,16 @@ def test_nothing_that_draws_is_loaded_before_something_is_drawn():
     assert not {"pyvista", "vtk", "vtkmodules", "matplotlib", "PIL", "skfem"} & set(done.stdout.split())
 
 
-def surfaces(times=(1.0, 2.0, 3.0, 4.0)) -> list[Profile]:
+def surfaces(times=(1.0, 2.0, 3.0, 4.0)) -> list[SurfaceProfile]:
     """Surfaces of a sphere with a punch's pressure and a square-root gap, in contact up to 0.2."""
     r = np.concatenate([np.linspace(0.0, 0.199, 60), 0.2 + np.geomspace(1e-5, 0.5, 60)])
     gap = np.sqrt(np.maximum(r - 0.2, 0.0)) / 10
     found = []
     for time in times:
         pressure = np.where(r < 0.2, time / np.sqrt(np.maximum(0.04 - r**2, 1e-6)), 0.0)
-        found.append(Profile(time, 0.01 * time, 1.0, 0.2, r, pressure, 0.01 * time - r**2 / 2 + gap, gap))
+        found.append(
+            SurfaceProfile(time, 0.01 * time, 1.0, 0.2, r, pressure, 0.01 * time - r**2 / 2 + gap, gap)
+        )
     return found
 
 

@@ -13,10 +13,10 @@ from contact_scene import (
     Material,
     Outcome,
     OutcomeKind,
-    Profile,
     Ramp,
     Scene,
     Sphere,
+    SurfaceProfile,
     Trace,
 )
 from fem_solver import FieldState
@@ -46,7 +46,7 @@ def state(
     stress[1] = r + z
     none, m = np.zeros((1, n)), len(corner)
     gap = np.maximum(along**2 / 2.0 - penetration - (np.minimum(along, radius) ** 2 / 2.0 - penetration), 0.0)
-    surface = Profile(
+    surface = SurfaceProfile(
         time,
         penetration,
         1.0,

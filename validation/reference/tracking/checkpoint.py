@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from contact_scene import Profile
+from contact_scene import SurfaceProfile
 
 if TYPE_CHECKING:
     from validation.reference.tracking.stepping import Run
@@ -60,17 +60,17 @@ class State:
     rows: list[tuple[float, ...]]
     kinks: list[int]
     inner: list[tuple[int, float, float | None]]
-    profiles: list[Profile]
+    profiles: list[SurfaceProfile]
 
 
-def taken(run: Run, profiles: list[Profile]) -> State:
+def taken(run: Run, profiles: list[SurfaceProfile]) -> State:
     """The state of a run; it shares what will change."""
     names = [entry.name for entry in fields(run) if entry.name not in _MADE_ANEW]
     moving = {name: getattr(run, name) for name in names}
     return State(moving, run.record.rows, run.record.kinks, run.record.inner, profiles)
 
 
-def put_back(state: State, run: Run, profiles: list[Profile]) -> None:
+def put_back(state: State, run: Run, profiles: list[SurfaceProfile]) -> None:
     """Make a fresh run stand where the kept one stood."""
     for name, value in state.moving.items():
         setattr(run, name, value)

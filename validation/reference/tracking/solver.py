@@ -21,7 +21,7 @@ from contact_scene import (
     RunMonitor,
     Scene,
     Step,
-    Profile,
+    SurfaceProfile,
     Trace,
     UnsupportedScene,
 )
@@ -110,7 +110,7 @@ class _Result:
     outcome: Outcome
     counters: Counters = field(default_factory=Counters)
     events: list[Event] = field(default_factory=list)
-    profiles: list[Profile] = field(default_factory=list)
+    profiles: list[SurfaceProfile] = field(default_factory=list)
 
 
 def _run(
@@ -138,7 +138,7 @@ def _run(
     if surface is None:
         reason = f"no stable contact at penetration {scene.loading.penetration:g}"
         return _Result(record.columns(), Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0))
-    profiles: list[Profile] = []
+    profiles: list[SurfaceProfile] = []
 
     def on_profile(at: float, state: Surface, force: float) -> None:
         profiles.append(surface_profile(at, state, force, body, scene.indenter))
