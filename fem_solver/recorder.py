@@ -62,7 +62,7 @@ class SurfaceState:
 
 
 @dataclass
-class RecordedRows:
+class RecorderContent:
     """Serialisable content of a recorder: rows, events, profiles and the work between the rows."""
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
@@ -76,7 +76,7 @@ class RecordedRows:
 
 
 @dataclass
-class Recorder:
+class SurfaceRecorder:
     """Accumulates rows and the work between them.
 
     Parameters
@@ -84,12 +84,12 @@ class Recorder:
     work_of_adhesion : float
     surfaces : list of SurfaceState, optional
         If a list, every accepted state is appended to it.
-    content : RecordedRows
+    content : RecorderContent
     """
 
     work_of_adhesion: float
     surfaces: list[SurfaceState] | None = None
-    content: RecordedRows = field(default_factory=RecordedRows)
+    content: RecorderContent = field(default_factory=RecorderContent)
 
     @property
     def last(self) -> SurfaceState:

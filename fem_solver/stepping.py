@@ -31,7 +31,7 @@ from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import LoadJump, edge_jump
 from fem_solver.quadrature import QuadratureSnapshot
-from fem_solver.recorder import RecordedRows, Recorder, SurfaceState
+from fem_solver.recorder import RecorderContent, SurfaceRecorder, SurfaceState
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
 
@@ -77,7 +77,7 @@ class NodeReleaseState:
         Step with which to begin the next interval; ``None``: the usual first step.
     slopes : dict of str to float
         Of the last accepted step (see ``step_control``).
-    recorded : RecordedRows
+    recorded : RecorderContent
     history : CondensedState or QuadratureSnapshot
     """
 
@@ -85,7 +85,7 @@ class NodeReleaseState:
     interval: DyadicInterval | None
     step: float | None
     slopes: dict[str, float]
-    recorded: RecordedRows
+    recorded: RecorderContent
     history: CondensedState | QuadratureSnapshot
 
 
@@ -105,7 +105,7 @@ class NodeReleaseRun:
     Parameters
     ----------
     setup : Setup
-    recorder : Recorder
+    recorder : SurfaceRecorder
     estimator : SlopeErrorEstimator
     force_scale : callable(float) -> float
         Force to which errors of the force are relative, at a contact radius.
@@ -122,7 +122,7 @@ class NodeReleaseRun:
     """
 
     setup: Setup
-    recorder: Recorder
+    recorder: SurfaceRecorder
     estimator: SlopeErrorEstimator
     force_scale: Callable[[float], float]
     max_steps: int
