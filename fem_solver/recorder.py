@@ -28,6 +28,8 @@ from contact_scene import COLUMNS, Counters, Event, Outcome, SurfaceProfile, Tra
 
 Array = NDArray[np.float64]
 
+SOLVER = "fem"
+"""Name of the solver in its traces and states."""
 EXTRA = ("branch_dissipation", "zone_excess", "balance_residual")
 
 
@@ -151,7 +153,7 @@ class SurfaceRecorder:
         table = np.array(rows, float).reshape(len(rows), len(COLUMNS) + len(EXTRA))
         columns = dict(zip((*COLUMNS, *EXTRA), table.T.copy(), strict=True))
         return Trace(
-            solver="fem",
+            solver=SOLVER,
             time=columns["time"],
             penetration=columns["penetration"],
             force=columns["force"],

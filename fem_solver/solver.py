@@ -16,10 +16,10 @@ from fem_solver.fields.history import HistoryLog, history_log
 from fem_solver.fields.recording import Recording
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
-from fem_solver.recorder import SurfaceRecorder
+from fem_solver.recorder import SOLVER, SurfaceRecorder
 from fem_solver.setup import Setup, set_up
 from fem_solver.step_control import SlopeErrorEstimator
-from fem_solver.stepping import SOLVER, NodeReleaseRun
+from fem_solver.stepping import NodeReleaseRun
 
 Progress = Callable[[float], None]
 

@@ -31,13 +31,12 @@ from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import LoadJump, edge_jump
 from fem_solver.quadrature import QuadratureSnapshot
-from fem_solver.recorder import RecorderContent, SurfaceRecorder, SurfaceState
+from fem_solver.recorder import SOLVER, RecorderContent, SurfaceRecorder, SurfaceState
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
 
 Array = NDArray[np.float64]
 
-SOLVER = "fem"
 _REJECT = 2.0
 """A step is rejected if its estimated error exceeds this multiple of the allowed one."""
 _SHORTEST = 1e-6
