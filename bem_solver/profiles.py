@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from bem_solver.trial import HalfSpaceState, Problem, points_at
-from contact_scene import Profile
+from contact_scene import SurfaceProfile
 
 _OUTER_RADIUS = 4.0
 """Largest radius of a profile, in contact radii."""
 
 
-def surface_profile(problem: Problem, state: HalfSpaceState) -> Profile:
+def surface_profile(problem: Problem, state: HalfSpaceState) -> SurfaceProfile:
     """Profile of the committed state, on the annuli inside the contact and graded radii beyond."""
     edge = state.edge
     if edge > 0.0:
@@ -28,7 +28,7 @@ def surface_profile(problem: Problem, state: HalfSpaceState) -> Profile:
     gap = points.height - state.penetration + points.displacement
     if edge > 0.0:
         gap[radius <= edge] = 0.0
-    return Profile(
+    return SurfaceProfile(
         state.time,
         state.penetration,
         state.surface.force,

@@ -10,7 +10,7 @@ from bem_solver.creep import Chain
 from bem_solver.energy import Energies
 from bem_solver.external_work import external_work
 from bem_solver.trial import HalfSpaceState
-from contact_scene import Counters, Event, Outcome, OutcomeKind, Profile, Trace
+from contact_scene import Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
 
 
 @dataclass
@@ -19,7 +19,7 @@ class TraceRecorder:
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
-    profiles: list[Profile] = field(default_factory=list)
+    profiles: list[SurfaceProfile] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
 
     def row(self, chain: Chain, state: HalfSpaceState, energies: Energies) -> None:
@@ -45,7 +45,7 @@ class TraceRecorder:
         """An instability of a committed state."""
         self.events.append(Event(kind, state.time, state.penetration, state.surface.force, state.edge))
 
-    def profile(self, profile: Profile) -> None:
+    def profile(self, profile: SurfaceProfile) -> None:
         """The surface at a requested time; of two at one time (a jump) the later stays."""
         self.profiles = [p for p in self.profiles if p.time != profile.time] + [profile]
 

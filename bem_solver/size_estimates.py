@@ -10,7 +10,7 @@ from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
 from bem_solver.start import contact_scale, elastic_problem, equilibrium, untouched_state
 from bem_solver.trial import Problem
-from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Sweep
+from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Step, Sweep
 
 FEWEST_ANNULI, MOST_ANNULI = 16, 4000
 """Bounds on the number of annuli: interpolation at the edge needs the first, a dense matrix the second."""
@@ -112,8 +112,11 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
         return trial.surface.edge, trial.motion.new_penetration, trial.surface.force
 
     radius, penetration, force = settle("penetration", penetration)
-    for step in scene.loading.steps:
-        segment = step.segment(0.0, penetration, force)
+
+    def state(_: Step) -> tuple[float, float]:
+        return penetration, force
+
+    for _, segment in scene.loading.segments(state, own_time=True):
         times = np.unique(np.concatenate((np.linspace(segment.start, segment.end, 129), segment.kinks)))
         values = [segment.value(float(t)) for t in times]
         edge, _, _ = settle(segment.control, max(values))

@@ -1,6 +1,6 @@
 """Stress under the surface by superposition of annular loads (Love 1929; Eason, Noble, Sneddon 1955).
 
-The pressure of a :class:`contact_scene.Profile` is ``p(r) = e(t)/cos(t)`` with ``r = a sin(t)`` and ``e``
+The pressure of a :class:`contact_scene.SurfaceProfile` is ``p(r) = e(t)/cos(t)`` with ``r = a sin(t)`` and ``e``
 smooth up to the edge: a flat punch with the same edge singularity, ``e(pi/2)/cos(t)``, and a rest that
 goes to zero there. Annuli of constant pressure with equal steps in ``t`` carry the rest, each the difference
 of two discs.
@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from bem_solver.disc_potentials import disc_load, punch_load
-from contact_scene import Profile
+from contact_scene import SurfaceProfile
 
 Array = NDArray[np.float64]
 
@@ -32,13 +32,13 @@ _BLOCK = 1 << 18
 
 
 def subsurface_stress(
-    profile: Profile, r: ArrayLike, z: ArrayLike, poisson: float, divisions: int = DIVISIONS
+    profile: SurfaceProfile, r: ArrayLike, z: ArrayLike, poisson: float, divisions: int = DIVISIONS
 ) -> Array:
     """Stress at points of the body.
 
     Parameters
     ----------
-    profile : Profile
+    profile : SurfaceProfile
         Surface at one time (``Options.profile_times``).
     r, z : array_like
         Points, ``r >= 0``, ``z <= 0``; broadcast to one shape (...).
@@ -69,7 +69,7 @@ def subsurface_stress(
     return stress.reshape(4, *r.shape)
 
 
-def _annular(profile: Profile, divisions: int) -> tuple[float, Array, Array]:
+def _annular(profile: SurfaceProfile, divisions: int) -> tuple[float, Array, Array]:
     """Edge value of ``p cos(t)``, disc radii over ``a`` and the pressure of the disc of each radius."""
     a = profile.contact_radius
     inside = profile.radius < a

@@ -1,9 +1,8 @@
-"""The question and the form of the answer, shared by all solvers; no numerical method lives here."""
+"""Scene, form of the results and control of a run, shared by all solvers; no numerical method."""
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.errors import SceneError, UnsupportedScene
-from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere
-from contact_scene.indenter import Profile as TabulatedProfile
+from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import (
     Force,
     ForceRamp,
@@ -26,7 +25,7 @@ from contact_scene.trace import (
     Event,
     Outcome,
     OutcomeKind,
-    Profile,
+    SurfaceProfile,
     Trace,
     read_columns,
     write_trace,
@@ -54,7 +53,6 @@ __all__ = [
     "Outcome",
     "OutcomeKind",
     "PowerLaw",
-    "Profile",
     "Ramp",
     "RunMonitor",
     "Scene",
@@ -62,6 +60,7 @@ __all__ = [
     "Segment",
     "Sphere",
     "Step",
+    "SurfaceProfile",
     "Sweep",
     "Table",
     "TabulatedProfile",

@@ -1,4 +1,4 @@
-"""Errors a user can cause, said in one line: file, key, what is wrong, what is allowed."""
+"""Errors in the input, in one line: file, key, what is wrong, what is allowed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ FINITE = f"a finite number, at most {LARGEST:g} in magnitude"
 POSITIVE = f"a finite number > 0, from {SMALLEST:g} to {LARGEST:g}"
 NOT_NEGATIVE = f"a finite number >= 0, at most {LARGEST:g}"
 
-_LONGEST_PART = 200  # characters of a key, a file name, ... that are shown
+_LONGEST_PART = 200
+"""Characters of a key, a file name or a reason in an error message."""
 
 
 @dataclass
@@ -52,12 +53,12 @@ class SceneError(ValueError):
         return type(self)(key, self.problem, self.allowed, self.file)
 
     def in_file(self, file: str) -> SceneError:
-        """The same error with the name of the file it came from (kept if it already has one)."""
+        """The same error with the name of the file it came from (unchanged if it already has one)."""
         return type(self)(self.key, self.problem, self.allowed, self.file or file)
 
 
 class UnsupportedScene(SceneError):
-    """A valid scene that this solver cannot answer; the message says why and what can."""
+    """A valid scene that a solver does not cover; the message gives the reason and an alternative."""
 
 
 def number(
@@ -71,6 +72,18 @@ def number(
     open_high: bool = False,
 ) -> float:
     """Check one finite real number against an interval and return it as a float.
+
+    Parameters
+    ----------
+    value : object
+    key : str
+        Dotted path of the key, for the error.
+    allowed : str
+        The interval in words, for the error.
+    low, high : float
+        Its ends.
+    open_low, open_high : bool
+        Whether the ends are excluded.
 
     Raises
     ------
@@ -115,7 +128,7 @@ def one_of(value: Any, key: str, choices: Sequence[str]) -> str:
 
 
 class _Short(reprlib.Repr):
-    """A ``repr`` that neither grows nor recurses without bound, whatever was found in a file."""
+    """A ``repr`` bounded in length and depth, whatever a file contains."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -128,13 +141,13 @@ class _Short(reprlib.Repr):
 
 
 def shown(value: Any) -> str:
-    """``value`` as it appears in an error message: short, whatever it is."""
+    """``value`` as it appears in an error message: at most 60 characters."""
     text = _Short().repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _one_line(text: str) -> str:
-    """Printable characters only, blanks joined, cut to a bearable length."""
+    """Printable characters only, blanks joined, cut to ``_LONGEST_PART``."""
     printable = "".join(c if c.isprintable() else " " if c.isspace() else "?" for c in text)
     joined = " ".join(printable.split())
     return joined if len(joined) <= _LONGEST_PART else joined[: _LONGEST_PART - 3] + "..."

@@ -95,7 +95,16 @@ def read_pairs(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], t
 
 
 def write_pairs(path: Path, names: Sequence[str], first: Iterable[float], second: Iterable[float]) -> None:
-    """Two columns of numbers with all their digits, under a header."""
+    """Write two columns of numbers with all their digits, under a header.
+
+    Parameters
+    ----------
+    path : Path
+    names : sequence of str
+        Of the two columns.
+    first, second : iterable of float
+        Of the same length.
+    """
     rows = [",".join(names)] + [f"{a!r},{b!r}" for a, b in zip(first, second, strict=True)]
     write_whole(path, "\n".join(rows) + "\n")
 

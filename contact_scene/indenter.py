@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 class Indenter:
-    """What every profile offers: ``height``, ``slope`` and ``edge``."""
+    """A shape; each defines ``height`` and ``slope``, and ``edge`` where it ends."""
 
     shape: ClassVar[str]
 
@@ -141,7 +141,7 @@ class PowerLaw(Indenter):
 
 
 @dataclass(frozen=True)
-class Profile(Indenter):
+class TabulatedProfile(Indenter):
     """Tabulated profile: monotone cubic through the points, straight beyond the last.
 
     Parameters
@@ -154,9 +154,9 @@ class Profile(Indenter):
     Notes
     -----
     The curve has a continuous slope, passes through every point and never falls between two.
-    Scatter in a measured table is taken for the real shape as long as the heights do not fall. Where they do,
-    however little, the table is refused with the row: an indenter that falls outwards may touch in a ring,
-    which a contact that is a full disc cannot answer, and smoothing would change the question.
+    Scatter in a measured table counts as the real shape as long as the heights do not fall. Where they do,
+    however little, the table is refused with the row: such an indenter may touch in a ring, which a contact
+    area that is a full disc cannot represent, and smoothing would change the shape.
     """
 
     radii: tuple[float, ...]

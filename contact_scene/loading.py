@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import ClassVar, Literal
@@ -62,12 +62,12 @@ def _straight(control: Control, start: float, end: float, first: float, last: fl
 
 
 class Step:
-    """What every loading step offers."""
+    """A load step; each kind defines :meth:`segment`."""
 
     kind: ClassVar[str]
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        """The control law, starting at ``time`` from the given penetration and force."""
+        """The control law, starting at ``time`` from a penetration and a force."""
         raise AssertionError("defined by every kind of step")
 
 
@@ -220,23 +220,23 @@ class Table(Step):
         object.__setattr__(self, "penetrations", values)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        # Rows that a late start rounds onto one time cannot be told apart; the last of them counts.
+        # Rows that round to the same time after a late start are one row, the last of them.
         rows = dict(zip((time + (t - self.times[0]) for t in self.times), self.penetrations, strict=True))
         at, values = list(rows), list(rows.values())
 
-        def piece(now: float) -> int:
+        def interval(now: float) -> int:
             return min(max(bisect_right(at, now) - 1, 0), len(at) - 2)
 
         def value(now: float) -> float:
             if len(at) == 1 or now >= at[-1]:
                 return values[-1]
-            i = piece(now)
+            i = interval(now)
             return values[i] + (values[i + 1] - values[i]) * ((now - at[i]) / (at[i + 1] - at[i]))
 
         def rate(now: float) -> float:
             if len(at) == 1:
                 return 0.0
-            i = piece(now)
+            i = interval(now)
             return (values[i + 1] - values[i]) / (at[i + 1] - at[i])
 
         return Segment("penetration", time, at[-1], value, rate, kinks=tuple(at[1:-1]))
@@ -273,3 +273,33 @@ class Loading:
         for index, step in enumerate(self.steps):
             if not isinstance(step, Step):
                 raise SceneError(f"steps[{index}]", f"got {shown(step)}", "a loading step")
+
+    def segments(
+        self, state: Callable[[Step], tuple[float, float]] | None = None, own_time: bool = False
+    ) -> Iterator[tuple[Step, Segment]]:
+        """The load steps with their control laws, as far as they are known before a run.
+
+        Parameters
+        ----------
+        state : callable(Step) -> (float, float), optional
+            Estimated penetration and force from which a load step starts, called when it is reached. Default:
+            what the loading prescribes; the quantity that is not controlled is unknown, nan, and so are the
+            times that depend on it.
+        own_time : bool
+            Every load step begins at time 0 instead of at the end of the one before.
+
+        Yields
+        ------
+        step : Step
+        segment : Segment
+        """
+        time, penetration, force = 0.0, self.penetration, math.nan
+        for step in self.steps:
+            if state is not None:
+                penetration, force = state(step)
+            segment = step.segment(time, penetration, force)
+            yield step, segment
+            if not own_time:
+                time = segment.end
+            last = segment.value(segment.end) if math.isfinite(segment.end) else math.nan
+            penetration, force = (last, math.nan) if segment.control == "penetration" else (math.nan, last)

@@ -28,7 +28,7 @@ from contact_scene.files import read_rows
 from contact_scene.material import Branch
 
 EXHAUSTED = 1e-6
-"""``1 - sum alpha_i`` below this is rounding in the file, not a relaxed modulus."""
+"""If ``1 - sum alpha_i`` is below this, it is rounding in the file, not a relaxed modulus."""
 
 
 def read_pyvisco(text: str, file: str, modulus: Any, poisson: Any) -> tuple[float, tuple[Branch, ...]]:

@@ -112,7 +112,18 @@ class LoadingCursor:
         return self.step == 0 and self.origin is None
 
     def segment(self, loading: Loading, time: float, penetration: float, force: float) -> Segment:
-        """The present load step on the time axis; it begins at the given state unless it has begun before."""
+        """The present load step on the time axis; it begins at the present state unless it has begun before.
+
+        Parameters
+        ----------
+        loading : Loading
+        time, penetration, force : float
+            Present state.
+
+        Returns
+        -------
+        Segment
+        """
         if self.origin is None:
             self.origin = (time, penetration, force)
         return loading.steps[self.step].segment(*self.origin)

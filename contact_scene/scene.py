@@ -1,4 +1,4 @@
-"""Scene: the whole question put to a solver, checked on construction."""
+"""Scene: the problem put to a solver, checked on construction."""
 
 from __future__ import annotations
 

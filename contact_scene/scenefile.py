@@ -8,22 +8,24 @@ from __future__ import annotations
 import os
 import tomllib
 from collections.abc import Callable, Iterable
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, asdict, fields
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import tomli_w
+
 from contact_scene.adhesion import Adhesion
 from contact_scene.errors import FINITE, POSITIVE, SceneError, one_of, shown
 from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
-from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Profile, Sphere
+from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import STARTS, STEPS, Loading, Step, Table
 from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.pyvisco import read_pyvisco
 from contact_scene.scene import Scene
 
 _SHAPES: dict[str, type[Indenter]] = {
-    kind.shape: kind for kind in (Sphere, Cone, FlatPunch, PowerLaw, Profile)
+    kind.shape: kind for kind in (Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile)
 }
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
 
@@ -71,43 +73,39 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
 def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     """Write a scene as TOML (tables of profiles and loading go into CSV files beside it)."""
     target = Path(path)
-    lines = [f"title = {_quoted(scene.title)}", "", "[material]"]
-    material = scene.material
-    lines += [f"modulus = {material.modulus!r}", f"poisson = {material.poisson!r}"]
-    if material.branches:
-        lines.append(f"branches = {_branch_list(material.branches)}")
-    if material.bulk == "elastic":
-        lines.append('bulk = "elastic"')
-    elif isinstance(material.bulk, BulkRelaxation):
-        inner = [] if material.bulk.modulus is None else [f"modulus = {material.bulk.modulus!r}"]
-        inner.append(f"branches = {_branch_list(material.bulk.branches)}")
-        lines.append("bulk = { " + ", ".join(inner) + " }")
-    lines += ["", "[indenter]", f'shape = "{scene.indenter.shape}"']
-    if isinstance(scene.indenter, Profile):
+    data: dict[str, Any] = {"title": scene.title, "material": _material_table(scene.material)}
+    if isinstance(scene.indenter, TabulatedProfile):
         name = f"{target.stem}-profile.csv"
         write_pairs(
             target.with_name(name), ("radius", "height"), scene.indenter.radii, scene.indenter.heights
         )
-        lines.append(f"file = {_quoted(name)}")
+        data["indenter"] = {"shape": TabulatedProfile.shape, "file": name}
     else:
-        lines += _keys(scene.indenter)
+        data["indenter"] = {"shape": scene.indenter.shape} | asdict(scene.indenter)  # type: ignore[call-overload]
     if scene.adhesion is not None:
-        lines += ["", "[adhesion]", *_keys(scene.adhesion)]
-    lines += [
-        "",
-        "[loading]",
-        f'start = "{scene.loading.start}"',
-        f"penetration = {scene.loading.penetration!r}",
-    ]
+        data["adhesion"] = asdict(scene.adhesion)
+    steps = []
     for index, step in enumerate(scene.loading.steps):
-        lines += ["", "[[loading.steps]]", f'kind = "{step.kind}"']
         if isinstance(step, Table):
             name = f"{target.stem}-loading-{index}.csv"
             write_pairs(target.with_name(name), ("time", "penetration"), step.times, step.penetrations)
-            lines.append(f"file = {_quoted(name)}")
+            steps.append({"kind": step.kind, "file": name})
         else:
-            lines += _keys(step)
-    write_whole(target, "\n".join(lines) + "\n")
+            steps.append({"kind": step.kind} | asdict(step))  # type: ignore[call-overload]
+    data["loading"] = {"start": scene.loading.start, "penetration": scene.loading.penetration, "steps": steps}
+    write_whole(target, tomli_w.dumps(data))
+
+
+def _material_table(material: Material) -> dict[str, Any]:
+    table: dict[str, Any] = {"modulus": material.modulus, "poisson": material.poisson}
+    if material.branches:
+        table["branches"] = [asdict(branch) for branch in material.branches]
+    if isinstance(material.bulk, BulkRelaxation):
+        bulk: dict[str, Any] = {} if material.bulk.modulus is None else {"modulus": material.bulk.modulus}
+        table["bulk"] = bulk | {"branches": [asdict(branch) for branch in material.bulk.branches]}
+    elif material.bulk is not None:
+        table["bulk"] = material.bulk
+    return table
 
 
 def _under(prefix: str, build: Callable[[], Any]) -> Any:
@@ -148,11 +146,11 @@ def _build(kind: type, data: dict[str, Any], tag: str | None = None) -> Any:
     return kind(**{k: v for k, v in data.items() if k != tag})
 
 
-def _branch_tuple(given: Any, key: str) -> tuple[Branch, ...]:
-    if not isinstance(given, (list, tuple)):
-        raise SceneError(key, f"got {shown(given)}", "a list of tables { modulus, time }")
+def _branch_tuple(entries: Any, key: str) -> tuple[Branch, ...]:
+    if not isinstance(entries, (list, tuple)):
+        raise SceneError(key, f"got {shown(entries)}", "a list of tables { modulus, time }")
     branches = []
-    for index, entry in enumerate(given):
+    for index, entry in enumerate(entries):
         if not isinstance(entry, dict):
             raise SceneError(f"{key}[{index}]", f"got {shown(entry)}", "a table { modulus, time }")
         branches.append(_under(f"{key}[{index}]", partial(_build, Branch, entry)))
@@ -185,13 +183,13 @@ def _material(data: dict[str, Any], where: Path) -> Material:
 
 def _indenter(data: dict[str, Any], where: Path) -> Indenter:
     shape = one_of(_require(data, "shape", ", ".join(_SHAPES)), "shape", tuple(_SHAPES))
-    if shape != Profile.shape:
+    if shape != TabulatedProfile.shape:
         return _build(_SHAPES[shape], data, "shape")
     _known(data, "", ("shape", "file"))
     path = _beside(where, _require(data, "file", "a CSV file of radius, height"))
     radii, heights = read_pairs(path, ("radius", "height"))
     try:
-        return Profile(radii, heights, str(data["file"]))
+        return TabulatedProfile(radii, heights, str(data["file"]))
     except SceneError as error:
         raise error.in_file(str(path)) from None
 
@@ -200,11 +198,11 @@ def _loading(data: dict[str, Any], where: Path) -> Loading:
     _known(data, "", ("start", "penetration", "steps"))
     start = one_of(_require(data, "start", " | ".join(STARTS)), "start", STARTS)
     penetration = _require(data, "penetration", FINITE)
-    given = data.get("steps", [])
-    if not isinstance(given, (list, tuple)):
-        raise SceneError("steps", f"got {shown(given)}", "[[loading.steps]] tables")
+    entries = data.get("steps", [])
+    if not isinstance(entries, (list, tuple)):
+        raise SceneError("steps", f"got {shown(entries)}", "[[loading.steps]] tables")
     steps = tuple(
-        _under(f"steps[{index}]", partial(_step, entry, where)) for index, entry in enumerate(given)
+        _under(f"steps[{index}]", partial(_step, entry, where)) for index, entry in enumerate(entries)
     )
     return Loading(start, penetration, steps)
 
@@ -228,19 +226,3 @@ def _beside(where: Path, name: Any) -> Path:
     if not isinstance(name, str) or not name or "\0" in name:
         raise SceneError("file", f"got {shown(name)}", "the name of a file beside the scene")
     return where / name
-
-
-def _branch_list(branches: Iterable[Branch]) -> str:
-    return "[" + ", ".join(f"{{ modulus = {b.modulus!r}, time = {b.time!r} }}" for b in branches) + "]"
-
-
-def _keys(thing: Any) -> list[str]:
-    return [f"{f.name} = {getattr(thing, f.name)!r}" for f in fields(thing)]
-
-
-def _quoted(text: str) -> str:
-    """A TOML basic string."""
-    escaped = "".join(
-        {"\\": "\\\\", '"': '\\"'}.get(c, c if c >= " " and c != "\x7f" else f"\\u{ord(c):04x}") for c in text
-    )
-    return f'"{escaped}"'

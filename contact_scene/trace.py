@@ -1,4 +1,4 @@
-"""The form of the answer: time series, surface profiles, why the run ended, and the work it took.
+"""Result of a run: time series, surface profiles, the reason for its end, and the work it took.
 
 Signs: penetration positive downwards, force positive in compression, pressure positive in compression,
 surface displacement positive *downwards* (``gap = f(r) - D + displacement``). Units are the scene's.
@@ -45,7 +45,7 @@ class OutcomeKind(StrEnum):
 
 @dataclass(frozen=True)
 class Outcome:
-    """Why a run ended; ``finished`` tells a full answer from a partial one."""
+    """Why a run ended; ``finished`` separates complete from partial results."""
 
     kind: OutcomeKind
     reason: str
@@ -53,7 +53,7 @@ class Outcome:
 
     @property
     def finished(self) -> bool:
-        """Whether all that was asked has been computed (detachment is an answer, not a failure)."""
+        """Whether the result is complete (detachment is a result, not a failure)."""
         return self.kind in (OutcomeKind.COMPLETED, OutcomeKind.DETACHED)
 
 
@@ -72,7 +72,7 @@ class Counters:
 
 @dataclass(frozen=True)
 class Event:
-    """An instability that was recognised: ``kind`` is "snap-in" or "pull-off"."""
+    """An instability: ``kind`` is "snap-in" or "pull-off"."""
 
     kind: str
     time: float
@@ -82,7 +82,7 @@ class Event:
 
 
 @dataclass(frozen=True)
-class Profile:
+class SurfaceProfile:
     """State of the surface at one time.
 
     ``radius``, ``pressure``, ``displacement`` and ``gap`` have shape (m,), rising radii from 0 to beyond the
@@ -104,7 +104,7 @@ class Trace:
     """Time series of a run, one row per accepted step, the first row the start state.
 
     The seven arrays of ``COLUMNS`` have shape (n,). ``extra`` holds further columns of that shape (NaN-free).
-    ``errors`` holds the solver's own relative error estimates by observable, empty where none was asked for.
+    ``errors`` holds the solver's own relative error estimates by observable, empty where none was requested.
     """
 
     solver: str
@@ -119,7 +119,7 @@ class Trace:
     counters: Counters
     extra: dict[str, Array] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
-    profiles: tuple[Profile, ...] = ()
+    profiles: tuple[SurfaceProfile, ...] = ()
     errors: dict[str, float] = field(default_factory=dict)
     wall_seconds: float = 0.0
 
@@ -127,7 +127,7 @@ class Trace:
         return len(self.time)
 
     def columns(self) -> dict[str, Array]:
-        """All columns by name, the contract's seven first."""
+        """All columns by name, those of ``COLUMNS`` first."""
         return {name: getattr(self, name) for name in COLUMNS} | self.extra
 
 
@@ -148,7 +148,7 @@ def read_columns(path: str | os.PathLike[str]) -> dict[str, Array]:
     Raises
     ------
     ValueError
-        If the seven columns of the contract are not all there, or a row is not one number per column.
+        If one of ``COLUMNS`` is missing, or a row is not one number per column.
     """
     with Path(path).open(newline="", encoding="utf-8") as stream:
         header, *rows = list(csv.reader(stream)) or [[]]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from contact_scene import Counters
 from contact_scene.loading import Control
-from fem_solver.edge import EdgeMotion, EdgeSearch
+from fem_solver.edge import EdgeMotion, EdgePosition
 from fem_solver.release import ContactProblem
 from fem_solver.setup import Setup
 
@@ -25,7 +25,7 @@ class ContactCandidate:
 
     dt: float
     problem: ContactProblem
-    edge: EdgeSearch
+    edge: EdgePosition
 
     @property
     def in_equilibrium(self) -> bool:

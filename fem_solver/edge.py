@@ -33,8 +33,8 @@ class EdgeMotion(Enum):
 
 
 @dataclass(frozen=True)
-class EdgeSearch:
-    """Edge position ``s`` in equilibrium; otherwise the end of the range that was searched."""
+class EdgePosition:
+    """Result of a search: edge position ``s`` in equilibrium, otherwise the end of the range searched."""
 
     motion: EdgeMotion
     s: float
@@ -45,16 +45,29 @@ class EdgeLaw(Protocol):
 
     lowest: float
 
-    def start(self, problem: ContactProblem) -> EdgeSearch:
+    def start(self, problem: ContactProblem) -> EdgePosition:
         """Largest stable contact."""
         ...
 
-    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
-        """Follow the edge from ``s`` to where it settles within ``low <= s <= high``."""
+    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
+        """Follow the edge to where it rests.
+
+        Parameters
+        ----------
+        problem : ContactProblem
+        s : float
+            Edge position, in nodes, from which the search starts.
+        low, high : float
+            Range searched.
+
+        Returns
+        -------
+        EdgePosition
+        """
         ...
 
     def radius(self, problem: ContactProblem, s: float) -> float:
-        """Contact radius of a settled edge."""
+        """Contact radius of an edge at rest."""
         ...
 
 
@@ -63,14 +76,14 @@ class AdhesiveEdge:
 
     def __init__(self, geometry: EdgeGeometry, work: float) -> None:
         self.geometry, self.work = geometry, work
-        #: contact of less than one element cannot be distinguished from no contact
+        # contact of less than one element cannot be distinguished from no contact
         self.lowest = 2.0
 
     def _excess(self, problem: ContactProblem, s: float) -> float:
         value = problem.closure(s) / self.work - 1.0
         return value if value > -1.0 else -1.0
 
-    def start(self, problem: ContactProblem) -> EdgeSearch:
+    def start(self, problem: ContactProblem) -> EdgePosition:
         """Scan inwards from the largest contact for the first stable root.
 
         A root below one process zone is returned as well: the caller names it in its error.
@@ -78,17 +91,17 @@ class AdhesiveEdge:
         last = self.geometry.last
         if self._excess(problem, last) <= 0.0:
             if self.geometry.capped:
-                return EdgeSearch(EdgeMotion.RESTING, float(last))
-            return EdgeSearch(EdgeMotion.ADVANCING, float(last))
+                return EdgePosition(EdgeMotion.RESTING, float(last))
+            return EdgePosition(EdgeMotion.ADVANCING, float(last))
         for node in range(last - 1, 0, -1):
             if self._excess(problem, node) < 0.0:
-                return EdgeSearch(EdgeMotion.RESTING, self._root(problem, float(node), node + 1.0))
+                return EdgePosition(EdgeMotion.RESTING, self._root(problem, float(node), node + 1.0))
         if problem.penetration(1.0) >= 0.0:  # in compression, but smaller than the mesh resolves
-            return EdgeSearch(EdgeMotion.RESTING, 1.0)
-        return EdgeSearch(EdgeMotion.RECEDING, self.lowest)
+            return EdgePosition(EdgeMotion.RESTING, 1.0)
+        return EdgePosition(EdgeMotion.RECEDING, self.lowest)
 
-    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
-        """Expand a bracket from ``s`` in the direction the closure asks for.
+    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
+        """Expand a bracket from ``s`` in the direction in which the closure moves the edge.
 
         Next to the last root the interval between two roots is narrower than the usual stride, so a search
         that ends in a receding edge is repeated with a far shorter one.
@@ -100,7 +113,7 @@ class AdhesiveEdge:
 
     def _expand(
         self, problem: ContactProblem, s: float, low: float, high: float, stride: float
-    ) -> EdgeSearch:
+    ) -> EdgePosition:
         low, high = max(low, self.lowest), min(high, float(self.geometry.last))
         here = min(max(s, low), high)
         excess = self._excess(problem, here)
@@ -112,11 +125,13 @@ class AdhesiveEdge:
                 ahead = limit
             beyond = self._excess(problem, ahead)
             if beyond * way >= 0.0:
-                return EdgeSearch(EdgeMotion.RESTING, self._root(problem, min(here, ahead), max(here, ahead)))
+                return EdgePosition(
+                    EdgeMotion.RESTING, self._root(problem, min(here, ahead), max(here, ahead))
+                )
             here, stride = ahead, 2.0 * stride
         if way > 0.0 and self.geometry.capped and limit == self.geometry.last:
-            return EdgeSearch(EdgeMotion.RESTING, limit)
-        return EdgeSearch(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
+            return EdgePosition(EdgeMotion.RESTING, limit)
+        return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
 
     def _root(self, problem: ContactProblem, low: float, high: float) -> float:
         return float(brentq(lambda s: self._excess(problem, s), low, high, xtol=_NODE_TOLERANCE, rtol=1e-15))
@@ -134,11 +149,11 @@ class AdhesionlessEdge:
         self.lowest = NO_CONTACT
         self._positions = positions
 
-    def start(self, problem: ContactProblem) -> EdgeSearch:
+    def start(self, problem: ContactProblem) -> EdgePosition:
         """Grow the contact from nothing."""
         return self.seek(problem, NO_CONTACT, NO_CONTACT, float(self.geometry.last))
 
-    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgeSearch:
+    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
         """Release nodes in tension, or cover nodes that would penetrate, one after the other."""
         lowest, highest = math.ceil(max(low, NO_CONTACT)), math.floor(min(high, self.geometry.last))
         m = int(s)
@@ -146,14 +161,14 @@ class AdhesionlessEdge:
             m += 1
         capped = self.geometry.capped and m == self.geometry.last
         if m == highest and not capped and self._presses(problem, m + 1):
-            return EdgeSearch(EdgeMotion.ADVANCING, float(m))
+            return EdgePosition(EdgeMotion.ADVANCING, float(m))
         if m > s:
-            return EdgeSearch(EdgeMotion.RESTING, float(m))
+            return EdgePosition(EdgeMotion.RESTING, float(m))
         while m > lowest and not self._presses(problem, m):
             m -= 1
         untouched = m == NO_CONTACT and s == NO_CONTACT and not self._pulls(problem)
         held = m > NO_CONTACT and self._presses(problem, m)
-        return EdgeSearch(EdgeMotion.RESTING if held or untouched else EdgeMotion.RECEDING, float(m))
+        return EdgePosition(EdgeMotion.RESTING if held or untouched else EdgeMotion.RECEDING, float(m))
 
     @staticmethod
     def _presses(problem: ContactProblem, node: int) -> bool:
@@ -162,7 +177,7 @@ class AdhesionlessEdge:
 
     @staticmethod
     def _pulls(problem: ContactProblem) -> bool:
-        """Whether a tension is asked for, which nothing can carry."""
+        """Whether the prescribed force is a tension, which a contact without adhesion cannot carry."""
         return problem.control == "force" and problem.value < 0.0
 
     def radius(self, problem: ContactProblem, s: float) -> float:

@@ -1,4 +1,4 @@
-"""Boussinesq's displacement of a point force: what the truncated domain is told about the rest.
+"""Boussinesq's displacement of a point force, prescribed on the boundary of the truncated domain.
 
 A half-space loaded by a normal pressure of total force ``F`` within a radius ``a`` displaces a point at
 distance ``rho`` like the point force ``F`` up to terms of relative size ``(a/rho)^2``: for an axisymmetric
@@ -11,7 +11,7 @@ Mechanics, Eq. 3.18, with ``z`` turned upwards),
     ``u_r = F/(4 pi G) [ r s/rho^3 - (1 - 2 nu) r/(rho (rho + s)) ]``
     ``u_z = -F/(4 pi G) [ s^2/rho^3 + 1/rho + (1 - 2 nu)/rho ]``
 
-and ``(1 - 2 nu)/G = 3/(3 K + G)``: the field is ``F/G`` times a shape that knows no material, plus
+and ``(1 - 2 nu)/G = 3/(3 K + G)``: the field is ``F/G`` times a shape independent of the material, plus
 ``3 F/(3 K + G)`` times another. So, by the correspondence principle, it holds for every isotropic linear
 viscoelastic solid, whether or not its Poisson's ratio is constant: only two scalars of time are needed,
 ``e_1`` with ``G * e_1 = F`` and ``e_2`` with ``(3 K + G) * e_2 = 3 F`` (hereditary integrals).

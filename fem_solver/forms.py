@@ -28,8 +28,8 @@ from skfem import BilinearForm
 
 Array = NDArray[np.float64]
 
-#: Weights of the strain components (rr, zz, tt, rz) in a double contraction ``a : b``.
 CONTRACTION = np.array([1.0, 1.0, 1.0, 2.0])
+"""Weights of the components (rr, zz, tt, rz) in a double contraction ``a : b``."""
 
 
 def strain(u: Any, radius: Array) -> Array:

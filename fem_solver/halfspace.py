@@ -33,10 +33,15 @@ from fem_solver.farfield import boussinesq_shapes
 
 Array = NDArray[np.float64]
 _QUADRATURE_ORDER = 5
-_COLUMNS = 16  # right-hand sides solved at once
-#: Least ``G/K`` of the factorised mixed system. It keeps elimination without pivoting stable; smaller ratios,
-#: zero among them, are reached from there by one step of iterative refinement (error about its square).
+"""Polynomial order that the quadrature of the elements integrates exactly."""
+_COLUMNS = 16
+"""Right-hand sides solved at a time; bounds the memory of the compliance."""
 _LEAST_RATIO = 1e-7
+"""Least ``G/K`` of the factorised mixed system.
+
+It keeps elimination without pivoting stable; smaller ratios, zero among them, are reached from there by one
+step of iterative refinement (error about its square).
+"""
 
 
 class HalfSpace:
@@ -67,7 +72,7 @@ class HalfSpace:
         else:
             self.volumetric = forms.volumetric_stiffness.assemble(self.basis).tocsc()
         facets = {name: self._facets(pairs) for name, pairs in mesh.boundaries.items()}
-        self._find_surface(facets["surface"])
+        self._order_surface(facets["surface"])
         self._constrain(facets["axis"], facets["far"], far_field)
 
     def _facets(self, pairs: NDArray[np.integer]) -> NDArray[np.integer]:
@@ -80,7 +85,7 @@ class HalfSpace:
         sought = wanted[0].astype(np.int64) * count + wanted[1]
         return order[np.searchsorted(keys, sought, sorter=order)]
 
-    def _find_surface(self, facets: NDArray[np.integer]) -> None:
+    def _order_surface(self, facets: NDArray[np.integer]) -> None:
         vertices = np.unique(self.mesh.facets[:, facets])
         dofs = np.concatenate([self.basis.nodal_dofs[1, vertices], self.basis.facet_dofs[1, facets]])
         radii = self.basis.doflocs[0, dofs]

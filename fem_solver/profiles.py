@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Profile
+from contact_scene import SurfaceProfile
 from fem_solver.recorder import SurfaceState
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ def tributary_areas(radii: Array) -> Array:
     return areas
 
 
-def profile(state: SurfaceState, radii: Array, height: Array) -> Profile:
+def profile(state: SurfaceState, radii: Array, height: Array) -> SurfaceProfile:
     """Pressure, displacement and gap at the surface nodes.
 
     The pressure is the nodal force over the node's area; the axis takes that of its neighbour, and the
@@ -34,16 +34,16 @@ def profile(state: SurfaceState, radii: Array, height: Array) -> Profile:
     full = int(np.floor(state.edge))
     gap = height - state.penetration + state.displacement
     gap[: full + 1] = 0.0
-    keep = np.ones(len(radii), bool)
+    shown = np.ones(len(radii), bool)
     if full + 1 < len(radii) and state.edge > full:
-        keep[full + 1] = False
-    return Profile(
+        shown[full + 1] = False
+    return SurfaceProfile(
         state.time,
         state.penetration,
         state.force,
         state.radius,
-        radii[keep],
-        pressure[keep],
-        state.displacement[keep],
-        gap[keep],
+        radii[shown],
+        pressure[shown],
+        state.displacement[shown],
+        gap[shown],
     )

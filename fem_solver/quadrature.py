@@ -3,8 +3,8 @@
     ``dev s = G * 2 dev e(u)``,   ``-p = K * div u``   (hereditary products, see ``prony``)
 
 Each step solves the half-space with the algorithmic moduli ``G_hat, K_hat`` of its size, loaded by the
-stress that the past leaves, ``memory``; the surface sees ``u = free + C(G_hat/K_hat) f/G_hat``. One
-factorisation and one surface compliance are kept for every distinct ratio; with a constant Poisson's ratio
+stress that the past leaves, ``memory``; at the surface ``u = free + C(G_hat/K_hat) f/G_hat``. One
+factorisation and one surface compliance serve every distinct ratio; with a constant Poisson's ratio
 there is one only. In the mixed form the volume strain ``-div u`` lives in the pressure space, as its
 projection ``(p - p_memory)/K_hat``.
 
@@ -142,7 +142,7 @@ class QuadratureHistory:
         self._operators: dict[float, tuple[Factorisation, SurfaceOperator]] = {}
         self.weights: Array = np.zeros(0)
         self._past: LoadOfPast | None = None
-        #: of the relaxed solid
+        # of the relaxed solid
         self.factor, self.operator = self._operator(self._ratio(np.inf))
         far_strain = [self._deviator(shape[: space.basis.N]) for shape in space.far_shapes]
         self._far_shear = np.stack([0.5 * self._measure * field for field in far_strain])
@@ -217,7 +217,7 @@ class QuadratureHistory:
         if self.bulk_modulus is None:
             return 0.0
         ratio = self.shear_modulus.increment(dt).modulus / self.bulk_modulus.increment(dt).modulus
-        return float(f"{ratio:.12e}")  # so that equal moduli count as equal
+        return float(f"{ratio:.12e}")  # equal to round-off: the same factors
 
     def _operator(self, ratio: float) -> tuple[Factorisation, SurfaceOperator]:
         if ratio not in self._operators:

@@ -24,10 +24,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import COLUMNS, Counters, Event, Outcome, Profile, Trace
+from contact_scene import COLUMNS, Counters, Event, Outcome, SurfaceProfile, Trace
 
 Array = NDArray[np.float64]
 
+SOLVER = "fem"
+"""Name of the solver in its traces and states."""
 EXTRA = ("branch_dissipation", "zone_excess", "balance_residual")
 
 
@@ -62,12 +64,12 @@ class SurfaceState:
 
 
 @dataclass
-class RecordedRows:
+class RecorderContent:
     """Serialisable content of a recorder: rows, events, profiles and the work between the rows."""
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
-    profiles: list[Profile] = field(default_factory=list)
+    profiles: list[SurfaceProfile] = field(default_factory=list)
     external_work: float = 0.0
     surface_work: float = 0.0
     largest_force: float = 0.0
@@ -76,7 +78,7 @@ class RecordedRows:
 
 
 @dataclass
-class Recorder:
+class SurfaceRecorder:
     """Accumulates rows and the work between them.
 
     Parameters
@@ -84,12 +86,12 @@ class Recorder:
     work_of_adhesion : float
     surfaces : list of SurfaceState, optional
         If a list, every accepted state is appended to it.
-    content : RecordedRows
+    content : RecorderContent
     """
 
     work_of_adhesion: float
     surfaces: list[SurfaceState] | None = None
-    content: RecordedRows = field(default_factory=RecordedRows)
+    content: RecorderContent = field(default_factory=RecorderContent)
 
     @property
     def last(self) -> SurfaceState:
@@ -151,7 +153,7 @@ class Recorder:
         table = np.array(rows, float).reshape(len(rows), len(COLUMNS) + len(EXTRA))
         columns = dict(zip((*COLUMNS, *EXTRA), table.T.copy(), strict=True))
         return Trace(
-            solver="fem",
+            solver=SOLVER,
             time=columns["time"],
             penetration=columns["penetration"],
             force=columns["force"],

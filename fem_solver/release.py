@@ -4,8 +4,8 @@ The edge is a real number ``s``: nodes ``0..floor(s)`` are in full contact, the 
 ``s - floor(s)`` of the reaction it would have in full contact. Every state between two neighbouring contact
 sets is thus their linear combination, its total force and contact radius (see ``surface``) too.
 
-The fraction refers to the stiffness of the moment: when a relaxed state is met by a glassy load jump, forces
-and gaps continue unchanged under another fraction, so ``s`` may jump by less than a node.
+The fraction refers to the stiffness at that instant: where a relaxed state is followed by a glassy load jump,
+forces and gaps continue unchanged under another fraction, so ``s`` may jump by less than a node.
 
 The closure ``(1/(2 da)) int sigma(r) g(r + da) dr`` over the process zone is read as the work of the nodal
 reactions ``f_i`` (which contain ``2 pi r``) through the gap one zone further out,
@@ -42,7 +42,7 @@ class EdgeGeometry:
     zone : float or None
         Process-zone length; ``None`` without adhesion.
     reach : float
-        Radius beyond which the mesh is not meant for a contact edge.
+        Radius up to which the mesh is made for a contact edge.
     edge : float
         Largest radius the indenter touches.
     """
@@ -72,7 +72,7 @@ class EdgeGeometry:
             width = radii[right] - radii[right - 1]
             share = np.clip((targets - radii[right - 1]) / width, 0.0, 1.0)
             self.low[nodes], self.high[nodes], self.share[nodes] = nodes[right - 1], nodes[right], share
-        #: first node whose shifted point can lie outside the contact of the nodes 0..m
+        # first node whose shifted point can lie outside the contact of the nodes 0..m
         self.first = np.searchsorted(np.maximum.accumulate(self.high), np.arange(count), side="right")
 
     def radius(self, s: float) -> float:
@@ -88,7 +88,7 @@ class EdgeGeometry:
 
 
 class ContactProblem:
-    """All contact states that are possible at one instant, as functions of the edge position.
+    """All contact states possible at one instant, as functions of the edge position.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class ContactProblem:
         if self.control == "penetration":
             return self.value
         stiffness, force = self._totals(s)
-        if stiffness == 0.0:  # nothing is touched yet: the lowest point of the indenter just about
+        if stiffness == 0.0:  # no contact yet: the penetration at which the indenter first touches
             return -float(self._base.max())
         return (self.value / self.response.modulus - force) / stiffness
 

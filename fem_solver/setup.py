@@ -133,19 +133,12 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         If the chosen form or path does not apply to the scene.
     """
     material = moduli(scene.material)
-    mixed = options.form == "mixed"
-    if not mixed and material.bulk is None:
-        raise UnsupportedScene(
-            "material.poisson", "the displacement form needs compressibility", "form mixed"
-        )
-    condensed = material.alike if options.path == "auto" else options.path == "condensed"
-    if condensed and not material.alike:
-        raise UnsupportedScene("material.bulk", "separate relaxation is not condensable", "path quadrature")
-    space = HalfSpace(mesh, mixed, options.far_field)
+    _check(material, options)
+    space = HalfSpace(mesh, options.form == "mixed", options.far_field)
     reach = float(mesh.parameters.fine_to)
     count = _node_count(space.radii, _MARGIN * reach)
     history: CondensedHistory | QuadratureHistory
-    if condensed:
+    if material.alike if options.path == "auto" else options.path == "condensed":
         factor = space.factorise(material.ratio)
         compliance, weights = factor.compliance(count)
         history = CondensedHistory(SurfaceOperator(compliance), material.shear)
@@ -154,7 +147,6 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         history = QuadratureHistory(space, material.shear, material.bulk, count)
         factor, weights = history.factor, history.weights
         glassy = history.instantaneous
-    operator = history.operator
     radii = space.radii[:count]
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
     # contact radii are those of the glassy response, in which the edge moves
@@ -163,15 +155,9 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
     law: EdgeLaw
     if scene.adhesion is not None and zone is not None:
         law = AdhesiveEdge(geometry, scene.adhesion.work)
-        element = 2.0 * float(np.median(np.diff(radii[radii <= reach])))
-        travel = zone / (4.0 * options.resolution) if options.resolution else 0.25 * element
     else:
-        law = AdhesionlessEdge(geometry, operator.transform_radii(radii).tolist())
-        travel = _TRAVEL_SHARE * reach * (4.0 / options.resolution if options.resolution else 1.0)
-    if material.shear.times.size == 0 and material.alike:
-        travel *= _ELASTIC_TRAVEL
+        law = AdhesionlessEdge(geometry, history.operator.transform_radii(radii).tolist())
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)
-    shortest = float(times.min()) if times.size else math.inf
     return Setup(
         space=space,
         factor=factor,
@@ -181,9 +167,27 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         law=law,
         radii=radii,
         height=scene.indenter.height(radii),
-        travel=travel,
-        shortest_time=shortest,
+        travel=_edge_travel(geometry, reach, options.resolution) * (1.0 if times.size else _ELASTIC_TRAVEL),
+        shortest_time=float(times.min()) if times.size else math.inf,
     )
+
+
+def _check(material: Moduli, options: Options) -> None:
+    if options.form != "mixed" and material.bulk is None:
+        raise UnsupportedScene(
+            "material.poisson", "the displacement form needs compressibility", "form mixed"
+        )
+    if options.path == "condensed" and not material.alike:
+        raise UnsupportedScene("material.bulk", "separate relaxation is not condensable", "path quadrature")
+
+
+def _edge_travel(geometry: EdgeGeometry, reach: float, resolution: int | None) -> float:
+    """Edge travel allowed per step: a quarter of a division of the process zone, or of an element."""
+    if geometry.zone is None:
+        return _TRAVEL_SHARE * reach * (4.0 / resolution if resolution else 1.0)
+    if resolution:
+        return geometry.zone / (4.0 * resolution)
+    return 0.25 * (2.0 * float(np.median(np.diff(geometry.radii[geometry.radii <= reach]))))
 
 
 def _node_count(radii: Array, reach: float) -> int:

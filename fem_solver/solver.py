@@ -16,10 +16,10 @@ from fem_solver.fields.history import HistoryLog, history_log
 from fem_solver.fields.recording import Recording
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
-from fem_solver.recorder import Recorder
+from fem_solver.recorder import SOLVER, SurfaceRecorder
 from fem_solver.setup import Setup, set_up
 from fem_solver.step_control import SlopeErrorEstimator
-from fem_solver.stepping import SOLVER, NodeReleaseRun
+from fem_solver.stepping import NodeReleaseRun
 
 Progress = Callable[[float], None]
 
@@ -84,7 +84,9 @@ def record(
     began = clock.perf_counter()
     options = options or Options()
     setup = set_up(scene, mesh, options)
-    recorder = Recorder(scene.adhesion.work if scene.adhesion else 0.0, [] if options.records else None)
+    recorder = SurfaceRecorder(
+        scene.adhesion.work if scene.adhesion else 0.0, [] if options.records else None
+    )
     observer = _Observer(options, setup, recorder)
     run = NodeReleaseRun(
         setup=setup,
@@ -121,7 +123,7 @@ def _start(scene: Scene, run: NodeReleaseRun, monitor: RunMonitor | None) -> Out
     return outcome
 
 
-def _force_scale(scene: Scene, recorder: Recorder) -> Callable[[float], float]:
+def _force_scale(scene: Scene, recorder: SurfaceRecorder) -> Callable[[float], float]:
     """Largest force so far, at least the pull-off force of a relaxed adhering punch of the contact radius.
 
     Kendall, J. Phys. D 4 (1971): ``F = sqrt(8 pi E* a^3 w)``.
@@ -138,7 +140,7 @@ def _force_scale(scene: Scene, recorder: Recorder) -> Callable[[float], float]:
 class _Observer:
     """Takes profiles at their times and records the history as the options ask."""
 
-    def __init__(self, options: Options, setup: Setup, recorder: Recorder) -> None:
+    def __init__(self, options: Options, setup: Setup, recorder: SurfaceRecorder) -> None:
         self._options, self._setup, self._recorder = options, setup, recorder
         self.states: dict[float, Any] = {}
         self.rows: dict[float, int] = {}

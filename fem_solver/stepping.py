@@ -31,13 +31,12 @@ from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import LoadJump, edge_jump
 from fem_solver.quadrature import QuadratureSnapshot
-from fem_solver.recorder import RecordedRows, Recorder, SurfaceState
+from fem_solver.recorder import SOLVER, RecorderContent, SurfaceRecorder, SurfaceState
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
 
 Array = NDArray[np.float64]
 
-SOLVER = "fem"
 _REJECT = 2.0
 """A step is rejected if its estimated error exceeds this multiple of the allowed one."""
 _SHORTEST = 1e-6
@@ -77,7 +76,7 @@ class NodeReleaseState:
         Step with which to begin the next interval; ``None``: the usual first step.
     slopes : dict of str to float
         Of the last accepted step (see ``step_control``).
-    recorded : RecordedRows
+    recorded : RecorderContent
     history : CondensedState or QuadratureSnapshot
     """
 
@@ -85,7 +84,7 @@ class NodeReleaseState:
     interval: DyadicInterval | None
     step: float | None
     slopes: dict[str, float]
-    recorded: RecordedRows
+    recorded: RecorderContent
     history: CondensedState | QuadratureSnapshot
 
 
@@ -105,7 +104,7 @@ class NodeReleaseRun:
     Parameters
     ----------
     setup : Setup
-    recorder : Recorder
+    recorder : SurfaceRecorder
     estimator : SlopeErrorEstimator
     force_scale : callable(float) -> float
         Force to which errors of the force are relative, at a contact radius.
@@ -122,7 +121,7 @@ class NodeReleaseRun:
     """
 
     setup: Setup
-    recorder: Recorder
+    recorder: SurfaceRecorder
     estimator: SlopeErrorEstimator
     force_scale: Callable[[float], float]
     max_steps: int

@@ -1,4 +1,4 @@
-"""The surface as the indenter sees it: a triangular operator that serves every contact radius.
+"""Surface compliance in triangular form: one factorisation serves every contact radius.
 
 The compliance ``C`` of the surface nodes, ordered by radius, is factorised once, ``C = L L^T``. Contact of
 the nodes ``0..m`` at prescribed displacement ``b`` asks for ``C_mm f = b``. With ``y = L^-1 b``, one
@@ -12,7 +12,7 @@ triangular solve for *all* m at once,
 flat punch reaching to node i that would leave there the same stress singularity; it vanishes where an
 adhesionless contact ends.
 
-A set of nodes has no radius of its own. It is given that of the flat punch of the same stiffness,
+A set of nodes has no radius of its own. It is assigned that of the flat punch of the same stiffness,
 ``F = 2 E* A D``, i.e. ``A_m = sum_(i<=m) e_i^2/(2 E*)``, which exceeds the radius of the last node by about a
 tenth of an element, differently for vertices and mid-side nodes.
 """

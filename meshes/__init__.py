@@ -1,14 +1,13 @@
 """Meshes of an axisymmetric half-space, fitted to the path of a contact edge.
 
-`fit` turns plain numbers of a contact problem into declared mesh parameters, `half_space` meshes them (with
-gmsh or, where that is missing, the structured family), `cached` does so once, `ladder` refines.
+`fit` chooses mesh parameters for a contact problem, `half_space` meshes them (with gmsh or, where that is
+missing, the structured family), `cached` does so once.
 Importing this package loads neither gmsh nor meshio.
 """
 
 from meshes.cache import cache_directory, cached
 from meshes.files import read, write
 from meshes.halfspace import half_space
-from meshes.ladder import domain_ladder, ladder
 from meshes.mesh import BOUNDARIES, HalfSpaceMesh, Quality
 from meshes.parameters import FAMILIES, MeshParameters, fit
 from meshes.structured import structured_half_space
@@ -22,10 +21,8 @@ __all__ = [
     "Quality",
     "cache_directory",
     "cached",
-    "domain_ladder",
     "fit",
     "half_space",
-    "ladder",
     "read",
     "structured_half_space",
     "surface_radii",

@@ -1,7 +1,7 @@
-"""Meshes remembered by their parameters, in memory and on disk.
+"""Cache of meshes by their parameters, in memory and on disk.
 
 An entry is written under a temporary name and moved into place, so a concurrent reader sees all of it or
-nothing; whatever cannot be read back as the mesh that was asked for is built again. A cache that cannot be
+nothing; whatever cannot be read back as the requested mesh is built again. A cache that cannot be
 written is no error.
 """
 
@@ -21,23 +21,24 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from platformdirs import user_cache_path
 
 from meshes.halfspace import half_space
 from meshes.mesh import BOUNDARIES, HalfSpaceMesh
 from meshes.parameters import MeshParameters
 
-#: Raised whenever the same parameters lead to another mesh or the file layout changes.
 VERSION = 2
-KEPT_IN_MEMORY = 16
+"""Raised whenever the same parameters lead to another mesh or the file layout changes."""
+IN_MEMORY = 16
+"""Meshes in memory; the least recently used one is dropped."""
 
 _memory: OrderedDict[tuple[Path, MeshParameters], HalfSpaceMesh] = OrderedDict()
 _lock = threading.Lock()
 
 
 def cache_directory() -> Path:
-    """``$XDG_CACHE_HOME/crosscontact``, or ``~/.cache/crosscontact`` where that is unset or relative."""
-    base = os.environ.get("XDG_CACHE_HOME", "")
-    return (Path(base) if os.path.isabs(base) else Path("~/.cache").expanduser()) / "crosscontact"
+    """The user's cache folder of this program, by the conventions of the operating system."""
+    return user_cache_path("crosscontact")
 
 
 def cached(parameters: MeshParameters) -> HalfSpaceMesh:
@@ -51,11 +52,11 @@ def cached(parameters: MeshParameters) -> HalfSpaceMesh:
     mesh = _load(directory / _name(parameters), parameters)
     if mesh is None:
         mesh = half_space(parameters)
-        if mesh.parameters == parameters:  # not where another family had to serve instead
+        if mesh.parameters == parameters:  # not where gmsh is missing and another family was used
             _store(directory / _name(parameters), mesh)
     with _lock:
         _memory[key] = mesh
-        while len(_memory) > KEPT_IN_MEMORY:
+        while len(_memory) > IN_MEMORY:
             _memory.popitem(last=False)
     return mesh
 
@@ -65,8 +66,8 @@ def _name(parameters: MeshParameters) -> str:
     if parameters.family == "gmsh":
         with suppress(metadata.PackageNotFoundError):
             generator = metadata.version("gmsh")
-    question = json.dumps([VERSION, generator, asdict(parameters)], sort_keys=True)
-    return f"mesh-{hashlib.sha256(question.encode()).hexdigest()[:32]}.npz"
+    key = json.dumps([VERSION, generator, asdict(parameters)], sort_keys=True)
+    return f"mesh-{hashlib.sha256(key.encode()).hexdigest()[:32]}.npz"
 
 
 def _load(path: Path, parameters: MeshParameters) -> HalfSpaceMesh | None:

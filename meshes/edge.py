@@ -35,5 +35,5 @@ def refine_edge(points: Array, triangles: Indices, parameters: MeshParameters) -
     for far, near in pairwise(ring):
         layers.append(np.stack([far[outer[0]], far[outer[1]], near[outer[1]]]))
         layers.append(np.stack([far[outer[0]], near[outer[1]], near[outer[0]]]))
-    kept = np.delete(triangles, column, axis=1)
-    return np.concatenate([points, copies.reshape(2, -1)], axis=1), np.concatenate([kept, *layers], axis=1)
+    others = np.delete(triangles, column, axis=1)
+    return np.concatenate([points, copies.reshape(2, -1)], axis=1), np.concatenate([others, *layers], axis=1)

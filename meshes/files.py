@@ -1,7 +1,7 @@
 """Meshes in and out of files through meshio: VTU (for ParaView) and msh (for gmsh).
 
-Triangles and boundary edges are cells with an integer that names their part; the declared parameters travel
-along as JSON: in VTU as field data, in msh as a comment block, both of which other programs pass over.
+Triangles and boundary edges are cells with an integer that names their part. The parameters are stored as
+JSON, in VTU as field data, in msh as a comment block, both of which other programs ignore.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ import numpy as np
 from meshes.mesh import BOUNDARIES, HalfSpaceMesh
 from meshes.parameters import MeshParameters
 
-#: Number of each part in files; boundaries first, so that they keep their numbers.
 PARTS = {name: number for number, name in enumerate((*BOUNDARIES, "half-space"), start=1)}
+"""Number of each part in files."""
 FIELD = "crosscontact_parameters"
 
 
@@ -53,7 +53,7 @@ def write(mesh: HalfSpaceMesh, path: str | os.PathLike[str]) -> None:
 
 
 def read(path: str | os.PathLike[str]) -> HalfSpaceMesh:
-    """Read a mesh that `write` has written.
+    """Read a mesh written by `write`.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def _field(stored) -> str:
 
 
 def _comment(content: bytes) -> str:
-    found = re.search(rb"\$Comments\s+" + FIELD.encode() + rb" (\{.*?\})\s", content)
-    if found is None:
+    match = re.search(rb"\$Comments\s+" + FIELD.encode() + rb" (\{.*?\})\s", content)
+    if match is None:
         raise ValueError("no parameters in it")
-    return found[1].decode()
+    return match[1].decode()

@@ -1,4 +1,4 @@
-"""Loading gmsh, or saying in one line why it cannot be loaded; and using it without leaving traces."""
+"""Loading gmsh, with a one-line reason where it cannot be loaded, and sessions that restore its state."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from contextlib import contextmanager
 from functools import cache
 from types import ModuleType
 
-#: Debian and Ubuntu packages of the shared libraries that gmsh's wheel expects to find on the system.
 SYSTEM_PACKAGES = {
     "libGL.so": "libgl1",
     "libGLU.so": "libglu1-mesa",
@@ -27,6 +26,7 @@ SYSTEM_PACKAGES = {
     "libfontconfig.so": "libfontconfig1",
     "libgomp.so": "libgomp1",
 }
+"""Debian and Ubuntu packages of the shared libraries that gmsh's wheel loads from the system."""
 
 OPTIONS = {
     "General.Terminal": 0,
@@ -59,7 +59,7 @@ def find_gmsh() -> ModuleType | None:
 
 @cache
 def _warn_once(reason: str) -> None:
-    _log.warning("%s; going on with the structured mesh family", reason)
+    _log.warning("%s; using the structured mesh family", reason)
 
 
 def _reason(error: Exception) -> str:
@@ -75,14 +75,14 @@ def _reason(error: Exception) -> str:
 
 @contextmanager
 def session(gmsh: ModuleType) -> Iterator[None]:
-    """Give the body a fresh model and known options; afterwards gmsh is as it was found.
+    """A new model with fixed options; the state of gmsh is restored afterwards.
 
     gmsh is started without its interrupt handler, which only the main thread may install.
     """
     with _lock:
         started = not gmsh.isInitialized()
         if started:
-            with _broken_pipes_as_before():
+            with _sigpipe_restored():
                 gmsh.initialize(readConfigFiles=False, interruptible=False)
             previous, model = {}, ""
         else:
@@ -105,8 +105,8 @@ def session(gmsh: ModuleType) -> Iterator[None]:
 
 
 @contextmanager
-def _broken_pipes_as_before() -> Iterator[None]:
-    """Put back what gmsh's start resets: Python ignores SIGPIPE, which otherwise ends the process in silence.
+def _sigpipe_restored() -> Iterator[None]:
+    """Restore the handler of SIGPIPE: Python ignores that signal, gmsh makes it end the process.
 
     Through the C library, because Python lets only the main thread do that, and does not see what gmsh did.
     """

@@ -15,14 +15,15 @@ from meshes.parameters import MeshParameters
 from meshes.structured import structured_half_space
 from meshes.surface import layers, surface_radii
 
-TRIANGLE = 2  # type number of the three-node triangle in gmsh
+TRIANGLE = 2
+"""Type number of the three-node triangle in gmsh."""
 
 
 def half_space(parameters: MeshParameters) -> HalfSpaceMesh:
     """Mesh the half-space with the family that ``parameters`` names.
 
-    Where gmsh cannot be loaded, one line of warning says what is missing and the structured family serves
-    instead; ``parameters.family`` of the mesh tells which one it is.
+    Where gmsh cannot be loaded, a warning names what is missing and the structured family is used;
+    ``parameters.family`` of the mesh is the family used.
     """
     gmsh = find_gmsh() if parameters.family == "gmsh" else None
     if gmsh is None:
@@ -36,7 +37,7 @@ def _triangulate(gmsh: ModuleType, parameters: MeshParameters) -> tuple[Array, I
     shape = _unit_free(parameters)
     if surface_radii(shape).size != radii.size:  # a strip that ends within round-off of another interval
         shape = parameters
-    # gmsh has absolute tolerances that spoil meshes of tiny size: so lengths in units of the strip
+    # gmsh has absolute tolerances, which fail for small lengths: lengths in units of the strip
     unit = parameters.fine_to
     with session(gmsh):
         _geometry(gmsh, surface_radii(shape) / shape.fine_to)
@@ -52,15 +53,15 @@ def _triangulate(gmsh: ModuleType, parameters: MeshParameters) -> tuple[Array, I
     triangles = number[corners.astype(np.int64)].reshape(-1, 3).T
     surface = np.flatnonzero(points[1] == 0.0)
     if surface.size != radii.size:
-        raise RuntimeError(f"gmsh put {surface.size} vertices on the surface instead of {radii.size}")
+        raise RuntimeError(f"gmsh placed {surface.size} vertices on the surface instead of {radii.size}")
     points[0, surface[np.argsort(points[0, surface])]] = radii  # undo the rounding of the change of unit
     return points, triangles
 
 
 def _unit_free(parameters: MeshParameters) -> MeshParameters:
-    """The same shape in units of the fine size, without the last digits.
+    """The same shape in units of the fine size, rounded to nine digits.
 
-    What gmsh makes of a point depends on them, and a mesh in millimetres should be that in metres.
+    The triangulation depends on the last digits, and a mesh in millimetres should be that in metres.
     """
     size = parameters.fine_size
     lengths = {

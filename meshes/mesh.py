@@ -23,7 +23,7 @@ BOUNDARIES = ("surface", "axis", "far")
 
 @dataclass(frozen=True)
 class Quality:
-    """Cheap summary of a mesh: counts, smallest angle in degrees, range of edge lengths."""
+    """Summary of a mesh: counts, smallest angle in degrees, range of edge lengths."""
 
     vertices: int
     triangles: int
@@ -34,7 +34,7 @@ class Quality:
 
 @dataclass(frozen=True, eq=False)
 class HalfSpaceMesh:
-    """Points, triangles, named boundary edges, and the numbers they were made from.
+    """Points, triangles, named boundary edges, and the parameters they follow from.
 
     Parameters
     ----------
@@ -58,11 +58,11 @@ class HalfSpaceMesh:
     parameters: MeshParameters
 
     def __post_init__(self) -> None:
-        points = _frozen(self.points, np.float64, 2, "points")
-        triangles = _frozen(self.triangles, np.int64, 3, "triangles")
+        points = _read_only(self.points, np.float64, 2, "points")
+        triangles = _read_only(self.triangles, np.int64, 3, "triangles")
         if set(self.boundaries) != set(BOUNDARIES):
             raise ValueError(f"boundaries {sorted(self.boundaries)}: must be named {', '.join(BOUNDARIES)}")
-        boundaries = {name: _frozen(self.boundaries[name], np.int64, 2, name) for name in BOUNDARIES}
+        boundaries = {name: _read_only(self.boundaries[name], np.int64, 2, name) for name in BOUNDARIES}
         for name, indices in (("triangles", triangles), *boundaries.items()):
             if indices.size == 0 or indices.min() < 0 or indices.max() >= points.shape[1]:
                 raise ValueError(f"{name}: empty, or vertex index out of range")
@@ -127,7 +127,7 @@ def boundary_edges(triangles: Indices) -> Indices:
     return edges[:, first[count == 1]]
 
 
-def _frozen(values: np.ndarray, kind: type, rows: int, name: str) -> np.ndarray:
+def _read_only(values: np.ndarray, kind: type, rows: int, name: str) -> np.ndarray:
     array: np.ndarray = np.array(values, dtype=kind, order="C")
     if array.ndim != 2 or array.shape[0] != rows:
         raise ValueError(f"{name}: has shape {array.shape}, must be ({rows}, n)")

@@ -1,23 +1,23 @@
-"""The declared numbers of a half-space mesh, and how they follow from a contact problem.
+"""Parameters of a half-space mesh, and their choice for a contact problem.
 
-All lengths are in the caller's units. The wanted element size grows linearly with the distance ``d`` from
+All lengths are in the caller's units. The prescribed element size grows linearly with the distance ``d`` from
 the fine strip ``fine_from <= r <= fine_to`` of the surface: ``size = fine_size + grading * d``.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 FAMILIES = ("gmsh", "structured")
 
-#: More than this many intervals in the strip is taken for a mistake in the input, not for a wish.
 MAX_STRIP_INTERVALS = 20_000
+"""Intervals in the strip; more of them are a mistake in the input."""
 
 
 @dataclass(frozen=True)
 class MeshParameters:
-    """Everything a mesh depends on.
+    """Sizes, radii and family that determine a mesh.
 
     Parameters
     ----------
@@ -77,16 +77,20 @@ class MeshParameters:
                 raise ValueError("extra_fine_size: needs extra_fine_radius beside it")
             return
         inside = max(self.fine_from, self.fine_size) <= self.extra_fine_radius <= self.fine_to
-        wanted = f"a radius on the fine strip, {self.fine_from:g} to {self.fine_to:g}, off the axis"
-        _require(inside, "extra_fine_radius", self.extra_fine_radius, wanted)
+        allowed = f"a radius on the fine strip, {self.fine_from:g} to {self.fine_to:g}, off the axis"
+        _require(inside, "extra_fine_radius", self.extra_fine_radius, allowed)
         low = 1e-6 * self.fine_size
         size = self.fine_size / 64 if self.extra_fine_size is None else self.extra_fine_size
         object.__setattr__(self, "extra_fine_size", size)
-        allowed = low <= size <= self.fine_size
-        _require(allowed, "extra_fine_size", size, f"a length in [{low:g}, {self.fine_size:g}]")
+        _require(
+            low <= size <= self.fine_size,
+            "extra_fine_size",
+            size,
+            f"a length in [{low:g}, {self.fine_size:g}]",
+        )
 
     def size_at(self, distance: float) -> float:
-        """Wanted element size at a distance from the strip."""
+        """Prescribed element size at a distance from the strip."""
         return self.fine_size + self.grading * distance
 
 
@@ -118,6 +122,9 @@ def fit(
         Zones added to the strip beyond each end of the path; the closure looks one zone to either side.
     domain_ratio : float
         Radius of the domain over the largest contact radius.
+    grading : float
+        Growth of the element size per distance from the strip.
+    family : {"gmsh", "structured"}
     edge : float, optional
         Radius of a sharp indenter edge; the mesh is graded towards it, and the strip reaches to it.
 
@@ -163,14 +170,3 @@ def _finite(value: float, name: str) -> float:
 def _require(condition: bool, name: str, value: object, allowed: str) -> None:
     if not condition:
         raise ValueError(f"{name} = {value!r}: must be {allowed}")
-
-
-def scaled(parameters: MeshParameters, factor: float) -> MeshParameters:
-    """Return parameters with every declared element size, near and far, multiplied by ``factor``."""
-    size = parameters.extra_fine_size
-    return replace(
-        parameters,
-        fine_size=parameters.fine_size * factor,
-        grading=parameters.grading * factor,
-        extra_fine_size=None if size is None else size * factor,
-    )

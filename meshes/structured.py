@@ -19,8 +19,8 @@ from meshes.mesh import Array, HalfSpaceMesh, Indices, assemble
 from meshes.parameters import MeshParameters
 from meshes.surface import Layers, layers
 
-#: Vertex distance along a row over the row's thickness: equilateral area for a triangle of the wanted size.
 SPACING = 0.75**0.5
+"""Vertex distance along a row over the row's thickness: triangles have the area of equilateral ones."""
 
 
 @dataclass(frozen=True)

@@ -31,9 +31,9 @@ from contact_scene import (
     Material,
     Outcome,
     OutcomeKind,
-    Profile,
     RunMonitor,
     Scene,
+    SurfaceProfile,
     Trace,
     UnsupportedScene,
 )
@@ -270,7 +270,7 @@ class _Run:
         """Record the surface in the committed state."""
         self.state.record.profile(self._profile())
 
-    def _profile(self) -> Profile:
+    def _profile(self) -> SurfaceProfile:
         """The committed state at the collocation radii, as far as the annuli reach."""
         surface, annuli, contact = self.state.surface, self.annuli, self.state.surface.contact
         pressure = np.zeros(annuli.count)
@@ -278,7 +278,7 @@ class _Run:
         displacement = surface.displacement(self.chain)
         gap = annuli.heights - surface.penetration + displacement
         gap[:contact] = 0.0
-        return Profile(
+        return SurfaceProfile(
             surface.time,
             surface.penetration,
             surface.force,

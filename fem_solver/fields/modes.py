@@ -20,11 +20,13 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CUT = 1e-8
-_BLOCK = 256  # vectors gathered between two compressions
+"""Energy left out by the truncation, relative to the energy of all vectors."""
+_BLOCK = 256
+"""Vectors added between two truncations; bounds the memory."""
 
 
 class LossModes:
-    """Gathers steps, gives back the few vectors they amount to.
+    """Sums the losses of steps and represents them by few vectors.
 
     Parameters
     ----------
@@ -38,28 +40,39 @@ class LossModes:
         self._full = _BLOCK
 
     def add(self, weights: Array, modulus: float, branch: Array, change: Array) -> None:
-        """One step of a branch with variable ``branch`` (n,) at its start, driven by ``change`` (n,)."""
+        """Add one step of a branch.
+
+        Parameters
+        ----------
+        weights : ndarray, shape (3,)
+            Of ``Prony.loss_weights`` for the branch.
+        modulus : float
+        branch : ndarray, shape (n,)
+            Branch variable at the start of the step.
+        change : ndarray, shape (n,)
+            Of the surface vector ``w`` over the step.
+        """
         first, second, third = weights
         mixed = second / (2.0 * first)
         rest = max(third - second * mixed / 2.0, 0.0)
         self._vectors.append(np.sqrt(first / modulus) * (branch + mixed * modulus * change))
         self._vectors.append(np.sqrt(rest * modulus) * change)
         if len(self._vectors) >= self._full:
-            self._compress()
+            self._truncate()
 
     def take(self) -> Array:
-        """The vectors so far, shape (k, n); gathering starts anew."""
+        """The vectors so far, shape (k, n); the sum starts again from zero."""
         if self._vectors:
-            self._compress()
-        taken = np.array(self._vectors).reshape(len(self._vectors), len(self._root))
+            self._truncate()
+        vectors = np.array(self._vectors).reshape(len(self._vectors), len(self._root))
         self._vectors, self._full = [], _BLOCK
-        return taken
+        return vectors
 
-    def _compress(self) -> None:
+    def _truncate(self) -> None:
         vectors = np.array(self._vectors)
         scaled = vectors @ self._root
         energies, modes = np.linalg.eigh(scaled @ scaled.T)
         left_out = np.cumsum(np.maximum(energies, 0.0))
-        kept = modes[:, left_out > CUT * left_out[-1]]
-        self._vectors = list(kept.T @ vectors)
+        leading = modes[:, left_out > CUT * left_out[-1]]
+        self._vectors = list(leading.T @ vectors)
         self._full = len(self._vectors) + _BLOCK

@@ -12,7 +12,7 @@ from fem_solver.recorder import SurfaceState
 from fem_solver.setup import Setup
 
 
-@dataclass
+@dataclass(frozen=True)
 class Recording:
     """Content of a recorded run.
 

@@ -2,7 +2,7 @@
 
 Coordinates ``(r, z)``, the body in ``z <= 0``; displacement along them. Stress and strain are positive in
 tension and have the components ``(rr, zz, tt, rz)``, ``tt`` being the hoop and ``rz`` the tensor shear.
-Surface quantities are those of :class:`contact_scene.Profile`: displacement downwards, pressure positive.
+Surface quantities are those of :class:`contact_scene.SurfaceProfile`: displacement positive downwards.
 Units are the scene's. The work done here is added to the counters of the trace.
 """
 
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Profile
+from contact_scene import SurfaceProfile
 from fem_solver.fields.history import SurfaceLog
 from fem_solver.fields.points import CondensedFields, PointFields, VolumeFields
 from fem_solver.fields.recording import Recording
@@ -53,7 +53,7 @@ class FieldState:
         Energy of all springs per volume.
     dissipation_rate, dissipated : ndarray, shape (B, n)
         Power per volume lost in each branch, and energy per volume lost so far.
-    surface : Profile
+    surface : SurfaceProfile
         Radius, displacement, pressure and gap of the surface.
     element_volumes : ndarray, shape (m,)
         Volumes of revolution.
@@ -77,7 +77,7 @@ class FieldState:
     stored_energy_density: Array
     dissipation_rate: Array
     dissipated: Array
-    surface: Profile
+    surface: SurfaceProfile
     element_volumes: Array
     element_stored: Array
     element_rate: Array
@@ -135,7 +135,7 @@ def field_states(recording: Recording, labels: Mapping[int, str]) -> Iterator[Fi
     if log is None:
         raise KeyError("nothing was recorded: the options of the run record nothing")
     if log.rows != len(recording.trace):
-        raise ValueError("the history is incomplete: the run was continued from a checkpoint")
+        raise ValueError("the history is not whole: the run was continued from a checkpoint")
     missing = sorted(row for row in labels if row not in log)
     if missing:
         raise KeyError(f"rows not recorded: {missing}")

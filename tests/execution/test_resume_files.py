@@ -15,7 +15,7 @@ import pytest
 from support.spring_solver import spring
 
 from contact_scene import SceneError, Sphere, read_columns
-from contact_scene.indenter import Profile
+from contact_scene.indenter import TabulatedProfile
 from validation import cases
 from validation.execution import checked_pickle, checkpoints, files, fingerprints, folder_lock
 from validation.execution.run_folder import write_run
@@ -106,7 +106,7 @@ def test_questions_are_told_apart():
 def test_tabulated_indenters_have_a_fingerprint():
     """They carry an interpolating curve, which follows from the table and is no part of the fingerprint."""
     tables = [
-        Profile((0.0, 1.0, 2.0), heights, file)
+        TabulatedProfile((0.0, 1.0, 2.0), heights, file)
         for heights, file in (((0.0, 0.5, 2.0), "a"), ((0.0, 0.5, 2.0), "b"), ((0.0, 0.5, 2.1), "a"))
     ]
     one, same, other = (

@@ -351,6 +351,12 @@ def test_relaxation_times_over_many_decades(times):
     assert -trace.force.min() / JKR > 1.0
 
 
+def test_stop_times_are_stepped_onto_without_a_profile():
+    trace = run(Ramp(0.022, 0.01), stop_times=(0.05,), profile_times=(0.1,))
+    assert {0.05, 0.1} < set(trace.time)
+    assert [profile.time for profile in trace.profiles] == [0.1]
+
+
 def test_progress_and_recorded_states():
     heard = []
     loading = Loading("relaxed", 0.02, (Ramp(0.021, 0.01), Hold(0.5)))

@@ -163,7 +163,7 @@ def test_cache_directory_follows_the_environment(monkeypatch, tmp_path):
 
 
 def test_memory_is_bounded(store, monkeypatch):
-    monkeypatch.setattr(cache, "KEPT_IN_MEMORY", 2)
+    monkeypatch.setattr(cache, "IN_MEMORY", 2)
     for factor in (1, 2, 3):
         meshes.cached(replace(ASKED, domain_radius=factor * ASKED.domain_radius))
     assert len(cache._memory) == 2

@@ -108,7 +108,7 @@ def test_threads_share_gmsh_without_harm(gmsh):
 
 def test_a_running_session_of_the_caller_survives(gmsh):
     expected = meshes.half_space(ASKED)
-    with gmsh_session._broken_pipes_as_before():
+    with gmsh_session._sigpipe_restored():
         gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)

@@ -1,6 +1,5 @@
-"""Declared numbers: what is accepted, what is refused and how; fitting to a contact; refinement families."""
+"""Declared numbers: what is accepted, what is refused and how; fitting to a contact."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -75,46 +74,6 @@ def test_fit_aligns_the_strip_with_a_sharp_edge():
     assert asked.extra_fine_radius == 1 / 3
     assert np.abs(radii - 1 / 3).min() < 1e-15
     assert radii[(radii > 0.28) & (radii < 0.35)].size >= 49
-
-
-def test_ladder_divides_every_size_and_keeps_the_domain():
-    coarse, middle, fine = meshes.ladder(meshes.fit(0.126, 0.244, 0.013, 5), levels=3)
-    assert (coarse.fine_size, coarse.grading) == (4 * fine.fine_size, 4 * fine.grading)
-    assert middle.fine_size == 0.5 * coarse.fine_size
-    assert {level.domain_radius for level in (coarse, middle, fine)} == {coarse.domain_radius}
-    nodes = [meshes.surface_radii(level) for level in (coarse, middle)]
-    strip = nodes[0][(nodes[0] >= coarse.fine_from) & (nodes[0] <= coarse.fine_to)]
-    assert np.abs(strip[:, None] - nodes[1]).min(axis=1).max() < 1e-12
-
-
-@pytest.mark.parametrize("family", meshes.FAMILIES)
-def test_ladder_quadruples_the_number_of_triangles(family):
-    steps = meshes.ladder(meshes.fit(0.126, 0.244, 0.013, 3, family=family), levels=3)
-    count = [meshes.half_space(step).quality.triangles for step in steps]
-    assert 3.4 < count[1] / count[0] < 4.4
-    assert 3.6 < count[2] / count[1] < 4.3
-
-
-def test_ladder_scales_the_size_at_a_punch_edge():
-    first, second = meshes.ladder(meshes.fit(1.0, 1.0, 0.01, 10, edge=1.0), levels=2)
-    assert second.extra_fine_size == 0.5 * first.extra_fine_size
-
-
-def test_domain_ladder_changes_the_domain_only():
-    first, second, third = meshes.domain_ladder(meshes.fit(0.126, 0.244, 0.013, 5), levels=3, ratio=3.0)
-    assert third.domain_radius == pytest.approx(9 * first.domain_radius)
-    assert dataclasses.replace(second, domain_radius=first.domain_radius) == first
-    growth = [meshes.structured_half_space(step).quality.vertices for step in (first, second, third)]
-    assert growth[0] < growth[1] < growth[2] < 1.3 * growth[0]
-
-
-@pytest.mark.parametrize("make", [meshes.ladder, meshes.domain_ladder])
-def test_ladders_refuse_in_words(make):
-    asked = meshes.MeshParameters(**GOOD)
-    with pytest.raises(ValueError, match="levels = 0: must be a whole number"):
-        make(asked, levels=0)
-    with pytest.raises(ValueError, match=r"ratio = 1\.0: must be a number > 1"):
-        make(asked, ratio=1.0)
 
 
 TRIANGLE = {

@@ -21,12 +21,12 @@ from contact_scene import (
     Oscillate,
     OutcomeKind,
     PowerLaw,
-    Profile,
     Ramp,
     Scene,
     SceneError,
     Sphere,
     Step,
+    SurfaceProfile,
     Table,
     TabulatedProfile,
     Trace,
@@ -291,7 +291,7 @@ def test_other_controls_agree_with_a_finer_run(steps: tuple[Step, ...]) -> None:
     assert usual.contact_radius[-1] == pytest.approx(fine.contact_radius[-1], rel=2e-5)
 
 
-def _profile(scene: Scene, time: float = 0.0) -> Profile:
+def _profile(scene: Scene, time: float = 0.0) -> SurfaceProfile:
     (profile,) = solve(scene, Options(profile_times=(time, 1e9))).profiles
     assert profile.time == time
     return profile

@@ -182,3 +182,26 @@ def test_bad_steps(build, key):
         build()
     assert caught.value.key == key
     assert caught.value.allowed
+
+
+def test_segments_know_what_the_loading_prescribes_and_no_more():
+    steps = (Ramp(0.3, 0.1), Hold(1.0), Force(-0.2, 2.0), Ramp(0.5, 0.1))
+    first, hold, force, last = (segment for _, segment in Loading("relaxed", 0.1, steps).segments())
+    assert (first.start, first.end) == (0.0, (0.3 - 0.1) / 0.1)
+    assert (hold.start, hold.end, hold.value(hold.end)) == (first.end, first.end + 1.0, 0.3)
+    assert (force.end, force.value(force.end)) == (hold.end + 2.0, -0.2)
+    assert last.start == force.end
+    assert math.isnan(last.end)  # the penetration it starts from is known after the run only
+
+
+def test_segments_take_an_estimated_state():
+    loading = Loading("jump-in", 0.1, (Force(1.0, 2.0), Ramp(0.5, 0.1)))
+    known = []
+
+    def state(step):
+        known.append(step)
+        return 0.4, 0.0
+
+    assert [segment.end for _, segment in loading.segments(state)] == [2.0, 2.0 + (0.5 - 0.4) / 0.1]
+    assert known == list(loading.steps)
+    assert [segment.start for _, segment in loading.segments(state, own_time=True)] == [0.0, 0.0]

@@ -13,10 +13,10 @@ from contact_scene import (
     Material,
     Outcome,
     OutcomeKind,
-    Profile,
     Ramp,
     Scene,
     Sphere,
+    SurfaceProfile,
     Trace,
 )
 from fem_solver import FieldState
@@ -46,7 +46,7 @@ def state(
     stress[1] = r + z
     none, m = np.zeros((1, n)), len(corner)
     gap = np.maximum(along**2 / 2.0 - penetration - (np.minimum(along, radius) ** 2 / 2.0 - penetration), 0.0)
-    surface = Profile(
+    surface = SurfaceProfile(
         time,
         penetration,
         1.0,
@@ -102,12 +102,14 @@ def states(rows: dict[int, str]) -> list[FieldState]:
     ]
 
 
-def surfaces(times=(1.0, 2.0, 3.0, 4.0)) -> list[Profile]:
+def surfaces(times=(1.0, 2.0, 3.0, 4.0)) -> list[SurfaceProfile]:
     """Surfaces of a sphere with a punch's pressure and a square-root gap, in contact up to 0.2."""
     r = np.concatenate([np.linspace(0.0, 0.199, 60), 0.2 + np.geomspace(1e-5, 0.5, 60)])
     gap = np.sqrt(np.maximum(r - 0.2, 0.0)) / 10
     found = []
     for time in times:
         pressure = np.where(r < 0.2, time / np.sqrt(np.maximum(0.04 - r**2, 1e-6)), 0.0)
-        found.append(Profile(time, 0.01 * time, 1.0, 0.2, r, pressure, 0.01 * time - r**2 / 2 + gap, gap))
+        found.append(
+            SurfaceProfile(time, 0.01 * time, 1.0, 0.2, r, pressure, 0.01 * time - r**2 / 2 + gap, gap)
+        )
     return found

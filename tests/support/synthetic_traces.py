@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contact_scene import Counters, Outcome, OutcomeKind, Profile, Scene, Trace
+from contact_scene import Counters, Outcome, OutcomeKind, Scene, SurfaceProfile, Trace
 from validation.measure.dimensionless import units
 
 
@@ -32,11 +32,11 @@ def half_ellipse(r):
     return np.sqrt(1.0 - r**2)
 
 
-def profile(pressure, gap=lambda s: s**0.5) -> Profile:
+def profile(pressure, gap=lambda s: s**0.5) -> SurfaceProfile:
     """A contact of radius 1 with the given pressure inside and gap at a distance outside."""
     inside = np.sin(0.5 * np.pi * np.arange(200) / 200)
     outside = 1.0 + np.geomspace(1e-4, 1.0, 200)
     r = np.concatenate((inside, outside))
     p = np.concatenate((pressure(inside), np.zeros(200)))
     g = np.concatenate((np.zeros(200), gap(outside - 1.0)))
-    return Profile(0.0, 0.1, 1.0, 1.0, r, p, 0.0 * r, g)
+    return SurfaceProfile(0.0, 0.1, 1.0, 1.0, r, p, 0.0 * r, g)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene import Profile, Trace
+from contact_scene import SurfaceProfile, Trace
 from validation.measure.observables import end_of_approach
 
 Array = NDArray[np.float64]
@@ -125,7 +125,7 @@ def approach_row(trace: Trace, depth: float) -> int:
     return int(np.abs(trace.penetration[approach(trace)] - depth).argmin())
 
 
-def annular_peak(profile: Profile) -> tuple[float, float] | None:
+def annular_peak(profile: SurfaceProfile) -> tuple[float, float] | None:
     """Radius over contact radius, and pressure over that at the centre, of the largest inner maximum.
 
     ``None`` if pressure falls from the centre to the edge, or the maximum stands out by less than 0.1 % of
@@ -139,7 +139,7 @@ def annular_peak(profile: Profile) -> tuple[float, float] | None:
     return float(r[top] / profile.contact_radius), float(p[top] / p[0]) if p[0] > 0.0 else float("inf")
 
 
-def edge_exponent(profile: Profile, nearest: int = 6) -> float:
+def edge_exponent(profile: SurfaceProfile, nearest: int = 6) -> float:
     """Exponent of the tension towards the edge, ``d ln(-p)/d ln(a - r)``, from the last points inside."""
     inside = profile.radius < profile.contact_radius
     s = (profile.contact_radius - profile.radius[inside])[-nearest:]
@@ -149,7 +149,7 @@ def edge_exponent(profile: Profile, nearest: int = 6) -> float:
     return float(np.polyfit(np.log(s), np.log(tension), 1)[0])
 
 
-def gap_exponents(profile: Profile, distances: Sequence[float]) -> Array:
+def gap_exponents(profile: SurfaceProfile, distances: Sequence[float]) -> Array:
     """``d ln g/d ln(r - a)`` between consecutive distances from the edge, shape (n-1,)."""
     open_ = (profile.radius > profile.contact_radius) & (profile.gap > 0.0)
     s, g = np.log(profile.radius[open_] - profile.contact_radius), np.log(profile.gap[open_])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contact_scene import Profile
+from contact_scene import SurfaceProfile
 from validation.cases import load
 from validation.claims import elastic
 from validation.claims.claim import HOLDS, IN_PART, Part, claim
@@ -26,7 +26,7 @@ REVERSAL = 16.0  # time
 NEGLIGIBLE = 0.05  # change of contact area
 
 
-def profiles(evidence: Evidence, solver: str = "bem") -> list[Profile]:
+def profiles(evidence: Evidence, solver: str = "bem") -> list[SurfaceProfile]:
     """Surface at the times the scene names, in order."""
     kept = evidence.trace(SCENE, solver).profiles
     if len(kept) < len(load(SCENE).profile_times):
@@ -70,7 +70,7 @@ def withdrawal_has_none(evidence: Evidence) -> list[Part]:
     ]
 
 
-def _peak(profile: Profile, solver: str, wanted: bool) -> Part:
+def _peak(profile: SurfaceProfile, solver: str, wanted: bool) -> Part:
     peak = annular_peak(profile)
     where = (
         "falls from the centre" if peak is None else f"largest at r/a = {peak[0]:.2f}, {peak[1]:.2f} of p(0)"

@@ -156,10 +156,5 @@ def check_times(times: Iterable[float], loading: Loading) -> tuple[float, ...]:
 
 def ending(loading: Loading) -> float | None:
     """Time at which the loading ends; ``None`` if that depends on the run (a ramp after a force)."""
-    time, depth, force = 0.0, loading.penetration, math.nan
-    for step in loading.steps:
-        segment = step.segment(time, depth, force)
-        time = segment.end
-        last = segment.value(segment.end) if math.isfinite(time) else math.nan
-        depth, force = (last, math.nan) if segment.control == "penetration" else (math.nan, last)
-    return time if math.isfinite(time) else None
+    *_, end = (0.0, *(segment.end for _, segment in loading.segments()))
+    return end if math.isfinite(end) else None

@@ -12,9 +12,8 @@ def cycle_times(loading: Loading) -> tuple[float, ...]:
 
     Steps before it must be controlled by penetration: otherwise its start is known only after the run.
     """
-    time, depth = 0.0, loading.penetration
-    for step in loading.steps:
-        segment = step.segment(time, depth, math.nan)
+    for step, segment in loading.segments():
+        time = segment.start
         if segment.control != "penetration":
             return ()
         if isinstance(step, Oscillate):
@@ -24,5 +23,4 @@ def cycle_times(loading: Loading) -> tuple[float, ...]:
         if isinstance(step, Sweep):
             whole = math.floor(0.5 * step.chirp * step.duration**2 / (2.0 * math.pi) * (1.0 + 1e-12))
             return tuple(time + math.sqrt(4.0 * math.pi * n / step.chirp) for n in range(whole + 1))
-        time, depth = segment.end, segment.value(segment.end)
     return ()

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from contact_scene import ForceRamp, Scene, SceneError
+from contact_scene import ForceRamp, Scene, SceneError, Step
 from validation.reference import sneddon
 
 SPARE = 1.02
@@ -53,16 +53,17 @@ def _largest_load(scene: Scene) -> tuple[float, float]:
     A force ramp takes over the force it finds: at most the glassy one at the penetration reached, the relaxed
     one at a relaxed start.
     """
-    time, depth, force = 0.0, scene.loading.penetration, 0.0
+    depth, force, before = scene.loading.penetration, 0.0, "start"
     deepest, strongest = depth, -math.inf
-    before = "penetration"
-    for index, step in enumerate(scene.loading.steps):
-        if isinstance(step, ForceRamp) and before == "penetration":
-            relaxed = index == 0 and scene.loading.start == "relaxed"
-            force = _pressing(scene, depth, relaxed)
-        segment = step.segment(time, depth, force)
+
+    def state(step: Step) -> tuple[float, float]:
+        if isinstance(step, ForceRamp) and before != "force":
+            return depth, _pressing(scene, depth, before == "start" and scene.loading.start == "relaxed")
+        return depth, force
+
+    for step, segment in scene.loading.segments(state):
         values = [segment.value(at) for at in (segment.start, *segment.kinks, segment.end)]
-        time, before = segment.end, segment.control
+        before = segment.control
         if segment.control == "penetration":
             depth = values[-1]
             sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)

@@ -168,7 +168,7 @@ def _(true):
     return lambda self, s: true(self, s) / (2.0 * np.pi)
 
 
-@fault("surface energy of the wrong sign in the balance", "recorder:Recorder.add")
+@fault("surface energy of the wrong sign in the balance", "recorder:SurfaceRecorder.add")
 def _(true):
     def add(self, state):
         self.work_of_adhesion = -abs(self.work_of_adhesion)

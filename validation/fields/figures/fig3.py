@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Profile, Scene
+from contact_scene import Scene, SurfaceProfile
 from validation.drawing.axes import format_axes
 from validation.drawing.styles import GRID, INK, MARKERS, SERIES
 from validation.measure.dimensionless import units
@@ -56,13 +56,13 @@ def scale(scene: Scene) -> AxisScale:
     return AxisScale(1.0, 1.0, *(f"{name} (scene units)" for name in plain))
 
 
-def figure(scene: Scene, bem: Sequence[Profile], fem: Sequence[Profile], turn: float) -> Figure:
+def figure(scene: Scene, bem: Sequence[SurfaceProfile], fem: Sequence[SurfaceProfile], turn: float) -> Figure:
     """Nine panels: six moments, the pressure of either way, and the crack of the retraction.
 
     Parameters
     ----------
     scene : Scene
-    bem, fem : sequence of Profile
+    bem, fem : sequence of SurfaceProfile
         The same moments by either solver, in order of time.
     turn : float
         Time of the reversal; moments up to it belong to the approach.
@@ -117,7 +117,9 @@ def figure(scene: Scene, bem: Sequence[Profile], fem: Sequence[Profile], turn: f
     return made
 
 
-def _moment(axes: Axes, scene: Scene, size: AxisScale, pair: tuple[Profile, Profile], widest: float) -> None:
+def _moment(
+    axes: Axes, scene: Scene, size: AxisScale, pair: tuple[SurfaceProfile, SurfaceProfile], widest: float
+) -> None:
     """Indenter and deformed surface, with the pressure in an inset."""
     r = np.linspace(0.0, widest, 200)
     height = scene.indenter.height(r) - pair[0].penetration
@@ -140,7 +142,7 @@ def _moment(axes: Axes, scene: Scene, size: AxisScale, pair: tuple[Profile, Prof
     inset.tick_params(labelsize=6.5)
 
 
-def _pressures(axes: Axes, size: AxisScale, pairs: Sequence[tuple[Profile, Profile]]) -> None:
+def _pressures(axes: Axes, size: AxisScale, pairs: Sequence[tuple[SurfaceProfile, SurfaceProfile]]) -> None:
     """Pressure over ``r/a`` of one way."""
     for pair, colour, shape in zip(pairs, SERIES, MARKERS, strict=False):
         for profile, solver in zip(pair, TWO_SOLVERS, strict=True):
@@ -157,7 +159,7 @@ def _pressures(axes: Axes, size: AxisScale, pairs: Sequence[tuple[Profile, Profi
     axes.legend(loc="lower left", frameon=False, fontsize=8, labelcolor=INK)
 
 
-def _crack(axes: Axes, size: AxisScale, pairs: Sequence[tuple[Profile, Profile]]) -> None:
+def _crack(axes: Axes, size: AxisScale, pairs: Sequence[tuple[SurfaceProfile, SurfaceProfile]]) -> None:
     """Gap over the distance from the edge."""
     curves: list[tuple[Array, Array]] = []
     for pair, colour, shape in zip(pairs, SERIES, MARKERS, strict=False):
@@ -182,13 +184,13 @@ def _crack(axes: Axes, size: AxisScale, pairs: Sequence[tuple[Profile, Profile]]
     axes.legend(loc="upper left", frameon=False, fontsize=8, labelcolor=INK)
 
 
-def loaded(profile: Profile) -> tuple[Array, Array]:
+def loaded(profile: SurfaceProfile) -> tuple[Array, Array]:
     """Radii and pressures inside the contact, without the singular end."""
     inside = profile.radius <= NEAREST * profile.contact_radius
     return profile.radius[inside], profile.pressure[inside]
 
 
-def opening(profile: Profile, least: float = 2e-3, most: float = 0.6) -> tuple[Array, Array]:
+def opening(profile: SurfaceProfile, least: float = 2e-3, most: float = 0.6) -> tuple[Array, Array]:
     """Distances from the edge and gaps there, within two parts of the contact radius."""
     s = profile.radius - profile.contact_radius
     shown = (s >= least * profile.contact_radius) & (s <= most * profile.contact_radius) & (profile.gap > 0.0)

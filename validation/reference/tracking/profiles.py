@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Indenter, Profile
+from contact_scene import Indenter, SurfaceProfile
 from validation.reference.tracking import hermite
 from validation.reference.tracking.surface import Body, Surface
 
@@ -27,7 +27,9 @@ MERGED = 1e-7
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(4)
 
 
-def surface_profile(time: float, surface: Surface, force: float, body: Body, indenter: Indenter) -> Profile:
+def surface_profile(
+    time: float, surface: Surface, force: float, body: Body, indenter: Indenter
+) -> SurfaceProfile:
     """State of the surface, at points crowded towards the edge but not on it."""
     a = surface.radius
     angle = 0.5 * np.pi * np.arange(POINTS) / POINTS
@@ -38,7 +40,7 @@ def surface_profile(time: float, surface: Surface, force: float, body: Body, ind
     opening = gap(surface, body, beyond)
     gaps = np.concatenate((np.zeros_like(within), opening))
     pressed = pressure(surface, body, within) if a > 0.0 else np.empty(0)
-    return Profile(
+    return SurfaceProfile(
         time=time,
         penetration=surface.penetration,
         force=force,

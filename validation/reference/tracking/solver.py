@@ -18,9 +18,9 @@ from contact_scene import (
     Event,
     Outcome,
     OutcomeKind,
-    Profile,
     RunMonitor,
     Scene,
+    SurfaceProfile,
     Trace,
     UnsupportedScene,
 )
@@ -110,7 +110,7 @@ class _Result:
     outcome: Outcome
     counters: Counters = field(default_factory=Counters)
     events: list[Event] = field(default_factory=list)
-    profiles: list[Profile] = field(default_factory=list)
+    profiles: list[SurfaceProfile] = field(default_factory=list)
 
 
 def _run(

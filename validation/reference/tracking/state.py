@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from contact_scene import Counters, Event, Profile
+from contact_scene import Counters, Event, SurfaceProfile
 from validation.reference.tracking.recorder import RecordedRows
 from validation.reference.tracking.step_history import StepHistory
 from validation.reference.tracking.surface import Surface
@@ -51,5 +51,5 @@ class FrontState:
     history: StepHistory = field(default_factory=StepHistory)
     counters: Counters = field(default_factory=Counters)
     events: list[Event] = field(default_factory=list)
-    profiles: list[Profile] = field(default_factory=list)
+    profiles: list[SurfaceProfile] = field(default_factory=list)
     recorded: RecordedRows = field(default_factory=RecordedRows)
