@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import dawsn, erf, erfcx
 
+from bem_solver.retardation import creep_spectrum
 from contact_scene import Material
 
 Array = NDArray[np.float64]
@@ -53,17 +54,17 @@ class Chain:
     def __init__(self, material: Material, backward_euler: bool = False) -> None:
         plane = 1.0 - material.poisson**2
         moduli, times = material.spectrum
-        creep = material.creep
+        compliances, retardation, distances = creep_spectrum(material.modulus, moduli, times)
         self.backward_euler = backward_euler
         self.relaxed = material.modulus / plane
         self.glassy = material.glassy_modulus / plane
         self.relaxation = times
-        self.retardation = creep.times
-        self.compliances = plane * creep.compliances
+        self.retardation = retardation
+        self.compliances = plane * compliances
         self.stress_scale = np.sqrt(moduli / plane * times)
         self.lag_scale = np.sqrt(self.compliances * self.retardation)
         self.lag_rate = self.lag_scale / self.retardation
-        self.rotation = np.outer(self.lag_scale, self.stress_scale) / creep.distances
+        self.rotation = np.outer(self.lag_scale, self.stress_scale) / distances
 
     def __len__(self) -> int:
         return len(self.relaxation)

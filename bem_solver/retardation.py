@@ -1,19 +1,18 @@
-"""Relaxation spectrum -> retardation spectrum and back, by bracketed roots.
+"""Retardation spectrum of a relaxation spectrum, by bracketed roots.
 
 ``s^2 E(s) J(s) = 1`` in Laplace space. With ``s = -1/x``,
 
-    s E(s) = E0 + sum_k E_k tau_k/(tau_k - x)            zeros: the retardation times theta_k
-    s J(s) = Jg + sum_k J_k x/(x - theta_k)              zeros: the relaxation times tau_k
+    s E(s) = E0 + sum_k E_k tau_k/(tau_k - x)
 
-and times interlace, ``tau_1 < theta_1 < tau_2 < theta_2 < ...``: one root in each gap. A root is kept as its
-*distance from the nearer pole*, found by bisection of the logarithm of that distance, so neither spectra over
-many decades nor nearly equal times cost digits (never as a polynomial in s).
+vanishes at the retardation times theta_k, one in each gap: ``tau_1 < theta_1 < tau_2 < theta_2 < ...``. A
+root is represented by its *distance from the nearer pole*, found by bisection of the logarithm of that
+distance: neither spectra over many decades nor nearly equal times cost digits, as a polynomial in s would.
 
-Weights follow from the product form, ``s E(s) = E0 prod_k (1 + s theta_k)/(1 + s tau_k)``, whose factors are
-differences of times. They belong exactly to the computed roots, whose rounding is then a relative change of
-the input of the same size; residues taken from the sums would not have that property where a negligible
-branch sits on a retardation time of the others (the device of Gu and Eisenstat, SIAM J. Matrix Anal. Appl.
-16, 1995, for the same secular equation).
+The compliances follow from the product form, ``s E(s) = E0 prod_k (1 + s theta_k)/(1 + s tau_k)``, whose
+factors are differences of times. They belong exactly to the computed roots, whose rounding is then a relative
+change of the input of the same size; residues taken from the sums would not have that property where a
+negligible branch sits on a retardation time of the others (the device of Gu and Eisenstat, SIAM J. Matrix
+Anal. Appl. 16, 1995, for the same secular equation).
 """
 
 from __future__ import annotations
@@ -23,7 +22,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_HALVINGS = 72  # log-distance brackets span at most a few hundred; 2^-72 of that is below round-off
+_HALVINGS = 72
+"""Halvings of a bracket of at most a few hundred in the logarithm of the distance: down to rounding."""
 
 
 def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, Array, Array]:
@@ -55,38 +55,6 @@ def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, 
     diagonal = np.diag(-to_poles) / retardation
     np.fill_diagonal(ratio, diagonal)
     return np.prod(ratio, axis=1) / relaxed, retardation, -to_poles
-
-
-def relaxation_spectrum(glassy: float, compliances: Array, times: Array) -> tuple[float, Array, Array]:
-    """The inverse of :func:`creep_spectrum`.
-
-    Parameters
-    ----------
-    glassy : float
-        Glassy compliance ``Jg = J(0)`` > 0.
-    compliances, times : ndarray, shape (n,)
-        ``J_k`` > 0 and distinct, ascending retardation times.
-
-    Returns
-    -------
-    relaxed : float
-        Relaxed modulus ``E0 = 1/(Jg + sum J_k)``.
-    moduli, relaxation : ndarray, shape (n,)
-        Branch moduli and relaxation times, ascending in time.
-    """
-    relaxed = 1.0 / (glassy + float(np.sum(compliances)))
-    if len(times) == 0:
-        return relaxed, np.empty(0), np.empty(0)
-    # In y = 1/x, with eta = 1/theta, the same form again: Jg + sum_k J_k eta_k/(eta_k - y) = 0.
-    rates = 1.0 / times[::-1]
-    pole, distance = _roots(compliances[::-1] / glassy * rates, rates)
-    decay = rates[pole] + distance  # 1/tau
-    to_poles = (rates[None, :] - rates[pole][:, None]) - distance[:, None]
-    to_roots = _between_roots(rates, pole, distance)
-    # E_k Jg = (1 - eta_k/y_k) prod_(j != k) (y_k - eta_j)/(y_k - y_j)
-    ratio = to_poles / to_roots
-    np.fill_diagonal(ratio, np.diag(-to_poles) / decay)
-    return relaxed, (np.prod(ratio, axis=1) / glassy)[::-1], 1.0 / decay[::-1]
 
 
 def _roots(strengths: Array, poles: Array) -> tuple[NDArray[np.intp], Array]:
