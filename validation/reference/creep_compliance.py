@@ -24,6 +24,7 @@ so that the result belongs exactly to branch moduli that are the given ones to r
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -40,11 +41,11 @@ LARGE_CORRECTION = 2.0
 LARGEST_CORRECTION = 20.0
 """Largest change of the logarithm of a distance in one Newton step."""
 ILL_DETERMINED = 1e-13
-"""Relative singular value of the Newton matrix below which a direction is only moved by round-off."""
+"""Relative singular value of the Newton matrix below which a direction is not moved by a large step."""
+MOVED_BY_ROUND_OFF = 1e-7
+"""The same once Newton's method stalls: below it round-off moves a direction by more than its root."""
 MOST_CORRECTIONS = 60
 """Newton steps, of which few are used: one or two where distances are resolved by the eigenvalues."""
-NEAR_ROUND_OFF = 1e-10
-"""Error of Loewner's identities below which Newton's method ends as soon as it no longer halves the error."""
 ROUND_OFF = 1e-14
 """Relative error of Loewner's identities, per branch, that counts as round-off."""
 
@@ -185,7 +186,7 @@ def _corrected(poles: Array, strengths: Array, eigenvalues: Array) -> tuple[NDAr
     nearest = np.where(upper, index + 1, index)
     size = np.where(upper, poles[np.minimum(nearest, index[-1])] - eigenvalues, eigenvalues - poles)
     size = np.minimum(np.maximum(size, least[nearest]), 0.5 * gap)
-    best, best_error, stalled = (nearest, size), np.inf, 0
+    best, best_error, stalled, fixed = (nearest, size), np.inf, 0, False
     for _ in range(MOST_CORRECTIONS):
         upper = nearest > index
         offset = np.where(upper, -size, size)
@@ -194,12 +195,14 @@ def _corrected(poles: Array, strengths: Array, eigenvalues: Array) -> tuple[NDAr
         np.fill_diagonal(distances, own)
         error = _loewner_error(distances, between_poles, own, strengths)
         largest = float(np.abs(error).max())
-        stalled = stalled + 1 if best_error < NEAR_ROUND_OFF and largest > 0.5 * best_error else 0
+        stalled = stalled + 1 if largest > 0.5 * best_error else 0
         if largest < best_error:
             best, best_error = (nearest, offset), largest
-        if best_error == 0.0 or stalled > 2:
+        if best_error == 0.0 or (stalled > 2 and (fixed or best_error < ROUND_OFF)):
             break
-        size = size * np.exp(_newton_step((offset[:, None] / distances).T, error))
+        if stalled > 2:
+            fixed, stalled = True, 0
+        size = size * np.exp(_newton_step((offset[:, None] / distances).T, error, fixed))
         beyond = (size > 0.5 * gap) & np.isfinite(gap)
         size = np.where(beyond, np.maximum(gap - size, 0.25 * np.minimum(size, gap)), size)
         nearest = np.where(beyond, np.where(upper, index, index + 1), nearest)
@@ -208,14 +211,15 @@ def _corrected(poles: Array, strengths: Array, eigenvalues: Array) -> tuple[NDAr
     return best
 
 
-def _newton_step(matrix: Array, error: Array) -> Array:
-    """Change of the logarithms of the distances; of least norm where it would be large."""
-    try:
-        change = np.linalg.solve(matrix, -error)
-    except np.linalg.LinAlgError:
-        change = np.full_like(error, np.inf)
+def _newton_step(matrix: Array, error: Array, fixed: bool) -> Array:
+    """Change of the logarithms of the distances; if ``fixed``, ill-determined directions are not moved."""
+    change: Array = np.full_like(error, np.inf)
+    if not fixed:
+        with suppress(np.linalg.LinAlgError):
+            change = np.asarray(np.linalg.solve(matrix, -error), float)
     if not float(np.abs(change).max()) <= LARGE_CORRECTION:
-        change = np.linalg.lstsq(matrix, -error, rcond=ILL_DETERMINED)[0]
+        smallest = MOVED_BY_ROUND_OFF if fixed else ILL_DETERMINED
+        change = np.asarray(np.linalg.lstsq(matrix, -error, rcond=smallest)[0], float)
     return np.clip(change, -LARGEST_CORRECTION, LARGEST_CORRECTION)
 
 
