@@ -44,7 +44,9 @@ ILL_DETERMINED = 1e-13
 """Relative singular value of the Newton matrix below which a direction is not moved by a large step."""
 MOVED_BY_ROUND_OFF = 1e-7
 """The same once Newton's method stalls: below it round-off moves a direction by more than its root."""
-MOST_CORRECTIONS = 60
+STEPS_TO_STALL = 12
+"""Newton steps that do not halve the error after which ill-determined directions are no longer moved."""
+MOST_CORRECTIONS = 200
 """Newton steps, of which few are used: one or two where distances are resolved by the eigenvalues."""
 ROUND_OFF = 1e-14
 """Relative error of Loewner's identities, per branch, that counts as round-off."""
@@ -200,7 +202,7 @@ def _corrected(poles: Array, strengths: Array, eigenvalues: Array) -> tuple[NDAr
             best, best_error = (nearest, offset), largest
         if best_error == 0.0 or (stalled > 2 and (fixed or best_error < ROUND_OFF)):
             break
-        if stalled > 2:
+        if stalled > STEPS_TO_STALL:
             fixed, stalled = True, 0
         size = size * np.exp(_newton_step((offset[:, None] / distances).T, error, fixed))
         beyond = (size > 0.5 * gap) & np.isfinite(gap)
