@@ -23,6 +23,22 @@ Array = NDArray[np.float64]
 
 
 def enhancement(material: Material, zone: float, speed: ArrayLike, fraction: float = 1.0 / 3.0) -> Array:
-    """``G/dg`` of a receding edge at fixed zone length; same shape as ``speed``."""
+    """``G/dg`` of a receding edge at fixed zone length; same shape as ``speed``.
+
+    Parameters
+    ----------
+    material : Material
+    zone : float
+        Length of the failure zone.
+    speed : array_like
+        Speed of the edge.
+    fraction : float
+        Effective time, in travel times of the zone.
+
+    Returns
+    -------
+    ndarray
+        ``G/dg``, of the shape of ``speed``.
+    """
     effective = fraction * zone / np.asarray(speed, float)
     return 1.0 / (material.modulus * creep_compliance(material)(effective))

@@ -28,7 +28,20 @@ _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(4)
 
 
 def surface_profile(time: float, surface: Surface, force: float, body: Body, indenter: Indenter) -> Profile:
-    """State of the surface, at points crowded towards the edge but not on it."""
+    """State of the surface, at points crowded towards the edge but not on it.
+
+    Parameters
+    ----------
+    time : float
+    surface : Surface
+    force : float
+    body : Body
+    indenter : Indenter
+
+    Returns
+    -------
+    Profile
+    """
     a = surface.radius
     angle = 0.5 * np.pi * np.arange(POINTS) / POINTS
     within = a * np.sin(angle) if a > 0.0 else np.empty(0)
