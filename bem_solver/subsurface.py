@@ -1,7 +1,7 @@
 """Stress under the surface by superposition of annular loads (Love 1929; Eason, Noble, Sneddon 1955).
 
-The pressure of a :class:`contact_scene.SurfaceProfile` is ``p(r) = e(t)/cos(t)`` with ``r = a sin(t)`` and ``e``
-smooth up to the edge: a flat punch with the same edge singularity, ``e(pi/2)/cos(t)``, and a rest that
+The pressure of a :class:`contact_scene.SurfaceProfile` is ``p(r) = e(t)/cos(t)`` with ``r = a sin(t)`` and
+``e`` smooth up to the edge: a flat punch with the same edge singularity, ``e(pi/2)/cos(t)``, and a rest that
 goes to zero there. Annuli of constant pressure with equal steps in ``t`` carry the rest, each the difference
 of two discs.
 

@@ -15,7 +15,7 @@ from contact_scene.loading import (
     Sweep,
     Table,
 )
-from contact_scene.material import Branch, BulkRelaxation, CreepCompliance, Material
+from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.run_control import KeptState, LoadingCursor, RunMonitor
 from contact_scene.scene import Scene
 from contact_scene.scenefile import read_scene, scene_from_dict, write_scene
@@ -38,7 +38,6 @@ __all__ = [
     "BulkRelaxation",
     "Cone",
     "Counters",
-    "CreepCompliance",
     "Event",
     "FlatPunch",
     "Force",

@@ -1,9 +1,8 @@
-"""Linear viscoelastic half-space: Prony relaxation modulus and the creep compliance it implies.
+"""Linear viscoelastic half-space: Prony relaxation modulus.
 
 Young's relaxation modulus ``E(t) = E0 + sum_k E_k exp(-t/tau_k)`` with relaxed modulus ``E0``, glassy
 modulus ``Einf = E0 + sum_k E_k`` and *relaxation* times ``tau_k`` (paper, Eq. relaxation: one branch).
-The creep compliance ``J(t) = 1/Einf + sum_k J_k (1 - exp(-t/theta_k))`` has *retardation* times ``theta_k``
-(paper, Eq. creep2, where ``theta = tau Einf/E0``; the times of its Appendix A are these).
+The creep compliance and its retardation times follow from it; every solver derives them by itself.
 With constant Poisson's ratio the half-space sees ``E* = E/(1 - nu^2)``. Units are the scene's.
 """
 
@@ -17,7 +16,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_scene.errors import LARGEST, SceneError, not_negative, number, positive, shown
-from contact_scene.retardation import creep_spectrum, relaxation_spectrum
 
 NEGLIGIBLE = 1e-31
 """Branches below this fraction of the relaxed modulus are left out of the spectrum: eps^2, never visible."""
@@ -50,41 +48,6 @@ class BulkRelaxation:
         if self.modulus is not None:
             object.__setattr__(self, "modulus", positive(self.modulus, "modulus"))
         object.__setattr__(self, "branches", _branches(self.branches))
-
-
-@dataclass(frozen=True)
-class CreepCompliance:
-    """``J(t) = glassy + sum_k compliances[k] (1 - exp(-t/times[k]))``.
-
-    ``compliances`` and ``times`` have shape (n,), ascending times; all entries positive. ``distances`` (n, n)
-    are ``times[k] - relaxation_times[j]`` at [k, j], accurate where the two nearly coincide.
-    """
-
-    glassy: float
-    compliances: NDArray[np.float64]
-    times: NDArray[np.float64]
-    distances: NDArray[np.float64]
-
-    @property
-    def relaxed(self) -> float:
-        """``J(inf) = 1/E0``."""
-        return self.glassy + float(self.compliances.sum())
-
-    def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
-        """``J(t)`` for ``time >= 0``, zero before; same shape as ``time``."""
-        t = np.asarray(time, float)
-        arrested = -np.expm1(-np.maximum(t, 0.0)[..., None] / self.times)
-        return np.where(t >= 0, self.glassy + arrested @ self.compliances, 0.0)
-
-    def complex_compliance(self, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
-        """``J(omega) = Jg + sum_k J_k/(1 + i w theta_k) = 1/E(omega)``; same shape as the argument."""
-        in_phase, out_of_phase = _phases(angular_frequency, self.times)
-        return self.glassy + (in_phase * (in_phase - 1j * out_of_phase)) @ self.compliances.astype(complex)
-
-    def relaxation(self) -> tuple[float, tuple[Branch, ...]]:
-        """Relaxed modulus and branches of the relaxation modulus ``E(t)`` that this compliance belongs to."""
-        relaxed, moduli, times = relaxation_spectrum(self.glassy, self.compliances, self.times)
-        return relaxed, tuple(Branch(m, t) for m, t in zip(moduli.tolist(), times.tolist(), strict=True))
 
 
 @dataclass(frozen=True)
@@ -169,12 +132,6 @@ class Material:
         separate = isinstance(self.bulk, BulkRelaxation) and any(b.modulus > 0 for b in self.bulk.branches)
         return self.spectrum[0].size == 0 and not separate
 
-    @cached_property
-    def creep(self) -> CreepCompliance:
-        """The creep compliance of Young's modulus, from the bracketed roots of ``s E(s)``."""
-        moduli, times = self.spectrum
-        return CreepCompliance(1.0 / self.glassy_modulus, *creep_spectrum(self.modulus, moduli, times))
-
     def relaxation_modulus(self, time: ArrayLike) -> NDArray[np.float64]:
         """``E(t)`` for ``time >= 0``, zero before; same shape as ``time``."""
         moduli, times = self.spectrum
@@ -182,14 +139,12 @@ class Material:
         value = self.modulus + np.exp(-np.maximum(t, 0.0)[..., None] / times) @ moduli
         return np.where(t >= 0, value, 0.0)
 
-    def creep_compliance(self, time: ArrayLike) -> NDArray[np.float64]:
-        """``J(t)`` for ``time >= 0``, zero before; same shape as ``time``."""
-        return self.creep(time)
-
     def complex_modulus(self, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
         """``E(omega) = E0 + sum_k E_k i w tau_k/(1 + i w tau_k)``: storage + i loss modulus."""
         moduli, times = self.spectrum
-        in_phase, out_of_phase = _phases(angular_frequency, times)
+        p = np.asarray(angular_frequency, float)[..., None] * times
+        length = np.hypot(1.0, p)  # p^2 would overflow
+        in_phase, out_of_phase = 1.0 / length, p / length
         return self.modulus + (out_of_phase * (out_of_phase + 1j * in_phase)) @ moduli.astype(complex)
 
     def storage_modulus(self, angular_frequency: ArrayLike) -> NDArray[np.float64]:
@@ -199,15 +154,6 @@ class Material:
     def loss_modulus(self, angular_frequency: ArrayLike) -> NDArray[np.float64]:
         """Imaginary part of :meth:`complex_modulus`."""
         return self.complex_modulus(angular_frequency).imag
-
-
-def _phases(
-    angular_frequency: ArrayLike, times: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """``1/sqrt(1 + p^2)`` and ``p/sqrt(1 + p^2)`` for ``p = w tau``, shape (..., n), without overflow."""
-    p = np.asarray(angular_frequency, float)[..., None] * times
-    length = np.hypot(1.0, p)
-    return 1.0 / length, p / length
 
 
 def _branches(given: Sequence[Branch]) -> tuple[Branch, ...]:

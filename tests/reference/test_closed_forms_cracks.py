@@ -8,6 +8,7 @@ from support.paper_scenes import ONE
 
 from contact_scene import Branch, Material
 from validation.reference import greenwood, persson_brener, prony_integrals, schapery, steady_crack
+from validation.reference.creep_compliance import creep_compliance
 
 THREE = Material(1.2, 0.3, (Branch(3.0, 0.05), Branch(2.0, 1.0), Branch(4.0, 8.0)))
 ELASTIC = Material(2.0, 0.4)
@@ -143,7 +144,7 @@ def test_greenwood_weight_comes_from_the_dugdale_opening():
         lambda z: (
             0.5
             * np.log((1 + np.sqrt(z)) / (1 - np.sqrt(z)))
-            * float(ONE.creep_compliance((1 - z) * ZONE / 0.02))
+            * float(creep_compliance(ONE)((1 - z) * ZONE / 0.02))
         ),
         0,
         1,

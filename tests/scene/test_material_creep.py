@@ -11,9 +11,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.polynomial.legendre import leggauss
 
+from bem_solver import retardation
 from contact_scene import Branch, Material
+from validation.reference.creep_compliance import CreepCompliance, creep_compliance
 
 TOLERANCE = 1e-10
+
+
+def by_roots(material):
+    """The boundary elements' derivation."""
+    spectrum = retardation.creep_spectrum(material.modulus, *material.spectrum)
+    return CreepCompliance(1.0 / material.glassy_modulus, *spectrum)
+
+
+either = pytest.mark.parametrize("creep_of", [creep_compliance, by_roots], ids=["eigenproblem", "roots"])
 
 
 def material(moduli, times, relaxed=1.0):
@@ -54,13 +65,13 @@ MATERIALS = {
 }
 
 
-def convolution(material, end):
+def convolution(material, creep, end):
     """``int_0^t E(t - s) J(s) ds`` by Gauss rules on panels that shrink towards both ends."""
     nodes, weights = leggauss(20)
     ends = np.concatenate([[0.0], 0.5 * end * 2.0 ** np.arange(-85, 1)])
     half, middle = 0.5 * np.diff(ends)[:, None], 0.5 * (ends[1:] + ends[:-1])[:, None]
     s, w = (middle + half * nodes).ravel(), (half * weights).ravel()
-    E, J = material.relaxation_modulus, material.creep_compliance
+    E, J = material.relaxation_modulus, creep
     return float(w @ (E(end - s) * J(s)) + w @ (E(s) * J(end - s)))
 
 
@@ -71,16 +82,19 @@ def sample_times(material):
     return np.geomspace(max(times[0], 1e-20) * 1e-2, min(times[-1], 1e20) * 1e3, 25)
 
 
+@either
 @pytest.mark.parametrize("name", MATERIALS)
-def test_convolution_of_relaxation_and_creep_is_time(name):
+def test_convolution_of_relaxation_and_creep_is_time(name, creep_of):
+    creep = creep_of(MATERIALS[name])
     for end in sample_times(MATERIALS[name]):
-        assert convolution(MATERIALS[name], end) == pytest.approx(end, rel=TOLERANCE)
+        assert convolution(MATERIALS[name], creep, end) == pytest.approx(end, rel=TOLERANCE)
 
 
+@either
 @pytest.mark.parametrize("name", MATERIALS)
-def test_round_trip_returns_the_relaxation_modulus(name):
+def test_round_trip_returns_the_relaxation_modulus(name, creep_of):
     there = MATERIALS[name]
-    relaxed, branches = there.creep.relaxation()
+    relaxed, branches = creep_of(there).relaxation()
     back = Material(relaxed, there.poisson, branches)
     times = np.concatenate([[0.0], sample_times(there)])
     np.testing.assert_allclose(
@@ -89,17 +103,19 @@ def test_round_trip_returns_the_relaxation_modulus(name):
     assert back.modulus == pytest.approx(there.modulus, rel=1e-13)
 
 
+@either
 @pytest.mark.parametrize("name", ["1 branch", "2 branches", "7 branches", "30 branches", "60 branches"])
-def test_round_trip_returns_each_branch(name):
+def test_round_trip_returns_each_branch(name, creep_of):
     moduli, times = MATERIALS[name].spectrum
-    _, branches = MATERIALS[name].creep.relaxation()
+    _, branches = creep_of(MATERIALS[name]).relaxation()
     np.testing.assert_allclose([b.modulus for b in branches], moduli, rtol=TOLERANCE)
     np.testing.assert_allclose([b.time for b in branches], times, rtol=1e-12)
 
 
+@either
 @pytest.mark.parametrize("name", MATERIALS)
-def test_limits_interlacing_and_signs(name):
-    creep, (_, times) = MATERIALS[name].creep, MATERIALS[name].spectrum
+def test_limits_interlacing_and_signs(name, creep_of):
+    creep, (_, times) = creep_of(MATERIALS[name]), MATERIALS[name].spectrum
     assert creep.glassy == pytest.approx(1 / MATERIALS[name].glassy_modulus, rel=1e-15)
     assert creep.relaxed == pytest.approx(1 / MATERIALS[name].modulus, rel=1e-12)
     assert creep.times.shape == creep.compliances.shape == times.shape
@@ -108,17 +124,19 @@ def test_limits_interlacing_and_signs(name):
     assert (creep.times[:-1] <= times[1:]).all()
 
 
-def test_one_branch_by_hand():
-    creep = material([9.0], [2.0]).creep
+@either
+def test_one_branch_by_hand(creep_of):
+    creep = creep_of(material([9.0], [2.0]))
     assert creep.glassy == pytest.approx(0.1)
     assert creep.times.tolist() == pytest.approx([20.0], rel=1e-15)  # theta = tau Einf/E0
     assert creep.compliances.tolist() == pytest.approx([0.9], rel=1e-14)
     assert creep([-1.0, 0.0, 20.0]).tolist() == pytest.approx([0.0, 0.1, 1 - 0.9 / math.e], rel=1e-14)
 
 
-def test_two_branches_by_the_quadratic_formula():
+@either
+def test_two_branches_by_the_quadratic_formula(creep_of):
     # (1 + s)(1 + 4 s) E(s) s = 1 + (5 + 2 + 12) s + 4 (1 + 2 + 3) s^2 for E0 = 1, (2, 1), (3, 4)
-    creep = material([2.0, 3.0], [1.0, 4.0]).creep
+    creep = creep_of(material([2.0, 3.0], [1.0, 4.0]))
     b, c = 5 + 2 * 1 + 3 * 4, 4 * 6
     roots = np.sort([(b - math.sqrt(b * b - 4 * c)) / 2, (b + math.sqrt(b * b - 4 * c)) / 2])
     np.testing.assert_allclose(creep.times, roots, rtol=1e-14)
@@ -131,17 +149,32 @@ branch_lists = st.lists(
 )
 
 
+@pytest.mark.parametrize("name", MATERIALS)
+def test_both_derivations_agree(name):
+    """Eigenproblem and roots; distances but for a branch that sits on a retardation time of the others."""
+    sample = MATERIALS[name]
+    one, other = creep_compliance(sample), by_roots(sample)
+    np.testing.assert_allclose(one.times, other.times, rtol=1e-13)
+    t = sample_times(sample)
+    np.testing.assert_allclose(one(t), other(t), rtol=1e-13)
+    if "on a retardation time" not in name:
+        np.testing.assert_allclose(one.compliances, other.compliances, rtol=1e-13)
+        np.testing.assert_allclose(one.distances, other.distances, rtol=1e-13)
+
+
+@either
 @given(branch_lists, st.floats(-9, 10))
-def test_identity_on_random_spectra(branches, log_time):
+def test_identity_on_random_spectra(creep_of, branches, log_time):
     sample = material(*zip(*branches, strict=True))
     end = 10.0**log_time
-    assert convolution(sample, end) == pytest.approx(end, rel=TOLERANCE)
+    assert convolution(sample, creep_of(sample), end) == pytest.approx(end, rel=TOLERANCE)
 
 
+@either
 @given(branch_lists)
-def test_round_trip_on_random_spectra(branches):
+def test_round_trip_on_random_spectra(creep_of, branches):
     there = material(*zip(*branches, strict=True))
-    relaxed, back = there.creep.relaxation()
+    relaxed, back = creep_of(there).relaxation()
     times = np.concatenate([[0.0], np.logspace(-10, 16, 40)])
     np.testing.assert_allclose(
         Material(relaxed, 0.3, back).relaxation_modulus(times),
@@ -150,21 +183,23 @@ def test_round_trip_on_random_spectra(branches):
     )
 
 
+@either
 @given(branch_lists, st.floats(-12, 12))
-def test_complex_modulus_times_complex_compliance_is_one(branches, log_frequency):
+def test_complex_modulus_times_complex_compliance_is_one(creep_of, branches, log_frequency):
     sample = material(*zip(*branches, strict=True))
     w = 10.0**log_frequency
-    product = complex(sample.complex_modulus(w)) * complex(sample.creep.complex_compliance(w))
+    product = complex(sample.complex_modulus(w)) * complex(creep_of(sample).complex_compliance(w))
     assert product == pytest.approx(1.0, rel=TOLERANCE)
 
 
+@either
 @given(branch_lists)
-def test_order_and_splitting_of_branches_do_not_matter(branches):
+def test_order_and_splitting_of_branches_do_not_matter(creep_of, branches):
     moduli, times = zip(*branches, strict=True)
-    one = material(moduli, times).creep
-    halves = material(
-        [m / 2 for m in moduli[::-1] for _ in "ab"], [t for t in times[::-1] for _ in "ab"]
-    ).creep
+    one = creep_of(material(moduli, times))
+    halves = creep_of(
+        material([m / 2 for m in moduli[::-1] for _ in "ab"], [t for t in times[::-1] for _ in "ab"])
+    )
     t = np.logspace(-10, 10, 21)
     np.testing.assert_allclose(one(t), halves(t), rtol=1e-11)
 
@@ -191,8 +226,9 @@ def test_loss_modulus_from_the_relaxation_modulus():
 
 
 @pytest.mark.benchmark
-def test_spectrum_of_sixty_branches_takes_milliseconds():
+@either
+def test_spectrum_of_sixty_branches_takes_milliseconds(creep_of):
     sample = decades(60)
     start = time.perf_counter()
-    assert len(sample.creep.times) == 60
+    assert len(creep_of(sample).times) == 60
     assert time.perf_counter() - start < 0.02

@@ -10,6 +10,7 @@ from validation.claims.claim import FAILS, HOLDS, IN_PART, Part, claim
 from validation.claims.evidence import CYCLE_SPEEDS, DEPTH, HALF_ZONE_SPEEDS, Evidence, cycle
 from validation.claims.measures import LARGER, RECOVERED
 from validation.measure.dimensionless import units
+from validation.reference.creep_compliance import creep_compliance
 from validation.reference.finite_zone import FiniteZone
 
 SCENE = "cycle-v0.02"
@@ -44,10 +45,10 @@ def closure_is_griffith(evidence: Evidence) -> list[Part]:
     HOLDS,
 )
 def creep_belongs_to_relaxation(evidence: Evidence) -> list[Part]:
-    """Retardation time by its root, and the complex modulus times the stated compliance."""
+    """Retardation time by its eigenproblem, and the complex modulus times the stated compliance."""
     material = load(SCENE).scene.material
     ratio = material.glassy_modulus / material.modulus
-    time = float(material.creep.times[0]) / float(material.spectrum[1][0])
+    time = float(creep_compliance(material).times[0]) / float(material.spectrum[1][0])
     w = np.geomspace(1e-3, 1e3, 25)
     stated = 1.0 / material.glassy_modulus + (1.0 / material.modulus - 1.0 / material.glassy_modulus) / (
         1.0 + 1j * w * ratio

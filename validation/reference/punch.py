@@ -25,7 +25,23 @@ def force(penetration: ArrayLike, radius: float, plane_modulus: float) -> Array:
 
 
 def pressure(r: ArrayLike, penetration: float, radius: float, plane_modulus: float) -> Array:
-    """``p = (E* D/pi)/sqrt(a^2 - r^2)`` for ``r < a`` (Boussinesq); same shape as ``r``."""
+    """``p = (E* D/pi)/sqrt(a^2 - r^2)`` for ``r < a`` (Boussinesq); same shape as ``r``.
+
+    Parameters
+    ----------
+    r : ndarray
+        Radius of the points.
+    penetration : float
+    radius : float
+        Radius of the indenter.
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+
+    Returns
+    -------
+    ndarray
+        Pressure, of the shape of ``r``.
+    """
     return plane_modulus * penetration / (np.pi * np.sqrt(radius**2 - np.asarray(r, float) ** 2))
 
 

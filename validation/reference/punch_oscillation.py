@@ -28,14 +28,46 @@ def dynamic_stiffness(
 
 
 def loss_per_cycle(material: Material, radius: float, angular_frequency: float, amplitude: float) -> float:
-    """Work lost in a steady cycle, ``pi A^2 Im(2 a E*(w))``."""
+    """Work lost in a steady cycle, ``pi A^2 Im(2 a E*(w))``.
+
+    Parameters
+    ----------
+    material : Material
+    radius : float
+        Radius of the punch.
+    angular_frequency : float
+    amplitude : float
+        Of the penetration.
+
+    Returns
+    -------
+    float
+        Energy.
+    """
     return float(np.pi * amplitude**2 * dynamic_stiffness(material, radius, angular_frequency).imag)
 
 
 def force(
     material: Material, radius: float, angular_frequency: float, amplitude: float, time: ArrayLike
 ) -> Array:
-    """``F(t)`` of ``D = A sin(w t)`` from rest at ``t = 0``; same shape as ``time``."""
+    """``F(t)`` of ``D = A sin(w t)`` from rest at ``t = 0``; same shape as ``time``.
+
+    Parameters
+    ----------
+    material : Material
+    radius : float
+        Radius of the punch.
+    angular_frequency : float
+    amplitude : float
+        Of the penetration.
+    time : array_like
+        Time since the start of the load.
+
+    Returns
+    -------
+    ndarray
+        Force, of the shape of ``time``.
+    """
     moduli, times = material.spectrum
     t = np.asarray(time, float)
     phase = angular_frequency * t

@@ -17,11 +17,28 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_scene import Material
+from validation.reference.creep_compliance import creep_compliance
 
 Array = NDArray[np.float64]
 
 
 def enhancement(material: Material, zone: float, speed: ArrayLike, fraction: float = 1.0 / 3.0) -> Array:
-    """``G/dg`` of a receding edge at fixed zone length; same shape as ``speed``."""
+    """``G/dg`` of a receding edge at fixed zone length; same shape as ``speed``.
+
+    Parameters
+    ----------
+    material : Material
+    zone : float
+        Length of the failure zone.
+    speed : array_like
+        Speed of the edge.
+    fraction : float
+        Effective time, in travel times of the zone.
+
+    Returns
+    -------
+    ndarray
+        ``G/dg``, of the shape of ``speed``.
+    """
     effective = fraction * zone / np.asarray(speed, float)
-    return 1.0 / (material.modulus * material.creep_compliance(effective))
+    return 1.0 / (material.modulus * creep_compliance(material)(effective))

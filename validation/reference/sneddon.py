@@ -108,6 +108,19 @@ def stored_energy(
     """``U = E* int_0^a (D - G(x))^2 dx`` at any contact radius and penetration.
 
     ``dU/dD = F`` and ``dU/da = E* (D - G(a))^2 = q(a)^2/E*``.
+
+    Parameters
+    ----------
+    indenter : Indenter
+    contact_radius : float
+    penetration : float
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+
+    Returns
+    -------
+    float
+        Energy.
     """
     ends = np.linspace(0.0, contact_radius, 9)
     if isinstance(indenter, TabulatedProfile):
@@ -123,6 +136,20 @@ def pressure(indenter: Indenter, r: ArrayLike, contact_radius: float, plane_modu
     ``p = (E*/pi) int_r^a G'(x)/sqrt(x^2 - r^2) dx
     = (E* n c k_n/pi) a^(n-2) b 2F1(1, 1 - n/2; 3/2; b^2/a^2)``, ``b^2 = a^2 - r^2``;
     for the cone ``(E*/2) cot(alpha) arcosh(a/r)``, infinite at the tip.
+
+    Parameters
+    ----------
+    indenter : Indenter
+    r : ndarray
+        Radius of the points.
+    contact_radius : float
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+
+    Returns
+    -------
+    ndarray
+        Pressure, of the shape of ``r``.
     """
     law = power_law(indenter)
     if law is None:

@@ -80,6 +80,22 @@ class Density:
 
         Points within 1e-12 contact radii of the surface are evaluated that deep, which keeps the
         values at the edge of a punch, where the stress is infinite, finite.
+
+        Parameters
+        ----------
+        r : ndarray
+            Radius of the points.
+        z : ndarray
+            Height of the points, negative inside the body.
+        plane_modulus : float
+            ``E* = E/(1 - nu^2)``.
+        poisson : float
+            Poisson's ratio.
+
+        Returns
+        -------
+        Field
+            Of the broadcast shape of ``r`` and ``z``.
         """
         r, z = np.broadcast_arrays(np.asarray(r, float), np.asarray(z, float))
         if np.any(z > 0.0) or np.any(r < 0.0):
@@ -138,7 +154,27 @@ def contact(
     plane_modulus: float,
     poisson: float,
 ) -> Field:
-    """Field under any indenter held at contact radius ``a`` and penetration ``D``, adhesive or not."""
+    """Field under any indenter held at contact radius ``a`` and penetration ``D``, adhesive or not.
+
+    Parameters
+    ----------
+    r : ndarray
+        Radius of the points.
+    z : ndarray
+        Height of the points, negative inside the body.
+    indenter : Indenter
+    contact_radius : float
+    penetration : float
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    Field
+        Of the broadcast shape of ``r`` and ``z``.
+    """
     held = density(indenter, contact_radius, penetration, plane_modulus)
     return held.field(r, z, plane_modulus, poisson)
 
@@ -146,14 +182,54 @@ def contact(
 def flat_punch(
     r: ArrayLike, z: ArrayLike, radius: float, penetration: float, plane_modulus: float, poisson: float
 ) -> Field:
-    """Sneddon's flat punch, ``p = (E* D/pi)/sqrt(a^2 - r^2)``."""
+    """Sneddon's flat punch, ``p = (E* D/pi)/sqrt(a^2 - r^2)``.
+
+    Parameters
+    ----------
+    r : ndarray
+        Radius of the points.
+    z : ndarray
+        Height of the points, negative inside the body.
+    radius : float
+        Radius of the indenter.
+    penetration : float
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    Field
+        Of the broadcast shape of ``r`` and ``z``.
+    """
     return contact(r, z, FlatPunch(radius), radius, penetration, plane_modulus, poisson)
 
 
 def hertz(
     r: ArrayLike, z: ArrayLike, contact_radius: float, radius: float, plane_modulus: float, poisson: float
 ) -> Field:
-    """Huber's field under a sphere of ``radius``, ``p = (2 E*/(pi R)) sqrt(a^2 - r^2)``."""
+    """Huber's field under a sphere of ``radius``, ``p = (2 E*/(pi R)) sqrt(a^2 - r^2)``.
+
+    Parameters
+    ----------
+    r : ndarray
+        Radius of the points.
+    z : ndarray
+        Height of the points, negative inside the body.
+    contact_radius : float
+    radius : float
+        Radius of the indenter.
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    Field
+        Of the broadcast shape of ``r`` and ``z``.
+    """
     depth = contact_radius**2 / radius
     return contact(r, z, Sphere(radius), contact_radius, depth, plane_modulus, poisson)
 
@@ -170,6 +246,26 @@ def jkr(
     """Johnson's superposition: the adhesionless field of the same ``a`` minus a punch of ``S(a)``.
 
     ``D = G(a) - S(a)``, ``S = sqrt(2 pi a dg/E*)`` (:mod:`validation.reference.jkr`).
+
+    Parameters
+    ----------
+    r : ndarray
+        Radius of the points.
+    z : ndarray
+        Height of the points, negative inside the body.
+    contact_radius : float
+    indenter : Indenter
+    work : float
+        Work of adhesion.
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    Field
+        Of the broadcast shape of ``r`` and ``z``.
     """
     depth = float(adhesive.JKR(indenter, plane_modulus, work).penetration(contact_radius))
     return contact(r, z, indenter, contact_radius, depth, plane_modulus, poisson)

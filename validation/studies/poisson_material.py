@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Branch, BulkRelaxation, Material
-from contact_scene.retardation import relaxation_spectrum
+from validation.reference.creep_compliance import creep_compliance, relaxation_spectrum
 
 _SAME = 1e-12  # relative difference below which two retardation times are one, apart by round-off
 
@@ -82,12 +82,13 @@ def _in_series(*parts: tuple[float, Material]) -> Material:
     """Modulus whose creep compliance is the weighted sum of those given."""
     retarding: dict[float, float] = {}
     for weight, part in parts:
-        for time, compliance in zip(part.creep.times.tolist(), part.creep.compliances.tolist(), strict=True):
+        creep = creep_compliance(part)
+        for time, compliance in zip(creep.times.tolist(), creep.compliances.tolist(), strict=True):
             same = next((t for t in retarding if abs(t - time) < _SAME * time), time)
             retarding[same] = retarding.get(same, 0.0) + weight * compliance
     times = np.array(sorted(retarding), float)
     relaxed, moduli, relaxation = relaxation_spectrum(
-        sum(weight * part.creep.glassy for weight, part in parts),
+        sum(weight * creep_compliance(part).glassy for weight, part in parts),
         np.array([retarding[time] for time in times.tolist()], float),
         times,
     )

@@ -21,7 +21,7 @@ Indices = NDArray[np.intp]
 
 
 def cubics(time: Array, values: Array, ends: Indices, index: Indices, at: Array) -> Array:
-    """Values at the times ``at`` (m,), which lie between the rows ``index`` and ``index + 1``; (m, n).
+    """Values at times between the rows ``index`` and ``index + 1``.
 
     Parameters
     ----------
@@ -30,6 +30,14 @@ def cubics(time: Array, values: Array, ends: Indices, index: Indices, at: Array)
     ends : ndarray of int
         Rows at which the stretches end and begin, rising, the first and last row among them. A short stretch
         has a polynomial of lower degree.
+    index : ndarray of int, shape (m,)
+        Row before each of the times.
+    at : ndarray, shape (m,)
+        Times.
+
+    Returns
+    -------
+    ndarray, shape (m, n)
     """
     stretch = ends.searchsorted(index, side="right")
     first, last = ends[stretch - 1], ends[stretch]

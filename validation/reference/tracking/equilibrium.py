@@ -121,7 +121,22 @@ def pressed_radius(body: Body, force: float, edge: float) -> float:
 
 
 def elastic_surface(body: Body, depth: float, radius: float, glassy: bool) -> Surface:
-    """Fields of the elastic contact of that radius."""
+    """Fields of the elastic contact of that radius.
+
+    Parameters
+    ----------
+    body : Body
+    depth : float
+        Penetration.
+    radius : float
+        Contact radius.
+    glassy : bool
+        Glassy, otherwise fully relaxed.
+
+    Returns
+    -------
+    Surface
+    """
     inside = radius * _grid() if radius > 0.0 else np.zeros(1)
     count = len(body.rheology.times)
     branches = np.zeros((len(inside), count))

@@ -60,7 +60,24 @@ def beside_steps(widths: Array) -> NDArray[np.intp]:
 
 
 def evaluate(x: Array, y: Array, slope: Array, at: Array) -> Array:
-    """Cubic through the nodes at the points ``at`` (any shape; (m,) for 2-D ``y``); constant beyond."""
+    """Cubic through the nodes at the points ``at`` (any shape; (m,) for 2-D ``y``); constant beyond.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m,)
+        Nodes, strictly rising.
+    y : ndarray, shape (m,) or (m, n)
+        Values at the nodes.
+    slope : ndarray, shape of y
+        Slopes at the nodes.
+    at : ndarray
+        Points.
+
+    Returns
+    -------
+    ndarray
+        Values, of the shape of ``at`` and the columns of ``y``.
+    """
     if len(x) == 1:
         return np.broadcast_to(y[0], at.shape + y.shape[1:]).copy()
     i = x[1:-1].searchsorted(at, side="right")
@@ -76,7 +93,24 @@ def evaluate(x: Array, y: Array, slope: Array, at: Array) -> Array:
 
 
 def rate(x: Array, y: Array, slope: Array, at: Array) -> Array:
-    """Derivative of the cubic at the points ``at``, for 1-D ``y``."""
+    """Derivative of the cubic at the points ``at``, for 1-D ``y``.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m,)
+        Nodes, strictly rising.
+    y : ndarray, shape (m,)
+        Values at the nodes.
+    slope : ndarray, shape (m,)
+        Slopes at the nodes.
+    at : ndarray
+        Points.
+
+    Returns
+    -------
+    ndarray
+        Derivatives, of the shape of ``at``.
+    """
     i = x[1:-1].searchsorted(at, side="right")
     h = x[i + 1] - x[i]
     u = (at - x[i]) / h

@@ -83,13 +83,45 @@ class PenetrationPath:
 
 
 def straight(duration: float, start: float, jump: float, end: float) -> PenetrationPath:
-    """Constant speed after the jump."""
+    """Constant speed after the jump.
+
+    Parameters
+    ----------
+    duration : float
+    start : float
+        Penetration before the jump.
+    jump : float
+        Jump at the very start.
+    end : float
+        Penetration at the end.
+
+    Returns
+    -------
+    PenetrationPath
+    """
     rate = (end - start - jump) / duration if duration > 0.0 else 0.0
     return PenetrationPath(duration, start, jump, (rate, 0.0, 0.0))
 
 
 def cubic(duration: float, start: float, end: float, rate: float, end_rate: float) -> PenetrationPath:
-    """The Hermite cubic through both ends."""
+    """The Hermite cubic through both ends.
+
+    Parameters
+    ----------
+    duration : float
+    start : float
+        Penetration at the start; no jump.
+    end : float
+        Penetration at the end.
+    rate : float
+        Speed at the start.
+    end_rate : float
+        Speed at the end.
+
+    Returns
+    -------
+    PenetrationPath
+    """
     mean = (end - start) / duration
     c2 = (3.0 * mean - 2.0 * rate - end_rate) / duration
     c3 = (rate + end_rate - 2.0 * mean) / duration**2

