@@ -13,8 +13,6 @@ from validation.studies.convergence import scales as study_scales
 
 DEPTH, FORCE = [0.0, 0.03, -0.01], [-1.0, 4.0, -2.0]
 RUN = trace(depth=DEPTH, force=FORCE, radius=[0.1, 0.2, 0.05], loss=[0.0, 1e-6, 1e-5])
-    depth=[0.0, 0.03, -0.01], force=[-1.0, 4.0, -2.0], radius=[0.1, 0.2, 0.05], loss=[0.0, 1e-6, 1e-5]
-)
 
 
 def test_each_kind_of_quantity():
