@@ -185,7 +185,7 @@ def test_the_energy_of_a_real_run_balances_and_a_false_one_does_not():
 def test_all_solvers_on_probes_with_a_closed_form(label):
     (probe,) = [probe for probe in AXES["loading"]() if probe.label == label]
     for solver in ("bem", "fem", "reference"):
-        job = Job(solver, probe.scene, probe.resolutions[solver], probe.max_steps)
+        job = Job(solver, probe.scene, probe.resolution(solver), probe.max_steps)
         cell = one(probe, perform(job), solver=solver)
         assert cell.verdict is Verdict.MEETS, (cell.name, cell.errors)
         assert np.isfinite(cell.residual)

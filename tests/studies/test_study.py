@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from support.spring_solver import SCENE, spring
+from support.spring_solver import SCENE, StudiedSolver, spring
 
 from contact_scene import Counters, OutcomeKind, SceneError
 from crosscontact.cli import main
@@ -17,7 +17,7 @@ from validation.report import study_figures, study_forms
 from validation.studies import schemes, study
 from validation.studies.ladders import ladders
 
-ORDERS = {"bem": 2.0, "baseline": 1.0, "fem": 2.0, "fem-volume": 2.0, "reference": 4.0}
+ORDERS = {"bem": 2.0, "paper-scheme": 1.0, "fem": 2.0, "fem-volume": 2.0, "reference": 4.0}
 
 
 @pytest.fixture
@@ -30,26 +30,22 @@ def scene_file(tmp_path):
 def converging(order: float, resolution_counts: bool = True):
     """A spring whose stiffness converges to 1 with the resolution, and whose work grows with it."""
 
-    def load_scheme():
-        def call(scene, settings, times):
-            n = settings.resolution if resolution_counts else 1
-            trace = spring(1.0 + n**-order)(scene)
-            return dataclasses.replace(trace, counters=Counters(steps=n, linear_solves=n * n))
+    def solve(scene, resolution, **options):
+        n = resolution if resolution_counts else 1
+        trace = spring(1.0 + n**-order)(scene)
+        return dataclasses.replace(trace, counters=Counters(steps=n, linear_solves=n * n))
 
-        return call
-
-    return load_scheme
+    return solve
 
 
 @pytest.fixture
 def fakes(monkeypatch):
-    """All schemes replaced; ``fakes(bem=loader)`` replaces them again."""
+    """All schemes replaced; ``fakes(bem=function)`` replaces them again."""
 
-    def put(**loaders):
+    def put(**functions):
         for name, order in ORDERS.items():
-            scheme = dataclasses.replace(
-                schemes.SCHEMES[name], load=loaders.get(name.replace("-", "_"), converging(order))
-            )
+            solve = functions.get(name.replace("-", "_"), converging(order))
+            scheme = dataclasses.replace(schemes.SCHEMES[name], solver=StudiedSolver(solve))
             monkeypatch.setitem(schemes.SCHEMES, name, scheme)
 
     put()
@@ -82,7 +78,7 @@ def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
     data = json.loads((out / "study.json").read_text())
     assert sorted(file.name for file in out.iterdir()) == ["figures", "index.html", "study.json", "study.md"]
     shown, progress = capsys.readouterr()
-    assert "baseline" in shown
+    assert "paper-scheme" in shown
     assert "is cheapest" in shown
     assert "small reference zone" in progress
     page, text = (out / "index.html").read_text(), (out / "study.md").read_text()
@@ -106,7 +102,7 @@ def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
 
 def test_orders_come_out_as_they_went_in(scene_file, fakes):
     _, data = studied(scene_file)
-    for scheme in ("bem", "baseline"):
+    for scheme in ("bem", "paper-scheme"):
         row = observable(ladder_of(data, scheme), "pull_off_force")
         assert row["alone"]["orders"] == pytest.approx([ORDERS[scheme]] * 3, rel=1e-6)
         assert row["orders"] == pytest.approx([ORDERS[scheme]] * 4, rel=0.02)
@@ -115,7 +111,7 @@ def test_orders_come_out_as_they_went_in(scene_file, fakes):
         assert len(row["values"]) == 5
     growth = {(e["scheme"], e["work"]): e for e in data["scenes"][0]["growth"]}
     assert growth["bem", "linear_solves"]["with_resolution"] == pytest.approx(2.0)
-    assert growth["baseline", "linear_solves"]["with_error"] == pytest.approx(2.0, rel=0.05)
+    assert growth["paper-scheme", "linear_solves"]["with_error"] == pytest.approx(2.0, rel=0.05)
     doubtful = data["scenes"][0]["reference_uncertainty"]["pull_off_force"]
     assert doubtful == pytest.approx((40.0**-4 - 80.0**-4) / 3.0, rel=0.01)
 
@@ -123,7 +119,7 @@ def test_orders_come_out_as_they_went_in(scene_file, fakes):
 def test_every_solver_has_four_levels_and_all_its_ladders(scene_file):
     found = ladders(load(scene_file).scene)
     assert {(e.scheme, e.kind) for e in found} >= {
-        ("bem", "together"), ("baseline", "together"), ("fem", "together"), ("reference", "together"),
+        ("bem", "together"), ("paper-scheme", "together"), ("fem", "together"), ("reference", "together"),
         ("bem", "step"), ("bem", "mesh"), ("fem", "step"), ("fem", "mesh"), ("fem", "domain"),
         ("bem", "zone"), ("fem", "zone"), ("reference", "zone"),
     }  # fmt: skip
@@ -134,45 +130,40 @@ def test_every_solver_has_four_levels_and_all_its_ladders(scene_file):
 
 
 def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
-    def missing():
+    def missing(*arguments, **options):
         raise ModuleNotFoundError("No module named 'bem_solver.paper_scheme.solver'")
 
-    fakes(baseline=missing)
+    fakes(paper_scheme=missing)
     assert main(["study", scene_file, "--jobs", "1"]) == 1
     err = capsys.readouterr().err
-    assert "failed: small: baseline: together 4: ModuleNotFoundError" in err
+    assert "failed: small: paper-scheme: together 4: ModuleNotFoundError" in err
     assert "Traceback" not in err
     found, data = studied(scene_file)
     assert data["scenes"][0]["failed_levels"] == 5
-    assert ladder_of(data, "baseline")["levels"][0]["failure"].startswith("ModuleNotFoundError")
+    assert ladder_of(data, "paper-scheme")["levels"][0]["failure"].startswith("ModuleNotFoundError")
     assert "FAILED: ModuleNotFoundError" in page_without_figures(found)
     assert "FAILED: ModuleNotFoundError" in study_forms.markdown(found)
     for chart in (study_figures.CONVERGENCE[0], study_figures.PRICES[0]):
         drawn = study_figures.draw(chart, found.scenes[0].timed)
         assert drawn is not None
         labels = drawn.axes[0].get_legend_handles_labels()[1]
-        assert "baseline: 5 failed" in labels
-        assert "baseline" not in labels
+        assert "paper-scheme: 5 failed" in labels
+        assert "paper-scheme" not in labels
 
 
 def test_a_level_that_breaks_down_keeps_its_place(scene_file, fakes):
-    def breaking():
-        good = converging(2.0)()
-
-        def call(scene, settings, times):
-            if settings.tolerance is not None:  # not the ladder of everything together
-                return good(scene, settings, times)
-            if settings.resolution == 8:
-                raise FloatingPointError("overflow")
-            trace = good(scene, settings, times)
-            if settings.resolution == 64:
-                ending = dataclasses.replace(trace.outcome, kind=OutcomeKind.STEP_UNDERFLOW)
-                return dataclasses.replace(trace, outcome=ending)
-            if settings.resolution == 32:
-                return dataclasses.replace(trace, force=np.full_like(trace.force, np.nan))
+    def breaking(scene, resolution, step_tolerance, **options):
+        trace = converging(2.0)(scene, resolution)
+        if step_tolerance is not None:  # not the ladder of everything together
             return trace
-
-        return call
+        if resolution == 8:
+            raise FloatingPointError("overflow")
+        if resolution == 64:
+            ending = dataclasses.replace(trace.outcome, kind=OutcomeKind.STEP_UNDERFLOW)
+            return dataclasses.replace(trace, outcome=ending)
+        if resolution == 32:
+            return dataclasses.replace(trace, force=np.full_like(trace.force, np.nan))
+        return trace
 
     fakes(bem=breaking)
     found, data = studied(scene_file)
@@ -186,15 +177,10 @@ def test_a_level_that_breaks_down_keeps_its_place(scene_file, fakes):
 
 
 def test_a_coarser_reference_serves_where_the_finest_fails(scene_file, fakes):
-    def breaking():
-        good = converging(2.0)()
-
-        def call(scene, settings, times):
-            if settings.resolution == 80:
-                raise FloatingPointError("too fine")
-            return good(scene, settings, times)
-
-        return call
+    def breaking(scene, resolution, **options):
+        if resolution == 80:
+            raise FloatingPointError("too fine")
+        return converging(2.0)(scene, resolution)
 
     fakes(reference=breaking)
     found, data = studied(scene_file)
@@ -204,11 +190,8 @@ def test_a_coarser_reference_serves_where_the_finest_fails(scene_file, fakes):
 
 
 def test_without_a_reference_values_are_judged_alone(scene_file, fakes):
-    def refusing():
-        def call(scene, settings, times):
-            raise SceneError("material", "not this one", "another")
-
-        return call
+    def refusing(scene, resolution, **options):
+        raise SceneError("material", "not this one", "another")
 
     fakes(reference=refusing)
     found, data = studied(scene_file)

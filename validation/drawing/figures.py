@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.drawing.curves import Curves, Labels
+from validation.solvers import REFERENCE, SOLVERS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,12 +26,6 @@ if TYPE_CHECKING:
 SIZE = (4.2, 3.1)  # inches
 MANY = 6000  # points beyond which a line is drawn as pixels inside the SVG
 
-# Widest first: a line drawn later leaves the earlier one visible on both sides. "ink" is black on white.
-STYLES: dict[str, dict[str, Any]] = {
-    "reference": {"color": "#999999", "linestyle": "-", "linewidth": 3.6},
-    "bem": {"color": "#0072b2", "linestyle": "-", "linewidth": 1.4},
-    "fem": {"color": "#d55e00", "linestyle": (0, (4, 2)), "linewidth": 1.4},
-}
 CLOSED: dict[str, Any] = {"color": "#009e73", "linestyle": ":", "linewidth": 1.3}
 INK = "#0a0a0a"
 VARIABLES = {
@@ -69,15 +64,15 @@ def draw(panel: Panel, curves: Sequence[Curves], labels: Labels) -> Figure:
 
     figure = Figure(figsize=SIZE, layout="constrained")
     axes = figure.add_subplot()
-    for curve in sorted(curves, key=lambda curve: list(STYLES).index(curve.style) if curve.style else 9):
+    for curve in sorted(curves, key=_width, reverse=True):
         x, y = curve.columns.get(panel.across), curve.columns.get(panel.up)
         if x is None or y is None or x.size == 0:
             continue
         if not curve.style:
             axes.plot(x, y, label=curve.label, **CLOSED)
             continue
-        style = STYLES[curve.style]
-        size = 8 if curve.style == "reference" else 5
+        style = SOLVERS[curve.style].curve_style
+        size = 8 if curve.style == REFERENCE else 5
         marker = "o" if x.size == 1 else None
         axes.plot(x, y, label=curve.label, rasterized=x.size > MANY, marker=marker, markersize=size, **style)
         if curve.pull_off is not None and x.size > curve.pull_off:
@@ -90,6 +85,11 @@ def draw(panel: Panel, curves: Sequence[Curves], labels: Labels) -> Figure:
             limit(*span)
     _dress(axes, labels[panel.across], labels[panel.up])
     return figure
+
+
+def _width(curve: Curves) -> float:
+    """Line width, 0 for closed forms: widest first, a line drawn later leaves the earlier one visible."""
+    return float(SOLVERS[curve.style].curve_style["linewidth"]) if curve.style else 0.0
 
 
 def _span(columns: Sequence[NDArray[np.float64]]) -> tuple[float, float] | None:

@@ -12,19 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from validation.drawing.figures import INK, SIZE
 from validation.studies.convergence import Convergence
+from validation.studies.schemes import scheme
 from validation.studies.work_precision import cost
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-STYLES: dict[str, dict[str, Any]] = {
-    "reference": {"color": "#999999", "linestyle": "-", "marker": "D"},
-    "bem": {"color": "#0072b2", "linestyle": "-", "marker": "o"},
-    "fem": {"color": "#d55e00", "linestyle": (0, (4, 2)), "marker": "s"},
-    "fem-volume": {"color": "#cc79a7", "linestyle": (0, (5, 1.5, 1, 1.5)), "marker": "v"},
-    "baseline": {"color": "#009e73", "linestyle": (0, (1, 1.2)), "marker": "^"},
-}
 WORK_LABELS = {
     "wall_seconds": "run time (s)",
     "cpu_seconds": "processor time (s)",
@@ -69,14 +63,14 @@ def draw(chart: Chart, studies: Sequence[Convergence]) -> Figure | None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     lowest, failed = 0.0, False
-    for study in studies:
-        style = STYLES[study.ladder.scheme]
+    for place, study in enumerate(studies):
+        style = scheme(study.ladder.scheme).curve_style | {"linewidth": 1.4}
         points = [(x, y) for x, y in _points(study, chart) if x > 0.0 and y > 0.0]
         if points:
             x, y = zip(*points, strict=True)
-            axes.plot(x, y, label=study.ladder.scheme, linewidth=1.4, markersize=4.5, **style)
+            axes.plot(x, y, label=study.ladder.scheme, markersize=4.5, **style)
             lowest = max(lowest, 1.0)
-        failed |= _failures(axes, study, chart, style)
+        failed |= _failures(axes, study, chart, style, place)
     if not lowest and not failed:
         return None
     if not chart.work:
@@ -97,13 +91,13 @@ def _points(study: Convergence, chart: Chart) -> list[tuple[float, float]]:
     return found
 
 
-def _failures(axes: Axes, study: Convergence, chart: Chart, style: dict[str, Any]) -> bool:
+def _failures(axes: Axes, study: Convergence, chart: Chart, style: dict[str, Any], place: int) -> bool:
     """Failed levels as crosses at the upper edge: at their size, or one after the other."""
     coarsest = study.runs[0].level.size
     failed = [run for run in study.runs if run.failed]
     if not failed:
         return False
-    row = 0.97 - 0.05 * list(STYLES).index(study.ladder.scheme)
+    row = 0.97 - 0.05 * place
     mark = {"linestyle": "none", "marker": "x", "markersize": 7, "color": style["color"]}
     label = f"{study.ladder.scheme}: {len(failed)} failed"
     if chart.work:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from validation.report.text import NONE, number
 from validation.studies import work_precision
 from validation.studies.convergence import Convergence, LevelRun, Row
-from validation.studies.schemes import SCHEMES
+from validation.studies.schemes import scheme
 from validation.studies.study import SceneStudy
 
 HEADLINE = ("pull_off_force", "loop_energy", "approach_force", "approach_radius", "detachment_penetration")
@@ -128,7 +128,7 @@ def ladder(study: Convergence) -> Section:
     """One ladder in full: what each level did, and every observable."""
     labels = [run.level.label for run in study.runs]
     said = [f"Refined: {study.ladder.refined}. Nominal order {study.nominal:g}."]
-    said += [SCHEMES[study.ladder.scheme].why] if study.ladder.nominal is None else []
+    said += [scheme(study.ladder.scheme).why] if study.ladder.nominal is None else []
     note = {"zone": ZONE_NOTE, "domain": DOMAIN_NOTE}.get(study.ladder.kind)
     said += [note] if note else []
     head = ("observable", *labels, "orders", "Richardson", "index", "safety", "asymptotic", "verdict")
@@ -161,7 +161,7 @@ def ladder(study: Convergence) -> Section:
         tables.append(
             Table("Errors against the reference", ("observable", *labels, "orders", "fitted"), errors)
         )
-    return Section(f"{SCHEMES[study.ladder.scheme].title}: {study.ladder.kind}", said, tables)
+    return Section(f"{scheme(study.ladder.scheme).title}: {study.ladder.kind}", said, tables)
 
 
 def levels(study: Convergence) -> Table:

@@ -5,23 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Branch, Hold, Material
+from validation.solvers import REFERENCE
+from validation.solvers.finite_elements import FiniteElements
 from validation.stability import base, closed_forms
 from validation.stability.measure import CURVE
-from validation.stability.probe import ADHESIONLESS, SOLVERS, Computed, Equivalent, Probe, Tolerance, Truth
+from validation.stability.probe import Computed, Equivalent, Probe, Tolerance, Truth
 
 CYCLE = Computed(("approach_force", "pull_off_force", "loop_energy", CURVE))
 CONTRASTS = (1.0, 10.0, 1e3, 1e6, 1e9)
 TIMES = (1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12)
 PULLED = Tolerance(
-    {"bem": 1e-2, "fem": 4e-2, "reference": 2e-3},
+    {FiniteElements.name: 4e-2},
     "the edge recedes all the way, and elements round it down by part of one: 1.4 % of the force at 4 a zone",
 )
-SAME = Tolerance(
-    dict.fromkeys(SOLVERS, 1e-9), "the same question: round-off only, amplified where contact is lost"
-)
+SAME = Tolerance({}, "the same question: round-off only, amplified where contact is lost", other=1e-9)
 STEPPED = Tolerance(
-    {"bem": 2e-3, "fem": 2e-3, "reference": 2e-4},
+    {REFERENCE: 2e-4},
     "the same answer, but a further time may change the steps: their error, as F(t) RMS or row by row",
+    other=2e-3,
 )
 RATIOS = (0.0, 0.3, 0.49, 0.4999, 0.5)
 PUSH = 0.01  # adhesionless speed, R per relaxation time
@@ -45,7 +46,6 @@ def contrast() -> list[Probe]:
                 f"{label}, adhesionless",
                 bare,
                 truth,
-                resolutions=ADHESIONLESS,
                 series="adhesionless cycle" if ratio > 1.0 else "",
                 stiffness=ratio,
             )
@@ -151,7 +151,7 @@ def _both(label: str, made: Material) -> list[Probe]:
     truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
     cycle = base.scene(made, (*base.to_and_fro(0.02)[:1], Hold(1.0), *base.to_and_fro(0.02)[1:]))
     return [
-        Probe("spectrum", f"{label}, adhesionless", bare, truth, resolutions=ADHESIONLESS),
+        Probe("spectrum", f"{label}, adhesionless", bare, truth),
         Probe("spectrum", f"{label}, with a hold", cycle, CYCLE),
     ]
 
@@ -165,7 +165,5 @@ def poisson() -> list[Probe]:
         probes.append(Probe("Poisson's ratio", f"nu = {ratio:g}", cycle, CYCLE))
         bare = base.scene(made, base.to_and_fro(PUSH), adhesion=None)
         truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
-        probes.append(
-            Probe("Poisson's ratio", f"nu = {ratio:g}, adhesionless", bare, truth, resolutions=ADHESIONLESS)
-        )
+        probes.append(Probe("Poisson's ratio", f"nu = {ratio:g}, adhesionless", bare, truth))
     return probes

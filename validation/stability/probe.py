@@ -11,8 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from contact_scene import OutcomeKind, Scene, SceneError
-
-SOLVERS = ("bem", "fem", "reference")
+from validation.solvers import SOLVERS
 
 
 @dataclass(frozen=True)
@@ -76,18 +75,25 @@ Truth = Known | Computed | Equivalent | Nothing
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Largest relative error of each solver, and the reason for these numbers."""
+    """Largest relative error by solver, the reason for these numbers, and a limit for any other solver.
+
+    A solver not in ``limits`` has ``other``; its own ``coarse_tolerance`` where that is ``None``.
+    """
 
     limits: Mapping[str, float]
     why: str
+    other: float | None = None
+
+    def limit(self, solver: str) -> float:
+        """Largest relative error of one solver."""
+        other = SOLVERS[solver].coarse_tolerance if self.other is None else self.other
+        return self.limits.get(solver, other)
 
 
 USUAL = Tolerance(
-    {"bem": 1e-2, "fem": 2e-2, "reference": 2e-3},
+    {},
     "coarse runs (6, 4 and 8 divisions a zone): about three times their error in the studies of cycles",
 )
-RESOLUTIONS: Mapping[str, int] = {"bem": 6, "fem": 4, "reference": 8}
-ADHESIONLESS: Mapping[str, int] = {"bem": 6, "fem": 1, "reference": 4}
 
 
 @dataclass(frozen=True)
@@ -107,7 +113,7 @@ class Probe:
     stiffness : float
         Ratio of the longest to the shortest time, or of the moduli, that makes this probe hard.
     resolutions : mapping
-        Divisions per process zone by solver.
+        Divisions per process zone by solver, where they are not its ``coarse_resolution``.
     too_dear : mapping
         Solvers that are not asked, and why: the run would take minutes.
     max_steps : int
@@ -123,10 +129,15 @@ class Probe:
     tolerance: Tolerance = USUAL
     series: str = ""
     stiffness: float = 1.0
-    resolutions: Mapping[str, int] = field(default_factory=lambda: RESOLUTIONS)
+    resolutions: Mapping[str, int] = field(default_factory=dict)
     too_dear: Mapping[str, str] = field(default_factory=dict)
     max_steps: int = 20_000
     seconds: float = 180.0
+
+    def resolution(self, solver: str) -> int:
+        """Divisions per process zone for one solver."""
+        adhesive = isinstance(self.scene, Scene) and self.scene.is_adhesive
+        return self.resolutions.get(solver) or SOLVERS[solver].coarse_resolution(adhesive)
 
     @property
     def name(self) -> str:

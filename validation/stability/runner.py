@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from contact_scene import Scene
 from validation.execution.checkpoints import question
 from validation.execution.store import Store
 from validation.execution.workers import Reply, Worker
-from validation.stability.probe import SOLVERS, Computed, Equivalent, Probe
+from validation.solvers import REFERENCE, SOLVERS
+from validation.stability.probe import Computed, Equivalent, Probe
 from validation.stability.verdict import Cell, Verdict, judge, not_run
 from validation.stability.work import Job, Perform, perform
 
 Tell = Callable[[Cell, list[Cell]], None]
-TRUTH = "reference"
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Matrix:
 def run(
     probes: Sequence[Probe],
     jobs: int = 1,
-    solvers: Sequence[str] = SOLVERS,
+    solvers: Collection[str] = SOLVERS,
     tell: Tell = lambda cell, cells: None,
     work: Perform = perform,
     store: Store | None = None,
@@ -108,7 +108,7 @@ def _workers(count: int) -> Iterator[list[Worker]]:
             worker.retire()
 
 
-def _cells(probe: Probe, solvers: Sequence[str], worker: Worker, work: Perform) -> Iterator[Cell]:
+def _cells(probe: Probe, solvers: Collection[str], worker: Worker, work: Perform) -> Iterator[Cell]:
     if not isinstance(probe.scene, Scene):
         for solver in solvers:
             yield judge(probe, solver, None, ())
@@ -116,7 +116,7 @@ def _cells(probe: Probe, solvers: Sequence[str], worker: Worker, work: Perform) 
     common: tuple[Reply, ...] = ()
     if isinstance(probe.truth, Computed):
         levels = (probe.truth.fine, probe.truth.coarse)
-        common = tuple(_ask(probe, TRUTH, probe.scene, worker, work, level) for level in levels)
+        common = tuple(_ask(probe, REFERENCE, probe.scene, worker, work, level) for level in levels)
     for solver in solvers:
         if solver in probe.too_dear:
             yield not_run(probe, solver)
@@ -130,5 +130,5 @@ def _cells(probe: Probe, solvers: Sequence[str], worker: Worker, work: Perform) 
 def _ask(
     probe: Probe, solver: str, scene: Scene, worker: Worker, work: Perform, level: int | None = None
 ) -> Reply:
-    job = Job(solver, scene, level or probe.resolutions[solver], probe.max_steps)
+    job = Job(solver, scene, level or probe.resolution(solver), probe.max_steps)
     return worker.ask(work, job, probe.seconds)

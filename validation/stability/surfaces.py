@@ -20,11 +20,13 @@ from contact_scene import (
     TabulatedProfile,
 )
 from validation.reference import sneddon
+from validation.solvers import SOLVERS
+from validation.solvers.boundary_elements import BoundaryElements
+from validation.solvers.finite_elements import FiniteElements
 from validation.stability import base, closed_forms
 from validation.stability.materials import PULLED
 from validation.stability.measure import CURVE
 from validation.stability.probe import (
-    ADHESIONLESS,
     Computed,
     Known,
     Nothing,
@@ -43,8 +45,11 @@ THIN_BELOW, WIDE_BEYOND = 5e-3, 0.3  # da/a
 LOST = ("approach_force", "approach_radius", "detachment_penetration", "dissipated_energy")
 WIDE = Computed(("start_force", "pull_off_force"), fine=40, coarse=20)
 BRIEF = Computed(("start_force", "final_force", "final_radius", CURVE))
-THIN = {"bem": 4, "fem": 4, "reference": 8}
-DEAR = {"fem": "thousands of elements in the path of the edge, each with a column of the dense compliance"}
+THIN = {BoundaryElements.name: 4}
+SKIP_THIN = {
+    FiniteElements.name: "thousands of elements in the path of the edge, "
+    "each with a column of the dense compliance"
+}
 
 
 def adhesion() -> list[Probe]:
@@ -57,7 +62,6 @@ def adhesion() -> list[Probe]:
             "gamma~ = 0",
             none,
             closed_forms.adhesionless_cycle(made, base.SPHERE, 0.01, base.TOP),
-            resolutions=ADHESIONLESS,
         )
     ]
     faint = base.scene(
@@ -129,9 +133,10 @@ def _way_of(share: float) -> tuple[float, Computed, dict[str, Any]]:
     is right or wrong.
     """
     if share < THIN_BELOW:
-        return 0.008, BRIEF, {"resolutions": THIN, "too_dear": DEAR}
+        return 0.008, BRIEF, {"resolutions": THIN, "too_dear": SKIP_THIN}
     if share > WIDE_BEYOND:
-        return base.AWAY, WIDE, {"resolutions": {"bem": 18, "fem": 12, "reference": 24}}
+        finer = {name: 3 * solver.coarse_resolution(adhesive=True) for name, solver in SOLVERS.items()}
+        return base.AWAY, WIDE, {"resolutions": finer}
     return base.AWAY, PEELED, {}
 
 
@@ -145,7 +150,6 @@ def indenters() -> list[Probe]:
             "flat punch, adhesionless",
             punch,
             closed_forms.punch_ramp(made, 0.2, 0.01, base.TOP),
-            resolutions=ADHESIONLESS,
         )
     ]
     shapes: list[tuple[str, Indenter]] = [(f"cone {angle:g}°", Cone(angle)) for angle in ANGLES]
@@ -154,7 +158,7 @@ def indenters() -> list[Probe]:
         top = float(sneddon.depth(shape, REACH))
         bare = base.scene(made, base.to_and_fro(top, top, -10.0 * top), adhesion=None, indenter=shape)
         truth = closed_forms.adhesionless_cycle(made, shape, top, top)
-        probes.append(Probe("indenter", f"{label}, adhesionless", bare, truth, resolutions=ADHESIONLESS))
+        probes.append(Probe("indenter", f"{label}, adhesionless", bare, truth))
     held: list[tuple[str, Indenter, float]] = [
         ("flat punch", FlatPunch(0.2), 0.0),
         ("cone 85°", Cone(85.0), 0.01),

@@ -142,7 +142,7 @@ def _judged(
             errors = measure.against_trace(trace, first, truth.names)
             own = _own_error(runs, truth)
             source = f"front tracking, {truth.fine} steps a zone"
-    wrong = max(errors.values()) > probe.tolerance.limits[solver] + own or outcome.kind is not ending
+    wrong = max(errors.values()) > probe.tolerance.limit(solver) + own or outcome.kind is not ending
     if outcome.kind is not ending:
         errors = errors | {f"ending ({ending})": measure.MISSING}
     verdict = Verdict.WRONG if wrong else Verdict.MEETS
@@ -187,7 +187,7 @@ def _cell(probe: Probe, solver: str, verdict: Verdict, outcome: str, reason: str
         verdict=verdict,
         outcome=outcome,
         reason=" ".join(reason.split()),
-        tolerance=probe.tolerance.limits[solver],
+        tolerance=probe.tolerance.limit(solver),
         why=probe.tolerance.why,
         series=probe.series,
         stiffness=probe.stiffness,

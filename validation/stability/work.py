@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from contact_scene import Scene, SceneError, Trace
+from validation.solvers import SOLVERS
 
 
 @dataclass(frozen=True)
@@ -33,36 +34,11 @@ Perform = Callable[[Job], Answer]
 
 def perform(job: Job) -> Answer:
     """Run the solver; a refusal is an answer, anything else that is raised is a crash."""
-    solve = _SOLVE[job.solver]()
+    solver = SOLVERS[job.solver]
+    solver.load()
     began = time.process_time()
     try:
-        trace = solve(job)
+        trace = solver.solve(job.scene, job.resolution, max_steps=job.max_steps)
     except SceneError as error:
         return Answer(refusal=str(error), seconds=time.process_time() - began)
     return Answer(trace, seconds=time.process_time() - began)
-
-
-def _bem() -> Callable[[Job], Trace]:
-    from bem_solver import Options, solve
-
-    return lambda job: solve(job.scene, Options(job.resolution, max_steps=job.max_steps))
-
-
-def _fem() -> Callable[[Job], Trace]:
-    from fem_solver import Options, solve
-    from validation.solvers.finite_elements import mesh_for
-
-    def call(job: Job) -> Trace:
-        mesh = mesh_for(job.scene, job.resolution)
-        return solve(job.scene, mesh, Options(job.resolution, max_steps=job.max_steps))
-
-    return call
-
-
-def _reference() -> Callable[[Job], Trace]:
-    from validation.reference import Options, solve
-
-    return lambda job: solve(job.scene, Options(job.resolution, max_steps=job.max_steps))
-
-
-_SOLVE: dict[str, Callable[[], Callable[[Job], Trace]]] = {"bem": _bem, "fem": _fem, "reference": _reference}

@@ -21,6 +21,8 @@ from validation.cases import Case
 from validation.execution.runs import Run, run
 from validation.measure.norms import distance
 from validation.measure.scaling import scale
+from validation.solvers import REFERENCE
+from validation.solvers.finite_elements import FiniteElements
 from validation.studies import poisson_material as materials
 
 RATIOS = (10.0, 30.0, 100.0, 300.0, 1000.0)
@@ -97,8 +99,11 @@ class Comparison:
 def questions(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
     """What is run for one compressibility: case and solver by name."""
     separate = materials.with_bulk(case.scene.material, ratio)
-    answers = {FULL: (separate, "fem"), SURFACE: (materials.on_the_surface(separate), "reference")}
-    answers |= {name: (assume(separate), "reference") for name, assume in ASSUMPTIONS.items()}
+    answers = {
+        FULL: (separate, FiniteElements.name),
+        SURFACE: (materials.on_the_surface(separate), REFERENCE),
+    }
+    answers |= {name: (assume(separate), REFERENCE) for name, assume in ASSUMPTIONS.items()}
     return {
         name: (replace(case, scene=replace(case.scene, material=material)), solver)
         for name, (material, solver) in answers.items()
@@ -124,14 +129,14 @@ def compare(
     pending = {}
     if executor is not None:  # the finite elements first: they take longest
         for ratio, name, of, solver in sorted(tasks, key=lambda task: task[3]):
-            finer = resolution if solver == "fem" else None
+            finer = resolution if name == FULL else None
             pending[ratio, name] = executor.submit(run, of, solver, finer, estimate=True)
     found: dict[tuple[float, str], Run] = {}
     for index, (ratio, name, of, solver) in enumerate(tasks, 1):
         if executor is not None:
             found[ratio, name] = pending[ratio, name].result()
         else:
-            found[ratio, name] = run(of, solver, resolution if solver == "fem" else None, estimate=True)
+            found[ratio, name] = run(of, solver, resolution if name == FULL else None, estimate=True)
         done(index / len(tasks), f"K/G = {ratio:g}: {name}")
     comparisons = []
     for ratio, named in asked.items():
