@@ -11,7 +11,7 @@ from validation.stability import base, closed_forms
 from validation.stability.measure import CURVE
 from validation.stability.probe import Computed, Equivalent, Probe, Tolerance, Truth
 
-CYCLE = Computed(("approach_force", "pull_off_force", "loop_energy", CURVE))
+CYCLE = Computed(("approach_force", "pull_off_force", "loop_energy", CURVE), of_largest=("approach_force",))
 CONTRASTS = (1.0, 10.0, 1e3, 1e6, 1e9)
 TIMES = (1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12)
 PULLED = Tolerance(

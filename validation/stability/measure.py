@@ -9,8 +9,8 @@ import numpy as np
 from contact_scene import COLUMNS, Material, Trace
 from validation.measure.norms import distance
 from validation.measure.observables import observe
-from validation.measure.scaling import scale
-from validation.stability.probe import Equivalent, Value
+from validation.measure.scaling import Magnitudes, column_of
+from validation.stability.probe import Computed, Equivalent, Value
 
 CURVE = "force, RMS"
 RICHARDSON = 1.0 / 3.0  # of the difference of two runs of second order, one with twice the step
@@ -23,11 +23,15 @@ def against_values(trace: Trace, values: tuple[Value, ...]) -> dict[str, float]:
     return {value.name: _relative(found[value.name], value.value, value.unit) for value in values}
 
 
-def against_trace(trace: Trace, truth: Trace, names: tuple[str, ...]) -> dict[str, float]:
-    """Relative difference of every observable of two runs; ``CURVE`` is the whole curve ``F(t)``."""
+def against_trace(trace: Trace, truth: Trace, observables: Computed) -> dict[str, float]:
+    """Relative difference of every observable of two runs; ``CURVE`` is the whole curve ``F(t)``.
+
+    What it is relative to is stated in :mod:`validation.measure.scaling`, but for those ``of_largest``.
+    """
     found, wanted = observe(trace).as_dict(), observe(truth).as_dict()
     errors = {}
-    for name in names:
+    largest = Magnitudes.of_trace(truth)
+    for name in observables.names:
         if name == CURVE:
             apart = distance(trace, truth)
             errors[name] = MISSING if apart is None else apart.rms
@@ -36,7 +40,9 @@ def against_trace(trace: Trace, truth: Trace, names: tuple[str, ...]) -> dict[st
         if value is None:
             errors[name] = 0.0 if found[name] is None else MISSING
         else:
-            errors[name] = _relative(found[name], value, scale(name, value, truth))
+            of_largest = name in observables.of_largest
+            unit = largest.columns[column_of(name)] if of_largest else largest.scale(name, value)
+            errors[name] = _relative(found[name], value, unit)
     return errors
 
 

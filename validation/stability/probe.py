@@ -41,12 +41,14 @@ class Known:
 class Computed:
     """Observables taken from the front tracking; a third of its own step halving is its error estimate.
 
-    ``force, RMS`` among the names is the curve ``F(t)``, RMS over maximum.
+    ``force, RMS`` among the names is the curve ``F(t)``, RMS over maximum. Names in ``of_largest`` are relative
+    to the largest magnitude of their column in the run: at that instant the value may pass through zero.
     """
 
     names: tuple[str, ...]
     fine: int = 20
     coarse: int = 10
+    of_largest: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

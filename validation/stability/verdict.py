@@ -139,7 +139,7 @@ def _judged(
             errors, own = measure.against_equivalent(trace, first, truth), 0.0
             source = "the same solver on the equivalent scene"
         else:
-            errors = measure.against_trace(trace, first, truth.names)
+            errors = measure.against_trace(trace, first, truth)
             own = _own_error(runs, truth)
             source = f"front tracking, {truth.fine} steps a zone"
     wrong = max(errors.values()) > probe.tolerance.limit(solver) + own or outcome.kind is not ending
@@ -153,7 +153,7 @@ def _own_error(runs: list[Trace | None], truth: Computed) -> float:
     fine, coarse = runs
     if fine is None or coarse is None:
         return measure.MISSING
-    return measure.RICHARDSON * max(measure.against_trace(coarse, fine, truth.names).values())
+    return measure.RICHARDSON * max(measure.against_trace(coarse, fine, truth).values())
 
 
 def _declared(probe: Probe, solver: str, outcome: str, reason: str, **facts) -> Cell:
