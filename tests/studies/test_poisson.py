@@ -157,7 +157,7 @@ def test_what_a_constant_ratio_costs_falls_like_the_compressibility():
     for ratio in (300.0, 1000.0):
         asked = poisson.questions(case, ratio)
         runs = {name: run(*task, estimate=True) for name, task in asked.items() if task[1] != "fem"}
-        one = poisson.Comparison(ratio, 0.0, 0.0, runs)
+        one = poisson.CompressibilityComparison(ratio, 0.0, 0.0, runs)
         first = GLASSY / ratio
         assert_allclose(one.difference("shear", "pull_off_force").value, first, rtol=0.1)
         assert_allclose(one.difference("tension", "pull_off_force").value, first * 2.0 / 3.0, rtol=0.15)

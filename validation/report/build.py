@@ -11,7 +11,7 @@ from validation.claims import evidence
 from validation.claims.all import checks as claim_checks
 from validation.claims.all import findings
 from validation.compare.against_reference import check_case
-from validation.compare.regression import Comparison
+from validation.compare.regression import ReportComparison
 from validation.execution.checkpoints import question
 from validation.execution.environment import stamp
 from validation.execution.files import write_whole
@@ -52,7 +52,7 @@ class Report:
     pages: list[Page]
     environment: dict[str, object]
     wall_seconds: float
-    baseline: Comparison | None = None
+    baseline: ReportComparison | None = None
     claims: Claims | None = None
     fields: FieldsSection | None = None
     stability: Matrix | None = None

@@ -8,7 +8,7 @@ from validation.report import claims_section, stability_section
 from validation.report.text import HEAD, MOVE_HEAD, move_row, number, row, spared_by
 
 if TYPE_CHECKING:
-    from validation.compare.regression import Comparison
+    from validation.compare.regression import ReportComparison
     from validation.report.build import Page, Report
 
 MOST = 20  # moves shown, if fewer count
@@ -43,7 +43,7 @@ def text(report: Report) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _baseline(baseline: Comparison) -> list[str]:
+def _baseline(baseline: ReportComparison) -> list[str]:
     """What moved, all that counts and the largest of the rest."""
     lines = ["", "## Since the baseline", "", baseline.verdict]
     shown = baseline.moves[: max(len(baseline.beyond), MOST)]

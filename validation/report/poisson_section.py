@@ -17,7 +17,7 @@ from validation.studies.poisson import (
     FULL,
     OBSERVED,
     RATIOS,
-    Comparison,
+    CompressibilityComparison,
     Difference,
     compare,
 )
@@ -31,7 +31,7 @@ relative; curves: root mean square over time. For K >> G the plane modulus is 4 
 takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if measured in tension."""
 
 
-def rows(found: Iterable[Comparison]) -> list[tuple[str, ...]]:
+def rows(found: Iterable[CompressibilityComparison]) -> list[tuple[str, ...]]:
     """One row for every compressibility and quantity, in the order of ``HEAD``."""
     table = []
     for one in found:
@@ -54,7 +54,7 @@ def _estimates(difference: Difference | None) -> str:
     return f"{difference.estimate:.1e} + {difference.base_estimate:.1e}"
 
 
-def text(found: list[Comparison]) -> str:
+def text(found: list[CompressibilityComparison]) -> str:
     """A table for a terminal."""
     table = [HEAD, *rows(found)]
     widths = [max(len(row[column]) for row in table) for column in range(len(HEAD))]
@@ -62,7 +62,7 @@ def text(found: list[Comparison]) -> str:
     return "\n".join([*lines, "", NOTES])
 
 
-def markdown(name: str, found: list[Comparison]) -> str:
+def markdown(name: str, found: list[CompressibilityComparison]) -> str:
     """The same as Markdown."""
     table = [HEAD, ("---",) * len(HEAD), *rows(found)]
     lines = [f"| {' | '.join(row)} |" for row in table]
@@ -71,7 +71,7 @@ def markdown(name: str, found: list[Comparison]) -> str:
     )
 
 
-def data(name: str, found: list[Comparison]) -> dict[str, Any]:
+def data(name: str, found: list[CompressibilityComparison]) -> dict[str, Any]:
     """Every number."""
     return {
         "scene": name,
@@ -123,7 +123,7 @@ def command(
     return code
 
 
-def _verdict(name: str, found: list[Comparison]) -> int:
+def _verdict(name: str, found: list[CompressibilityComparison]) -> int:
     failed = False
     for one in found:
         where = f"{name}: K/G = {one.ratio:g}"

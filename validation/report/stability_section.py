@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 from validation.drawing import figures
 from validation.report import stability_map
 from validation.stability.checks import checks
-from validation.stability.growth import Growth, fit
+from validation.stability.growth import WorkGrowth, fit
 from validation.stability.limits import limits
 from validation.stability.runner import Matrix
-from validation.stability.verdict import Cell, Verdict
+from validation.stability.verdict import Cell, CellVerdict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -86,7 +86,7 @@ def html(matrix: Matrix) -> str:
     )
 
 
-def _growth(growths: Sequence[Growth]) -> str:
+def _growth(growths: Sequence[WorkGrowth]) -> str:
     if not growths:
         return "<p>No series was long enough.</p>"
     return "<ul>" + "".join(f"<li>{escape(growth.words)}</li>" for growth in growths) + "</ul>"
@@ -98,7 +98,7 @@ def _table(cells: Sequence[Cell]) -> str:
     rows = ""
     for cell in cells:
         shown = [escape(text) for text in row(cell, counted[cell.axis, cell.label])]
-        kind = "fail" if cell.fault else "pass" if cell.verdict is Verdict.MEETS else ""
+        kind = "fail" if cell.fault else "pass" if cell.verdict is CellVerdict.WITHIN else ""
         shown[4] = f'<span class="{kind}">{shown[4]}</span>' if kind else shown[4]
         rows += "<tr>" + "".join(f"<td>{text}</td>" for text in shown) + "</tr>"
     return f"<table><thead><tr>{titles}</tr></thead><tbody>{rows}</tbody></table>"
@@ -106,7 +106,7 @@ def _table(cells: Sequence[Cell]) -> str:
 
 def row(cell: Cell, number: int) -> tuple[str, ...]:
     """One line of the table, in the order of ``HEAD``."""
-    outcome = cell.outcome if cell.verdict is Verdict.MEETS else f"{cell.outcome}: {cell.reason}"
+    outcome = cell.outcome if cell.verdict is CellVerdict.WITHIN else f"{cell.outcome}: {cell.reason}"
     return (
         str(number),
         cell.axis,
@@ -130,7 +130,7 @@ def row(cell: Cell, number: int) -> tuple[str, ...]:
 def markdown(matrix: Matrix) -> list[str]:
     """Lines: the limits, and every cell that is not simply within its tolerance."""
     lines = ["", f"## {TITLE}", "", *(f"- {line}" for line in limits(matrix.cells))]
-    told = [cell for cell in matrix.cells if cell.verdict is not Verdict.MEETS]
+    told = [cell for cell in matrix.cells if cell.verdict is not CellVerdict.WITHIN]
     if told:
         counted = numbers(matrix.cells)
         lines += ["", "| " + " | ".join(HEAD) + " |", "|---" * len(HEAD) + "|"]

@@ -13,8 +13,8 @@ from validation.execution.checkpoints import question
 from validation.execution.store import Store
 from validation.execution.workers import Reply, Worker
 from validation.solvers import REFERENCE, SOLVERS
-from validation.stability.probe import Computed, Equivalent, Probe
-from validation.stability.verdict import Cell, Verdict, judge, not_run
+from validation.stability.case import EquivalentScene, ReferenceRuns, StabilityCase
+from validation.stability.verdict import Cell, CellVerdict, cell_of, skipped_cell
 from validation.stability.work import Job, Perform, perform
 
 Tell = Callable[[Cell, list[Cell]], None]
@@ -34,7 +34,7 @@ class Matrix:
 
 
 def run(
-    probes: Sequence[Probe],
+    probes: Sequence[StabilityCase],
     jobs: int = 1,
     solvers: Collection[str] = SOLVERS,
     tell: Tell = lambda cell, cells: None,
@@ -52,7 +52,7 @@ def run(
     with _workers(jobs) as workers:
         idle = list(workers)
 
-        def carry_out(probe: Probe) -> None:
+        def carry_out(probe: StabilityCase) -> None:
             with telling:
                 known = {solver: store.get(_question(probe, solver)) for solver in solvers}
             for cell in filter(None, known.values()):
@@ -64,13 +64,13 @@ def run(
             try:
                 for cell in _cells(probe, missing, worker, work):
                     add(probe, cell)
-                    if cell.verdict not in (Verdict.CRASH, Verdict.HANG):
+                    if cell.verdict not in (CellVerdict.CRASH, CellVerdict.HANG):
                         with telling:
                             store.put(_question(probe, cell.solver), cell)
             finally:
                 idle.append(worker)
 
-        def add(probe: Probe, cell: Cell) -> None:
+        def add(probe: StabilityCase, cell: Cell) -> None:
             with telling:
                 found.setdefault(probe.name, []).append(cell)
                 tell(cell, in_order())
@@ -93,7 +93,7 @@ def run(
     return Matrix(tuple(in_order()), store.seconds)
 
 
-def _question(probe: Probe, solver: str) -> str:
+def _question(probe: StabilityCase, solver: str) -> str:
     """The sources are part of a question, and the sources are what makes a probe of this name."""
     return question("stability", probe.name, solver)
 
@@ -108,27 +108,27 @@ def _workers(count: int) -> Iterator[list[Worker]]:
             worker.retire()
 
 
-def _cells(probe: Probe, solvers: Collection[str], worker: Worker, work: Perform) -> Iterator[Cell]:
+def _cells(probe: StabilityCase, solvers: Collection[str], worker: Worker, work: Perform) -> Iterator[Cell]:
     if not isinstance(probe.scene, Scene):
         for solver in solvers:
-            yield judge(probe, solver, None, ())
+            yield cell_of(probe, solver, None, ())
         return
     common: tuple[Reply, ...] = ()
-    if isinstance(probe.truth, Computed):
+    if isinstance(probe.truth, ReferenceRuns):
         levels = (probe.truth.fine, probe.truth.coarse)
         common = tuple(_ask(probe, REFERENCE, probe.scene, worker, work, level) for level in levels)
     for solver in solvers:
-        if solver in probe.too_dear:
-            yield not_run(probe, solver)
+        if solver in probe.skip_reasons:
+            yield skipped_cell(probe, solver)
             continue
         reply, truths = _ask(probe, solver, probe.scene, worker, work), common
-        if isinstance(probe.truth, Equivalent):
+        if isinstance(probe.truth, EquivalentScene):
             truths = (_ask(probe, solver, probe.truth.scene, worker, work),)
-        yield judge(probe, solver, reply, truths)
+        yield cell_of(probe, solver, reply, truths)
 
 
 def _ask(
-    probe: Probe, solver: str, scene: Scene, worker: Worker, work: Perform, level: int | None = None
+    probe: StabilityCase, solver: str, scene: Scene, worker: Worker, work: Perform, level: int | None = None
 ) -> Reply:
     job = Job(solver, scene, level or probe.resolution(solver), probe.max_steps)
     return worker.ask(work, job, probe.seconds)

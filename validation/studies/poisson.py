@@ -51,7 +51,7 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class CompressibilityComparison:
     """One compressibility.
 
     Parameters
@@ -116,7 +116,7 @@ def compare(
     resolution: int | None = None,
     executor: Executor | None = None,
     done: Callable[[float, str], None] = lambda share, text: None,
-) -> list[Comparison]:
+) -> list[CompressibilityComparison]:
     """Run everything; ``resolution`` is that of the finite elements, ``done`` is told the share and the run.
 
     Raises
@@ -141,5 +141,7 @@ def compare(
     comparisons = []
     for ratio, named in asked.items():
         initial, final = materials.poisson_range(named[FULL][0].scene.material)
-        comparisons.append(Comparison(ratio, initial, final, {name: found[ratio, name] for name in named}))
+        comparisons.append(
+            CompressibilityComparison(ratio, initial, final, {name: found[ratio, name] for name in named})
+        )
     return comparisons

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contact_scene import Profile, Scene
 from validation.drawing.figures import INK
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +47,7 @@ class Scale:
 
 def scale(scene: Scene) -> Scale:
     """The paper's dimensionless axes for a sphere; otherwise the units of the scene."""
-    size = units(scene)
+    size = unit_sizes(scene)
     if "length" in size:
         length = size["length"]
         names = (r"$r/R$", r"$u/R$", r"$(1-\nu^2)\,p/(\pi E_0)$", r"$\Delta/R$", r"gap $g/R$", r"$(r-a)/R$")

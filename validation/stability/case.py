@@ -1,8 +1,8 @@
-"""One place in the matrix: a scene, what the right answer is, and how close an answer has to come.
+"""One case of the matrix: a scene, what the right answer is, and how accurate an answer has to be.
 
-Four kinds of truth: numbers of a closed form (:class:`Known`), the front tracking at two resolutions
-(:class:`Computed`), the same solver on an equivalent scene (:class:`Equivalent`), and that there is no
-answer, which a solver has to say (:class:`Nothing`).
+Four kinds of truth: numbers of a closed form (:class:`ClosedForm`), the front tracking at two resolutions
+(:class:`ReferenceRuns`), the same solver on an equivalent scene (:class:`EquivalentScene`), and that there is
+no solution, which a solver has to report (:class:`NoSolution`).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Value:
 
 
 @dataclass(frozen=True)
-class Known:
+class ClosedForm:
     """Values of a closed form, where they come from, and how the run must end."""
 
     values: tuple[Value, ...]
@@ -38,11 +38,11 @@ class Known:
 
 
 @dataclass(frozen=True)
-class Computed:
+class ReferenceRuns:
     """Observables taken from the front tracking; a third of its own step halving is its error estimate.
 
-    ``force, RMS`` among the names is the curve ``F(t)``, RMS over maximum. Names in ``of_largest`` are relative
-    to the largest magnitude of their column in the run: at that instant the value may pass through zero.
+    ``force, RMS`` among the names is the curve ``F(t)``, RMS over maximum. Names in ``of_largest`` are
+    relative to the largest magnitude of their column in the run: at that instant the value may vanish.
     """
 
     names: tuple[str, ...]
@@ -52,7 +52,7 @@ class Computed:
 
 
 @dataclass(frozen=True)
-class Equivalent:
+class EquivalentScene:
     """The same solver on a scene that differs in units, or in something without any effect.
 
     Factors turn the columns of ``scene`` into those of the probe: penetration and radius by ``length``,
@@ -66,13 +66,13 @@ class Equivalent:
 
 
 @dataclass(frozen=True)
-class Nothing:
-    """There is no answer; ``why`` in words. A solver must refuse, or end with ``no equilibrium``."""
+class NoSolution:
+    """There is no solution; ``why`` in words. A solver must refuse, or end with ``no equilibrium``."""
 
     why: str
 
 
-Truth = Known | Computed | Equivalent | Nothing
+Truth = ClosedForm | ReferenceRuns | EquivalentScene | NoSolution
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ USUAL = Tolerance(
 
 
 @dataclass(frozen=True)
-class Probe:
+class StabilityCase:
     """A scene on an axis of the matrix.
 
     Parameters
@@ -108,7 +108,7 @@ class Probe:
         Which axis, where on it.
     scene : Scene or SceneError
         The question; or the refusal, where it cannot even be put.
-    truth : Known, Computed, Equivalent or Nothing
+    truth : ClosedForm, ReferenceRuns, EquivalentScene or NoSolution
     tolerance : Tolerance
     series : str
         Probes of one series differ in stiffness alone; their work is fitted against it. Empty: no series.
@@ -116,8 +116,8 @@ class Probe:
         Ratio of the longest to the shortest time, or of the moduli, that makes this probe hard.
     resolutions : mapping
         Divisions per process zone by solver, where they are not its ``coarse_resolution``.
-    too_dear : mapping
-        Solvers that are not asked, and why: the run would take minutes.
+    skip_reasons : mapping
+        Solvers that are not run, and why: the run would take minutes.
     max_steps : int
         Step budget.
     seconds : float
@@ -132,7 +132,7 @@ class Probe:
     series: str = ""
     stiffness: float = 1.0
     resolutions: Mapping[str, int] = field(default_factory=dict)
-    too_dear: Mapping[str, str] = field(default_factory=dict)
+    skip_reasons: Mapping[str, str] = field(default_factory=dict)
     max_steps: int = 20_000
     seconds: float = 180.0
 
@@ -147,7 +147,7 @@ class Probe:
         return f"{self.axis}: {self.label}"
 
 
-def asked(build: Callable[[], Scene]) -> Scene | SceneError:
+def scene_or_refusal(build: Callable[[], Scene]) -> Scene | SceneError:
     """The scene, or the error with which it is refused before any solver sees it."""
     try:
         return build()
