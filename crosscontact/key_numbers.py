@@ -1,4 +1,4 @@
-"""The key numbers of a run: in units of the scene, dimensionless, over the JKR force; error estimates."""
+"""The key numbers of a run: in unit_sizes of the scene, dimensionless, over the JKR force; error estimates."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from contact_scene import Scene
-from validation.measure.dimensionless import SYMBOLS, units
+from validation.measure.dimensionless import SYMBOLS, unit_sizes
 
 KEY_MEASURES = {
     "approach_force": "force",
@@ -21,7 +21,7 @@ KEY_MEASURES = {
 }
 """Measures shown for every run, and the kind of their unit."""
 
-HEAD = ("", "in scene units", "dimensionless", "F/F_JKR", "error estimate")
+HEAD = ("", "in scene unit_sizes", "dimensionless", "F/F_JKR", "error estimate")
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class KeyNumber:
     name : str
         As in ``summary.json``.
     value : float or None
-        In units of the scene; ``None`` where it does not apply.
+        In unit_sizes of the scene; ``None`` where it does not apply.
     kind : str
         Kind of its unit: "length", "force", "energy" or "time".
     ratio : float or None
@@ -68,7 +68,7 @@ def key_numbers(
     scene: Scene, measures: Mapping[str, float | None], errors: Mapping[str, float]
 ) -> list[KeyNumber]:
     """The key numbers of a run on a scene, in the order of ``KEY_MEASURES``."""
-    known = units(scene)
+    known = unit_sizes(scene)
     numbers = []
     for name, kind in KEY_MEASURES.items():
         value, jkr = measures.get(name), known.get("jkr-force") if kind == "force" else None

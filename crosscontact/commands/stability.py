@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Collection
 from pathlib import Path
 
 from validation.execution.progress import Progress
 from validation.execution.store import Store
+from validation.solvers import SOLVERS
 from validation.stability.limits import limits
 from validation.stability.matrix import probes
-from validation.stability.probe import SOLVERS
 from validation.stability.runner import StabilityMatrix, run
 from validation.stability.verdict import Cell
 
@@ -39,7 +40,7 @@ def stability(out: str | None, jobs: int, solver: str | None, only: str | None, 
 def compute(
     jobs: int,
     store: Store | None = None,
-    solvers: tuple[str, ...] = SOLVERS,
+    solvers: Collection[str] = SOLVERS,
     only: str | None = None,
     folder: Path | None = None,
 ) -> StabilityMatrix:

@@ -16,7 +16,7 @@ from validation.compare.against_reference import against_reference, check_case
 from validation.compare.checks import check_run
 from validation.execution.runs import run
 from validation.measure.cycles import cycle_times
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.ting import Ting
 
@@ -37,7 +37,7 @@ def test_scene_reads_and_its_checks_make_sense(name):
     assert "full" in case.suites
     assert set(case.tolerances) == {"bem", "fem"}
     for expected in case.expected:
-        assert expected.unit in units(case.scene)
+        assert expected.unit in unit_sizes(case.scene)
         assert expected.source
         assert sum(x is not None for x in (expected.value, expected.at_most, expected.at_least)) == 1
         if expected.value is not None:
@@ -51,7 +51,7 @@ def test_suites_grow():
 
 
 def test_units_of_the_si_cycle_agree_with_the_dimensionless_one():
-    si, plain = units(load("cycle-si").scene), units(load("cycle-v0.02").scene)
+    si, plain = unit_sizes(load("cycle-si").scene), unit_sizes(load("cycle-v0.02").scene)
     assert si["length"] == pytest.approx(1e-3)
     assert si["jkr-force"] / si["force"] == pytest.approx(plain["jkr-force"] / plain["force"])
     assert plain["jkr-force"] / plain["force"] == pytest.approx(7.53982e-4, rel=1e-6)
@@ -184,7 +184,7 @@ def test_check_values_of_elastic_scenes_are_those_of_the_finite_zone(name):
     stated = [e for e in case.expected if e.source.startswith("exact elastic field")]
     assert stated
     for expected in stated:
-        size = units(scene)[expected.unit]
+        size = unit_sizes(scene)[expected.unit]
         assert expected.value * size == pytest.approx(found[expected.observable], rel=2e-6)
 
 

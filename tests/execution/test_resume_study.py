@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-from support.spring_solver import SCENE, spring
+from support.spring_solver import SCENE, StudiedSolver, spring
 
 from validation.cases import load
 from validation.execution.progress import Progress
@@ -36,11 +36,11 @@ def levels(monkeypatch):
         ran.append((scheme, level))
         return run_level(case, scheme, level, *others)
 
-    def load_scheme():
-        return lambda scene, settings, times: spring(1.0 + 1.0 / settings.resolution)(scene)
+    def solve(scene, resolution, **options):
+        return spring(1.0 + 1.0 / resolution)(scene)
 
     for name, scheme in list(schemes.SCHEMES.items()):
-        monkeypatch.setitem(schemes.SCHEMES, name, dataclasses.replace(scheme, load=load_scheme))
+        monkeypatch.setitem(schemes.SCHEMES, name, dataclasses.replace(scheme, solver=StudiedSolver(solve)))
     monkeypatch.setattr(study, "run_level", counted)
     return ran
 

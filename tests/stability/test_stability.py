@@ -16,30 +16,37 @@ from validation.execution.processes import WorkerProcesses
 from validation.execution.store import Store
 from validation.execution.tasks import Task, TaskResult, run_tasks
 from validation.stability import base, measure
+from validation.stability.case import (
+    ClosedForm,
+    EquivalentScene,
+    NoSolution,
+    ReferenceRuns,
+    StabilityCase,
+    Value,
+)
 from validation.stability.growth import fit
 from validation.stability.limits import limits
 from validation.stability.matrix import AXES, probes
-from validation.stability.probe import Computed, Equivalent, Known, Nothing, Probe, Value
 from validation.stability.probe_runs import ProbeAnswer, ProbeRun, solve_probe
 from validation.stability.runner import run
-from validation.stability.verdict import Cell, Verdict, judge
+from validation.stability.verdict import Cell, CellVerdict, cell_of
 
 ENDINGS = {
-    "right": Verdict.MEETS,
-    "a little off": Verdict.MEETS,
-    "wrong": Verdict.WRONG,
-    "ends otherwise": Verdict.WRONG,
-    "not a number": Verdict.NOT_FINITE,
-    "raises": Verdict.CRASH,
-    "dies": Verdict.CRASH,
-    "refuses": Verdict.SAYS,
-    "gives up": Verdict.SAYS,
+    "right": CellVerdict.WITHIN,
+    "a little off": CellVerdict.WITHIN,
+    "wrong": CellVerdict.WRONG,
+    "ends otherwise": CellVerdict.WRONG,
+    "not a number": CellVerdict.NOT_FINITE,
+    "raises": CellVerdict.CRASH,
+    "dies": CellVerdict.CRASH,
+    "refuses": CellVerdict.DECLINED,
+    "gives up": CellVerdict.DECLINED,
 }
 
 
-def one(probe: Probe, answer: ProbeAnswer, *truths: ProbeAnswer, solver: str = "bem") -> Cell:
+def one(probe: StabilityCase, answer: ProbeAnswer, *truths: ProbeAnswer, solver: str = "bem") -> Cell:
     """The cell of a made-up answer."""
-    return judge(probe, solver, answered(answer), tuple(map(answered, truths)))
+    return cell_of(probe, solver, answered(answer), tuple(map(answered, truths)))
 
 
 def answered(value: object) -> TaskResult:
@@ -51,7 +58,7 @@ def test_every_ending_has_its_verdict_and_the_next_run_is_unharmed():
     asked = [fakes.probe(title) for title in (*ENDINGS, "right again")]
     matrix = run(asked, solvers=("bem",), solve=fakes.act)
     found = {cell.label: cell.verdict for cell in matrix.cells}
-    assert found == {**ENDINGS, "right again": Verdict.MEETS}
+    assert found == {**ENDINGS, "right again": CellVerdict.WITHIN}
     told = {cell.label: cell for cell in matrix.cells}
     assert told["dies"].reason == "the process ended with code 7"
     assert told["raises"].reason == "ZeroDivisionError: division by zero"
@@ -66,61 +73,66 @@ def test_every_ending_has_its_verdict_and_the_next_run_is_unharmed():
 def test_a_run_that_hangs_is_killed(title):
     begin = time.monotonic()
     matrix = run([fakes.probe(title, seconds=0.4)], solvers=("bem",), solve=fakes.act)
-    assert [cell.verdict for cell in matrix.cells] == [Verdict.HANG]
+    assert [cell.verdict for cell in matrix.cells] == [CellVerdict.HANG]
     assert time.monotonic() - begin < 60.0
 
 
 def test_no_answer_is_right_where_there_is_none():
-    nothing = fakes.probe("right", Nothing("nothing holds"))
-    assert one(nothing, ProbeAnswer(refusal="adhesion.zone: too long")).verdict is Verdict.MEETS
-    assert one(nothing, ProbeAnswer(fakes.trace(kind=OutcomeKind.NO_EQUILIBRIUM))).verdict is Verdict.MEETS
-    assert one(nothing, ProbeAnswer(fakes.trace())).verdict is Verdict.WRONG
+    nothing = fakes.probe("right", NoSolution("nothing holds"))
+    assert one(nothing, ProbeAnswer(refusal="adhesion.zone: too long")).verdict is CellVerdict.WITHIN
+    assert (
+        one(nothing, ProbeAnswer(fakes.trace(kind=OutcomeKind.NO_EQUILIBRIUM))).verdict is CellVerdict.WITHIN
+    )
+    assert one(nothing, ProbeAnswer(fakes.trace())).verdict is CellVerdict.WRONG
     refused = replace(nothing, scene=SceneError("radius", "falls"))
-    assert judge(refused, "bem", None, ()).verdict is Verdict.MEETS
+    assert cell_of(refused, "bem", None, ()).verdict is CellVerdict.WITHIN
 
 
 def test_an_observable_that_is_missing_is_an_error_without_bound():
     cell = one(
-        fakes.probe("right", Known((Value("detachment_time", 1.0),), "made up")), ProbeAnswer(fakes.trace())
+        fakes.probe("right", ClosedForm((Value("detachment_time", 1.0),), "made up")),
+        ProbeAnswer(fakes.trace()),
     )
-    assert (cell.verdict, cell.error) == (Verdict.WRONG, measure.MISSING)
+    assert (cell.verdict, cell.error) == (CellVerdict.WRONG, measure.MISSING)
 
 
 def test_against_the_front_tracking_with_its_own_error():
-    probe = fakes.probe("by resolution", Computed(("final_force", measure.CURVE), fine=20, coarse=10))
+    probe = fakes.probe("by resolution", ReferenceRuns(("final_force", measure.CURVE), fine=20, coarse=10))
     fine, coarse = (fakes.act(ProbeRun("reference", probe.scene, n, 9)) for n in (20, 10))
     cell = one(probe, fakes.act(ProbeRun("bem", probe.scene, 10, 9)), fine, coarse)
     assert cell.truth_error == pytest.approx(0.1 * (1 / 100 - 1 / 400) / 3.0, rel=1e-3)
-    assert cell.verdict is Verdict.MEETS
-    assert one(probe, fakes.act(ProbeRun("bem", probe.scene, 4, 9)), fine, coarse).verdict is Verdict.WRONG
+    assert cell.verdict is CellVerdict.WITHIN
+    assert (
+        one(probe, fakes.act(ProbeRun("bem", probe.scene, 4, 9)), fine, coarse).verdict is CellVerdict.WRONG
+    )
     broken = ProbeAnswer(fakes.trace(kind=OutcomeKind.STEP_UNDERFLOW))
-    assert one(probe, fine, fine, broken).verdict is Verdict.UNKNOWN
+    assert one(probe, fine, fine, broken).verdict is CellVerdict.UNKNOWN
 
 
 def test_the_driver_asks_the_truth_and_the_other_scene():
-    computed = fakes.probe("by resolution", Computed(("final_force",), fine=40, coarse=20))
-    same = fakes.probe("right", Equivalent(fakes.scene("wrong")))
+    computed = fakes.probe("by resolution", ReferenceRuns(("final_force",), fine=40, coarse=20))
+    same = fakes.probe("right", EquivalentScene(fakes.scene("wrong")))
     matrix = run([computed, same], solvers=("bem", "fem"), solve=fakes.act)
     verdicts = [(cell.label, cell.solver, cell.verdict) for cell in matrix.cells]
     assert verdicts == [
-        ("by resolution", "bem", Verdict.WRONG),  # 6 a zone: 2.7e-3 off
-        ("by resolution", "fem", Verdict.WRONG),
-        ("right", "bem", Verdict.WRONG),
-        ("right", "fem", Verdict.WRONG),
+        ("by resolution", "bem", CellVerdict.WRONG),  # 6 a zone: 2.7e-3 off
+        ("by resolution", "fem", CellVerdict.WRONG),
+        ("right", "bem", CellVerdict.WRONG),
+        ("right", "fem", CellVerdict.WRONG),
     ]
 
 
 def test_a_solver_that_would_take_minutes_is_not_asked_and_that_is_told():
-    dear = fakes.probe("raises", too_dear={"fem": "dense"})
+    dear = fakes.probe("raises", skip_reasons={"fem": "dense"})
     (cell,) = run([dear], solvers=("fem",), solve=fakes.never).cells
-    assert (cell.verdict, cell.outcome, cell.reason) == (Verdict.SAYS, "not run", "dense")
+    assert (cell.verdict, cell.outcome, cell.reason) == (CellVerdict.DECLINED, "not run", "dense")
 
 
 def test_units_are_undone_column_by_column():
     plain = fakes.trace()
     other = replace(plain, time=60.0 * plain.time, penetration=1e3 * plain.penetration,
                     contact_radius=1e3 * plain.contact_radius, force=1e-3 * plain.force)  # fmt: skip
-    truth = Equivalent(fakes.scene("right"), length=1e3, stress=1e-9, time=60.0)
+    truth = EquivalentScene(fakes.scene("right"), length=1e3, stress=1e-9, time=60.0)
     assert max(measure.against_equivalent(other, plain, truth).values()) < 1e-12
     assert measure.against_equivalent(other, fakes.trace(steps=4), truth) == {measure.CURVE: measure.MISSING}
     wrong = replace(other, force=other.force * (1.0 + 1e-6))
@@ -151,7 +163,7 @@ def test_processes_that_are_shut_down_answer_no_more():
 
 def cells_of(steps: dict[float, int]) -> list[Cell]:
     return [
-        Cell("axis", f"{x:g}", "bem", Verdict.MEETS, "completed", "", steps=n, series="s", stiffness=x)
+        Cell("axis", f"{x:g}", "bem", CellVerdict.WITHIN, "completed", "", steps=n, series="s", stiffness=x)
         for x, n in steps.items()
     ]
 
@@ -175,13 +187,13 @@ def test_the_matrix_has_every_axis_and_every_name_once():
     assert all(0.0 < limit < 0.3 for probe in asked for limit in probe.tolerance.limits.values())
     assert all(probe.tolerance.why for probe in asked)
     refused = [probe for probe in asked if not isinstance(probe.scene, Scene)]
-    assert [type(probe.truth) for probe in refused] == [Nothing]
+    assert [type(probe.truth) for probe in refused] == [NoSolution]
     stiff = max(probe.stiffness for probe in asked)
     assert stiff >= 1e12
 
 
 def test_the_energy_of_a_real_run_balances_and_a_false_one_does_not():
-    scene = base.scene(base.material(), base.to_and_fro(0.1))
+    scene = base.scene(base.material(), base.press_and_pull(0.1))
     trace = solve_probe(ProbeRun("reference", scene, 8, 5000)).trace
     assert trace is not None
     assert measure.energy_residual(trace, scene.material) < 1e-3
@@ -193,9 +205,9 @@ def test_the_energy_of_a_real_run_balances_and_a_false_one_does_not():
 def test_all_solvers_on_probes_with_a_closed_form(label):
     (probe,) = [probe for probe in AXES["loading"]() if probe.label == label]
     for solver in ("bem", "fem", "reference"):
-        job = ProbeRun(solver, probe.scene, probe.resolutions[solver], probe.max_steps)
+        job = ProbeRun(solver, probe.scene, probe.resolution(solver), probe.max_steps)
         cell = one(probe, solve_probe(job), solver=solver)
-        assert cell.verdict is Verdict.MEETS, (cell.name, cell.errors)
+        assert cell.verdict is CellVerdict.WITHIN, (cell.name, cell.errors)
         assert np.isfinite(cell.residual)
 
 
@@ -214,4 +226,4 @@ def test_whole_axes_hold(axis):
     asked = asked if axis == "step" else asked[1::2]
     matrix = run(asked, jobs=2)
     assert [(cell.name, cell.worst, cell.error) for cell in matrix.faults] == []
-    assert {cell.verdict for cell in matrix.cells} == {Verdict.MEETS}
+    assert {cell.verdict for cell in matrix.cells} == {CellVerdict.WITHIN}

@@ -16,10 +16,10 @@ from validation.report.figures import stability_map
 from validation.report.sections import stability as section
 from validation.stability.checks import checks
 from validation.stability.runner import StabilityMatrix
-from validation.stability.verdict import FAULTS, Cell, Verdict
+from validation.stability.verdict import FAULTS, Cell, CellVerdict
 
 
-def cell(label: str, solver: str = "bem", verdict: Verdict = Verdict.MEETS, **facts) -> Cell:
+def cell(label: str, solver: str = "bem", verdict: CellVerdict = CellVerdict.WITHIN, **facts) -> Cell:
     given = {
         "outcome": "completed",
         "reason": "a | b <c>",
@@ -31,10 +31,10 @@ def cell(label: str, solver: str = "bem", verdict: Verdict = Verdict.MEETS, **fa
 
 CELLS = (
     cell("1"),
-    cell("1", "fem", errors={}, outcome="refused", verdict=Verdict.SAYS),
-    cell("10", verdict=Verdict.WRONG, errors={"final_force": 0.5}),
-    cell("10", "fem", verdict=Verdict.WRONG, errors={"final_force": float("inf")}),
-    cell("100", verdict=Verdict.UNKNOWN, errors={}),
+    cell("1", "fem", errors={}, outcome="refused", verdict=CellVerdict.DECLINED),
+    cell("10", verdict=CellVerdict.WRONG, errors={"final_force": 0.5}),
+    cell("10", "fem", verdict=CellVerdict.WRONG, errors={"final_force": float("inf")}),
+    cell("100", verdict=CellVerdict.UNKNOWN, errors={}),
     cell("100", "fem", residual=0.2, errors={"final_force": 0.0}),
 )
 MATRIX = StabilityMatrix(CELLS, 3.0)

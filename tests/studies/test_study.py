@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 from support.converging_schemes import ORDERS, converging
-from support.spring_solver import SCENE
+from support.spring_solver import SCENE, StudiedSolver
 from support.unlaid_figures import without_layout
 
 from contact_scene import OutcomeKind, SceneError
@@ -32,13 +32,12 @@ def scene_file(tmp_path):
 
 @pytest.fixture
 def fakes(monkeypatch):
-    """All schemes replaced; ``fakes(bem=loader)`` replaces them again."""
+    """All schemes replaced; ``fakes(bem=function)`` replaces them again."""
 
-    def put(**loaders):
+    def put(**functions):
         for name, order in ORDERS.items():
-            scheme = dataclasses.replace(
-                schemes.SCHEMES[name], load=loaders.get(name.replace("-", "_"), converging(order))
-            )
+            solve = functions.get(name.replace("-", "_"), converging(order))
+            scheme = dataclasses.replace(schemes.SCHEMES[name], solver=StudiedSolver(solve))
             monkeypatch.setitem(schemes.SCHEMES, name, scheme)
 
     put()
@@ -72,7 +71,7 @@ def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
     data = json.loads((out / "study.json").read_text())
     assert sorted(file.name for file in out.iterdir()) == ["figures", "index.html", "study.json", "study.md"]
     shown, progress = capsys.readouterr()
-    assert "baseline" in shown
+    assert "paper-scheme" in shown
     assert "is cheapest" in shown
     assert "small reference zone" in progress
     page, text = (out / "index.html").read_text(), (out / "study.md").read_text()
@@ -96,7 +95,7 @@ def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
 
 def test_orders_come_out_as_they_went_in(scene_file, fakes):
     _, data = studied(scene_file)
-    for scheme in ("bem", "baseline"):
+    for scheme in ("bem", "paper-scheme"):
         row = observable(ladder_of(data, scheme), "pull_off_force")
         assert row["alone"]["orders"] == pytest.approx([ORDERS[scheme]] * 3, rel=1e-6)
         assert row["orders"] == pytest.approx([ORDERS[scheme]] * 4, rel=0.02)
@@ -105,7 +104,7 @@ def test_orders_come_out_as_they_went_in(scene_file, fakes):
         assert len(row["values"]) == 5
     growth = {(e["scheme"], e["work"]): e for e in data["scenes"][0]["growth"]}
     assert growth["bem", "linear_solves"]["with_resolution"] == pytest.approx(2.0)
-    assert growth["baseline", "linear_solves"]["with_error"] == pytest.approx(2.0, rel=0.05)
+    assert growth["paper-scheme", "linear_solves"]["with_error"] == pytest.approx(2.0, rel=0.05)
     doubtful = data["scenes"][0]["reference_uncertainty"]["pull_off_force"]
     assert doubtful == pytest.approx((40.0**-4 - 80.0**-4) / 3.0, rel=0.01)
 
@@ -113,7 +112,7 @@ def test_orders_come_out_as_they_went_in(scene_file, fakes):
 def test_every_solver_has_four_levels_and_all_its_ladders(scene_file):
     found = ladders(load(scene_file).scene)
     assert {(e.scheme, e.kind) for e in found} >= {
-        ("bem", "together"), ("baseline", "together"), ("fem", "together"), ("reference", "together"),
+        ("bem", "together"), ("paper-scheme", "together"), ("fem", "together"), ("reference", "together"),
         ("bem", "step"), ("bem", "mesh"), ("fem", "step"), ("fem", "mesh"), ("fem", "domain"),
         ("bem", "zone"), ("fem", "zone"), ("reference", "zone"),
     }  # fmt: skip
@@ -124,45 +123,40 @@ def test_every_solver_has_four_levels_and_all_its_ladders(scene_file):
 
 
 def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
-    def missing():
+    def missing(*arguments, **options):
         raise ModuleNotFoundError("No module named 'bem_solver.paper_scheme.solver'")
 
-    fakes(baseline=missing)
+    fakes(paper_scheme=missing)
     assert main(["study", scene_file, "--jobs", "1"]) == 1
     err = capsys.readouterr().err
-    assert "failed: small: baseline: together 4: ModuleNotFoundError" in err
+    assert "failed: small: paper-scheme: together 4: ModuleNotFoundError" in err
     assert "Traceback" not in err
     found, data = studied(scene_file)
     assert data["scenes"][0]["failed_levels"] == 5
-    assert ladder_of(data, "baseline")["levels"][0]["failure"].startswith("ModuleNotFoundError")
+    assert ladder_of(data, "paper-scheme")["levels"][0]["failure"].startswith("ModuleNotFoundError")
     assert "FAILED: ModuleNotFoundError" in page_without_figures(found)
     assert "FAILED: ModuleNotFoundError" in markdown.text(document(found, figures=False))
     for chart in (study_charts.CONVERGENCE[0], study_charts.PRICES[0]):
         drawn = study_charts.draw(chart, found.scenes[0].timed)
         assert drawn is not None
         labels = drawn.axes[0].get_legend_handles_labels()[1]
-        assert "baseline: 5 failed" in labels
-        assert "baseline" not in labels
+        assert "paper-scheme: 5 failed" in labels
+        assert "paper-scheme" not in labels
 
 
 def test_a_level_that_breaks_down_keeps_its_place(scene_file, fakes):
-    def breaking():
-        good = converging(2.0)()
-
-        def call(scene, settings, times):
-            if settings.tolerance is not None:  # not the ladder of everything together
-                return good(scene, settings, times)
-            if settings.resolution == 8:
-                raise FloatingPointError("overflow")
-            trace = good(scene, settings, times)
-            if settings.resolution == 64:
-                ending = dataclasses.replace(trace.outcome, kind=OutcomeKind.STEP_UNDERFLOW)
-                return dataclasses.replace(trace, outcome=ending)
-            if settings.resolution == 32:
-                return dataclasses.replace(trace, force=np.full_like(trace.force, np.nan))
+    def breaking(scene, resolution, step_tolerance, **options):
+        trace = converging(2.0)(scene, resolution)
+        if step_tolerance is not None:  # not the ladder of everything together
             return trace
-
-        return call
+        if resolution == 8:
+            raise FloatingPointError("overflow")
+        if resolution == 64:
+            ending = dataclasses.replace(trace.outcome, kind=OutcomeKind.STEP_UNDERFLOW)
+            return dataclasses.replace(trace, outcome=ending)
+        if resolution == 32:
+            return dataclasses.replace(trace, force=np.full_like(trace.force, np.nan))
+        return trace
 
     fakes(bem=breaking)
     found, data = studied(scene_file)
@@ -176,15 +170,10 @@ def test_a_level_that_breaks_down_keeps_its_place(scene_file, fakes):
 
 
 def test_a_coarser_reference_serves_where_the_finest_fails(scene_file, fakes):
-    def breaking():
-        good = converging(2.0)()
-
-        def call(scene, settings, times):
-            if settings.resolution == 80:
-                raise FloatingPointError("too fine")
-            return good(scene, settings, times)
-
-        return call
+    def breaking(scene, resolution, **options):
+        if resolution == 80:
+            raise FloatingPointError("too fine")
+        return converging(2.0)(scene, resolution)
 
     fakes(reference=breaking)
     found, data = studied(scene_file)
@@ -194,11 +183,8 @@ def test_a_coarser_reference_serves_where_the_finest_fails(scene_file, fakes):
 
 
 def test_without_a_reference_values_are_judged_alone(scene_file, fakes):
-    def refusing():
-        def call(scene, settings, times):
-            raise SceneError("material", "not this one", "another")
-
-        return call
+    def refusing(scene, resolution, **options):
+        raise SceneError("material", "not this one", "another")
 
     fakes(reference=refusing)
     found, data = studied(scene_file)

@@ -7,7 +7,7 @@ import dataclasses
 import pytest
 from support.browser import CHROMIUM, measure_page
 from support.converging_schemes import ORDERS, converging
-from support.spring_solver import SCENE
+from support.spring_solver import SCENE, StudiedSolver
 
 from crosscontact.cli import main
 from validation.studies import schemes
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH")
 @pytest.mark.slow
 def test_page_fits_a_phone_and_shows_everything(tmp_path, monkeypatch):
     for name, order in ORDERS.items():
-        made_up = dataclasses.replace(schemes.SCHEMES[name], load=converging(order))
+        made_up = dataclasses.replace(schemes.SCHEMES[name], solver=StudiedSolver(converging(order)))
         monkeypatch.setitem(schemes.SCHEMES, name, made_up)
     own = tmp_path / "small.toml"
     own.write_text(SCENE)

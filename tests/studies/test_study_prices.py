@@ -66,15 +66,15 @@ def test_an_exact_level_costs_what_it_costs():
 def test_the_cheapest_scheme_is_named():
     studies = [
         made_up("bem", [1e-1, 1e-3, 1e-5], [1.0, 2.0, 4.0]),
-        made_up("baseline", [1e-1, 1e-2, 1e-3], [0.1, 1.0, 10.0]),
+        made_up("paper-scheme", [1e-1, 1e-2, 1e-3], [0.1, 1.0, 10.0]),
     ]
-    assert cheapest(studies, MEASURE, 1e-1)[0].scheme == "baseline"
+    assert cheapest(studies, MEASURE, 1e-1)[0].scheme == "paper-scheme"
     assert cheapest(studies, MEASURE, 1e-3)[0].scheme == "bem"
     assert cheapest(studies, MEASURE, 1e-9)[0] is None
     said = in_words(studies)
     assert len(said) == 4
-    assert "At 1e-01 baseline is cheapest: at most 0.1 s" in said[0]
-    assert "At 1e-04 bem is cheapest: 2.8 s (baseline does not reach it)" in said[3]
+    assert "At 1e-01 paper-scheme is cheapest: at most 0.1 s" in said[0]
+    assert "At 1e-04 bem is cheapest: 2.8 s (paper-scheme does not reach it)" in said[3]
     assert "no scheme reaches" in in_words([made_up("bem", [None], [1.0])])[0]
 
 

@@ -8,18 +8,15 @@ from support.spring_solver import spring
 
 from contact_scene import Counters
 
-ORDERS = {"bem": 2.0, "baseline": 1.0, "fem": 2.0, "fem-volume": 2.0, "reference": 4.0}
+ORDERS = {"bem": 2.0, "paper-scheme": 1.0, "fem": 2.0, "fem-volume": 2.0, "reference": 4.0}
 
 
 def converging(order: float, resolution_counts: bool = True):
     """A spring whose stiffness converges to 1 with the resolution, and whose work grows with it."""
 
-    def load_scheme():
-        def call(scene, settings, times):
-            n = settings.resolution if resolution_counts else 1
-            trace = spring(1.0 + n**-order)(scene)
-            return dataclasses.replace(trace, counters=Counters(steps=n, linear_solves=n * n))
+    def solve(scene, resolution, **options):
+        n = resolution if resolution_counts else 1
+        trace = spring(1.0 + n**-order)(scene)
+        return dataclasses.replace(trace, counters=Counters(steps=n, linear_solves=n * n))
 
-        return call
-
-    return load_scheme
+    return solve

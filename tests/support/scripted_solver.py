@@ -9,23 +9,23 @@ import numpy as np
 
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, SceneError, Trace
 from validation.stability import base
-from validation.stability.probe import SOLVERS, Known, Probe, Tolerance, Value
+from validation.stability.case import ClosedForm, StabilityCase, Tolerance, Value
 from validation.stability.probe_runs import ProbeAnswer, ProbeRun
 
 FORCE = 2.0
-TIGHT = Tolerance(dict.fromkeys(SOLVERS, 1e-3), "made up")
-TRUTH = Known((Value("final_force", FORCE),), "made up")
+TIGHT = Tolerance({}, "made up", other=1e-3)
+TRUTH = ClosedForm((Value("final_force", FORCE),), "made up")
 
 
 def scene(title: str) -> Scene:
     """A scene whose title tells the fake what to do."""
-    plain = base.scene(base.material(), base.to_and_fro(0.02))
+    plain = base.scene(base.material(), base.press_and_pull(0.02))
     return Scene(plain.material, plain.indenter, plain.loading, plain.adhesion, title)
 
 
-def probe(title: str, truth=TRUTH, **more) -> Probe:
+def probe(title: str, truth=TRUTH, **more) -> StabilityCase:
     """A probe on that scene."""
-    return Probe("made up", title, scene(title), truth, TIGHT, **{"seconds": 20.0, **more})
+    return StabilityCase("made up", title, scene(title), truth, TIGHT, **{"seconds": 20.0, **more})
 
 
 def trace(force: float = FORCE, kind: OutcomeKind = OutcomeKind.COMPLETED, steps: int = 3) -> Trace:

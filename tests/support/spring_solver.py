@@ -67,6 +67,17 @@ class FunctionSolver(Solver):
         return dataclasses.replace(self.function(*arguments, **options), solver=self.name)
 
 
+@dataclass
+class StudiedSolver(FunctionSolver):
+    """The same with all the settings that a ladder may change."""
+
+    step_resolution: int | None = None
+    step: float | None = None
+    grading: float | None = None
+    domain_ratio: float | None = None
+    far_field: bool = True
+
+
 def spring(
     stiffness: float = 1.0, kind: OutcomeKind = OutcomeKind.DETACHED, poison: bool = False
 ) -> Callable[..., Trace]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, SurfaceProfile, Trace
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 
 
 def trace(depth=(0.0, 1.0), force=(0.0, 1.0), radius=None, loss=None) -> Trace:
@@ -20,7 +20,7 @@ def trace(depth=(0.0, 1.0), force=(0.0, 1.0), radius=None, loss=None) -> Trace:
 
 def follow(scene: Scene, strength: float) -> Trace:
     """Pressed along a line through one JKR force of tension at -0.005, and back by ``strength`` of them."""
-    deepest, size = 0.032, units(scene)["jkr-force"]
+    deepest, size = 0.032, unit_sizes(scene)["jkr-force"]
     inward, outward = np.linspace(0.0, deepest, 50), np.linspace(deepest, -0.005, 50)
     slope = size / 0.005
     drop = size * (strength - 1.0) * np.minimum(1.0, (deepest - outward) / deepest)

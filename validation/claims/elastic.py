@@ -6,7 +6,7 @@ from functools import cache
 
 from contact_scene import Sphere
 from validation.cases import load
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 
@@ -38,4 +38,4 @@ def finite(glassy: bool, scene: str = BASE) -> FiniteZone:
 
 def pull_off(glassy: bool, scene: str = BASE) -> float:
     """Pull-off force of the finite zone over ``F_JKR``."""
-    return -finite(glassy, scene).pull_off_force_control().force / units(load(scene).scene)["jkr-force"]
+    return -finite(glassy, scene).pull_off_force_control().force / unit_sizes(load(scene).scene)["jkr-force"]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from contact_scene import Adhesion, Hold, Loading, Ramp, Scene, Trace
 from validation.cases import Case, load
 from validation.execution.runs import Run, run_all
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 from validation.solvers import REFERENCE
 from validation.solvers.boundary_elements import BoundaryElements
 
@@ -123,7 +123,7 @@ class Evidence:
     def pull_off(self, scene: Scene | str, solver: str = SOLVER) -> float:
         """Pull-off force over ``F_JKR``."""
         wanted = load(scene).scene if isinstance(scene, str) else scene
-        return self.measure(wanted, "pull_off_force", solver) / units(wanted)["jkr-force"]
+        return self.measure(wanted, "pull_off_force", solver) / unit_sizes(wanted)["jkr-force"]
 
 
 def missing_runs(planned: Iterable[tuple[Case, str]]) -> list[tuple[Case, str]]:

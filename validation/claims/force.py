@@ -9,7 +9,7 @@ from validation.claims import elastic
 from validation.claims.claim import IN_PART, Part, claim
 from validation.claims.evidence import DEPTH, FORCES, MATCHED, Evidence, retraction
 from validation.claims.measures import LARGER, RECOVERED, rising
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 from validation.reference.frozen import FrozenRetraction
 
 PLACE = "Sec. III, Fig. 5"
@@ -25,7 +25,7 @@ def jump_is_a_flat_punch(evidence: Evidence) -> list[Part]:
     scene = load("force-2").scene
     assert scene.adhesion is not None
     frozen = FrozenRetraction(scene.material, scene.indenter, scene.adhesion.work, DEPTH)
-    exact = -frozen.release().force / units(scene)["jkr-force"]
+    exact = -frozen.release().force / unit_sizes(scene)["jkr-force"]
     parts = [
         Part(
             f"vanishing process zone: exact up to {exact:.3f} F_JKR, where the frozen edge lets go",

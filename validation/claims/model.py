@@ -9,7 +9,7 @@ from validation.claims import elastic
 from validation.claims.claim import FAILS, HOLDS, IN_PART, Part, claim
 from validation.claims.evidence import CYCLE_SPEEDS, DEPTH, HALF_ZONE_SPEEDS, Evidence, cycle
 from validation.claims.measures import LARGER, RECOVERED
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 from validation.reference.creep_compliance import creep_compliance
 from validation.reference.finite_zone import FiniteZone
 
@@ -24,7 +24,7 @@ SCENE = "cycle-v0.02"
 def closure_is_griffith(evidence: Evidence) -> list[Part]:
     """Pull-off of the elastic contact under the closure as its zone shrinks, against JKR's."""
     finite = elastic.finite(glassy=False)
-    size = units(load(SCENE).scene)["jkr-force"]
+    size = unit_sizes(load(SCENE).scene)["jkr-force"]
     parts = []
     for part in (1.0, 0.1, 0.01):
         law = FiniteZone(finite.radius, finite.plane_modulus, finite.work, part * finite.zone)

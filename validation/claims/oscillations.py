@@ -10,7 +10,7 @@ from validation.claims.claim import HOLDS, Part, claim
 from validation.claims.evidence import FREQUENCIES, Evidence
 from validation.claims.measures import LARGER, RECOVERED, bell
 from validation.measure.cycles import cycle_times
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import CycleLoss, cycle_losses
 
 PLACE = "Sec. III, Fig. 6"
@@ -19,7 +19,7 @@ PLACE = "Sec. III, Fig. 6"
 @claim(PLACE, "The initial penetration 5.7e-5 is that of the relaxed JKR contact without load.", HOLDS)
 def starts_without_load(evidence: Evidence) -> list[Part]:
     """Force of the first row, and the penetration at which JKR carries none."""
-    trace, size = evidence.trace("sweep"), units(load("sweep").scene)["jkr-force"]
+    trace, size = evidence.trace("sweep"), unit_sizes(load("sweep").scene)["jkr-force"]
     free = elastic.vanishing(False, "sweep").at_force(0.0).penetration
     force = float(trace.force[0] / size)
     return [
@@ -90,7 +90,7 @@ def loss_peaks_at_one(evidence: Evidence) -> list[Part]:
     """Loop integral over the mean frequency of each cycle; beyond the sweep the loss modulus."""
     cycles = losses(evidence)[1:]
     loop = np.array([one.loop for one in cycles])
-    size = units(load("sweep").scene)["energy"]
+    size = unit_sizes(load("sweep").scene)["energy"]
     top = int(loop.argmax())
     far = load("sweep").scene.material.loss_modulus([0.01, 1.0, 100.0])
     return [

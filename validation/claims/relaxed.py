@@ -9,6 +9,7 @@ from validation.claims.claim import HOLDS, IN_PART, Part, claim
 from validation.claims.evidence import (
     DEPTH,
     RETRACTION_SPEEDS,
+    SOLVER,
     Evidence,
     retraction,
 )
@@ -92,7 +93,7 @@ def fast_pull_off_is_large(evidence: Evidence) -> list[Part]:
 def fast_edge_is_griffith(evidence: Evidence) -> list[Part]:
     """At the largest tension: stress intensity, and slope of the loss over the area, both solvers."""
     parts = []
-    for solver in ("bem", REFERENCE):
+    for solver in (SOLVER, REFERENCE):
         trace = evidence.trace(retraction(FAST), solver)
         row = tension_row(trace)
         work = elastic.vanishing(True).work

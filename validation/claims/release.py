@@ -7,7 +7,7 @@ import numpy as np
 from validation.cases import load
 from validation.claims import elastic
 from validation.claims.claim import FAILS, HOLDS, IN_PART, Part, claim
-from validation.claims.evidence import CYCLE_SPEEDS, RETRACTION_SPEEDS, Evidence, cycle, retraction
+from validation.claims.evidence import CYCLE_SPEEDS, RETRACTION_SPEEDS, SOLVER, Evidence, cycle, retraction
 from validation.claims.measures import (
     LARGER,
     RECOVERED,
@@ -25,7 +25,7 @@ DEPTHS = (0.008, 0.016, 0.024)  # of Fig. 7(b); the paper does not state them in
 QUOTED = 5e-4
 
 
-def at_pull_off(evidence: Evidence, speed: float, solver: str = "bem") -> float:
+def at_pull_off(evidence: Evidence, speed: float, solver: str = SOLVER) -> float:
     """``G/dg`` at the largest tension of the retraction from the relaxed contact."""
     trace, work = evidence.trace(retraction(speed), solver), elastic.vanishing(False).work
     return release_rate(trace, tension_row(trace), work) / work
@@ -183,7 +183,7 @@ def jkr_gives_the_release_rate_only_when_slow(evidence: Evidence) -> list[Part]:
 def jkr_overestimates_when_fast(evidence: Evidence) -> list[Part]:
     """Pull-off force and G of one fast retraction, both solvers."""
     parts = []
-    for solver in ("bem", REFERENCE):
+    for solver in (SOLVER, REFERENCE):
         force, rate = evidence.pull_off(retraction(10.0), solver), at_pull_off(evidence, 10.0, solver)
         parts.append(
             Part(

@@ -8,7 +8,7 @@ from contact_scene import SurfaceProfile
 from validation.cases import load
 from validation.claims import elastic
 from validation.claims.claim import HOLDS, IN_PART, Part, claim
-from validation.claims.evidence import Evidence, MissingRun
+from validation.claims.evidence import SOLVER, Evidence, MissingRun
 from validation.claims.measures import (
     RECOVERED,
     annular_peak,
@@ -26,7 +26,7 @@ REVERSAL = 16.0  # time
 NEGLIGIBLE = 0.05  # change of contact area
 
 
-def profiles(evidence: Evidence, solver: str = "bem") -> list[SurfaceProfile]:
+def profiles(evidence: Evidence, solver: str = SOLVER) -> list[SurfaceProfile]:
     """Surface at the times the scene names, in order."""
     kept = evidence.trace(SCENE, solver).profiles
     if len(kept) < len(load(SCENE).profile_times):
@@ -53,7 +53,7 @@ def approach_has_an_annular_peak(evidence: Evidence) -> list[Part]:
     """Largest pressure inside the edge in all surfaces kept before the reversal, both solvers."""
     return [
         _peak(profile, solver, wanted=True)
-        for solver in ("bem", REFERENCE)
+        for solver in (SOLVER, REFERENCE)
         for profile in profiles(evidence, solver)
         if profile.time <= REVERSAL
     ]
@@ -64,7 +64,7 @@ def withdrawal_has_none(evidence: Evidence) -> list[Part]:
     """The same in all surfaces kept after the reversal."""
     return [
         _peak(profile, solver, wanted=False)
-        for solver in ("bem", REFERENCE)
+        for solver in (SOLVER, REFERENCE)
         for profile in profiles(evidence, solver)
         if profile.time > REVERSAL
     ]
@@ -87,7 +87,7 @@ def _peak(profile: SurfaceProfile, solver: str, wanted: bool) -> Part:
 def area_waits_for_the_largest_tension(evidence: Evidence) -> list[Part]:
     """Share of the area lost until the force is zero, and until it is the largest tension."""
     parts = []
-    for solver in ("bem", REFERENCE):
+    for solver in (SOLVER, REFERENCE):
         trace = evidence.trace(SCENE, solver)
         rows = withdrawal(trace)
         force, area = trace.force[rows], trace.contact_radius[rows] ** 2 / trace.contact_radius[rows][0] ** 2

@@ -10,7 +10,7 @@ from validation.compare.checks import check_run
 from validation.execution.runs import Run
 from validation.measure.check import Check, agreement_limit
 from validation.measure.cycles import cycle_times
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 from validation.measure.norms import distance, parting_time
 from validation.measure.scaling import column_of, scale
 from validation.solvers import REFERENCE
@@ -62,7 +62,7 @@ def against_reference(case: Case, result: Run, base: Run) -> list[Check]:
 
 
 def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
-    known = units(case.scene)
+    known = unit_sizes(case.scene)
     oscillates = bool(cycle_times(case.scene.loading))
     checks = []
     for name, unit in SCALARS.items():

@@ -9,7 +9,7 @@ import numpy as np
 from validation.cases import Case, Expected
 from validation.execution.runs import Run
 from validation.measure.check import Check
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 
 
 def check_run(case: Case, result: Run) -> list[Check]:
@@ -32,7 +32,7 @@ def _ending(case: Case, result: Run) -> Check:
 
 
 def _value(case: Case, result: Run, expected: Expected) -> Check:
-    size = units(case.scene)[expected.unit]
+    size = unit_sizes(case.scene)[expected.unit]
     name = expected.observable
     if expected.at_time is not None:
         found = _at_time(result, name, expected.at_time)

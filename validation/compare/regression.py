@@ -60,7 +60,7 @@ class Move:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ReportComparison:
     """All differences from an earlier report, those that count first."""
 
     path: str
@@ -109,7 +109,7 @@ def read(path: str) -> dict[str, Any]:
     return data
 
 
-def compare(path: str, old: Mapping[str, Any], new: Mapping[str, Any], cases: list[Case]) -> Comparison:
+def compare(path: str, old: Mapping[str, Any], new: Mapping[str, Any], cases: list[Case]) -> ReportComparison:
     """Differences of the report ``new`` from ``old``, both as in ``report.json``."""
     by_name = {case.name: case for case in cases}
     before = {scene["name"]: scene for scene in old["scenes"]}
@@ -124,7 +124,7 @@ def compare(path: str, old: Mapping[str, Any], new: Mapping[str, Any], cases: li
     if old.get("suite") == new.get("suite"):
         moves += [Move(name, "", "scene", "there", None) for name in before if name not in after]
     size = {id(move): abs(move.change) if move.change is not None else math.inf for move in moves}
-    return Comparison(path, tuple(sorted(moves, key=lambda move: (not move.beyond, -size[id(move)]))))
+    return ReportComparison(path, tuple(sorted(moves, key=lambda move: (not move.beyond, -size[id(move)]))))
 
 
 def _runs(case: Case, before: Mapping[str, Run], after: Mapping[str, Run]) -> Iterator[Move]:

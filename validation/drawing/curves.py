@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Cone, PowerLaw, Scene, Sphere, Trace
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import largest_tension
 from validation.reference.jkr import JKR
 
@@ -50,7 +50,7 @@ def of_trace(trace: Trace, scene: Scene) -> RunCurves:
     """The four columns a figure needs, without the jump to the free surface after contact is lost."""
     lost = len(trace) > 1 and trace.contact_radius[-1] == 0.0 and trace.time[-1] == trace.time[-2]
     rows = slice(None, -1 if lost else None)
-    size = units(scene)
+    size = unit_sizes(scene)
     length, force = size.get("length", 1.0), size.get("force", 1.0)
     columns = {
         "time": trace.time[rows],
@@ -92,7 +92,7 @@ def elastic_limits(scene: Scene, largest_radius: float) -> list[RunCurves]:
         return []
     if not isinstance(scene.indenter, (Sphere, Cone, PowerLaw)):
         return []
-    size = units(scene)
+    size = unit_sizes(scene)
     length, force = size.get("length", 1.0), size.get("force", 1.0)
     material = scene.material
     moduli = {"JKR, E₀": material.relaxed_plane_modulus}

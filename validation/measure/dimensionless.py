@@ -11,7 +11,7 @@ import math
 from contact_scene import Scene, Sphere
 
 
-def units(scene: Scene) -> dict[str, float]:
+def unit_sizes(scene: Scene) -> dict[str, float]:
     """Size of every unit in the units of the scene; always holds ``""`` = 1."""
     known = {"": 1.0}
     if isinstance(scene.indenter, Sphere):

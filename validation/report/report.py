@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from validation.claims.all import checks as claim_checks
 from validation.claims.claim import Finding
 from validation.claims.evidence import Evidence
-from validation.compare.regression import Comparison
+from validation.compare.regression import ReportComparison
 from validation.compare.suite import SceneComparison
 from validation.execution.runs import Run
 from validation.fields.cycle_fields import CycleFields
@@ -35,7 +35,7 @@ class Report:
     environment : dict
         Of ``environment.stamp``.
     wall_seconds : float
-    baseline : Comparison, optional
+    baseline : ReportComparison, optional
         What moved since an earlier report.
     claims : Claims, optional
         The paper's statements.
@@ -49,7 +49,7 @@ class Report:
     scenes: list[SceneComparison]
     environment: dict[str, object]
     wall_seconds: float
-    baseline: Comparison | None = None
+    baseline: ReportComparison | None = None
     claims: Claims | None = None
     fields: CycleFields | None = None
     stability: StabilityMatrix | None = None

@@ -33,7 +33,7 @@ def material(
     return Material(modulus, poisson, tuple(Branch(share, time) for _ in range(branches)))
 
 
-def to_and_fro(speed: float, top: float = TOP, away: float = AWAY) -> tuple[Step, ...]:
+def press_and_pull(speed: float, top: float = TOP, away: float = AWAY) -> tuple[Step, ...]:
     """Press to ``top`` and pull to ``away``."""
     return (Ramp(top, speed), Ramp(away, speed))
 

@@ -12,7 +12,7 @@ from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import State
 from validation.reference.ting import Ting
 from validation.stability.base import TOP
-from validation.stability.probe import Known, Value
+from validation.stability.case import ClosedForm, Value
 
 
 def zone_law(scene: Scene, plane_modulus: float) -> FiniteZone:
@@ -24,7 +24,7 @@ def zone_law(scene: Scene, plane_modulus: float) -> FiniteZone:
 
 def elastic_cycle(
     scene: Scene, plane_modulus: float, which: str, top: float = TOP, at_once: bool = True
-) -> Known:
+) -> ClosedForm:
     """Press to ``top`` and pull off, elastic with one modulus: ``which`` says why it is.
 
     Force and radius at the top, the largest tension, where contact is lost, and, where that happens
@@ -45,7 +45,7 @@ def elastic_cycle(
     if at_once:
         first = law.at_penetration(scene.loading.penetration)
         values.append(Value("dissipated_energy", _zone_loss(law, lost, first), adhering))
-    return Known(tuple(values), f"elastic closure of finite zone, {which}", OutcomeKind.DETACHED)
+    return ClosedForm(tuple(values), f"elastic closure of finite zone, {which}", OutcomeKind.DETACHED)
 
 
 def _zone_loss(law: FiniteZone, low: State, high: State) -> float:
@@ -57,7 +57,7 @@ def _zone_loss(law: FiniteZone, low: State, high: State) -> float:
     return float(quad(excess, low.contact_radius, high.contact_radius, epsrel=1e-8)[0])
 
 
-def rest(scene: Scene, penetration: float, plane_modulus: float, which: str) -> Known:
+def rest(scene: Scene, penetration: float, plane_modulus: float, which: str) -> ClosedForm:
     """The run ends in an elastic equilibrium at this penetration."""
     state = zone_law(scene, plane_modulus).at_penetration(penetration)
     pulled = zone_law(scene, plane_modulus).pull_off_force_control()
@@ -65,10 +65,10 @@ def rest(scene: Scene, penetration: float, plane_modulus: float, which: str) -> 
         Value("final_force", state.force, max(abs(state.force), -pulled.force)),
         Value("final_radius", state.contact_radius),
     )
-    return Known(values, f"elastic closure of finite zone, {which}")
+    return ClosedForm(values, f"elastic closure of finite zone, {which}")
 
 
-def adhesionless_cycle(material: Material, indenter: Indenter, speed: float, top: float) -> Known:
+def adhesionless_cycle(material: Material, indenter: Indenter, speed: float, top: float) -> ClosedForm:
     """Press to ``top`` and pull at the same speed, without adhesion, any spectrum and profile."""
     cycle = Ting(material, indenter, rise=speed, peak=top / speed, fall=speed)
     peak = cycle.peak
@@ -77,17 +77,19 @@ def adhesionless_cycle(material: Material, indenter: Indenter, speed: float, top
         Value("approach_radius", float(cycle.contact_radius(peak))),
         Value("detachment_time", cycle.detachment()),
     )
-    return Known(values, "Lee and Radok, Ting: hereditary integrals", OutcomeKind.DETACHED)
+    return ClosedForm(values, "Lee and Radok, Ting: hereditary integrals", OutcomeKind.DETACHED)
 
 
-def punch_ramp(material: Material, radius: float, speed: float, top: float) -> Known:
+def punch_ramp(material: Material, radius: float, speed: float, top: float) -> ClosedForm:
     """A flat punch pressed to ``top``: ``F = 2 a V int E*``."""
     carried = float(prony_integrals.relaxation_integral(material, top / speed))
     values = (Value("final_force", 2.0 * radius * speed * carried), Value("final_radius", radius))
-    return Known(values, "Boussinesq's punch under the relaxation integral")
+    return ClosedForm(values, "Boussinesq's punch under the relaxation integral")
 
 
-def punch_rest(plane_modulus: float, radius: float, penetration: float, which: str) -> Known:
+def punch_rest(plane_modulus: float, radius: float, penetration: float, which: str) -> ClosedForm:
     """A flat punch at rest."""
     value = float(punch.force(penetration, radius, plane_modulus))
-    return Known((Value("final_force", value), Value("final_radius", radius)), f"Boussinesq's punch, {which}")
+    return ClosedForm(
+        (Value("final_force", value), Value("final_radius", radius)), f"Boussinesq's punch, {which}"
+    )

@@ -1,4 +1,4 @@
-"""How the work grows with stiffness: steps against its logarithm, within every series of probes."""
+"""How the work grows with stiffness: steps against its logarithm, within every series of cases."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from validation.stability.verdict import Cell, Verdict
+from validation.stability.verdict import Cell, CellVerdict
 
-FEWEST = 3  # stiffnesses a fit needs
+FEWEST = 3
+"""Least number of stiffnesses for a fit."""
 
 
 @dataclass(frozen=True)
-class Growth:
+class WorkGrowth:
     """Steps (rejected ones included) of one solver along one series.
 
     Parameters
@@ -57,18 +58,22 @@ class Growth:
         )
 
 
-def fit(cells: Iterable[Cell]) -> list[Growth]:
+def fit(cells: Iterable[Cell]) -> list[WorkGrowth]:
     """Every series of every solver, from the cells that have an answer within tolerance."""
-    found: dict[tuple[str, str, str], dict[float, int]] = defaultdict(dict)
+    series_steps: dict[tuple[str, str, str], dict[float, int]] = defaultdict(dict)
     for cell in cells:
-        if cell.series and cell.verdict is Verdict.MEETS and cell.steps:
-            found[cell.axis, cell.series, cell.solver][cell.stiffness] = cell.steps + cell.rejected_steps
-    return [_fit(*key, series) for key, series in found.items() if len(series) >= FEWEST]
+        if cell.series and cell.verdict is CellVerdict.WITHIN and cell.steps:
+            series_steps[cell.axis, cell.series, cell.solver][cell.stiffness] = (
+                cell.steps + cell.rejected_steps
+            )
+    return [_fit(*key, work) for key, work in series_steps.items() if len(work) >= FEWEST]
 
 
-def _fit(axis: str, series: str, solver: str, found: dict[float, int]) -> Growth:
-    stiffness, steps = zip(*sorted(found.items()), strict=True)
+def _fit(axis: str, series: str, solver: str, work: dict[float, int]) -> WorkGrowth:
+    stiffness, steps = zip(*sorted(work.items()), strict=True)
     decades = np.log10(np.array(stiffness) / stiffness[0])
     per_decade, at_first = np.polyfit(decades, steps, 1)
     power = np.polyfit(decades, np.log10(steps), 1)[0]
-    return Growth(axis, series, solver, stiffness, steps, float(at_first), float(per_decade), float(power))
+    return WorkGrowth(
+        axis, series, solver, stiffness, steps, float(at_first), float(per_decade), float(power)
+    )

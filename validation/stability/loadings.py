@@ -9,58 +9,61 @@ from scipy.optimize import brentq
 
 from contact_scene import FlatPunch, Force, Hold, Oscillate, OutcomeKind, Scene, Table
 from validation.reference import punch_oscillation
+from validation.solvers import REFERENCE, SOLVERS
+from validation.solvers.boundary_elements import BoundaryElements
 from validation.stability import base, closed_forms
-from validation.stability.materials import SAME
-from validation.stability.measure import CURVE
-from validation.stability.probe import (
-    ADHESIONLESS,
-    SOLVERS,
-    Computed,
-    Equivalent,
-    Known,
-    Nothing,
-    Probe,
+from validation.stability.case import (
+    ClosedForm,
+    EquivalentScene,
+    NoSolution,
+    ReferenceRuns,
+    StabilityCase,
     Tolerance,
     Value,
 )
+from validation.stability.materials import SAME
+from validation.stability.measure import CURVE
 
 CYCLES = 1000
 MARGINS = (0.3, 0.1, 0.03, 0.01, 3e-3)
-DELAY = Computed(("detachment_time",))
-FORCE_ERROR = {"bem": 1e-3, "fem": 1e-3, "reference": 1e-4}  # of the slow pull-off force, these resolutions
+DELAY = ReferenceRuns(("detachment_time",))
+FORCE_ERROR = 1e-3
+"""Relative error of the slow pull-off force at the coarse resolutions; of the front tracking, a tenth."""
 
 
-def loading() -> list[Probe]:
+def loading() -> list[StabilityCase]:
     """Holds of no length, reversals within a step, jumps, many cycles, starts that cannot be."""
     made = base.material()
     hard, soft = made.glassy_plane_modulus, made.relaxed_plane_modulus
-    up, down = base.to_and_fro(0.02)
+    up, down = base.press_and_pull(0.02)
     plain = base.scene(made, (up, down))
     idle = base.scene(made, (Hold(0.0), up, Hold(0.0), Hold(0.0), down))
-    probes = [Probe("loading", "holds of no length", idle, Equivalent(plain), SAME)]
+    probes = [StabilityCase("loading", "holds of no length", idle, EquivalentScene(plain), SAME)]
 
     flick = Table((0.0, 0.2, 0.2 + 1e-6, 0.2 + 2e-6, 0.5), (0.0, 0.004, 0.006, 0.004, base.TOP))
     spike = base.scene(made, (flick, down))
     names = ("approach_force", "pull_off_force", "loop_energy", CURVE)
-    probes.append(Probe("loading", "reversal within 1e-6 tau", spike, Computed(names)))
+    probes.append(StabilityCase("loading", "reversal within 1e-6 tau", spike, ReferenceRuns(names)))
 
     period = 2.0 * math.pi / 1e6
     swing = base.scene(made, (Oscillate(0.002, 1e6, 1.25 * period),))
     turned = closed_forms.rest(swing, 0.002, hard, "Einf")
-    probes.append(Probe("loading", "oscillation far faster than tau", swing, turned))
+    probes.append(StabilityCase("loading", "oscillation far faster than tau", swing, turned))
 
     there = base.scene(made, (Table((0.0, 1e-9), (base.TOP, base.TOP)),))
     probes.append(
-        Probe("loading", "jump of the penetration", there, closed_forms.rest(there, base.TOP, hard, "Einf"))
+        StabilityCase(
+            "loading", "jump of the penetration", there, closed_forms.rest(there, base.TOP, hard, "Einf")
+        )
     )
     settled = base.scene(made, (Table((0.0, 1e5), (base.TOP, base.TOP)),))
     probes.append(
-        Probe("loading", "jump, then rest", settled, closed_forms.rest(settled, base.TOP, soft, "E0"))
+        StabilityCase("loading", "jump, then rest", settled, closed_forms.rest(settled, base.TOP, soft, "E0"))
     )
     return probes + _cycles() + _starts()
 
 
-def _cycles() -> list[Probe]:
+def _cycles() -> list[StabilityCase]:
     """Small oscillations, then a rest: of a punch, and of a sphere that sticks."""
     made = base.material()
     duration, size, radius = 2.0 * math.pi * CYCLES, 1e-4, 0.2
@@ -71,33 +74,31 @@ def _cycles() -> list[Probe]:
     swing = float(punch_oscillation.force(made, radius, 1.0, size, duration + quarter))
     force = 2.0 * radius * made.relaxed_plane_modulus * base.TOP + swing
     lost = CYCLES * punch_oscillation.loss_per_cycle(made, radius, 1.0, size)
-    truth = Known(
+    truth = ClosedForm(
         (Value("final_force", force), Value("dissipated_energy", lost)), "punch under the complex modulus"
     )
     stuck = base.scene(made, (Oscillate(size, 1.0, duration), Hold(1e4)), "relaxed", 0.0)
-    kept = Computed(("final_force", "final_radius", "loop_energy"), fine=8, coarse=4)
+    kept = ReferenceRuns(("final_force", "final_radius", "loop_energy"), fine=8, coarse=4)
     coarse = Tolerance(
-        {"bem": 0.1, "fem": 0.02, "reference": 2e-3},
+        {BoundaryElements.name: 0.1},
         "energies of a swing of a hundredth of the load, to whose size steps are controlled: ten a cycle",
     )
     many: dict[str, Any] = {"max_steps": 200_000, "seconds": 600.0}
     return [
-        Probe(
-            "loading", f"{CYCLES} cycles of a punch", shaken, truth, coarse, resolutions=ADHESIONLESS, **many
-        ),
-        Probe(
+        StabilityCase("loading", f"{CYCLES} cycles of a punch", shaken, truth, coarse, **many),
+        StabilityCase(
             "loading",
             f"{CYCLES} cycles of a sphere, then rest",
             stuck,
             kept,
             coarse,
-            resolutions={"bem": 4, "fem": 4, "reference": 4},
+            resolutions=dict.fromkeys(SOLVERS, 4),
             **many,
         ),
     ]
 
 
-def _starts() -> list[Probe]:
+def _starts() -> list[StabilityCase]:
     """Starts around the limit of stability."""
     made = base.material()
     probes = []
@@ -108,21 +109,19 @@ def _starts() -> list[Probe]:
             depth = factor * limit
             begun = base.scene(made, (Hold(0.0),), start, depth)
             label = f"{start} start at {factor:g} of the last stable penetration"
-            truth = Nothing("no contact is stable there")
+            truth = NoSolution("no contact is stable there")
             if factor < 1.0:
                 state = law.at_penetration(depth)
                 values = (Value("start_force", state.force), Value("start_radius", state.contact_radius))
-                found = Known(values, "elastic closure of finite zone")
-                near = Tolerance(
-                    dict.fromkeys(SOLVERS, 5e-2), "next to the limit the radius moves like a square root"
-                )
-                probes.append(Probe("loading", label, begun, found, near))
+                found = ClosedForm(values, "elastic closure of finite zone")
+                near = Tolerance({}, "next to the limit the radius moves like a square root", other=5e-2)
+                probes.append(StabilityCase("loading", label, begun, found, near))
             else:
-                probes.append(Probe("loading", label, begun, truth))
+                probes.append(StabilityCase("loading", label, begun, truth))
     return probes
 
 
-def pull_off() -> list[Probe]:
+def pull_off() -> list[StabilityCase]:
     """Dead loads around the slow pull-off force: held for ever below, lost after a delay above.
 
     The delay grows without bound towards the limit, like the root of the margin: the error of the limit
@@ -134,11 +133,14 @@ def pull_off() -> list[Probe]:
     probes = []
     for margin in MARGINS:
         tolerance = Tolerance(
-            {name: 1e-2 + error / (2.0 * margin) for name, error in FORCE_ERROR.items()},
+            {REFERENCE: 1e-2 + 0.1 * FORCE_ERROR / (2.0 * margin)},
             "1 % and the error of the slow pull-off force over twice the margin",
+            other=1e-2 + FORCE_ERROR / (2.0 * margin),
         )
         above = _dead_load(-limit.force * (1.0 + margin), 1e6)
-        probes.append(Probe("dead load", f"{1.0 + margin:g} of slow pull-off", above, DELAY, tolerance))
+        probes.append(
+            StabilityCase("dead load", f"{1.0 + margin:g} of slow pull-off", above, DELAY, tolerance)
+        )
         below = -limit.force * (1.0 - margin)
         radius = brentq(
             lambda a, load=below: law.state(a).force + load, limit.contact_radius, 2.0 * limit.contact_radius
@@ -149,12 +151,16 @@ def pull_off() -> list[Probe]:
             Value("final_radius", state.contact_radius),
             Value("final_penetration", state.penetration, -state.penetration),
         )
-        held = Known(values, "elastic closure of finite zone, E0")
+        held = ClosedForm(values, "elastic closure of finite zone, E0")
         probes.append(
-            Probe("dead load", f"{1.0 - margin:g} of slow pull-off", _dead_load(below, 1e6), held, tolerance)
+            StabilityCase(
+                "dead load", f"{1.0 - margin:g} of slow pull-off", _dead_load(below, 1e6), held, tolerance
+            )
         )
-    gone = Known((Value("detachment_time", 0.0, 1.0),), "beyond the glassy limit", OutcomeKind.DETACHED)
-    probes.append(Probe("dead load", "30 times slow pull-off", _dead_load(-30.0 * limit.force, 1e6), gone))
+    gone = ClosedForm((Value("detachment_time", 0.0, 1.0),), "beyond the glassy limit", OutcomeKind.DETACHED)
+    probes.append(
+        StabilityCase("dead load", "30 times slow pull-off", _dead_load(-30.0 * limit.force, 1e6), gone)
+    )
     return probes
 
 

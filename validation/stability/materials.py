@@ -5,29 +5,32 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Branch, Hold, Material
+from validation.solvers import REFERENCE
+from validation.solvers.finite_elements import FiniteElements
 from validation.stability import base, closed_forms
+from validation.stability.case import EquivalentScene, ReferenceRuns, StabilityCase, Tolerance, Truth
 from validation.stability.measure import CURVE
-from validation.stability.probe import ADHESIONLESS, SOLVERS, Computed, Equivalent, Probe, Tolerance, Truth
 
-CYCLE = Computed(("approach_force", "pull_off_force", "loop_energy", CURVE))
+CYCLE = ReferenceRuns(
+    ("approach_force", "pull_off_force", "loop_energy", CURVE), of_largest=("approach_force",)
+)
 CONTRASTS = (1.0, 10.0, 1e3, 1e6, 1e9)
 TIMES = (1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12)
 PULLED = Tolerance(
-    {"bem": 1e-2, "fem": 4e-2, "reference": 2e-3},
+    {FiniteElements.name: 4e-2},
     "the edge recedes all the way, and elements round it down by part of one: 1.4 % of the force at 4 a zone",
 )
-SAME = Tolerance(
-    dict.fromkeys(SOLVERS, 1e-9), "the same question: round-off only, amplified where contact is lost"
-)
+SAME = Tolerance({}, "the same question: round-off only, amplified where contact is lost", other=1e-9)
 STEPPED = Tolerance(
-    {"bem": 2e-3, "fem": 2e-3, "reference": 2e-4},
+    {REFERENCE: 2e-4},
     "the same answer, but a further time may change the steps: their error, as F(t) RMS or row by row",
+    other=2e-3,
 )
 RATIOS = (0.0, 0.3, 0.49, 0.4999, 0.5)
 PUSH = 0.01  # adhesionless speed, R per relaxation time
 
 
-def contrast() -> list[Probe]:
+def contrast() -> list[StabilityCase]:
     """``Einf/E0``: an adhesionless cycle, a cycle slow against creep, and a relaxed contact pulled off.
 
     The slow cycle takes ``1e7`` retardation times. The pull has ``V tau_c = da``: the edge feels the creep.
@@ -37,23 +40,22 @@ def contrast() -> list[Probe]:
         made = base.material(ratio)
         creep = ratio  # retardation time, in relaxation times
         label = f"Einf/E0 = {ratio:g}"
-        bare = base.scene(made, base.to_and_fro(PUSH), adhesion=None)
+        bare = base.scene(made, base.press_and_pull(PUSH), adhesion=None)
         truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
         probes.append(
-            Probe(
+            StabilityCase(
                 "contrast",
                 f"{label}, adhesionless",
                 bare,
                 truth,
-                resolutions=ADHESIONLESS,
                 series="adhesionless cycle" if ratio > 1.0 else "",
                 stiffness=ratio,
             )
         )
-        slow = base.scene(made, base.to_and_fro(1e-7 / creep), start="relaxed")
+        slow = base.scene(made, base.press_and_pull(1e-7 / creep), start="relaxed")
         quiet = closed_forms.elastic_cycle(slow, made.relaxed_plane_modulus, "E0", at_once=ratio == 1.0)
         probes.append(
-            Probe(
+            StabilityCase(
                 "contrast",
                 f"{label}, slow",
                 slow,
@@ -62,9 +64,9 @@ def contrast() -> list[Probe]:
                 stiffness=ratio,
             )
         )
-        pull = base.scene(made, base.to_and_fro(base.ZONE / creep, away=-20.0)[1:], "relaxed", base.TOP)
+        pull = base.scene(made, base.press_and_pull(base.ZONE / creep, away=-20.0)[1:], "relaxed", base.TOP)
         probes.append(
-            Probe(
+            StabilityCase(
                 "contrast",
                 f"{label}, V tau_c = da",
                 pull,
@@ -77,11 +79,11 @@ def contrast() -> list[Probe]:
     return probes
 
 
-def _pull() -> Computed:
-    return Computed(("start_force", "pull_off_force", "loop_energy", CURVE))
+def _pull() -> ReferenceRuns:
+    return ReferenceRuns(("start_force", "pull_off_force", "loop_energy", CURVE))
 
 
-def times() -> list[Probe]:
+def times() -> list[StabilityCase]:
     """Relaxation time over the duration of the loading, from a relaxed start and from a glassy one."""
     probes = []
     speed = base.TOP  # the approach takes one unit of time
@@ -91,7 +93,7 @@ def times() -> list[Probe]:
         stiffness = max(ratio, 1.0 / ratio)
         side = "slow response" if ratio > 1.0 else "fast response"
         timed = stiffness > 1.0  # neither slow nor fast at one
-        cycle = base.scene(made, base.to_and_fro(speed))
+        cycle = base.scene(made, base.press_and_pull(speed))
         truth: Truth
         if ratio <= 1e-6:
             truth = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
@@ -100,7 +102,7 @@ def times() -> list[Probe]:
         else:
             truth = CYCLE
         probes.append(
-            Probe(
+            StabilityCase(
                 "relaxation time",
                 f"{label}, glassy start",
                 cycle,
@@ -109,9 +111,9 @@ def times() -> list[Probe]:
                 stiffness=stiffness,
             )
         )
-        pull = base.scene(made, base.to_and_fro(speed)[1:], "relaxed", base.TOP)
+        pull = base.scene(made, base.press_and_pull(speed)[1:], "relaxed", base.TOP)
         probes.append(
-            Probe(
+            StabilityCase(
                 "relaxation time",
                 f"{label}, pulled from rest",
                 pull,
@@ -124,7 +126,7 @@ def times() -> list[Probe]:
     return probes
 
 
-def spectra() -> list[Probe]:
+def spectra() -> list[StabilityCase]:
     """Many branches, spread, nearly equal, or of no weight."""
     share = base.MODULUS * (base.CONTRAST - 1.0)
     probes = []
@@ -134,38 +136,36 @@ def spectra() -> list[Probe]:
         label = f"{count} branch{'es' if count > 1 else ''}" + (f", {decades} decades" if decades else "")
         probes += _both(label, made)
     near = Material(base.MODULUS, base.POISSON, (Branch(share / 2, 1.0), Branch(share / 2, 1.0 + 1e-9)))
-    plain = base.scene(base.material(), base.to_and_fro(0.02))
+    plain = base.scene(base.material(), base.press_and_pull(0.02))
     pairs = [("two times within 1e-9", near, STEPPED)]
     for weight, tolerance in ((1e-12, STEPPED), (1e-40, SAME)):
         for time in (1e-9, 1e3):
             extra = Material(base.MODULUS, base.POISSON, (Branch(share, 1.0), Branch(weight, time)))
             pairs.append((f"a branch of weight {weight:g} at {time:g} tau", extra, tolerance))
     for label, made, tolerance in pairs:
-        cycle = base.scene(made, base.to_and_fro(0.02))
-        probes.append(Probe("spectrum", label, cycle, Equivalent(plain), tolerance))
+        cycle = base.scene(made, base.press_and_pull(0.02))
+        probes.append(StabilityCase("spectrum", label, cycle, EquivalentScene(plain), tolerance))
     return probes
 
 
-def _both(label: str, made: Material) -> list[Probe]:
-    bare = base.scene(made, base.to_and_fro(PUSH), adhesion=None)
+def _both(label: str, made: Material) -> list[StabilityCase]:
+    bare = base.scene(made, base.press_and_pull(PUSH), adhesion=None)
     truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
-    cycle = base.scene(made, (*base.to_and_fro(0.02)[:1], Hold(1.0), *base.to_and_fro(0.02)[1:]))
+    cycle = base.scene(made, (*base.press_and_pull(0.02)[:1], Hold(1.0), *base.press_and_pull(0.02)[1:]))
     return [
-        Probe("spectrum", f"{label}, adhesionless", bare, truth, resolutions=ADHESIONLESS),
-        Probe("spectrum", f"{label}, with a hold", cycle, CYCLE),
+        StabilityCase("spectrum", f"{label}, adhesionless", bare, truth),
+        StabilityCase("spectrum", f"{label}, with a hold", cycle, CYCLE),
     ]
 
 
-def poisson() -> list[Probe]:
+def poisson() -> list[StabilityCase]:
     """Poisson's ratio at the same plane modulus: the answer does not depend on it."""
     probes = []
     for ratio in RATIOS:
         made = base.material(poisson=ratio)
-        cycle = base.scene(made, base.to_and_fro(0.02))
-        probes.append(Probe("Poisson's ratio", f"nu = {ratio:g}", cycle, CYCLE))
-        bare = base.scene(made, base.to_and_fro(PUSH), adhesion=None)
+        cycle = base.scene(made, base.press_and_pull(0.02))
+        probes.append(StabilityCase("Poisson's ratio", f"nu = {ratio:g}", cycle, CYCLE))
+        bare = base.scene(made, base.press_and_pull(PUSH), adhesion=None)
         truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
-        probes.append(
-            Probe("Poisson's ratio", f"nu = {ratio:g}, adhesionless", bare, truth, resolutions=ADHESIONLESS)
-        )
+        probes.append(StabilityCase("Poisson's ratio", f"nu = {ratio:g}, adhesionless", bare, truth))
     return probes

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from validation.stability import loadings, materials, rates, surfaces, unit_invariance
-from validation.stability.probe import Probe
+from validation.stability.case import StabilityCase
 
-AXES: dict[str, Callable[[], list[Probe]]] = {
+AXES: dict[str, Callable[[], list[StabilityCase]]] = {
     "contrast": materials.contrast,
     "relaxation-time": materials.times,
     "spectrum": materials.spectra,
@@ -18,10 +18,10 @@ AXES: dict[str, Callable[[], list[Probe]]] = {
     "indenter": surfaces.indenters,
     "loading": loadings.loading,
     "dead-load": loadings.pull_off,
-    "scale": unit_invariance.scales,
+    "scale": unit_invariance.unit_systems,
 }
 
 
-def probes(only: str | None = None) -> list[Probe]:
+def probes(only: str | None = None) -> list[StabilityCase]:
     """Every probe of the matrix, or of one axis."""
     return [probe for name, build in AXES.items() if only in (None, name) for probe in build()]

@@ -9,38 +9,46 @@ import numpy as np
 from contact_scene import COLUMNS, Material, Trace
 from validation.measure.norms import distance
 from validation.measure.observables import observe
-from validation.measure.scaling import scale
-from validation.stability.probe import Equivalent, Value
+from validation.measure.scaling import Magnitudes, column_of
+from validation.stability.case import EquivalentScene, ReferenceRuns, Value
 
 CURVE = "force, RMS"
-RICHARDSON = 1.0 / 3.0  # of the difference of two runs of second order, one with twice the step
-MISSING = math.inf  # the error of an observable that a run should show and does not
+RICHARDSON = 1.0 / 3.0
+"""Error of the finer of two runs of second order over their difference, the coarser at twice the step."""
+MISSING = math.inf
+"""Error of an observable that a run should have and does not have."""
 
 
 def against_values(trace: Trace, values: tuple[Value, ...]) -> dict[str, float]:
     """Relative error of every value."""
-    found = observe(trace).as_dict()
-    return {value.name: _relative(found[value.name], value.value, value.unit) for value in values}
+    measured = observe(trace).as_dict()
+    return {value.name: _relative(measured[value.name], value.value, value.unit) for value in values}
 
 
-def against_trace(trace: Trace, truth: Trace, names: tuple[str, ...]) -> dict[str, float]:
-    """Relative difference of every observable of two runs; ``CURVE`` is the whole curve ``F(t)``."""
-    found, wanted = observe(trace).as_dict(), observe(truth).as_dict()
+def against_trace(trace: Trace, truth: Trace, observables: ReferenceRuns) -> dict[str, float]:
+    """Relative difference of every observable of two runs; ``CURVE`` is the whole curve ``F(t)``.
+
+    What it is relative to is stated in :mod:`validation.measure.scaling`, but for those ``of_largest``.
+    """
+    measured, wanted = observe(trace).as_dict(), observe(truth).as_dict()
     errors = {}
-    for name in names:
+    largest = Magnitudes.of_trace(truth)
+    for name in observables.names:
         if name == CURVE:
             apart = distance(trace, truth)
             errors[name] = MISSING if apart is None else apart.rms
             continue
         value = wanted[name]
         if value is None:
-            errors[name] = 0.0 if found[name] is None else MISSING
+            errors[name] = 0.0 if measured[name] is None else MISSING
         else:
-            errors[name] = _relative(found[name], value, scale(name, value, truth))
+            of_largest = name in observables.of_largest
+            unit = largest.columns[column_of(name)] if of_largest else largest.scale(name, value)
+            errors[name] = _relative(measured[name], value, unit)
     return errors
 
 
-def against_equivalent(trace: Trace, base: Trace, truth: Equivalent) -> dict[str, float]:
+def against_equivalent(trace: Trace, base: Trace, truth: EquivalentScene) -> dict[str, float]:
     """Largest difference of any row, relative to the column's largest magnitude.
 
     Runs that have not the same number of rows are compared as curves instead.
@@ -87,7 +95,7 @@ def energy_residual(trace: Trace, material: Material) -> float | None:
     return float(np.abs(left).max()) / unit
 
 
-def _relative(found: float | None, value: float, unit: float) -> float:
-    if found is None:
+def _relative(measured: float | None, value: float, unit: float) -> float:
+    if measured is None:
         return MISSING
-    return abs(found - value) / (unit or 1.0)
+    return abs(measured - value) / (unit or 1.0)

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 
 from contact_scene import Scene, SceneError, Trace
-from validation import solvers
+from validation.solvers import SOLVERS
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,11 @@ class ProbeAnswer:
 
 def solve_probe(run: ProbeRun) -> ProbeAnswer:
     """Run the solver; a refusal is an answer, anything else that is raised is a crash."""
+    solver = SOLVERS[run.solver]
+    solver.load()
     began = time.process_time()
     try:
-        trace = solvers.solver(run.solver).solve(run.scene, run.resolution, max_steps=run.max_steps)
+        trace = solver.solve(run.scene, run.resolution, max_steps=run.max_steps)
     except SceneError as error:
         return ProbeAnswer(refusal=str(error), seconds=time.process_time() - began)
     return ProbeAnswer(trace, seconds=time.process_time() - began)

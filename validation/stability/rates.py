@@ -6,20 +6,20 @@ import numpy as np
 
 from contact_scene import Hold, Table
 from validation.stability import base, closed_forms
+from validation.stability.case import StabilityCase, Truth
 from validation.stability.materials import CYCLE
-from validation.stability.probe import Probe, Truth
 
 SPEEDS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)
 SLOW, FAST = 1e-8, 1e4  # elastic to a thousandth beyond these
 ROWS = 21
 
 
-def speeds() -> list[Probe]:
+def speeds() -> list[StabilityCase]:
     """``V tau/R``, approach and retraction."""
     made = base.material()
     probes = []
     for speed in SPEEDS:
-        cycle = base.scene(made, base.to_and_fro(speed))
+        cycle = base.scene(made, base.press_and_pull(speed))
         truth: Truth
         if speed <= SLOW:
             truth = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
@@ -29,7 +29,7 @@ def speeds() -> list[Probe]:
             truth = CYCLE
         series = "slow cycle" if speed < 1e-5 else "fast cycle" if speed >= 1.0 else ""
         probes.append(
-            Probe(
+            StabilityCase(
                 "speed",
                 f"V tau/R = {speed:g}",
                 cycle,
@@ -41,7 +41,7 @@ def speeds() -> list[Probe]:
     return probes
 
 
-def steps() -> list[Probe]:
+def steps() -> list[StabilityCase]:
     """Tables whose rows force the step: rows of ``1e-9`` and ``1e9`` relaxation times, also
     tiny ones after long ones."""
     made = base.material()
@@ -61,15 +61,17 @@ def steps() -> list[Probe]:
     pace[0] = 0.0
     climb = base.scene(made, (Table(tuple(np.cumsum(pace)), tuple(stairs)), Hold(1e4)))
     return [
-        Probe("step", "dt/tau = 1e-9", small, closed_forms.elastic_cycle(small, hard, "Einf")),
-        Probe("step", "dt/tau = 1e9", large, closed_forms.elastic_cycle(large, soft, "E0", at_once=False)),
-        Probe(
+        StabilityCase("step", "dt/tau = 1e-9", small, closed_forms.elastic_cycle(small, hard, "Einf")),
+        StabilityCase(
+            "step", "dt/tau = 1e9", large, closed_forms.elastic_cycle(large, soft, "E0", at_once=False)
+        ),
+        StabilityCase(
             "step",
             "dt/tau = 1e-9, then a hold of 1e4",
             settled,
             closed_forms.rest(settled, base.TOP, soft, "E0"),
         ),
-        Probe(
+        StabilityCase(
             "step", "dt/tau = 1e-9 and 1e4 by turns", climb, closed_forms.rest(climb, base.TOP, soft, "E0")
         ),
     ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from contact_scene import Scene
@@ -10,10 +10,10 @@ from validation.execution.fingerprints import fingerprint
 from validation.execution.processes import processes
 from validation.execution.store import Store
 from validation.execution.tasks import Task, TaskResult, run_tasks
-from validation.solvers import REFERENCE
-from validation.stability.probe import SOLVERS, Computed, Equivalent, Probe
+from validation.solvers import REFERENCE, SOLVERS
+from validation.stability.case import EquivalentScene, ReferenceRuns, StabilityCase
 from validation.stability.probe_runs import ProbeAnswer, ProbeRun, solve_probe
-from validation.stability.verdict import Cell, judge, not_run
+from validation.stability.verdict import Cell, cell_of, skipped_cell
 
 OnCell = Callable[[Cell, list[Cell]], None]
 SolveProbe = Callable[[ProbeRun], ProbeAnswer]
@@ -33,9 +33,9 @@ class StabilityMatrix:
 
 
 def run(
-    probes: Sequence[Probe],
+    probes: Sequence[StabilityCase],
     jobs: int = 1,
-    solvers: Sequence[str] = SOLVERS,
+    solvers: Collection[str] = SOLVERS,
     on_cell: OnCell = lambda cell, cells: None,
     solve: SolveProbe = solve_probe,
     store: Store | None = None,
@@ -44,10 +44,10 @@ def run(
 
     Parameters
     ----------
-    probes : sequence of Probe
+    probes : sequence of StabilityCase
     jobs : int
         Processes at the same time.
-    solvers : sequence of str
+    solvers : collection of str
         Names.
     on_cell : callable
         Called with each cell and all cells so far.
@@ -86,16 +86,16 @@ def run(
     return StabilityMatrix(tuple(in_order()), store.seconds)
 
 
-def _tasks(probe: Probe, solver: str, solve: SolveProbe) -> list[Task]:
+def _tasks(probe: StabilityCase, solver: str, solve: SolveProbe) -> list[Task]:
     """Runs that a cell rests on: the solver's own, and those of its truth."""
-    if not isinstance(probe.scene, Scene) or solver in probe.too_dear:
+    if not isinstance(probe.scene, Scene) or solver in probe.skip_reasons:
         return []
-    own = probe.resolutions[solver]
+    own = probe.resolution(solver)
     runs = [ProbeRun(solver, probe.scene, own, probe.max_steps)]
-    if isinstance(probe.truth, Computed):
+    if isinstance(probe.truth, ReferenceRuns):
         for resolution in (probe.truth.fine, probe.truth.coarse):
             runs.append(ProbeRun(REFERENCE, probe.scene, resolution, probe.max_steps))
-    if isinstance(probe.truth, Equivalent):
+    if isinstance(probe.truth, EquivalentScene):
         runs.append(ProbeRun(solver, probe.truth.scene, own, probe.max_steps))
     return [
         Task(
@@ -110,7 +110,11 @@ def _tasks(probe: Probe, solver: str, solve: SolveProbe) -> list[Task]:
     ]
 
 
-def _cell(probe: Probe, solver: str, results: list[TaskResult]) -> Cell:
+def _cell(probe: StabilityCase, solver: str, results: list[TaskResult]) -> Cell:
     if results:
-        return judge(probe, solver, results[0], tuple(results[1:]))
-    return judge(probe, solver, None, ()) if not isinstance(probe.scene, Scene) else not_run(probe, solver)
+        return cell_of(probe, solver, results[0], tuple(results[1:]))
+    return (
+        cell_of(probe, solver, None, ())
+        if not isinstance(probe.scene, Scene)
+        else skipped_cell(probe, solver)
+    )

@@ -20,58 +20,62 @@ from contact_scene import (
     TabulatedProfile,
 )
 from validation.reference import sneddon
+from validation.solvers import SOLVERS
+from validation.solvers.boundary_elements import BoundaryElements
+from validation.solvers.finite_elements import FiniteElements
 from validation.stability import base, closed_forms
+from validation.stability.case import (
+    ClosedForm,
+    NoSolution,
+    ReferenceRuns,
+    StabilityCase,
+    Value,
+    scene_or_refusal,
+)
 from validation.stability.materials import PULLED
 from validation.stability.measure import CURVE
-from validation.stability.probe import (
-    ADHESIONLESS,
-    Computed,
-    Known,
-    Nothing,
-    Probe,
-    Value,
-    asked,
-)
 
-PULL = Computed(("start_force", "pull_off_force", "loop_energy", CURVE))
-PEELED = Computed(("start_force", "pull_off_force", "loop_energy", CURVE), fine=8, coarse=4)
+PULL = ReferenceRuns(("start_force", "pull_off_force", "loop_energy", CURVE))
+PEELED = ReferenceRuns(("start_force", "pull_off_force", "loop_energy", CURVE), fine=8, coarse=4)
 SHARES = (1e-3, 1e-2, 0.1, 1.0 / 3.0, 0.5)
 ANGLES = (89.9, 85.0, 45.0, 10.0)
 REACH = 0.1  # contact radius of adhesionless indenters at the top
 SEED = 7
 THIN_BELOW, WIDE_BEYOND = 5e-3, 0.3  # da/a
 LOST = ("approach_force", "approach_radius", "detachment_penetration", "dissipated_energy")
-WIDE = Computed(("start_force", "pull_off_force"), fine=40, coarse=20)
-BRIEF = Computed(("start_force", "final_force", "final_radius", CURVE))
-THIN = {"bem": 4, "fem": 4, "reference": 8}
-DEAR = {"fem": "thousands of elements in the path of the edge, each with a column of the dense compliance"}
+WIDE = ReferenceRuns(("start_force", "pull_off_force"), fine=40, coarse=20)
+BRIEF = ReferenceRuns(("start_force", "final_force", "final_radius", CURVE))
+THIN = {BoundaryElements.name: 4}
+SKIP_THIN = {
+    FiniteElements.name: "thousands of elements in the path of the edge, "
+    "each with a column of the dense compliance"
+}
 
 
-def adhesion() -> list[Probe]:
+def adhesion() -> list[StabilityCase]:
     """``gamma~`` from none to strong; zones from a thousandth of the contact radius to beyond it."""
     made = base.material()
-    none = base.scene(made, base.to_and_fro(0.01), adhesion=Adhesion(0.0, base.ZONE))
+    none = base.scene(made, base.press_and_pull(0.01), adhesion=Adhesion(0.0, base.ZONE))
     probes = [
-        Probe(
+        StabilityCase(
             "adhesion",
             "gamma~ = 0",
             none,
             closed_forms.adhesionless_cycle(made, base.SPHERE, 0.01, base.TOP),
-            resolutions=ADHESIONLESS,
         )
     ]
     faint = base.scene(
         base.material(1.0), (Ramp(base.AWAY, 1.0),), "relaxed", base.TOP, Adhesion(math.pi * 1e-12, 2e-3)
     )
-    probes.append(Probe("adhesion", "gamma~ = 1e-12, elastic", faint, _faint(faint)))
+    probes.append(StabilityCase("adhesion", "gamma~ = 1e-12, elastic", faint, _faint(faint)))
     for gamma, zone in ((1e-12, 2e-3), (1.6e-4, 0.013), (1e-2, 0.02)):
         stuck = base.scene(
             made, (Hold(1.0), Ramp(-2.0, 0.02)), "relaxed", base.TOP, Adhesion(math.pi * gamma, zone)
         )
-        probes.append(Probe("adhesion", f"gamma~ = {gamma:g}", stuck, PULL, PULLED))
-    strong = base.scene(made, base.to_and_fro(1e6), adhesion=Adhesion(math.pi * 1e-2, 0.02))
+        probes.append(StabilityCase("adhesion", f"gamma~ = {gamma:g}", stuck, PULL, PULLED))
+    strong = base.scene(made, base.press_and_pull(1e6), adhesion=Adhesion(math.pi * 1e-2, 0.02))
     probes.append(
-        Probe(
+        StabilityCase(
             "adhesion",
             "gamma~ = 1e-2, fast",
             strong,
@@ -81,7 +85,7 @@ def adhesion() -> list[Probe]:
     return probes + _zones()
 
 
-def _faint(scene: Scene) -> Known:
+def _faint(scene: Scene) -> ClosedForm:
     """Nearly Hertz: lost where the penetration is back at zero."""
     state = closed_forms.zone_law(scene, scene.material.relaxed_plane_modulus).at_penetration(base.TOP)
     values = (
@@ -89,10 +93,10 @@ def _faint(scene: Scene) -> Known:
         Value("start_radius", state.contact_radius),
         Value("detachment_penetration", 0.0, base.TOP),
     )
-    return Known(values, "elastic closure of finite zone, nearly Hertz", OutcomeKind.DETACHED)
+    return ClosedForm(values, "elastic closure of finite zone, nearly Hertz", OutcomeKind.DETACHED)
 
 
-def _zones() -> list[Probe]:
+def _zones() -> list[StabilityCase]:
     soft, made = base.material(1.0), base.material()
     radius = closed_forms.zone_law(base.scene(soft, ()), 1.0).at_penetration(base.TOP).contact_radius
     probes = []
@@ -106,22 +110,22 @@ def _zones() -> list[Probe]:
         else:
             left_out = LOST if share > WIDE_BEYOND else ("approach_force", "approach_radius")
             kept = tuple(value for value in truth.values if value.name not in left_out)
-            truth = Known(kept, truth.source, truth.ending)
+            truth = ClosedForm(kept, truth.source, truth.ending)
         peeled = base.scene(made, (Ramp(away, 0.02),), "relaxed", base.TOP, law)
         label = f"da/a = {share:.3g}"
         probes += [
-            Probe("process zone", f"{label}, elastic", elastic, truth, PULLED, **more),
-            Probe("process zone", f"{label}, V tau/R = 0.02", peeled, seen, PULLED, **more),
+            StabilityCase("process zone", f"{label}, elastic", elastic, truth, PULLED, **more),
+            StabilityCase("process zone", f"{label}, V tau/R = 0.02", peeled, seen, PULLED, **more),
         ]
     for share in (1.5, 100.0):
         law = Adhesion(base.WORK, share * radius)
         longer = base.scene(made, (Ramp(base.AWAY, 0.02),), "relaxed", base.TOP, law)
         why = "a process zone longer than the contact"
-        probes.append(Probe("process zone", f"da/a = {share:.3g}", longer, Nothing(why)))
+        probes.append(StabilityCase("process zone", f"da/a = {share:.3g}", longer, NoSolution(why)))
     return probes
 
 
-def _way_of(share: float) -> tuple[float, Computed, dict[str, Any]]:
+def _way_of(share: float) -> tuple[float, ReferenceRuns, dict[str, Any]]:
     """How far to pull, what to look at, and how finely.
 
     Of the shortest zones the edge recedes by some twenty. The longest ones are a good part of the way: more
@@ -129,32 +133,32 @@ def _way_of(share: float) -> tuple[float, Computed, dict[str, Any]]:
     is right or wrong.
     """
     if share < THIN_BELOW:
-        return 0.008, BRIEF, {"resolutions": THIN, "too_dear": DEAR}
+        return 0.008, BRIEF, {"resolutions": THIN, "skip_reasons": SKIP_THIN}
     if share > WIDE_BEYOND:
-        return base.AWAY, WIDE, {"resolutions": {"bem": 18, "fem": 12, "reference": 24}}
+        finer = {name: 3 * solver.coarse_resolution(adhesive=True) for name, solver in SOLVERS.items()}
+        return base.AWAY, WIDE, {"resolutions": finer}
     return base.AWAY, PEELED, {}
 
 
-def indenters() -> list[Probe]:
+def indenters() -> list[StabilityCase]:
     """Punch, cones, a steep power law, tables with noise; without and with adhesion."""
     made = base.material()
     punch = base.scene(made, (Ramp(base.TOP, 0.01),), adhesion=None, indenter=FlatPunch(0.2))
     probes = [
-        Probe(
+        StabilityCase(
             "indenter",
             "flat punch, adhesionless",
             punch,
             closed_forms.punch_ramp(made, 0.2, 0.01, base.TOP),
-            resolutions=ADHESIONLESS,
         )
     ]
     shapes: list[tuple[str, Indenter]] = [(f"cone {angle:g}°", Cone(angle)) for angle in ANGLES]
     shapes += [("power law 8", PowerLaw(8.0, 1.0)), ("table, noise 0.1 %", _table(1e-3))]
     for label, shape in shapes:
         top = float(sneddon.depth(shape, REACH))
-        bare = base.scene(made, base.to_and_fro(top, top, -10.0 * top), adhesion=None, indenter=shape)
+        bare = base.scene(made, base.press_and_pull(top, top, -10.0 * top), adhesion=None, indenter=shape)
         truth = closed_forms.adhesionless_cycle(made, shape, top, top)
-        probes.append(Probe("indenter", f"{label}, adhesionless", bare, truth, resolutions=ADHESIONLESS))
+        probes.append(StabilityCase("indenter", f"{label}, adhesionless", bare, truth))
     held: list[tuple[str, Indenter, float]] = [
         ("flat punch", FlatPunch(0.2), 0.0),
         ("cone 85°", Cone(85.0), 0.01),
@@ -165,9 +169,11 @@ def indenters() -> list[Probe]:
     for label, shape, top in held:
         law = Adhesion(base.WORK, 1e-4) if label == "cone 45°" else base.ADHESION  # contact is lost at 3e-4
         pulled = base.scene(made, (Ramp(top - 1.0, 0.02),), "relaxed", top, law, shape)
-        probes.append(Probe("indenter", label, pulled, PULL, PULLED))
-    falling = asked(lambda: base.scene(made, base.to_and_fro(0.02), indenter=_table(0.3)))
-    probes.append(Probe("indenter", "table that falls, noise 30 %", falling, Nothing("a profile that falls")))
+        probes.append(StabilityCase("indenter", label, pulled, PULL, PULLED))
+    falling = scene_or_refusal(lambda: base.scene(made, base.press_and_pull(0.02), indenter=_table(0.3)))
+    probes.append(
+        StabilityCase("indenter", "table that falls, noise 30 %", falling, NoSolution("a profile that falls"))
+    )
     return probes
 
 

@@ -1,4 +1,4 @@
-"""Axis of scales: one scene in other units of length, stress and time."""
+"""Axis of units: one scene in other units of length, stress and time."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
 from validation.stability import base
+from validation.stability.case import EquivalentScene, StabilityCase
 from validation.stability.materials import SAME
-from validation.stability.probe import Equivalent, Probe
 
 UNITS = (
     ("metres to millimetres", 1e3, 1.0, 1.0),
@@ -20,10 +20,13 @@ UNITS = (
 )
 
 
-def scales() -> list[Probe]:
+def unit_systems() -> list[StabilityCase]:
     """The cycle at ``V tau/R = 0.02``; every row is the same after scaling."""
-    plain = base.scene(base.material(), base.to_and_fro(0.02))
-    return [Probe("scale", label, scaled(plain, *by), Equivalent(plain, *by), SAME) for label, *by in UNITS]
+    plain = base.scene(base.material(), base.press_and_pull(0.02))
+    return [
+        StabilityCase("scale", label, scaled(plain, *by), EquivalentScene(plain, *by), SAME)
+        for label, *by in UNITS
+    ]
 
 
 def scaled(scene: Scene, length: float, stress: float, time: float) -> Scene:

@@ -1,4 +1,4 @@
-"""One cell of the matrix: a solver's answer to a probe, judged.
+"""One cell of the matrix: a solver's answer to a case, compared with the truth.
 
 An answer is right within its tolerance, or it says that it is none: a refusal, or an outcome other than
 ``completed`` and ``detached``. Anything else is a fault, and the worst is an answer that looks like one.
@@ -15,15 +15,22 @@ import numpy as np
 from contact_scene import Scene, SceneError, Trace
 from validation.execution.tasks import TaskEnding, TaskResult
 from validation.stability import measure
-from validation.stability.probe import Computed, Equivalent, Known, Nothing, Probe, Truth
+from validation.stability.case import (
+    ClosedForm,
+    EquivalentScene,
+    NoSolution,
+    ReferenceRuns,
+    StabilityCase,
+    Truth,
+)
 from validation.stability.probe_runs import ProbeAnswer
 
 
-class Verdict(StrEnum):
+class CellVerdict(StrEnum):
     """What a cell shows."""
 
-    MEETS = "within tolerance"
-    SAYS = "says that it has no answer"
+    WITHIN = "within tolerance"
+    DECLINED = "says that it has no answer"
     WRONG = "SILENTLY WRONG"
     CRASH = "CRASHED"
     NOT_FINITE = "NOT FINITE"
@@ -31,21 +38,21 @@ class Verdict(StrEnum):
     UNKNOWN = "not judged: no truth"
 
 
-FAULTS = (Verdict.WRONG, Verdict.CRASH, Verdict.NOT_FINITE, Verdict.HANG)
+FAULTS = (CellVerdict.WRONG, CellVerdict.CRASH, CellVerdict.NOT_FINITE, CellVerdict.HANG)
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Everything that is told about one run.
+    """Everything that is reported about one run.
 
-    ``errors`` are relative, by observable; ``truth_error`` is what the truth says of itself; ``seconds`` is
+    ``errors`` are relative, by observable; ``truth_error`` is the error estimate of the truth; ``seconds`` is
     processor time; ``residual`` as in :func:`measure.energy_residual`.
     """
 
     axis: str
     label: str
     solver: str
-    verdict: Verdict
+    verdict: CellVerdict
     outcome: str
     reason: str
     source: str = ""
@@ -81,8 +88,8 @@ class Cell:
         return self.verdict in FAULTS
 
 
-def judge(
-    probe: Probe, solver: str, result: TaskResult | None, truths: tuple[TaskResult | None, ...]
+def cell_of(
+    probe: StabilityCase, solver: str, result: TaskResult | None, truths: tuple[TaskResult | None, ...]
 ) -> Cell:
     """The cell of one solver.
 
@@ -91,18 +98,18 @@ def judge(
     result : TaskResult or None
         With an ``ProbeAnswer``; ``None`` if the scene itself was refused.
     truths : tuple of TaskResult or None
-        Runs the truth rests on: for ``Computed`` fine and coarse, for ``Equivalent`` the other scene's.
+        Runs the truth rests on: for ``ReferenceRuns`` fine and coarse, for ``EquivalentScene`` its own.
     """
     if result is None:
         assert isinstance(probe.scene, SceneError)
-        return _declared(probe, solver, "refused", str(probe.scene))
+        return _declined(probe, solver, "refused", str(probe.scene))
     if result.ending is TaskEnding.TIMED_OUT:
-        return _cell(probe, solver, Verdict.HANG, "hung", result.failure)
+        return _cell(probe, solver, CellVerdict.HANG, "hung", result.failure)
     if result.ending is not TaskEnding.ANSWERED:
-        return _cell(probe, solver, Verdict.CRASH, str(result.ending), result.failure)
+        return _cell(probe, solver, CellVerdict.CRASH, str(result.ending), result.failure)
     answer: ProbeAnswer = result.value
     if answer.trace is None:
-        return _declared(probe, solver, "refused", answer.refusal, seconds=answer.seconds)
+        return _declined(probe, solver, "refused", answer.refusal, seconds=answer.seconds)
     trace, outcome = answer.trace, answer.trace.outcome
     facts: dict[str, Any] = {
         "steps": trace.counters.steps,
@@ -111,23 +118,27 @@ def judge(
     }
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
     if broken or not np.isfinite(outcome.time):
-        said = f"not finite: {', '.join(broken or ['time of the outcome'])}"
-        return _cell(probe, solver, Verdict.NOT_FINITE, str(outcome.kind), said, **facts)
+        reason = f"not finite: {', '.join(broken or ['time of the outcome'])}"
+        return _cell(probe, solver, CellVerdict.NOT_FINITE, str(outcome.kind), reason, **facts)
     if not outcome.finished:
-        return _declared(probe, solver, str(outcome.kind), outcome.reason, **facts)
+        return _declined(probe, solver, str(outcome.kind), outcome.reason, **facts)
     facts["residual"] = measure.energy_residual(trace, _scene(probe).material)
-    return _judged(probe, solver, trace, truths, facts)
+    return _compared(probe, solver, trace, truths, facts)
 
 
-def _judged(
-    probe: Probe, solver: str, trace: Trace, truths: tuple[TaskResult | None, ...], facts: dict[str, Any]
+def _compared(
+    probe: StabilityCase,
+    solver: str,
+    trace: Trace,
+    truths: tuple[TaskResult | None, ...],
+    facts: dict[str, Any],
 ) -> Cell:
     """A run that claims to have an answer."""
     truth, outcome = probe.truth, trace.outcome
-    said = (str(outcome.kind), outcome.reason)
-    if isinstance(truth, Nothing):
-        return _cell(probe, solver, Verdict.WRONG, *said, source=truth.why, **facts)
-    if isinstance(truth, Known):
+    ended = (str(outcome.kind), outcome.reason)
+    if isinstance(truth, NoSolution):
+        return _cell(probe, solver, CellVerdict.WRONG, *ended, source=truth.why, **facts)
+    if isinstance(truth, ClosedForm):
         errors, own, ending = measure.against_values(trace, truth.values), 0.0, truth.ending
         source = truth.source
     else:
@@ -135,53 +146,55 @@ def _judged(
         first = runs[0]
         if any(run is None or not run.outcome.finished for run in runs) or first is None:
             source = "the run it is measured against has no answer"
-            return _cell(probe, solver, Verdict.UNKNOWN, *said, source=source, **facts)
+            return _cell(probe, solver, CellVerdict.UNKNOWN, *ended, source=source, **facts)
         ending = first.outcome.kind
-        if isinstance(truth, Equivalent):
+        if isinstance(truth, EquivalentScene):
             errors, own = measure.against_equivalent(trace, first, truth), 0.0
             source = "the same solver on the equivalent scene"
         else:
-            errors = measure.against_trace(trace, first, truth.names)
+            errors = measure.against_trace(trace, first, truth)
             own = _own_error(runs, truth)
             source = f"front tracking, {truth.fine} steps a zone"
-    wrong = max(errors.values()) > probe.tolerance.limits[solver] + own or outcome.kind is not ending
+    wrong = max(errors.values()) > probe.tolerance.limit(solver) + own or outcome.kind is not ending
     if outcome.kind is not ending:
         errors = errors | {f"ending ({ending})": measure.MISSING}
-    verdict = Verdict.WRONG if wrong else Verdict.MEETS
-    return _cell(probe, solver, verdict, *said, source=source, errors=errors, truth_error=own, **facts)
+    verdict = CellVerdict.WRONG if wrong else CellVerdict.WITHIN
+    return _cell(probe, solver, verdict, *ended, source=source, errors=errors, truth_error=own, **facts)
 
 
-def _own_error(runs: list[Trace | None], truth: Computed) -> float:
+def _own_error(runs: list[Trace | None], truth: ReferenceRuns) -> float:
     fine, coarse = runs
     if fine is None or coarse is None:
         return measure.MISSING
-    return measure.RICHARDSON * max(measure.against_trace(coarse, fine, truth.names).values())
+    return measure.RICHARDSON * max(measure.against_trace(coarse, fine, truth).values())
 
 
-def _declared(probe: Probe, solver: str, outcome: str, reason: str, **facts) -> Cell:
-    """A run that says it has no answer; which is right where there is none."""
-    right = isinstance(probe.truth, Nothing)
+def _declined(probe: StabilityCase, solver: str, outcome: str, reason: str, **facts) -> Cell:
+    """A run that reports no answer; which is right where there is no solution."""
+    right = isinstance(probe.truth, NoSolution)
     source = source_of(probe.truth)
-    verdict = Verdict.MEETS if right else Verdict.SAYS
+    verdict = CellVerdict.WITHIN if right else CellVerdict.DECLINED
     return _cell(probe, solver, verdict, outcome, reason, source=source, **facts)
 
 
-def not_run(probe: Probe, solver: str) -> Cell:
-    """A run that takes too long to be part of the matrix: a limit, told as one."""
-    why = probe.too_dear[solver]
-    return _cell(probe, solver, Verdict.SAYS, "not run", why, source=source_of(probe.truth))
+def skipped_cell(probe: StabilityCase, solver: str) -> Cell:
+    """A run that takes too long to be part of the matrix: a limit, reported as one."""
+    why = probe.skip_reasons[solver]
+    return _cell(probe, solver, CellVerdict.DECLINED, "not run", why, source=source_of(probe.truth))
 
 
 def source_of(truth: Truth) -> str:
     """Where a truth comes from, in words."""
-    if isinstance(truth, Known):
+    if isinstance(truth, ClosedForm):
         return truth.source
-    if isinstance(truth, Computed):
+    if isinstance(truth, ReferenceRuns):
         return f"front tracking, {truth.fine} steps a zone"
-    return truth.why if isinstance(truth, Nothing) else "the same solver on the equivalent scene"
+    return truth.why if isinstance(truth, NoSolution) else "the same solver on the equivalent scene"
 
 
-def _cell(probe: Probe, solver: str, verdict: Verdict, outcome: str, reason: str, **facts) -> Cell:
+def _cell(
+    probe: StabilityCase, solver: str, verdict: CellVerdict, outcome: str, reason: str, **facts
+) -> Cell:
     return Cell(
         axis=probe.axis,
         label=probe.label,
@@ -189,7 +202,7 @@ def _cell(probe: Probe, solver: str, verdict: Verdict, outcome: str, reason: str
         verdict=verdict,
         outcome=outcome,
         reason=" ".join(reason.split()),
-        tolerance=probe.tolerance.limits[solver],
+        tolerance=probe.tolerance.limit(solver),
         why=probe.tolerance.why,
         series=probe.series,
         stiffness=probe.stiffness,
@@ -203,6 +216,6 @@ def _trace(result: TaskResult | None) -> Trace | None:
     return result.value.trace
 
 
-def _scene(probe: Probe) -> Scene:
+def _scene(probe: StabilityCase) -> Scene:
     assert isinstance(probe.scene, Scene)
     return probe.scene

@@ -109,14 +109,13 @@ class Convergence:
 
 def solve_level(case: Case, scheme: str, level: Level) -> Trace:
     """One run of one level."""
-    scene = schemes.with_zone(case.scene, level.settings.zone_factor)
-    return schemes.SCHEMES[scheme].load()(scene, level.settings, cycle_times(scene.loading))
+    return schemes.scheme(scheme).solve(case.scene, level.settings, cycle_times(case.scene.loading))
 
 
 def run_level(case: Case, scheme: str, level: Level, truth: Trace | None, repeats: int = 1) -> LevelRun:
     """Run a level, repeatedly while that is cheap; a breakdown becomes part of the answer."""
     try:
-        schemes.SCHEMES[scheme].load()  # imports are not part of a run
+        schemes.scheme(scheme).solver.load()  # imports are not part of a run
         scene = schemes.with_zone(case.scene, level.settings.zone_factor)
         wall, cpu, trace = _timed(lambda: solve_level(case, scheme, level), repeats)
     except Exception as error:
@@ -190,7 +189,7 @@ def read(ladder: Ladder, runs: tuple[LevelRun, ...], truth_scales: dict[str, flo
 
     Without a reference an observable is relative to its own finest value.
     """
-    nominal = ladder.nominal or schemes.SCHEMES[ladder.scheme].nominal
+    nominal = ladder.nominal or schemes.scheme(ladder.scheme).nominal
     sizes = [run.level.size for run in runs]
     rows = []
     for name in (*SCALARS, *NORMS):

@@ -17,17 +17,23 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from contact_scene import Scene
-from validation.studies.schemes import Settings
+from validation.solvers import REFERENCE, SOLVERS
+from validation.solvers.boundary_elements import BoundaryElements
+from validation.solvers.finite_elements import FiniteElements
+from validation.studies.schemes import PAPER, SCHEMES, VOLUME, Settings
 
-# Front tracking, what errors are measured against: the first of these resolutions that reaches its end.
+BEM, FEM = BoundaryElements.name, FiniteElements.name
 FINEST = (80, 60, 40)
+"""Resolutions of the front tracking that errors are measured against; the first that reaches its end."""
 FINEST_ADHESIONLESS = (16, 8)
-STEEPEST = 0.5  # grading a mesh can have
+"""The same without adhesion, per hundredth of the largest contact radius."""
+STEEPEST = 0.5
+"""Largest grading of a mesh."""
 
 
 @dataclass(frozen=True)
 class Level:
-    """One rung: a size that falls from level to level, its label, and the settings."""
+    """One level of refinement: its relative size, its label, and the settings."""
 
     size: float
     label: str
@@ -60,35 +66,46 @@ def finest(scene: Scene) -> tuple[int, ...]:
 
 def ladders(scene: Scene) -> list[Ladder]:
     """All ladders of a study of this scene."""
-    found = [_bem(scene), _baseline(scene), _fem(scene), _fem_volume(scene), _reference(scene)]
+    found = [_bem(scene), _paper(scene), _fem(scene), _fem_volume(scene), _reference(scene)]
     found += [_bem_step(), _fem_step(), _bem_mesh(), _fem_mesh(scene), _fem_domain(), _fem_held()]
     if scene.is_adhesive:
-        found += [_zone("bem", 6), _zone("fem", 4), _zone("reference", 5)]
-    return found
+        found += [_zone(BEM, 6), _zone(FEM, 4), _zone(REFERENCE, 5)]
+    return found + [_other(name) for name in SOLVERS if name not in SCHEMES]
+
+
+def _other(name: str) -> Ladder:
+    """A registered solver of which nothing but its resolution is known."""
+    levels = tuple(_by_resolution(n, Settings(n)) for n in (4, 8, 16, 32))
+    return Ladder(name, "together", "divisions per zone", levels)
 
 
 def _bem(scene: Scene) -> Ladder:
     sizes = (4, 8, 16, 32, 64) if scene.is_adhesive else (4, 8, 16, 32)
     levels = tuple(_by_resolution(n, Settings(n)) for n in sizes)
-    return Ladder("bem", "together", "annuli per zone; step tolerance with their square", levels)
+    return Ladder(BEM, "together", "annuli per zone; step tolerance with their square", levels)
 
 
-def _baseline(scene: Scene) -> Ladder:
+def _paper(scene: Scene) -> Ladder:
     sizes = (4, 8, 16, 32, 64) if scene.is_adhesive else (4, 8, 16, 32)
     levels = tuple(_by_resolution(n, Settings(n)) for n in sizes)
-    return Ladder("baseline", "together", "annuli per zone; fixed step in proportion", levels)
+    return Ladder(PAPER, "together", "annuli per zone; fixed step in proportion", levels)
 
 
 def _fem(scene: Scene) -> Ladder:
     levels = _fem_levels(scene, (4, 6, 8, 12) if scene.is_adhesive else (1, 2, 3, 4))
-    return Ladder("fem", "together", "elements per zone, grading; step tolerance with their square", levels)
+    return Ladder(
+        FEM,
+        "together",
+        "elements per zone, grading; step tolerance with their square",
+        levels,
+    )
 
 
 def _fem_volume(scene: Scene) -> Ladder:
     """The same answer as the condensed form, at another price: the levels stay coarse."""
     levels = _fem_levels(scene, (3, 4, 5, 6) if scene.is_adhesive else (1, 2, 3, 4))
     refined = "as the condensed form, whose answer it repeats: only the price is of interest"
-    return Ladder("fem-volume", "together", refined, levels)
+    return Ladder(VOLUME, "together", refined, levels)
 
 
 def _fem_levels(scene: Scene, sizes: tuple[int, ...]) -> tuple[Level, ...]:
@@ -105,7 +122,7 @@ def _fem_levels(scene: Scene, sizes: tuple[int, ...]) -> tuple[Level, ...]:
 def _reference(scene: Scene) -> Ladder:
     sizes = (5, 10, 20, 40) if scene.is_adhesive else (4, 6, 8, 12)
     levels = tuple(_by_resolution(n, Settings(n)) for n in sizes)
-    return Ladder("reference", "together", "steps per zone; tolerance with their square", levels)
+    return Ladder(REFERENCE, "together", "steps per zone; tolerance with their square", levels)
 
 
 def _bem_step() -> Ladder:
@@ -115,7 +132,7 @@ def _bem_step() -> Ladder:
         for k in range(4)
         if (t := 0.01 * 4.0**-k)
     )
-    return Ladder("bem", "step", "step tolerance, by 4, on 8 annuli per zone", levels)
+    return Ladder(BEM, "step", "step tolerance, by 4, on 8 annuli per zone", levels)
 
 
 def _fem_step() -> Ladder:
@@ -124,12 +141,12 @@ def _fem_step() -> Ladder:
         Level(1.0 / n, f"steps {n}", replace(fixed, step_resolution=n, tolerance=5e-3 * (4 / n) ** 2))
         for n in (2, 4, 8, 16)
     )
-    return Ladder("fem", "step", "step, at 4 elements per zone", levels)
+    return Ladder(FEM, "step", "step, at 4 elements per zone", levels)
 
 
 def _bem_mesh() -> Ladder:
     levels = tuple(_by_resolution(n, Settings(n, tolerance=6e-4)) for n in (4, 8, 16, 32))
-    return Ladder("bem", "mesh", "annuli per zone, at step tolerance 6e-4", levels)
+    return Ladder(BEM, "mesh", "annuli per zone, at step tolerance 6e-4", levels)
 
 
 def _fem_mesh(scene: Scene) -> Ladder:
@@ -138,19 +155,19 @@ def _fem_mesh(scene: Scene) -> Ladder:
         _by_resolution(n, Settings(n, step_resolution=12, tolerance=6e-4, grading=0.5 * sizes[0] / n))
         for n in sizes
     )
-    return Ladder("fem", "mesh", "elements per zone, grading, at 12 steps per zone", levels)
+    return Ladder(FEM, "mesh", "elements per zone, grading, at 12 steps per zone", levels)
 
 
 def _fem_domain() -> Ladder:
     """The far boundary carries the displacement of the total force, so little is left to be seen."""
     levels = tuple(_domain(ratio, True) for ratio in (12.5, 25.0, 50.0, 100.0))
-    return Ladder("fem", "domain", "domain radius over the largest contact radius", levels, nominal=2.0)
+    return Ladder(FEM, "domain", "domain radius over the largest contact radius", levels, nominal=2.0)
 
 
 def _fem_held() -> Ladder:
     """The far boundary held, which the displacement ``F/r`` of a force makes wrong to first order."""
     levels = tuple(_domain(ratio, False) for ratio in (25.0, 50.0, 100.0, 200.0))
-    return Ladder("fem", "domain, far boundary held", "domain radius, no far field", levels, nominal=1.0)
+    return Ladder(FEM, "domain, far boundary held", "domain radius, no far field", levels, nominal=1.0)
 
 
 def _domain(ratio: float, far_field: bool) -> Level:

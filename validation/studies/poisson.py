@@ -22,6 +22,8 @@ from validation.execution.runs import Run, run_of, run_task
 from validation.execution.tasks import run_tasks
 from validation.measure.norms import distance
 from validation.measure.scaling import scale
+from validation.solvers import REFERENCE
+from validation.solvers.finite_elements import FiniteElements
 from validation.studies import poisson_material as materials
 
 RATIOS = (10.0, 30.0, 100.0, 300.0, 1000.0)
@@ -98,8 +100,11 @@ class CompressibilityComparison:
 def ratio_runs(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
     """What is run for one compressibility: case and solver by name."""
     separate = materials.with_bulk(case.scene.material, ratio)
-    answers = {FULL: (separate, "fem"), SURFACE: (materials.on_the_surface(separate), "reference")}
-    answers |= {name: (assume(separate), "reference") for name, assume in ASSUMPTIONS.items()}
+    answers = {
+        FULL: (separate, FiniteElements.name),
+        SURFACE: (materials.on_the_surface(separate), REFERENCE),
+    }
+    answers |= {name: (assume(separate), REFERENCE) for name, assume in ASSUMPTIONS.items()}
     return {
         name: (replace(case, scene=replace(case.scene, material=material)), solver)
         for name, (material, solver) in answers.items()

@@ -84,7 +84,7 @@ QUICK = tuple(name for name in CASES if "V = 0.02, 1" in name or name == "cycle,
 
 
 @dataclass(frozen=True)
-class Level:
+class AccuracyLevel:
     """One run: errors are relative, ``estimates`` those the run itself gives."""
 
     resolution: int
@@ -113,7 +113,7 @@ def measured(trace: Trace, moments: tuple[float, ...]) -> dict[str, NDArray[np.f
 
 def levels(
     scene: Scene, resolutions: tuple[int, ...] = RESOLUTIONS, truth: int = TRUTH, usual: int = USUAL
-) -> list[Level]:
+) -> list[AccuracyLevel]:
     """Runs at several resolutions, judged by one at ``truth``; the one at ``usual`` estimates its errors.
 
     Errors are relative to the largest value in the exact run.
@@ -132,18 +132,18 @@ def levels(
             name: float(np.abs(values[name] - exact[name]).max() / np.abs(exact[name]).max())
             for name in COLUMNS
         }
-        found.append(Level(resolution, trace.counters.steps, spent, errors, own))
+        found.append(AccuracyLevel(resolution, trace.counters.steps, spent, errors, own))
     return found
 
 
-def order(found: list[Level], name: str) -> float:
+def order(found: list[AccuracyLevel], name: str) -> float:
     """Order in the step: slope of the straight line through the logarithms of the errors of all levels."""
     steps = [1.0 / level.resolution for level in found]
     slope = fitted_slope(steps, [level.errors[name] for level in found])
     return math.nan if slope is None else slope
 
 
-def table(name: str, found: list[Level]) -> list[str]:
+def table(name: str, found: list[AccuracyLevel]) -> list[str]:
     """The lines of one case."""
     head = f"{'n':>4}{'steps':>7}{'cpu s':>8}" + "".join(f"{column:>18}" for column in COLUMNS)
     lines = [name, head]

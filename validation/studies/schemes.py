@@ -1,18 +1,20 @@
-"""The ways of solving a scene that a study prices: each solver, and the paper's own scheme beside them.
+"""The methods that a study compares: every registered solver, and variants of two of them.
 
-A scheme is imported when it is asked for; one that is missing or breaks down is a failed level of its ladder.
-Finite-element runs build their mesh anew, so that meshing is part of their price.
+A method that cannot be imported or breaks down is a failed level of its ladder. Finite-element runs build
+their mesh anew, so that meshing is part of their run time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any
 
-if TYPE_CHECKING:
-    from contact_scene import Scene, Trace
-    from meshes import HalfSpaceMesh
+from contact_scene import Scene, Trace
+from validation.solvers import SOLVERS, Solver
+from validation.solvers.boundary_elements import BoundaryElements
+from validation.solvers.finite_elements import FiniteElements
+from validation.solvers.front_tracking import FrontTracking
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,7 @@ class Settings:
     step_resolution : int, optional
         Finite elements: divisions that the steps resolve, where they differ from those of the mesh.
     step : float, optional
-        Baseline: its fixed time step.
+        The paper's scheme: its fixed time step.
     grading, domain_ratio : float, optional
         Finite elements: growth of the element size, and domain radius over the largest contact radius.
     far_field : bool
@@ -46,19 +48,53 @@ class Settings:
     far_field: bool = True
     zone_factor: float = 1.0
 
-
-Scheme = Callable[["Scene", Settings, "tuple[float, ...]"], "Trace"]
+    @property
+    def of_solver(self) -> dict[str, Any]:
+        """Settings that are fields of a solver object, those left to the solver omitted."""
+        names = ("step_resolution", "step", "grading", "domain_ratio")
+        settings = {name: value for name in names if (value := getattr(self, name)) is not None}
+        return settings if self.far_field else settings | {"far_field": False}
 
 
 @dataclass(frozen=True)
-class Named:
-    """A scheme by name: what it is in words, the order its design promises and why, and how to get it."""
+class Scheme:
+    """A method of a study.
+
+    Parameters
+    ----------
+    name, title : str
+        Short name; the method in words.
+    nominal : float
+        Order that its design promises.
+    why : str
+        Reason for that order.
+    solver : Solver
+    line : mapping
+        Line properties that differ from those of the solver.
+    """
 
     name: str
     title: str
     nominal: float
     why: str
-    load: Callable[[], Scheme]
+    solver: Solver
+    line: Mapping[str, Any] | None = None
+
+    @property
+    def curve_style(self) -> dict[str, Any]:
+        """Line properties for matplotlib, marker included."""
+        return {**self.solver.curve_style, "marker": self.solver.marker, **(self.line or {})}
+
+    def solve(self, scene: Scene, settings: Settings, stop_times: tuple[float, ...] = ()) -> Trace:
+        """Solve a scene with the settings of one level."""
+        changes: Any = settings.of_solver
+        solver = replace(self.solver, **changes) if changes else self.solver  # type: ignore[type-var]
+        return solver.solve(
+            with_zone(scene, settings.zone_factor),
+            settings.resolution,
+            step_tolerance=settings.tolerance,
+            stop_times=stop_times,
+        )
 
 
 def with_zone(scene: Scene, factor: float) -> Scene:
@@ -66,53 +102,6 @@ def with_zone(scene: Scene, factor: float) -> Scene:
     if factor == 1.0 or scene.adhesion is None:
         return scene
     return replace(scene, adhesion=replace(scene.adhesion, zone=factor * scene.adhesion.zone))
-
-
-def _bem() -> Scheme:
-    from bem_solver import Options, solve
-
-    return lambda scene, s, times: solve(scene, Options(s.resolution, s.tolerance, profile_times=times))
-
-
-def _baseline() -> Scheme:
-    from bem_solver import Options, solve
-
-    def call(scene: Scene, s: Settings, times: tuple[float, ...]) -> Trace:
-        paper: dict[str, Any] = {"annuli": "uniform", "scheme": "backward-euler"}
-        return solve(scene, Options(s.resolution, s.tolerance, profile_times=times, step=s.step, **paper))
-
-    return call
-
-
-def _fem(path: Literal["auto", "quadrature"] = "auto") -> Scheme:
-    from fem_solver import Options, solve
-
-    def call(scene: Scene, s: Settings, times: tuple[float, ...]) -> Trace:
-        steps = s.step_resolution or s.resolution
-        options = Options(steps, s.tolerance, profile_times=times, path=path, far_field=s.far_field)
-        return solve(scene, mesh_for(scene, s), options)
-
-    return call
-
-
-def _reference() -> Scheme:
-    from validation.reference import Options, solve
-
-    return lambda scene, s, times: solve(scene, Options(s.resolution, s.tolerance, profile_times=times))
-
-
-def mesh_for(scene: Scene, s: Settings) -> HalfSpaceMesh:
-    """A mesh of the declared grading and domain, never one remembered."""
-    import meshes
-    from validation.solvers.contact_range import largest_contact_radius
-
-    largest = largest_contact_radius(scene)
-    edge = scene.indenter.edge if scene.indenter.edge < float("inf") else None
-    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.01 * largest
-    chosen = {"grading": s.grading, "domain_ratio": s.domain_ratio}
-    given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
-    start = edge if edge is not None else 0.0
-    return meshes.half_space(meshes.fit(start, largest, zone, s.resolution, edge=edge, **given))
 
 
 _FIRST = "The edge sits on borders and the history is backward Euler: first order by construction."
@@ -123,19 +112,45 @@ _ELEMENTS = (
 )
 _STRAIGHT = "Loading and history are straight within a step: second order in the step."
 
-SCHEMES: dict[str, Named] = {
+PAPER = "paper-scheme"
+VOLUME = f"{FiniteElements.name}-volume"
+SCHEMES: dict[str, Scheme] = {
     scheme.name: scheme
     for scheme in (
-        Named("bem", "boundary elements, default", 2.0, _SECOND, _bem),
-        Named("baseline", "the paper's uniform annuli with backward Euler", 1.0, _FIRST, _baseline),
-        Named("fem", "finite elements, condensed on the surface", 2.0, _ELEMENTS, _fem),
-        Named(
-            "fem-volume",
+        Scheme(
+            BoundaryElements.name, "boundary elements, default", 2.0, _SECOND, SOLVERS[BoundaryElements.name]
+        ),
+        Scheme(
+            PAPER,
+            "the paper's uniform annuli with backward Euler",
+            1.0,
+            _FIRST,
+            BoundaryElements(annuli="uniform", scheme="backward-euler"),
+            {"color": "#009e73", "linestyle": (0, (1, 1.2)), "marker": "^"},
+        ),
+        Scheme(
+            FiniteElements.name,
+            "finite elements, condensed on the surface",
+            2.0,
+            _ELEMENTS,
+            FiniteElements(cached_mesh=False),
+        ),
+        Scheme(
+            VOLUME,
             "finite elements, history in the volume",
             2.0,
             _ELEMENTS,
-            lambda: _fem("quadrature"),
+            FiniteElements(path="quadrature", cached_mesh=False),
+            {"color": "#cc79a7", "linestyle": (0, (5, 1.5, 1, 1.5)), "marker": "v"},
         ),
-        Named("reference", "front tracking", 2.0, _STRAIGHT, _reference),
+        Scheme(FrontTracking.name, FrontTracking.title, 2.0, _STRAIGHT, SOLVERS[FrontTracking.name]),
     )
 }
+
+
+def scheme(name: str) -> Scheme:
+    """A scheme by name; a solver without a scheme of its own is one with its defaults."""
+    if name in SCHEMES:
+        return SCHEMES[name]
+    solver = SOLVERS[name]
+    return Scheme(name, solver.title, solver.order, "The order observed in whole runs.", solver)

@@ -33,7 +33,7 @@ class Price:
 
 
 @dataclass(frozen=True)
-class Growth:
+class CostGrowth:
     """How a cost grows: exponents of ``cost ~ resolution^a`` and ``cost ~ error^-b``, by least squares."""
 
     scheme: str
@@ -82,12 +82,12 @@ def cheapest(studies: list[Convergence], measure: str, asked: float) -> tuple[Pr
     return min(able, key=lambda entry: entry.seconds or 0.0, default=None), prices
 
 
-def growth(study: Convergence, work: str, measure: str = MEASURES[0]) -> Growth:
+def growth(study: Convergence, work: str, measure: str = MEASURES[0]) -> CostGrowth:
     """Fitted exponents of one kind of cost."""
     spent = [cost(run, work) for run in study.runs]
     fineness = [1.0 / run.level.size for run in study.runs]
     inverse = [1.0 / abs(e) if (e := run.errors.get(measure)) else None for run in study.runs]
-    return Growth(study.ladder.scheme, work, fitted_slope(fineness, spent), fitted_slope(inverse, spent))
+    return CostGrowth(study.ladder.scheme, work, fitted_slope(fineness, spent), fitted_slope(inverse, spent))
 
 
 def measures(studies: list[Convergence]) -> list[str]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from contact_scene import Scene, SurfaceProfile
 from validation.drawing.axes import format_axes
 from validation.drawing.styles import GRID, INK, MARKERS, SERIES
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +47,7 @@ class AxisScale:
 
 def scale(scene: Scene) -> AxisScale:
     """The paper's dimensionless axes for a sphere; otherwise the units of the scene."""
-    size = units(scene)
+    size = unit_sizes(scene)
     if "length" in size:
         length = size["length"]
         names = (r"$r/R$", r"$u/R$", r"$(1-\nu^2)\,p/(\pi E_0)$", r"$\Delta/R$", r"gap $g/R$", r"$(r-a)/R$")

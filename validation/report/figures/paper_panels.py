@@ -26,7 +26,7 @@ from validation.claims.evidence import (
 )
 from validation.drawing.curves import of_trace
 from validation.drawing.styles import BLUE, CLOSED_FORM, DASHES, INK, MARKERS, ORANGE, SERIES
-from validation.measure.dimensionless import units
+from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import end_of_approach
 
 if TYPE_CHECKING:
@@ -188,7 +188,7 @@ def cycle_losses(figure: Figure, evidence: Evidence) -> None:
     """Energy lost in each cycle of the sweep against its frequency."""
     axes = figure.subplots()
     cycles = oscillations.losses(evidence)[1:]
-    size = units(load("sweep").scene)["energy"]
+    size = unit_sizes(load("sweep").scene)["energy"]
     frequencies, loops = [one.angular_frequency for one in cycles], [one.loop / size for one in cycles]
     axes.plot(frequencies, loops, "o-", color=SERIES[0], markersize=3, linewidth=1.0)
     axes.set(xlabel=r"$\tilde{\omega}_a$", ylabel=r"$\tilde{L}$", ylim=(0.0, None))

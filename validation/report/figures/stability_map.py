@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from validation.drawing.styles import INK, VERMILION
-from validation.stability.verdict import Cell, Verdict
+from validation.stability.verdict import Cell, CellVerdict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +83,7 @@ def level(cell: Cell) -> float | None:
 
 def letter(cell: Cell) -> str:
     """How the run ended."""
-    return "?" if cell.verdict is Verdict.UNKNOWN else LETTERS.get(cell.outcome, "?")
+    return "?" if cell.verdict is CellVerdict.UNKNOWN else LETTERS.get(cell.outcome, "?")
 
 
 def _field(axes: Axes, across: int, down: int, cell: Cell, number: int, colours) -> None:
@@ -96,7 +96,7 @@ def _field(axes: Axes, across: int, down: int, cell: Cell, number: int, colours)
     ink = "#000000" if light else "#ffffff"
     axes.text(across + 0.5, down + 0.45, letter(cell), ha="center", va="center", fontsize=9, color=ink)
     axes.text(across + 0.9, down + 0.86, str(number), ha="right", va="center", fontsize=5.5, color=ink)
-    if cell.verdict is Verdict.SAYS:
+    if cell.verdict is CellVerdict.DECLINED:
         axes.plot([across + 0.25, across + 0.75], [down + 0.7, down + 0.7], color=ink, linewidth=1.2)
     if cell.fault:
         frame = Rectangle((across + 0.08, down + 0.1), 0.84, 0.8, fill=False, edgecolor=FAULT, linewidth=2.2)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from validation.compare.regression import Comparison, Move
+from validation.compare.regression import Move, ReportComparison
 from validation.report.document import (
     ABSENT,
     DataTable,
@@ -18,12 +18,12 @@ from validation.report.document import (
 MOST = 20  # moves a summary lists, unless more are beyond tolerance
 
 
-def section(baseline: Comparison) -> Section:
+def section(baseline: ReportComparison) -> Section:
     """All moves."""
     return Section("Since the baseline", (Paragraph(baseline.verdict), *_listed(baseline.moves)))
 
 
-def summary(baseline: Comparison) -> Section:
+def summary(baseline: ReportComparison) -> Section:
     """All that count and the largest of the rest."""
     shown = baseline.moves[: max(len(baseline.beyond), MOST)]
     more = len(baseline.moves) - len(shown)

@@ -54,7 +54,7 @@ def section(matrix: StabilityMatrix) -> Section:
 
 def summary(matrix: StabilityMatrix) -> Section:
     """The limits, and every cell that is not simply within its tolerance."""
-    shown = [cell for cell in matrix.cells if cell.verdict is not judged.Verdict.MEETS]
+    shown = [cell for cell in matrix.cells if cell.verdict is not judged.CellVerdict.WITHIN]
     table = (_table(matrix, shown),) if shown else ()
     return Section(TITLE, (Bullets(tuple(limits(matrix.cells))), *table))
 
@@ -90,7 +90,7 @@ def _table(matrix: StabilityMatrix, cells: Iterable[judged.Cell]) -> DataTable:
 
 
 def _cells(cell: judged.Cell, number: int) -> Record:
-    meets = cell.verdict is judged.Verdict.MEETS
+    meets = cell.verdict is judged.CellVerdict.WITHIN
     return {
         "no.": str(number),
         "axis": cell.axis,

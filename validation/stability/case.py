@@ -1,8 +1,8 @@
-"""One place in the matrix: a scene, what the right answer is, and how close an answer has to come.
+"""One case of the matrix: a scene, what the right answer is, and how accurate an answer has to be.
 
-Four kinds of truth: numbers of a closed form (:class:`Known`), the front tracking at two resolutions
-(:class:`Computed`), the same solver on an equivalent scene (:class:`Equivalent`), and that there is no
-answer, which a solver has to say (:class:`Nothing`).
+Four kinds of truth: numbers of a closed form (:class:`ClosedForm`), the front tracking at two resolutions
+(:class:`ReferenceRuns`), the same solver on an equivalent scene (:class:`EquivalentScene`), and that there is
+no solution, which a solver has to report (:class:`NoSolution`).
 """
 
 from __future__ import annotations
@@ -11,8 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from contact_scene import OutcomeKind, Scene, SceneError
-
-SOLVERS = ("bem", "fem", "reference")
+from validation.solvers import SOLVERS
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ class Value:
 
 
 @dataclass(frozen=True)
-class Known:
+class ClosedForm:
     """Values of a closed form, where they come from, and how the run must end."""
 
     values: tuple[Value, ...]
@@ -39,19 +38,21 @@ class Known:
 
 
 @dataclass(frozen=True)
-class Computed:
+class ReferenceRuns:
     """Observables taken from the front tracking; a third of its own step halving is its error estimate.
 
-    ``force, RMS`` among the names is the curve ``F(t)``, RMS over maximum.
+    ``force, RMS`` among the names is the curve ``F(t)``, RMS over maximum. Names in ``of_largest`` are
+    relative to the largest magnitude of their column in the run: at that instant the value may vanish.
     """
 
     names: tuple[str, ...]
     fine: int = 20
     coarse: int = 10
+    of_largest: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Equivalent:
+class EquivalentScene:
     """The same solver on a scene that differs in units, or in something without any effect.
 
     Factors turn the columns of ``scene`` into those of the probe: penetration and radius by ``length``,
@@ -65,33 +66,40 @@ class Equivalent:
 
 
 @dataclass(frozen=True)
-class Nothing:
-    """There is no answer; ``why`` in words. A solver must refuse, or end with ``no equilibrium``."""
+class NoSolution:
+    """There is no solution; ``why`` in words. A solver must refuse, or end with ``no equilibrium``."""
 
     why: str
 
 
-Truth = Known | Computed | Equivalent | Nothing
+Truth = ClosedForm | ReferenceRuns | EquivalentScene | NoSolution
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Largest relative error of each solver, and the reason for these numbers."""
+    """Largest relative error by solver, the reason for these numbers, and a limit for any other solver.
+
+    A solver not in ``limits`` has ``other``; its own ``coarse_tolerance`` where that is ``None``.
+    """
 
     limits: Mapping[str, float]
     why: str
+    other: float | None = None
+
+    def limit(self, solver: str) -> float:
+        """Largest relative error of one solver."""
+        other = SOLVERS[solver].coarse_tolerance if self.other is None else self.other
+        return self.limits.get(solver, other)
 
 
 USUAL = Tolerance(
-    {"bem": 1e-2, "fem": 2e-2, "reference": 2e-3},
+    {},
     "coarse runs (6, 4 and 8 divisions a zone): about three times their error in the studies of cycles",
 )
-RESOLUTIONS: Mapping[str, int] = {"bem": 6, "fem": 4, "reference": 8}
-ADHESIONLESS: Mapping[str, int] = {"bem": 6, "fem": 1, "reference": 4}
 
 
 @dataclass(frozen=True)
-class Probe:
+class StabilityCase:
     """A scene on an axis of the matrix.
 
     Parameters
@@ -100,16 +108,16 @@ class Probe:
         Which axis, where on it.
     scene : Scene or SceneError
         The question; or the refusal, where it cannot even be put.
-    truth : Known, Computed, Equivalent or Nothing
+    truth : ClosedForm, ReferenceRuns, EquivalentScene or NoSolution
     tolerance : Tolerance
     series : str
         Probes of one series differ in stiffness alone; their work is fitted against it. Empty: no series.
     stiffness : float
         Ratio of the longest to the shortest time, or of the moduli, that makes this probe hard.
     resolutions : mapping
-        Divisions per process zone by solver.
-    too_dear : mapping
-        Solvers that are not asked, and why: the run would take minutes.
+        Divisions per process zone by solver, where they are not its ``coarse_resolution``.
+    skip_reasons : mapping
+        Solvers that are not run, and why: the run would take minutes.
     max_steps : int
         Step budget.
     seconds : float
@@ -123,10 +131,15 @@ class Probe:
     tolerance: Tolerance = USUAL
     series: str = ""
     stiffness: float = 1.0
-    resolutions: Mapping[str, int] = field(default_factory=lambda: RESOLUTIONS)
-    too_dear: Mapping[str, str] = field(default_factory=dict)
+    resolutions: Mapping[str, int] = field(default_factory=dict)
+    skip_reasons: Mapping[str, str] = field(default_factory=dict)
     max_steps: int = 20_000
     seconds: float = 180.0
+
+    def resolution(self, solver: str) -> int:
+        """Divisions per process zone for one solver."""
+        adhesive = isinstance(self.scene, Scene) and self.scene.is_adhesive
+        return self.resolutions.get(solver) or SOLVERS[solver].coarse_resolution(adhesive)
 
     @property
     def name(self) -> str:
@@ -134,7 +147,7 @@ class Probe:
         return f"{self.axis}: {self.label}"
 
 
-def asked(build: Callable[[], Scene]) -> Scene | SceneError:
+def scene_or_refusal(build: Callable[[], Scene]) -> Scene | SceneError:
     """The scene, or the error with which it is refused before any solver sees it."""
     try:
         return build()

@@ -1,0 +1,79 @@
+"""A solver registered from outside takes part in every report without a change anywhere else."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from support.spring_solver import SCENE, FunctionSolver, named, spring
+
+from validation import solvers
+from validation.cases import load
+from validation.execution.progress import Progress
+from validation.report.build import build, write
+from validation.solvers import Solver, register, unregister
+from validation.stability.matrix import probes
+from validation.studies.ladders import ladders
+from validation.studies.schemes import scheme
+
+NAME = "spring"
+
+
+class SpringSolver(Solver):
+    """Only what a solver has to state: its name, its title and how it solves."""
+
+    name = NAME
+    title = "a spring"
+
+    def solve(self, scene, resolution=None, **options):
+        return FunctionSolver(spring(1.1), NAME).solve(scene, resolution, **options)
+
+
+@pytest.fixture
+def registered(monkeypatch):
+    """The new solver beside the built-in ones, which do nothing but follow a spring of their own."""
+    for name in solvers.SOLVERS:
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
+    register(SpringSolver())
+    yield solvers.solver(NAME)
+    unregister(NAME)
+
+
+def test_a_whole_report(registered, tmp_path):
+    scene = tmp_path / "small.toml"
+    scene.write_text(SCENE)
+    report = build("quick", [load(str(scene))], 1, Progress("test"))
+    write(report, tmp_path / "out")
+    (entry,) = json.loads((tmp_path / "out" / "report.json").read_text())["scenes"]
+    assert list(entry["runs"]) == [*(one.name for one in solvers.solvers())]
+    assert entry["runs"][NAME]["outcome"] == "detached"
+    checks = {check["quantity"]: check for check in entry["checks"] if check["solver"] == NAME}
+    assert checks["outcome"]["passed"]
+    assert not checks["pull_off_force"]["passed"]
+    assert checks["pull_off_force"]["difference"] == pytest.approx(0.1)
+    assert checks["pull_off_force"]["tolerance"] == registered.tolerance
+    assert checks["pull_off_force"]["estimate"] is not None
+    for form in ("index.html", "summary.md", "junit.xml"):
+        assert NAME in (tmp_path / "out" / form).read_text()
+    assert (tmp_path / "out" / "runs" / "small" / NAME / "trace.csv").exists()
+
+
+def test_the_matrix_and_a_study_take_it_too(registered):
+    scene = load("cycle-v0.1").scene
+    assert {entry.scheme for entry in ladders(scene)} >= {NAME}
+    assert scheme(NAME).solve(scene, ladders(scene)[-1].levels[0].settings).solver == NAME
+    first = probes("dead-load")[0]
+    assert first.resolution(NAME) == registered.coarse_resolution(adhesive=True)
+    assert first.tolerance.limit(NAME) > 1e-2
+
+
+def test_names_are_unique(registered):
+    with pytest.raises(ValueError, match="already"):
+        register(SpringSolver())
+    assert NAME in solvers.SOLVERS
+
+
+def test_it_is_gone_afterwards():
+    assert NAME not in solvers.SOLVERS
+    with pytest.raises(KeyError):
+        solvers.solver(NAME)
