@@ -1,4 +1,4 @@
-"""The key numbers of a run: in unit_sizes of the scene, dimensionless, over the JKR force; error estimates."""
+"""The key numbers of a run: in units of the scene, dimensionless, over the JKR force; error estimates."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ KEY_MEASURES = {
 }
 """Measures shown for every run, and the kind of their unit."""
 
-HEAD = ("", "in scene unit_sizes", "dimensionless", "F/F_JKR", "error estimate")
+HEAD = ("", "in scene units", "dimensionless", "F/F_JKR", "error estimate")
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class KeyNumber:
     name : str
         As in ``summary.json``.
     value : float or None
-        In unit_sizes of the scene; ``None`` where it does not apply.
+        In units of the scene; ``None`` where it does not apply.
     kind : str
         Kind of its unit: "length", "force", "energy" or "time".
     ratio : float or None

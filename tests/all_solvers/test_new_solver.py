@@ -10,7 +10,8 @@ from support.spring_solver import SCENE, FunctionSolver, named, spring
 from validation import solvers
 from validation.cases import load
 from validation.execution.progress import Progress
-from validation.report.build import build, write
+from validation.report.build import build
+from validation.report.write import write
 from validation.solvers import Solver, register, unregister
 from validation.stability.matrix import probes
 from validation.studies.ladders import ladders

@@ -30,17 +30,12 @@ CSS_VARIABLES = {
     GRID: "var(--grid)",
 }
 CLOSED_FORM: dict[str, Any] = {"color": GREEN, "linestyle": ":", "linewidth": 1.3}
-# Of variants of a solver that a study compares with it.
-_VARIANTS: dict[str, dict[str, Any]] = {
-    "fem-volume": {"color": PURPLE, "linestyle": (0, (5, 1.5, 1, 1.5)), "linewidth": 1.4, "marker": "v"},
-    "baseline": {"color": GREEN, "linestyle": (0, (1, 1.2)), "linewidth": 1.4, "marker": "^"},
-}
 _OTHER: dict[str, Any] = {"color": ORANGE, "linestyle": (0, (8, 2, 2, 2)), "linewidth": 1.4, "marker": "P"}
 
 
 def curve_style(name: str) -> dict[str, Any]:
-    """Line properties of a solver or scheme: colour, line style and width, marker."""
+    """Line properties of a solver: colour, line style and width, marker."""
     method = SOLVERS.get(name)
     if method is None:
-        return _VARIANTS.get(name, _OTHER)
+        return _OTHER
     return {**method.curve_style, "marker": method.marker}

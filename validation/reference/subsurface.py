@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike, NDArray
 from contact_scene import Cone, FlatPunch, Indenter, Sphere
 from validation.reference import jkr as adhesive
 from validation.reference import sneddon
-from validation.studies.subsurface_ladders import ladders
+from validation.reference.harmonic_integrals import ladders
 
 Array = NDArray[np.float64]
 

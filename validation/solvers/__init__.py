@@ -1,4 +1,4 @@
-"""The solvers by name, one object each; what a solver itself needs is imported when it runs."""
+"""The solvers by name, one object each; scikit-fem and gmsh are imported when the finite elements run."""
 
 from validation.solvers.base import Progress, Solver
 from validation.solvers.front_tracking import REFERENCE

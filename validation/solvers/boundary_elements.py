@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from bem_solver import Options, solve
+from bem_solver.options import DEFAULT_RESOLUTION
 from contact_scene import RunMonitor, Scene, Trace
 from validation.solvers.base import Progress, Solver, cycle_count, specified
 
@@ -63,8 +65,6 @@ class BoundaryElements(Solver):
         estimate_errors: bool = False,
     ) -> Trace:
         """See :meth:`Solver.solve`; makes no error estimates of its own."""
-        from bem_solver import Options, solve
-
         options = Options(
             resolution,
             step_tolerance,
@@ -77,14 +77,8 @@ class BoundaryElements(Solver):
         )
         return solve(scene, options, progress, monitor)
 
-    def load(self) -> None:
-        """Import the solver."""
-        import bem_solver  # noqa: F401
-
     def default_resolution(self, scene: Scene) -> int:
         """As in ``bem_solver.Options``."""
-        from bem_solver.options import DEFAULT_RESOLUTION
-
         return DEFAULT_RESOLUTION
 
     def coarse_resolution(self, adhesive: bool) -> int:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from contact_scene import RunMonitor, Scene, SceneError, Trace
 from validation.solvers.base import SKIPPED_WORK, Progress, Solver, cycle_count, specified
+from validation.solvers.contact_range import largest_contact_radius
 
 if TYPE_CHECKING:
     from meshes import HalfSpaceMesh
@@ -158,7 +159,6 @@ def mesh_for(
         If no mesh of reasonable size resolves the process zone.
     """
     import meshes
-    from validation.solvers.contact_range import largest_contact_radius
 
     largest = largest_contact_radius(scene)
     edge = scene.indenter.edge if math.isfinite(scene.indenter.edge) else None

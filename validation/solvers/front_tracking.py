@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from contact_scene import RunMonitor, Scene, Trace
+from validation.reference import Options, solve
+from validation.reference.tracking.options import DEFAULT_RESOLUTION
 from validation.solvers.base import Progress, Solver, cycle_count, specified
 
 REFERENCE = "reference"
@@ -41,8 +43,6 @@ class FrontTracking(Solver):
         estimate_errors: bool = False,
     ) -> Trace:
         """See :meth:`Solver.solve`."""
-        from validation.reference import Options, solve
-
         options = Options(
             resolution,
             step_tolerance,
@@ -53,14 +53,8 @@ class FrontTracking(Solver):
         )
         return solve(scene, options, progress, monitor)
 
-    def load(self) -> None:
-        """Import the solver."""
-        import validation.reference  # noqa: F401
-
     def default_resolution(self, scene: Scene) -> int:
         """As in ``validation.reference.Options``."""
-        from validation.reference.tracking.options import DEFAULT_RESOLUTION
-
         return int(DEFAULT_RESOLUTION[scene.is_adhesive])
 
     def coarse_resolution(self, adhesive: bool) -> int:

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from validation.drawing.axes import SIZE, format_axes
-from validation.drawing.styles import INK, curve_style
+from validation.drawing.styles import INK
 from validation.studies.convergence import Convergence
+from validation.studies.schemes import scheme
 from validation.studies.work_precision import cost
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def draw(chart: Chart, studies: Sequence[Convergence]) -> Figure | None:
     axes.set_yscale("log")
     drawn, failed = False, False
     for row, study in enumerate(studies):
-        style = curve_style(study.ladder.scheme) | {"linewidth": 1.4}
+        style = scheme(study.ladder.scheme).curve_style | {"linewidth": 1.4}
         points = [(x, y) for x, y in _points(study, chart) if x > 0.0 and y > 0.0]
         if points:
             x, y = zip(*points, strict=True)

@@ -30,7 +30,7 @@ from validation.report.sections import environment
 from validation.report.sections.scene import COUNTERS
 from validation.studies import work_precision
 from validation.studies.convergence import Convergence, LevelRun, Row
-from validation.studies.schemes import SCHEMES
+from validation.studies.schemes import scheme
 from validation.studies.study import SceneStudy, Study
 
 TITLE = "crosscontact study"
@@ -180,7 +180,7 @@ def _covered(row: Row) -> str:
 def ladder(study: Convergence) -> Section:
     """One ladder in full: what each level did, and every observable."""
     stated = [f"Refined: {study.ladder.refined}. Nominal order {study.nominal:g}."]
-    stated += [SCHEMES[study.ladder.scheme].why] if study.ladder.nominal is None else []
+    stated += [scheme(study.ladder.scheme).why] if study.ladder.nominal is None else []
     note = {"zone": ZONE_NOTE, "domain": DOMAIN_NOTE}.get(study.ladder.kind)
     stated += [note] if note else []
     values = (
@@ -209,7 +209,7 @@ def ladder(study: Convergence) -> Section:
         DataTable.of(values, "Values alone"),
         DataTable.of(errors, "Errors against the reference"),
     )
-    title = f"{SCHEMES[study.ladder.scheme].title}: {study.ladder.kind}"
+    title = f"{scheme(study.ladder.scheme).title}: {study.ladder.kind}"
     return _section(title, stated, *(table for table in tables if table.rows))
 
 
