@@ -116,12 +116,11 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
 
 
 def test_the_full_report_has_the_matrix_and_fails_with_it(tmp_path, monkeypatch, capsys):
-    import validation.report.build as build
     from validation.report.report import Report
 
     empty = Report("full", [], {"processor": "made up"}, 1.0)
     asked = []
-    monkeypatch.setattr(build, "build", lambda *given: empty)
+    monkeypatch.setattr("crosscontact.commands.report.build", lambda *given: empty)
     monkeypatch.setattr(command, "compute", lambda jobs, store: asked.append(jobs) or MATRIX)
     assert main(["report", "--suite", "full", "--jobs", "2", "--out", str(tmp_path / "full")]) == 1
     assert asked == [2]
