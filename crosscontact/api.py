@@ -17,7 +17,7 @@ from crosscontact.limits import SMALLEST_RESOLUTION
 from crosscontact.result import Result
 from validation import cases
 from validation.compare.against_reference import check_case
-from validation.compare.checks import Check
+from validation.measure.check import Check
 from validation.execution import runs
 
 if TYPE_CHECKING:
