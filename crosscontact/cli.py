@@ -16,9 +16,9 @@ from typing import NoReturn
 from crosscontact import __version__
 from crosscontact.commands import scenes
 from crosscontact.limits import SMALLEST_RESOLUTION
-from validation import cases
 from validation.execution.memory import keep_freed
 from validation.execution.signals import interrupting
+from validation.scenes import SUITES
 
 # The dense systems here are small: more threads than one cost time, and results must not depend on them.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -209,7 +209,7 @@ def parser() -> argparse.ArgumentParser:
     _fresh(stability)
 
     report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
-    report.add_argument("--suite", choices=cases.SUITES, default="quick")
+    report.add_argument("--suite", choices=SUITES, default="quick")
     report.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
     report.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
     report.add_argument(
