@@ -240,7 +240,7 @@ def _fresh(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--fresh",
         action="store_true",
-        help="start anew; otherwise what was stopped in the same --out goes on where it was",
+        help="start anew; otherwise an interrupted command with the same --out is continued",
     )
 
 
@@ -308,17 +308,17 @@ def _command(options: argparse.Namespace) -> int:
         solvers = options.solvers or registry.names()
         return compare.run(options.scenes, solvers, options.out, jobs, options.fresh)
     if options.command == "study" and options.poisson is not None:
-        from crosscontact.commands.poisson import poisson
+        from crosscontact.commands import poisson
 
-        return poisson(options.scenes, options.poisson, options.out, jobs)
+        return poisson.run(options.scenes, options.poisson, options.out, jobs)
     if options.command == "study":
         from crosscontact.commands import study
 
         return study.run(options.scenes, options.out, jobs, options.fresh)
     if options.command == "stability":
-        from crosscontact.commands.stability import stability
+        from crosscontact.commands import stability
 
-        return stability(options.out, jobs, options.solver, options.only, options.fresh)
+        return stability.run(options.out, jobs, options.solver, options.only, options.fresh)
     if options.command == "fields":
         from crosscontact.commands import fields
         from validation.fields.figures.figure_set import of_options
