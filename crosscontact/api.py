@@ -16,6 +16,7 @@ from crosscontact.key_numbers import aligned
 from crosscontact.limits import SMALLEST_RESOLUTION
 from crosscontact.result import Result
 from validation import cases
+from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
 from validation.measure.check import Check
 from validation.execution import runs
@@ -26,14 +27,14 @@ if TYPE_CHECKING:
 
 def builtin(name: str) -> Scene:
     """A built-in scene; :func:`scenes` lists them."""
-    if name not in cases.names():
+    if name not in builtin_scenes.names():
         raise SceneError("name", f"no built-in scene {shown(name)}", "a name listed by crosscontact.scenes()")
     return cases.load(name).scene
 
 
 def scenes() -> dict[str, str]:
     """Titles of the built-in scenes by name."""
-    return cases.titles()
+    return builtin_scenes.titles()
 
 
 def solvers() -> tuple[str, ...]:
@@ -133,10 +134,10 @@ def compare(
     if resolution is not None:
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
     names = registry.names() if solvers is None else registry.chosen(solvers, "solvers")
-    found = {name: runs.run(case, name, resolution, estimate=estimate_errors) for name in names}
-    results = {name: Result(case.scene, run) for name, run in found.items() if run.trace is not None}
-    failures = {name: run.failure for name, run in found.items() if run.trace is None}
-    return SolverComparison(case.scene, results, failures, tuple(check_case(case, found)))
+    by_solver = {name: runs.run(case, name, resolution, estimate=estimate_errors) for name in names}
+    results = {name: Result(case.scene, run) for name, run in by_solver.items() if run.trace is not None}
+    failures = {name: run.failure for name, run in by_solver.items() if run.trace is None}
+    return SolverComparison(case.scene, results, failures, tuple(check_case(case, by_solver)))
 
 
 @dataclass(frozen=True)

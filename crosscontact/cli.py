@@ -16,9 +16,9 @@ from typing import NoReturn
 from crosscontact import __version__
 from crosscontact.commands import scenes
 from crosscontact.limits import SMALLEST_RESOLUTION
-from validation import cases
 from validation.execution.memory import keep_freed
 from validation.execution.signals import interrupting
+from validation.scenes import SUITES
 
 # The dense systems here are small: more threads than one cost time, and results must not depend on them.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -209,7 +209,7 @@ def parser() -> argparse.ArgumentParser:
     _fresh(stability)
 
     report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
-    report.add_argument("--suite", choices=cases.SUITES, default="quick")
+    report.add_argument("--suite", choices=SUITES, default="quick")
     report.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
     report.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
     report.add_argument(
@@ -240,7 +240,7 @@ def _fresh(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--fresh",
         action="store_true",
-        help="start anew; otherwise what was stopped in the same --out goes on where it was",
+        help="start anew; otherwise an interrupted command with the same --out is continued",
     )
 
 
@@ -308,17 +308,17 @@ def _command(options: argparse.Namespace) -> int:
         solvers = options.solvers or registry.names()
         return compare.run(options.scenes, solvers, options.out, jobs, options.fresh)
     if options.command == "study" and options.poisson is not None:
-        from crosscontact.commands.poisson import poisson
+        from crosscontact.commands import poisson
 
-        return poisson(options.scenes, options.poisson, options.out, jobs)
+        return poisson.run(options.scenes, options.poisson, options.out, jobs)
     if options.command == "study":
         from crosscontact.commands import study
 
         return study.run(options.scenes, options.out, jobs, options.fresh)
     if options.command == "stability":
-        from crosscontact.commands.stability import stability
+        from crosscontact.commands import stability
 
-        return stability(options.out, jobs, options.solver, options.only, options.fresh)
+        return stability.run(options.out, jobs, options.solver, options.only, options.fresh)
     if options.command == "fields":
         from crosscontact.commands import fields
         from validation.fields.figures.figure_set import of_options

@@ -68,17 +68,17 @@ def key_numbers(
     scene: Scene, measures: Mapping[str, float | None], errors: Mapping[str, float]
 ) -> list[KeyNumber]:
     """The key numbers of a run on a scene, in the order of ``KEY_MEASURES``."""
-    known = unit_sizes(scene)
+    units = unit_sizes(scene)
     numbers = []
     for name, kind in KEY_MEASURES.items():
-        value, jkr = measures.get(name), known.get("jkr-force") if kind == "force" else None
-        scaled = value is not None and kind in known
+        value, jkr = measures.get(name), units.get("jkr-force") if kind == "force" else None
+        scaled = value is not None and kind in units
         numbers.append(
             KeyNumber(
                 name,
                 value,
                 kind,
-                value / known[kind] if value is not None and scaled else None,
+                value / units[kind] if value is not None and scaled else None,
                 SYMBOLS[kind] if scaled else "",
                 None if value is None or jkr is None else value / jkr,
                 None if value is None else errors.get(name),

@@ -15,7 +15,7 @@ def names() -> tuple[str, ...]:
     return tuple(SOLVERS)
 
 
-def chosen(asked: Collection[str], key: str) -> tuple[str, ...]:
+def chosen(solvers: Collection[str], key: str) -> tuple[str, ...]:
     """Solvers to compare, in the order of :func:`names`.
 
     Raises
@@ -23,14 +23,14 @@ def chosen(asked: Collection[str], key: str) -> tuple[str, ...]:
     SceneError
         If there is no such solver, the reference is not among them, or nothing else is.
     """
-    unknown = [name for name in asked if name not in names()]
-    if unknown or isinstance(asked, str):
+    unknown = [name for name in solvers if name not in names()]
+    if unknown or isinstance(solvers, str):
         raise SceneError(
             key,
-            f"got {shown(asked if isinstance(asked, str) else unknown[0])}",
+            f"got {shown(solvers if isinstance(solvers, str) else unknown[0])}",
             f"several of {', '.join(names())}",
         )
-    if REFERENCE not in asked or len(set(asked)) < 2:
+    if REFERENCE not in solvers or len(set(solvers)) < 2:
         allowed = f"{REFERENCE}, with which the others are compared, and at least one other"
-        raise SceneError(key, f"got {', '.join(map(str, asked)) or 'none'}", allowed)
-    return tuple(name for name in names() if name in asked)
+        raise SceneError(key, f"got {', '.join(map(str, solvers)) or 'none'}", allowed)
+    return tuple(name for name in names() if name in solvers)

@@ -253,7 +253,7 @@ class Result:
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write ``scene.toml``, ``trace.csv`` and ``summary.json`` as the command line does.
 
-        Profiles are not kept. :func:`load` reads the folder back.
+        Profiles are not written. :func:`load` reads the folder back.
         """
         write_run(output_folder(folder, "folder"), self.scene, self.run)
 
@@ -275,24 +275,24 @@ def load(folder: str | os.PathLike[str]) -> Result:
     SceneError
         One line, if a file is missing or damaged, or the run gave no answer.
     """
-    place = Path(folder)
+    source = Path(folder)
     for name in ("scene.toml", "summary.json"):
-        if not (place / name).is_file():
+        if not (source / name).is_file():
             allowed = "a folder written by `crosscontact solve --out`"
-            raise SceneError("", f"has no {name}", allowed, str(place))
-    scene = read_scene(place / "scene.toml")
-    file = str(place / "summary.json")
+            raise SceneError("", f"has no {name}", allowed, str(source))
+    scene = read_scene(source / "scene.toml")
+    file = str(source / "summary.json")
     try:
         summary = json.loads(read_text(Path(file)))
         if summary["outcome"] in ("failed", "refused"):
             problem = f"{summary['solver']} gave no answer: {summary['reason']}"
             raise SceneError("outcome", problem, "a run with a trace", file)
-        run = _run(summary, read_columns(place / "trace.csv"))
+        run = _run(summary, read_columns(source / "trace.csv"))
     except SceneError:
         raise
     except OSError as error:
         problem = f"cannot be read: {error.strerror or error}"
-        raise SceneError("trace.csv", problem, "the trace of the run", str(place)) from None
+        raise SceneError("trace.csv", problem, "the trace of the run", str(source)) from None
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
     return Result(scene, run)

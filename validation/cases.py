@@ -17,18 +17,13 @@ A built-in scene is a pair of files in ``validation/scenes``: ``NAME.toml``, an 
 from __future__ import annotations
 
 import difflib
-import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from contact_scene import Scene
-
-SCENES = Path(__file__).parent / "scenes"
-SUITES = ("quick", "paper", "full")
-_CHECKS = ".checks.toml"
+from contact_scene import Scene, SceneError, read_scene
+from validation.scenes import FOLDER, checks, names
+from validation.solvers import SOLVERS
 
 
 @dataclass(frozen=True)
@@ -67,8 +62,6 @@ class Case:
         squares a stress that is singular at the edge: both have wider tolerances, unless the scene says so.
         Where the scene has no tolerances for this solver, its defaults hold; ``None``: no such solver.
         """
-        from validation.solvers import SOLVERS  # NumPy stays unloaded where scenes are only listed
-
         method = SOLVERS.get(solver)
         if method is None:
             return None
@@ -84,21 +77,6 @@ class Case:
         return table.get(quantity, usual)
 
 
-def names() -> list[str]:
-    """Names of the built-in scenes."""
-    return sorted(file.name.removesuffix(_CHECKS) for file in SCENES.glob("*" + _CHECKS))
-
-
-def titles() -> dict[str, str]:
-    """Title of every built-in scene, without building the scenes."""
-    return {name: tomllib.loads((SCENES / f"{name}.toml").read_text("utf-8"))["title"] for name in names()}
-
-
-def suite(name: str) -> list[str]:
-    """Names of the built-in scenes of a report suite."""
-    return [scene for scene in names() if name in _known(scene)["suites"]]
-
-
 def load(name: str) -> Case:
     """A built-in scene by name, or a user's scene file by path.
 
@@ -107,13 +85,11 @@ def load(name: str) -> Case:
     SceneError
         If there is neither, or the file is no valid scene.
     """
-    from contact_scene import SceneError, read_scene
-
     if name in names():
-        known = _known(name)
+        known = checks(name)
         return Case(
             name=name,
-            scene=read_scene(SCENES / f"{name}.toml"),
+            scene=read_scene(FOLDER / f"{name}.toml"),
             figure=known["figure"],
             statement=known["statement"],
             suites=tuple(known["suites"]),
@@ -133,10 +109,10 @@ def load(name: str) -> Case:
     )
 
 
-def load_all(given: Iterable[str]) -> list[Case]:
-    """Several scenes; one given twice counts once, different files of one name are numbered."""
+def load_all(scenes: Iterable[str]) -> list[Case]:
+    """Several scenes; one named twice counts once, different files of one name are numbered."""
     loaded: dict[str, Case] = {}
-    for name in dict.fromkeys(given):
+    for name in dict.fromkeys(scenes):
         case = load(name)
         unique, number = case.name, 1
         while unique in loaded:
@@ -144,7 +120,3 @@ def load_all(given: Iterable[str]) -> list[Case]:
             unique = f"{case.name}-{number}"
         loaded[unique] = replace(case, name=unique)
     return list(loaded.values())
-
-
-def _known(name: str) -> dict[str, Any]:
-    return tomllib.loads((SCENES / f"{name}{_CHECKS}").read_text("utf-8"))

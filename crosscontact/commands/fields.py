@@ -1,27 +1,26 @@
-"""What ``crosscontact fields`` does: run, look into the body at the moments asked for, write, sum up."""
+"""``crosscontact fields``: run, compute the fields in the body at the requested moments, write, sum up."""
 
 from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from contact_scene import Counters, Scene, SceneError
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress
 from validation.fields.balance import EnergySums, balance
+from validation.fields.figures.figure_set import FigureSet
 from validation.fields.files import ParaViewSeries
 from validation.fields.request import FieldRequest, RecordedFields, check_times, record_fields
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from contact_scene import Counters, Scene
     from fem_solver import FieldState
-    from validation.fields.figures.figure_set import FigureSet
 
 
 def run(
@@ -33,12 +32,37 @@ def run(
     out: str | None,
     figures: FigureSet | None = None,
 ) -> int:
-    """Exit code 0; 1 if the run did not finish or a figure asked for cannot be drawn; 2 for times outside it.
+    """Run the finite elements; write files for ParaView, print energies, draw.
 
-    With an ``figures`` its figures are drawn too, of the moments it needs beside those asked for.
+    Parameters
+    ----------
+    name : str
+        Scene file or name of a built-in scene.
+    times : list of float
+        Moments that are stepped onto.
+    pull_off : bool
+        Whether the largest tension is a moment too.
+    every : int
+        Each n-th accepted step is a moment too, which is not drawn; 0: none.
+    resolution : int or None
+        Divisions per process zone; ``None``: the solver's choice.
+    out : str or None
+        Folder; ``None``: ``out/fields/SCENE``.
+    figures : FigureSet or None
+        What is drawn, at moments of its own beside the requested ones.
+
+    Returns
+    -------
+    int
+        2 if a moment lies outside the run, 1 if the run does not finish, else 0.
+
+    Raises
+    ------
+    SceneError
+        If no moment is requested, or a time cannot lie within the loading.
+    NoRendering
+        If a requested figure cannot be drawn here.
     """
-    from contact_scene import SceneError
-
     case = cases.load(name)
     if not (times or pull_off or every or (figures is not None and figures.chooses_moments)):
         allowed = "--at T [T ...], --pull-off, --every N, --strip, --animate, or several"
@@ -55,41 +79,47 @@ def _into(
     folder: Path, case: cases.Case, request: FieldRequest, resolution: int | None, figures: FigureSet | None
 ) -> int:
     progress = Progress(f"{case.name} fields")
-    part = 0.5 if figures is None else 0.25  # of the time, roughly
-    kept: list[FieldState] = []
+    share = 0.5 if figures is None else 0.25  # of run and of fields in the whole time, roughly
+    states: list[FieldState] = []  # to be drawn
     try:
-        found = record_fields(case.scene, request, resolution, lambda done: progress(part * done))
-        keep = kept.append if figures is not None else None
-        written = write(found, folder, case.scene, lambda done: progress(part * (1.0 + done)), keep)
-        if figures is not None and kept:
-            trace, asked = found.recording.trace, found.recording.rows.values()
-            written += figures.draw(folder, kept, trace, case.scene, lambda d: progress(0.5 + 0.5 * d), asked)
+        recorded = record_fields(case.scene, request, resolution, lambda done: progress(share * done))
+        on_moment = None if figures is None else states.append
+        lines = _write(recorded, folder, case.scene, lambda done: progress(share * (1.0 + done)), on_moment)
+        if figures is not None and states:
+            trace, requested = recorded.recording.trace, recorded.recording.rows.values()
+            lines += figures.draw(
+                folder, states, trace, case.scene, lambda done: progress(0.5 + 0.5 * done), requested
+            )
     finally:
         progress.close()
-    for line in written:
+    for line in lines:
         print(line)
-    return _verdict(found)
+    return _exit_code(recorded)
 
 
-def write(
-    found: RecordedFields,
+def _write(
+    recorded: RecordedFields,
     folder: Path,
     scene: Scene,
     progress: Callable[[float], None],
-    keep: Callable[[FieldState], None] | None = None,
+    on_moment: Callable[[FieldState], None] | None,
 ) -> list[str]:
-    """Compute and write all states, and give those of moments to ``keep``; returns lines for a reader."""
-    trace = found.recording.trace
+    """Compute and write all states; returns lines for a reader.
+
+    ``on_moment`` is called with the state of each moment; states recorded only as every n-th are too many to
+    be drawn.
+    """
+    trace = recorded.recording.trace
     before, begin = asdict(trace.counters), time.process_time()
     series = ParaViewSeries(folder, scene)
     lines = [_HEAD]
-    for index, state in enumerate(found.states(), 1):
+    for index, state in enumerate(recorded.states(), 1):
         sums = balance(state, trace)
         series.add(state, sums)
         lines.append(_line(state, sums))
-        if keep is not None and state.row not in found.sampled:  # every n-th are too many to draw
-            keep(state)
-        progress(index / len(found.moments))
+        if on_moment is not None and state.row not in recorded.sampled:
+            on_moment(state)
+        progress(index / len(recorded.moments))
     cost = _difference(trace.counters, before)
     files = series.close(
         {
@@ -123,20 +153,20 @@ def _difference(counters: Counters, before: dict[str, int]) -> dict[str, int]:
     return {name: count - before[name] for name, count in asdict(counters).items()}
 
 
-def _verdict(found: RecordedFields) -> int:
-    outcome = found.recording.trace.outcome
+def _exit_code(recorded: RecordedFields) -> int:
+    outcome = recorded.recording.trace.outcome
     if not outcome.finished:
         print(f"crosscontact: not finished: {outcome.kind}: {outcome.reason}", file=sys.stderr)
         return 1
-    if found.missing:
-        outside = ", ".join(f"{time:.10g}" for time in found.missing)
+    if recorded.missing:
+        outside = ", ".join(f"{time:.10g}" for time in recorded.missing)
         print(
             f"crosscontact: error: --at {outside}: outside the run, which ended at {outcome.time:.10g} "
             f"({outcome.reason}); allowed: times from 0 to {outcome.time:.10g}",
             file=sys.stderr,
         )
         return 2
-    if found.never_pulls:
+    if recorded.never_pulls:
         print("crosscontact: error: --pull-off: the run never pulls", file=sys.stderr)
         return 2
     return 0

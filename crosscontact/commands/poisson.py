@@ -1,8 +1,9 @@
-"""The command ``crosscontact study --poisson``."""
+"""``crosscontact study --poisson``: an elastic bulk against a constant Poisson's ratio."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 
 from validation import cases
 from validation.execution.files import output_folder
@@ -14,30 +15,30 @@ from validation.report.write import write_poisson
 from validation.studies.poisson import RATIOS, CompressibilityComparison, compare
 
 
-def poisson(
-    scenes: list[str], ratios: list[float], out: str | None, jobs: int, resolution: int | None = None
+def run(
+    names: Sequence[str], ratios: Sequence[float], out: str | None, jobs: int, resolution: int | None = None
 ) -> int:
     """Compare an elastic bulk with a constant Poisson's ratio.
 
     Parameters
     ----------
-    scenes : list of str
-        Files or names of built-in scenes.
-    ratios : list of float
+    names : sequence of str
+        Scene files or names of built-in scenes.
+    ratios : sequence of float
         Bulk over relaxed shear modulus; empty: ``RATIOS``.
     out : str or None
-        Folder for tables and numbers.
+        Folder of tables and numbers, if they are to be written.
     jobs : int
         Processes.
     resolution : int or None
-        Default: the solvers' choice.
+        Divisions per process zone; ``None``: the solvers' choice.
 
     Returns
     -------
     int
-        Exit code 1 if a run does not finish, or the full path and the surface modulus disagree.
+        1 if a run does not finish, or the full path and the surface modulus disagree.
     """
-    loaded = cases.load_all(scenes)
+    loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
     code = 0
     with processes(jobs) as executor:

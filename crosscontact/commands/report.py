@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from crosscontact.commands import stability
 from crosscontact.commands.failures import exit_code, short
-from validation import cases
+from validation import cases, scenes
 from validation.compare import regression
 from validation.compare.suite import SceneComparison
 from validation.execution.files import output_folder
@@ -55,7 +55,7 @@ def run(
     """
     old = None if baseline is None else regression.read(baseline)
     folder = output_folder(out)
-    loaded = cases.load_all(cases.suite(suite))
+    loaded = cases.load_all(scenes.suite(suite))
     store, claims = Store(folder, fresh), suite != "quick"
     result = build(suite, loaded, jobs, Progress("report"), estimate, claims, store)
     if suite == "full":
@@ -79,10 +79,10 @@ def run(
     return 1 if result.baseline.beyond else code
 
 
-def _fields(scenes: Sequence[SceneComparison]) -> cycle_fields.CycleFields:
+def _fields(comparisons: Sequence[SceneComparison]) -> cycle_fields.CycleFields:
     """Fields in the body for the report's section, with progress."""
     progress = Progress("fields")
-    runs = next((one.runs for one in scenes if one.case.name == cycle_fields.SCENE), {})
+    runs = next((one.runs for one in comparisons if one.case.name == cycle_fields.SCENE), {})
     try:
         return cycle_fields.compute(runs, progress)
     finally:

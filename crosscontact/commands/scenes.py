@@ -1,13 +1,13 @@
 """``crosscontact scenes``: the built-in scenes."""
 
-from validation import cases
+from validation import scenes
 
 
 def run() -> int:
     """Name, quick suite or not, and title of every built-in scene."""
-    titles = cases.titles()
+    titles = scenes.titles()
     width = max(map(len, titles))
-    quick = set(cases.suite("quick"))
+    quick = set(scenes.suite("quick"))
     for name, title in titles.items():
         print(f"{name:<{width}}  {'quick' if name in quick else '     '}  {title}")
     return 0

@@ -1,4 +1,4 @@
-"""The command ``crosscontact stability``, and the same within a report."""
+"""``crosscontact stability``: the matrix of stiff and extreme cases, and the same within a report."""
 
 from __future__ import annotations
 
@@ -7,22 +7,42 @@ import time
 from collections.abc import Collection
 from pathlib import Path
 
+from validation.execution.files import output_folder
 from validation.execution.progress import Progress
 from validation.execution.store import Store
+from validation.report.write import write_cells, write_matrix
 from validation.solvers import SOLVERS
+from validation.stability import runner
 from validation.stability.limits import limits
 from validation.stability.matrix import probes
-from validation.stability.runner import StabilityMatrix, run
+from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell
 
-KEPT_EVERY = 2.0  # seconds between two times that the cells so far are written
+WRITE_INTERVAL = 2.0
+"""Seconds between two times that the cells so far are written."""
 
 
-def stability(out: str | None, jobs: int, solver: str | None, only: str | None, fresh: bool = False) -> int:
-    """Run the matrix; exit code 1 if a cell is silently wrong, not finite, crashed or hung."""
-    from validation.execution.files import output_folder
-    from validation.report.write import write_matrix
+def run(out: str | None, jobs: int, solver: str | None, only: str | None, fresh: bool = False) -> int:
+    """Run the matrix, print where each solver holds.
 
+    Parameters
+    ----------
+    out : str or None
+        Folder of the report, if one is to be written.
+    jobs : int
+        Processes.
+    solver : str or None
+        Name; ``None``: all solvers.
+    only : str or None
+        One of the axes of the matrix; ``None``: all.
+    fresh : bool
+        Whether runs stored by an earlier, interrupted command are ignored.
+
+    Returns
+    -------
+    int
+        1 if a cell is silently wrong, not finite, crashed or hung.
+    """
     folder = None if out is None else output_folder(out)
     store = Store(folder, fresh)
     matrix = compute(jobs, store, (solver,) if solver else SOLVERS, only, folder)
@@ -44,23 +64,39 @@ def compute(
     only: str | None = None,
     folder: Path | None = None,
 ) -> StabilityMatrix:
-    """The matrix, told as it goes on; with a folder the cells so far are always to be found there."""
-    from validation.report.write import write_cells
+    """Run the matrix with progress.
 
-    asked = probes(only)
+    Parameters
+    ----------
+    jobs : int
+        Processes.
+    store : Store or None
+        Finished runs that it holds are not repeated.
+    solvers : collection of str
+        Names.
+    only : str or None
+        One of the axes of the matrix; ``None``: all.
+    folder : Path or None
+        Where the cells so far are written every ``WRITE_INTERVAL``, if anywhere.
+
+    Returns
+    -------
+    StabilityMatrix
+    """
+    selected = probes(only)
     progress, due = Progress("stability"), time.monotonic()
-    total = len(asked) * len(solvers)
+    total = len(selected) * len(solvers)
 
-    def tell(cell: Cell, cells: list[Cell]) -> None:
+    def on_cell(cell: Cell, cells: list[Cell]) -> None:
         nonlocal due
         progress(
             len(cells) / total, f"{len(cells)}/{total} {cell.name}: {cell.verdict}, {cell.seconds:.1f} s"
         )
         if folder is not None and time.monotonic() >= due:
             write_cells(StabilityMatrix(tuple(cells), 0.0), folder, complete=False)
-            due = time.monotonic() + KEPT_EVERY
+            due = time.monotonic() + WRITE_INTERVAL
 
     try:
-        return run(asked, jobs, solvers, tell, store=store)
+        return runner.run(selected, jobs, solvers, on_cell, store=store)
     finally:
         progress.close()

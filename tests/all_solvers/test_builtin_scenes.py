@@ -11,7 +11,7 @@ from support.spring_solver import fake
 
 from contact_scene import OutcomeKind
 from validation import solvers
-from validation.cases import SCENES, SUITES, Expected, load, names, suite
+from validation.cases import Expected, load
 from validation.compare.against_reference import against_reference, check_case
 from validation.compare.checks import check_run
 from validation.execution.runs import run
@@ -19,10 +19,11 @@ from validation.measure.cycles import cycle_times
 from validation.measure.dimensionless import unit_sizes
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.ting import Ting
+from validation.scenes import FOLDER, SUITES, names, suite
 
 
 def test_every_scene_has_its_checks_and_the_other_way_round():
-    scenes = {f.name.removesuffix(".toml") for f in SCENES.glob("*.toml") if ".checks" not in f.name}
+    scenes = {f.name.removesuffix(".toml") for f in FOLDER.glob("*.toml") if ".checks" not in f.name}
     assert scenes == set(names())
     assert len(scenes) >= 25
 

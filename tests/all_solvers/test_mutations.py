@@ -22,7 +22,7 @@ import pytest
 from support.faults import bem, fem, reference
 from support.faults.injection import Fault, missing, seeded, time_limit
 
-from validation import cases, solvers
+from validation import cases, scenes, solvers
 from validation.compare.against_reference import check_case
 from validation.execution.runs import Run, run
 from validation.measure.error_estimate import ENERGIES
@@ -182,7 +182,7 @@ def test_missing_functions_are_listed_together():
 
 
 def test_the_scenes_belong_to_the_quick_suite():
-    assert set(SCENES) <= set(cases.suite("quick"))
+    assert set(SCENES) <= set(scenes.suite("quick"))
 
 
 @pytest.mark.slow

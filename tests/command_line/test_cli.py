@@ -20,8 +20,8 @@ from contact_scene import OutcomeKind, UnsupportedScene, read_scene
 from crosscontact import registry
 from crosscontact.cli import main, parser
 from validation import solvers
-from validation.cases import SUITES, names
 from validation.execution import files
+from validation.scenes import SUITES, names
 
 CONTRACT = (
     "solver",

@@ -22,7 +22,7 @@ WORD = "beyond tolerance"
 @pytest.fixture
 def reported(monkeypatch, tmp_path):
     """Writes a report of one scene with fakes of the given stiffness; returns exit code and folder."""
-    monkeypatch.setattr("validation.cases.suite", lambda suite: [NAME])
+    monkeypatch.setattr("validation.scenes.suite", lambda suite: [NAME])
     monkeypatch.setattr(
         "crosscontact.commands.report.exit_code", lambda failures: 0
     )  # only the baseline counts here

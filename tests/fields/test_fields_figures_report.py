@@ -95,7 +95,7 @@ def test_fig3_needs_both_solvers():
 
 
 def test_report_draws_fields_only_when_asked(monkeypatch, tmp_path):
-    monkeypatch.setattr("validation.cases.suite", lambda name: [])  # a report without scenes
+    monkeypatch.setattr("validation.scenes.suite", lambda name: [])  # a report without scenes
     asked = []
 
     def compute(runs, progress):

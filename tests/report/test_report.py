@@ -221,7 +221,7 @@ def test_what_takes_longest_is_begun_first():
 def test_report_command(tmp_path, monkeypatch, capsys):
     for name in registry.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
-    monkeypatch.setattr("validation.cases.suite", lambda suite: ["relaxed-equilibrium"])
+    monkeypatch.setattr("validation.scenes.suite", lambda suite: ["relaxed-equilibrium"])
     assert main(["report", "--out", str(tmp_path / "r"), "--jobs", "1"]) == 1
     out, err = capsys.readouterr()
     assert "index.html" in out

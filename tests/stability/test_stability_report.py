@@ -94,12 +94,12 @@ def test_colours_stay_in_range_and_every_outcome_has_its_letter():
 def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monkeypatch, capsys):
     asked = [fakes.probe("right"), fakes.probe("wrong")]
     monkeypatch.setattr(command, "probes", lambda only: asked if only is None else asked[:1])
-    real = command.run
+    real = command.runner.run
 
     def faked(probes, jobs, solvers, on_cell, store):
         return real(probes, jobs, solvers, on_cell, fakes.act, store)
 
-    monkeypatch.setattr(command, "run", faked)
+    monkeypatch.setattr(command.runner, "run", faked)
     out = tmp_path / "out"
     assert main(["stability", "--jobs", "1", "--solver", "bem", "--out", str(out)]) == 1
     told = capsys.readouterr()

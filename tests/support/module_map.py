@@ -10,6 +10,8 @@ import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parents[1]))  # where this file is run as a script
+
 from support.import_graph import Import, ImportGraph, Source, imports, read_sources
 
 ROOT = Path(__file__).parents[2]

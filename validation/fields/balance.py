@@ -15,8 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from contact_scene import Trace
+
 if TYPE_CHECKING:
-    from contact_scene import Trace
     from fem_solver import FieldState
 
 

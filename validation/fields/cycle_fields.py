@@ -10,19 +10,21 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from contact_scene import Scene, Trace
 from validation.cases import Case, load
 from validation.drawing.export import png
 from validation.execution.runs import Run
 from validation.fields.balance import balance
+from validation.fields.figures import animation, fig3, moment_panels, revolution
 from validation.fields.figures.figure_set import FigureSet, single_section
 from validation.fields.figures.quantities import QUANTITIES
 from validation.fields.figures.rendering import NoRendering
 from validation.fields.request import FieldRequest, record_fields
+from validation.measure.observables import end_of_approach
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from contact_scene import Scene, Trace
     from fem_solver import FieldState
 
 SCENE = "cycle-v0.002"
@@ -75,9 +77,6 @@ def compute(runs: Mapping[str, Run], progress: Callable[[float], None] = lambda 
 
 def surface_figure(runs: Mapping[str, Run], case: Case) -> Figure | None:
     """Fig. 3 from boundary and finite elements; ``None`` if a run or a surface is missing."""
-    from validation.fields.figures import fig3
-    from validation.measure.observables import end_of_approach
-
     traces = [run.trace for name in fig3.TWO_SOLVERS if (run := runs.get(name)) and run.trace is not None]
     surfaces = [sorted(trace.profiles, key=lambda one: one.time) for trace in traces]
     if len(traces) != 2 or {len(one) for one in surfaces} != {len(case.profile_times)}:
@@ -108,8 +107,6 @@ def draw(
     NoRendering
         If VTK cannot draw here.
     """
-    from validation.fields.figures import animation, moment_panels, revolution
-
     key = [state for state in states if state.label]
     last, first = key[-1], QUANTITIES[SHOWN[0]]
     images = []

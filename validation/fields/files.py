@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
+from contact_scene import Scene
 from validation.execution.files import to_json, write_whole
 from validation.fields.balance import EnergySums
 
 if TYPE_CHECKING:
     import pyvista
 
-    from contact_scene import Scene
     from fem_solver import FieldState
 
 PARTS = {"body": "vtu", "surface": "vtp", "indenter": "vtp"}

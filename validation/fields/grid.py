@@ -14,13 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene import Scene
 from fem_solver.fields.states import COMPONENTS, FieldState
 from validation.fields.section_mesh import surface_nodes, triangle_areas
 
 if TYPE_CHECKING:
     import pyvista
-
-    from contact_scene import Scene
 
 Array = NDArray[np.float64]
 

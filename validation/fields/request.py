@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from contact_scene import Loading, Scene, SceneError, Trace
 from validation.measure.observables import ROUND_OFF, largest_tension
+from validation.solvers.finite_elements import mesh_for
 
 if TYPE_CHECKING:
     from fem_solver import FieldState, Recording
@@ -89,7 +90,6 @@ def record_fields(
     """
     from fem_solver import Options, record
     from fem_solver.fields.history import VolumeLog
-    from validation.solvers.finite_elements import mesh_for
 
     request = replace(request, times=check_times(request.times, scene.loading))
     mesh = mesh_for(scene, resolution)

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from validation.cases import Case
 from validation.claims import evidence
 from validation.claims.all import findings
 from validation.compare.suite import all_pairs, compare_scenes
 from validation.execution.environment import stamp
+from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.report.report import Claims, Report
-
-if TYPE_CHECKING:
-    from validation.execution.progress import Progress
 
 
 def build(

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import base64
 from functools import cache
-from typing import TYPE_CHECKING
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from validation.report.document import Document
-
-if TYPE_CHECKING:
-    from jinja2 import Environment
 
 
 def text(document: Document) -> str:
@@ -23,8 +21,6 @@ def text(document: Document) -> str:
 
 @cache
 def _templates() -> Environment:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
     made = Environment(
         loader=PackageLoader("validation.report"),
         autoescape=True,

@@ -7,26 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from validation.execution.runs import summary
+from validation.claims.claim import Finding
+from validation.compare.suite import SceneComparison
+from validation.execution.runs import Run, summary
+from validation.report.report import Report
 from validation.report.sections.costs import spent
 from validation.report.sections.scene import skipped_work
 from validation.report.sections.stability import numbers
 from validation.stability.growth import fit
 from validation.stability.limits import limits
+from validation.stability.runner import StabilityMatrix
 from validation.studies import work_precision
-from validation.studies.poisson import CURVES, OBSERVED
-
-if TYPE_CHECKING:
-    from validation.claims.claim import Finding
-    from validation.compare.suite import SceneComparison
-    from validation.execution.runs import Run
-    from validation.report.report import Report
-    from validation.stability.runner import StabilityMatrix
-    from validation.studies.convergence import Convergence
-    from validation.studies.poisson import CompressibilityComparison
-    from validation.studies.study import SceneStudy, Study
+from validation.studies.convergence import Convergence
+from validation.studies.poisson import CURVES, OBSERVED, CompressibilityComparison
+from validation.studies.study import SceneStudy, Study
 
 FORMAT = 1
 Data = dict[str, Any]

@@ -6,14 +6,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
+import meshes
 from contact_scene import RunMonitor, Scene, SceneError, Trace
 from validation.solvers.base import SKIPPED_WORK, Progress, Solver, cycle_count, specified
 from validation.solvers.contact_range import largest_contact_radius
-
-if TYPE_CHECKING:
-    from meshes import HalfSpaceMesh
 
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""
@@ -133,7 +131,7 @@ def mesh_for(
     grading: float | None = None,
     domain_ratio: float | None = None,
     cached: bool = True,
-) -> HalfSpaceMesh:
+) -> meshes.HalfSpaceMesh:
     """A graded half-space fitted to the scene, at a number of elements per process zone.
 
     Without adhesion a hundredth of the largest contact radius takes the place of the process zone.
@@ -158,8 +156,6 @@ def mesh_for(
     SceneError
         If no mesh of reasonable size resolves the process zone.
     """
-    import meshes
-
     largest = largest_contact_radius(scene)
     edge = scene.indenter.edge if math.isfinite(scene.indenter.edge) else None
     if scene.adhesion is not None and scene.is_adhesive:

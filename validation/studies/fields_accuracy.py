@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Adhesion, FlatPunch, Indenter, Loading, Material, Scene, Sphere
+from contact_scene import Adhesion, FlatPunch, Indenter, Loading, Material, Scene, Sphere, Trace
 from validation import cases
 from validation.fields.balance import EnergySums, balance
 from validation.fields.request import FieldRequest, record_fields
@@ -22,7 +22,6 @@ from validation.measure.observables import end_of_approach
 from validation.reference import subsurface
 
 if TYPE_CHECKING:
-    from contact_scene import Trace
     from fem_solver import FieldState
 
 Array = NDArray[np.float64]

@@ -93,11 +93,11 @@ def _(true):
     return lambda body, depth, radius, glassy: true(body, depth, radius, not glassy)
 
 
-@fault("edge passes every point at the end of the step", "surface:Path.passing")
+@fault("edge passes every point at the end of the step", "surface:EdgePath.passing")
 def _(true):
     return lambda self, x: np.ones_like(x)
 
 
-@fault("surface energy of the wrong sign in the balance", "record:Record.columns")
+@fault("surface energy of the wrong sign in the balance", "recorder:Recorder.columns")
 def _(true):
-    return lambda self: true(replace(self, work=-self.work))
+    return lambda self, whole=True: true(replace(self, work=-self.work), whole)

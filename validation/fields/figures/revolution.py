@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
 from contact_scene import Scene
 from validation.fields.figures import rendering, sections
@@ -166,8 +167,6 @@ def top(cut: BodySection, view: View, shade: Array) -> tuple[Array, Array]:
 
 def side(cut: BodySection, view: View, shade: Array) -> tuple[Array, Array]:
     """The outer side of what is shown, from below to the surface, and the shades along it."""
-    from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
-
     end = np.interp(view.right, *cut.surface.T)
     line = np.column_stack([np.full(60, view.right), np.linspace(view.bottom, end, 60)])
     spare = 0.3 * view.right

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+from validation.compare.suite import SceneComparison
 from validation.report.document import (
     ABSENT,
     Bullets,
@@ -19,12 +19,9 @@ from validation.report.document import (
     passed_or_not,
     plain,
 )
+from validation.report.report import Report
 from validation.report.sections import checks
 from validation.report.sections.scene import anchor, skipped_work
-
-if TYPE_CHECKING:
-    from validation.compare.suite import SceneComparison
-    from validation.report.report import Report
 
 EXPLAINED = (
     "Differences are relative; each stands beside the error estimates of solver and reference and beside the "
