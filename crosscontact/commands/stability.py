@@ -11,7 +11,7 @@ from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.solvers import SOLVERS
 from validation.stability.limits import limits
-from validation.stability.matrix import probes
+from validation.stability.matrix import cases
 from validation.stability.runner import StabilityMatrix, run
 from validation.stability.verdict import Cell
 
@@ -47,7 +47,7 @@ def compute(
     """The matrix, told as it goes on; with a folder the cells so far are always to be found there."""
     from validation.report.write import write_cells
 
-    asked = probes(only)
+    asked = cases(only)
     progress, due = Progress("stability"), time.monotonic()
     total = len(asked) * len(solvers)
 
