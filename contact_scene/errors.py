@@ -85,6 +85,10 @@ def number(
     open_low, open_high : bool
         Whether the ends are excluded.
 
+    Returns
+    -------
+    float
+
     Raises
     ------
     SceneError

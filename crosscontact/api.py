@@ -18,8 +18,8 @@ from crosscontact.result import Result
 from validation import cases
 from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
-from validation.measure.check import Check
 from validation.execution import runs
+from validation.measure.check import Check
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -105,6 +105,15 @@ class AdhesiveEdge:
 
         Next to the last root the interval between two roots is narrower than the usual stride, so a search
         that ends in a receding edge is repeated with a far shorter one.
+
+        Parameters
+        ----------
+        problem, s, low, high
+            As of :meth:`EdgeLaw.seek`.
+
+        Returns
+        -------
+        EdgePosition
         """
         search = self._expand(problem, s, low, high, _STRIDE)
         if search.motion is EdgeMotion.RECEDING:
@@ -154,7 +163,17 @@ class AdhesionlessEdge:
         return self.seek(problem, NO_CONTACT, NO_CONTACT, float(self.geometry.last))
 
     def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
-        """Release nodes in tension, or cover nodes that would penetrate, one after the other."""
+        """Release nodes in tension, or cover nodes that would penetrate, one after the other.
+
+        Parameters
+        ----------
+        problem, s, low, high
+            As of :meth:`EdgeLaw.seek`.
+
+        Returns
+        -------
+        EdgePosition
+        """
         lowest, highest = math.ceil(max(low, NO_CONTACT)), math.floor(min(high, self.geometry.last))
         m = int(s)
         while m < highest and self._presses(problem, m + 1):

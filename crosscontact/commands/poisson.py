@@ -12,7 +12,7 @@ from validation.execution.progress import Progress
 from validation.report import terminal
 from validation.report.sections.poisson import section
 from validation.report.write import write_poisson
-from validation.studies.poisson import RATIOS, CompressibilityComparison, compare
+from validation.studies.poisson import RATIOS, CompressibilityComparison, compare_ratios
 
 
 def run(
@@ -45,7 +45,7 @@ def run(
         for case in loaded:
             progress = Progress(f"{case.name} poisson")
             try:
-                comparisons = compare(case, ratios or RATIOS, resolution, executor, progress)
+                comparisons = compare_ratios(case, ratios or RATIOS, resolution, executor, progress)
             finally:
                 progress.close()
             print(terminal.text(section(case.name, comparisons)))

@@ -14,7 +14,7 @@ from validation.report.write import write_cells, write_matrix
 from validation.solvers import SOLVERS
 from validation.stability import runner
 from validation.stability.limits import limits
-from validation.stability.matrix import probes
+from validation.stability.matrix import cases
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell
 
@@ -83,7 +83,7 @@ def compute(
     -------
     StabilityMatrix
     """
-    selected = probes(only)
+    selected = cases(only)
     progress, due = Progress("stability"), time.monotonic()
     total = len(selected) * len(solvers)
 

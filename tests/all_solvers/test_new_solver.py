@@ -13,7 +13,7 @@ from validation.execution.progress import Progress
 from validation.report.build import build
 from validation.report.write import write
 from validation.solvers import Solver, register, unregister
-from validation.stability.matrix import probes
+from validation.stability.matrix import cases
 from validation.studies.ladders import ladders
 from validation.studies.schemes import scheme
 
@@ -26,8 +26,8 @@ class SpringSolver(Solver):
     name = NAME
     title = "a spring"
 
-    def solve(self, scene, resolution=None, **options):
-        return FunctionSolver(spring(1.1), NAME).solve(scene, resolution, **options)
+    def _solve(self, scene, resolution, options):
+        return FunctionSolver(spring(1.1), NAME).solve(scene, resolution, **vars(options))
 
 
 @pytest.fixture
@@ -63,7 +63,7 @@ def test_the_matrix_and_a_study_take_it_too(registered):
     scene = load("cycle-v0.1").scene
     assert {entry.scheme for entry in ladders(scene)} >= {NAME}
     assert scheme(NAME).solve(scene, ladders(scene)[-1].levels[0].settings).solver == NAME
-    first = probes("dead-load")[0]
+    first = cases("dead-load")[0]
     assert first.resolution(NAME) == registered.coarse_resolution(adhesive=True)
     assert first.tolerance.limit(NAME) > 1e-2
 

@@ -24,10 +24,10 @@ from validation.stability.case import (
     StabilityCase,
     Value,
 )
+from validation.stability.case_runs import CaseAnswer, CaseRun, solve_case
 from validation.stability.growth import fit
 from validation.stability.limits import limits
-from validation.stability.matrix import AXES, probes
-from validation.stability.probe_runs import ProbeAnswer, ProbeRun, solve_probe
+from validation.stability.matrix import AXES, cases
 from validation.stability.runner import run
 from validation.stability.verdict import Cell, CellVerdict, cell_of
 
@@ -44,18 +44,18 @@ ENDINGS = {
 }
 
 
-def one(probe: StabilityCase, answer: ProbeAnswer, *truths: ProbeAnswer, solver: str = "bem") -> Cell:
+def one(case: StabilityCase, answer: CaseAnswer, *expected_runs: CaseAnswer, solver: str = "bem") -> Cell:
     """The cell of a made-up answer."""
-    return cell_of(probe, solver, answered(answer), tuple(map(answered, truths)))
+    return cell_of(case, solver, answered(answer), tuple(map(answered, expected_runs)))
 
 
 def answered(value: object) -> TaskResult:
     """The result of a task that gave this value."""
-    return TaskResult(Task("", "", solve_probe), value)
+    return TaskResult(Task("", "", solve_case), value)
 
 
 def test_every_ending_has_its_verdict_and_the_next_run_is_unharmed():
-    asked = [fakes.probe(title) for title in (*ENDINGS, "right again")]
+    asked = [fakes.case(title) for title in (*ENDINGS, "right again")]
     matrix = run(asked, solvers=("bem",), solve=fakes.act)
     found = {cell.label: cell.verdict for cell in matrix.cells}
     assert found == {**ENDINGS, "right again": CellVerdict.WITHIN}
@@ -72,46 +72,44 @@ def test_every_ending_has_its_verdict_and_the_next_run_is_unharmed():
 @pytest.mark.parametrize("title", ["hangs", "waits"])
 def test_a_run_that_hangs_is_killed(title):
     begin = time.monotonic()
-    matrix = run([fakes.probe(title, seconds=0.4)], solvers=("bem",), solve=fakes.act)
+    matrix = run([fakes.case(title, seconds=0.4)], solvers=("bem",), solve=fakes.act)
     assert [cell.verdict for cell in matrix.cells] == [CellVerdict.HANG]
     assert time.monotonic() - begin < 60.0
 
 
 def test_no_answer_is_right_where_there_is_none():
-    nothing = fakes.probe("right", NoSolution("nothing holds"))
-    assert one(nothing, ProbeAnswer(refusal="adhesion.zone: too long")).verdict is CellVerdict.WITHIN
+    nothing = fakes.case("right", NoSolution("nothing holds"))
+    assert one(nothing, CaseAnswer(refusal="adhesion.zone: too long")).verdict is CellVerdict.WITHIN
     assert (
-        one(nothing, ProbeAnswer(fakes.trace(kind=OutcomeKind.NO_EQUILIBRIUM))).verdict is CellVerdict.WITHIN
+        one(nothing, CaseAnswer(fakes.trace(kind=OutcomeKind.NO_EQUILIBRIUM))).verdict is CellVerdict.WITHIN
     )
-    assert one(nothing, ProbeAnswer(fakes.trace())).verdict is CellVerdict.WRONG
+    assert one(nothing, CaseAnswer(fakes.trace())).verdict is CellVerdict.WRONG
     refused = replace(nothing, scene=SceneError("radius", "falls"))
     assert cell_of(refused, "bem", None, ()).verdict is CellVerdict.WITHIN
 
 
 def test_an_observable_that_is_missing_is_an_error_without_bound():
     cell = one(
-        fakes.probe("right", ClosedForm((Value("detachment_time", 1.0),), "made up")),
-        ProbeAnswer(fakes.trace()),
+        fakes.case("right", ClosedForm((Value("detachment_time", 1.0),), "made up")),
+        CaseAnswer(fakes.trace()),
     )
     assert (cell.verdict, cell.error) == (CellVerdict.WRONG, measure.MISSING)
 
 
 def test_against_the_front_tracking_with_its_own_error():
-    probe = fakes.probe("by resolution", ReferenceRuns(("final_force", measure.CURVE), fine=20, coarse=10))
-    fine, coarse = (fakes.act(ProbeRun("reference", probe.scene, n, 9)) for n in (20, 10))
-    cell = one(probe, fakes.act(ProbeRun("bem", probe.scene, 10, 9)), fine, coarse)
-    assert cell.truth_error == pytest.approx(0.1 * (1 / 100 - 1 / 400) / 3.0, rel=1e-3)
+    case = fakes.case("by resolution", ReferenceRuns(("final_force", measure.CURVE), fine=20, coarse=10))
+    fine, coarse = (fakes.act(CaseRun("reference", case.scene, n, 9)) for n in (20, 10))
+    cell = one(case, fakes.act(CaseRun("bem", case.scene, 10, 9)), fine, coarse)
+    assert cell.expected_error == pytest.approx(0.1 * (1 / 100 - 1 / 400) / 3.0, rel=1e-3)
     assert cell.verdict is CellVerdict.WITHIN
-    assert (
-        one(probe, fakes.act(ProbeRun("bem", probe.scene, 4, 9)), fine, coarse).verdict is CellVerdict.WRONG
-    )
-    broken = ProbeAnswer(fakes.trace(kind=OutcomeKind.STEP_UNDERFLOW))
-    assert one(probe, fine, fine, broken).verdict is CellVerdict.UNKNOWN
+    assert one(case, fakes.act(CaseRun("bem", case.scene, 4, 9)), fine, coarse).verdict is CellVerdict.WRONG
+    broken = CaseAnswer(fakes.trace(kind=OutcomeKind.STEP_UNDERFLOW))
+    assert one(case, fine, fine, broken).verdict is CellVerdict.UNKNOWN
 
 
-def test_the_driver_asks_the_truth_and_the_other_scene():
-    computed = fakes.probe("by resolution", ReferenceRuns(("final_force",), fine=40, coarse=20))
-    same = fakes.probe("right", EquivalentScene(fakes.scene("wrong")))
+def test_the_driver_runs_what_is_expected_and_the_other_scene():
+    computed = fakes.case("by resolution", ReferenceRuns(("final_force",), fine=40, coarse=20))
+    same = fakes.case("right", EquivalentScene(fakes.scene("wrong")))
     matrix = run([computed, same], solvers=("bem", "fem"), solve=fakes.act)
     verdicts = [(cell.label, cell.solver, cell.verdict) for cell in matrix.cells]
     assert verdicts == [
@@ -123,7 +121,7 @@ def test_the_driver_asks_the_truth_and_the_other_scene():
 
 
 def test_a_solver_that_would_take_minutes_is_not_asked_and_that_is_told():
-    dear = fakes.probe("raises", skip_reasons={"fem": "dense"})
+    dear = fakes.case("raises", skip_reasons={"fem": "dense"})
     (cell,) = run([dear], solvers=("fem",), solve=fakes.never).cells
     assert (cell.verdict, cell.outcome, cell.reason) == (CellVerdict.DECLINED, "not run", "dense")
 
@@ -132,15 +130,17 @@ def test_units_are_undone_column_by_column():
     plain = fakes.trace()
     other = replace(plain, time=60.0 * plain.time, penetration=1e3 * plain.penetration,
                     contact_radius=1e3 * plain.contact_radius, force=1e-3 * plain.force)  # fmt: skip
-    truth = EquivalentScene(fakes.scene("right"), length=1e3, stress=1e-9, time=60.0)
-    assert max(measure.against_equivalent(other, plain, truth).values()) < 1e-12
-    assert measure.against_equivalent(other, fakes.trace(steps=4), truth) == {measure.CURVE: measure.MISSING}
+    expected = EquivalentScene(fakes.scene("right"), length=1e3, stress=1e-9, time=60.0)
+    assert max(measure.against_equivalent(other, plain, expected).values()) < 1e-12
+    assert measure.against_equivalent(other, fakes.trace(steps=4), expected) == {
+        measure.CURVE: measure.MISSING
+    }
     wrong = replace(other, force=other.force * (1.0 + 1e-6))
-    assert measure.against_equivalent(wrong, plain, truth)["force"] == pytest.approx(1e-6, rel=1e-3)
+    assert measure.against_equivalent(wrong, plain, expected)["force"] == pytest.approx(1e-6, rel=1e-3)
 
 
 def test_cells_that_are_kept_are_not_run_again(tmp_path):
-    asked = [fakes.probe("right"), fakes.probe("raises")]
+    asked = [fakes.case("right"), fakes.case("raises")]
     first = run(asked, solvers=("bem", "fem"), solve=fakes.act, store=Store(tmp_path))
     again = run(asked, solvers=("bem", "fem"), solve=fakes.never, store=Store(tmp_path))
     assert again.cells[:2] == first.cells[:2]
@@ -182,19 +182,19 @@ def test_logarithmic_growth_is_told_from_faster_growth():
 
 def test_the_matrix_has_every_axis_and_every_name_once():
     assert tuple(AXES) == AXIS_NAMES
-    asked = probes()
-    assert len({probe.name for probe in asked}) == len(asked)
-    assert all(0.0 < limit < 0.3 for probe in asked for limit in probe.tolerance.limits.values())
-    assert all(probe.tolerance.why for probe in asked)
-    refused = [probe for probe in asked if not isinstance(probe.scene, Scene)]
-    assert [type(probe.truth) for probe in refused] == [NoSolution]
-    stiff = max(probe.stiffness for probe in asked)
+    asked = cases()
+    assert len({case.name for case in asked}) == len(asked)
+    assert all(0.0 < limit < 0.3 for case in asked for limit in case.tolerance.limits.values())
+    assert all(case.tolerance.why for case in asked)
+    refused = [case for case in asked if not isinstance(case.scene, Scene)]
+    assert [type(case.expected) for case in refused] == [NoSolution]
+    stiff = max(case.stiffness for case in asked)
     assert stiff >= 1e12
 
 
 def test_the_energy_of_a_real_run_balances_and_a_false_one_does_not():
     scene = base.scene(base.material(), base.press_and_pull(0.1))
-    trace = solve_probe(ProbeRun("reference", scene, 8, 5000)).trace
+    trace = solve_case(CaseRun("reference", scene, 8, 5000)).trace
     assert trace is not None
     assert measure.energy_residual(trace, scene.material) < 1e-3
     false = replace(trace, stored_energy=1.05 * trace.stored_energy)
@@ -203,18 +203,18 @@ def test_the_energy_of_a_real_run_balances_and_a_false_one_does_not():
 
 @pytest.mark.parametrize("label", ["jump of the penetration", "jump, then rest"])
 def test_all_solvers_on_probes_with_a_closed_form(label):
-    (probe,) = [probe for probe in AXES["loading"]() if probe.label == label]
+    (case,) = [case for case in AXES["loading"]() if case.label == label]
     for solver in ("bem", "fem", "reference"):
-        job = ProbeRun(solver, probe.scene, probe.resolution(solver), probe.max_steps)
-        cell = one(probe, solve_probe(job), solver=solver)
+        job = CaseRun(solver, case.scene, case.resolution(solver), case.max_steps)
+        cell = one(case, solve_case(job), solver=solver)
         assert cell.verdict is CellVerdict.WITHIN, (cell.name, cell.errors)
         assert np.isfinite(cell.residual)
 
 
 def test_elements_follow_the_edge_up_to_its_last_root():
     """Next to it a stride of a quarter element finds no root: with nothing shorter this took 9600 steps."""
-    (probe,) = [one for one in AXES["relaxation-time"]() if one.label == "tau/T = 1e-12, pulled from rest"]
-    trace = solve_probe(ProbeRun("fem", probe.scene, 4, 20_000)).trace
+    (case,) = [one for one in AXES["relaxation-time"]() if one.label == "tau/T = 1e-12, pulled from rest"]
+    trace = solve_case(CaseRun("fem", case.scene, 4, 20_000)).trace
     assert trace is not None
     assert trace.counters.steps < 3000
 

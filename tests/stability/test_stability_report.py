@@ -51,7 +51,7 @@ def test_page_and_markdown_show_faults_refusals_and_limits():
     assert "fem says that it has no answer: contrast, 1 (refused)" in said
     assert "contrast: 10: bem: final_force off by 0.5" in said
     assert "1 of 3 cells its energy terms" in said
-    assert "Not judged, the truth is missing: contrast: 100: bem" in said
+    assert "Not compared, the expected values are missing: contrast: 100: bem" in said
 
 
 def test_json_is_strict_and_whole():
@@ -92,12 +92,12 @@ def test_colours_stay_in_range_and_every_outcome_has_its_letter():
 
 
 def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monkeypatch, capsys):
-    asked = [fakes.probe("right"), fakes.probe("wrong")]
-    monkeypatch.setattr(command, "probes", lambda only: asked if only is None else asked[:1])
+    asked = [fakes.case("right"), fakes.case("wrong")]
+    monkeypatch.setattr(command, "cases", lambda only: asked if only is None else asked[:1])
     real = command.runner.run
 
-    def faked(probes, jobs, solvers, on_cell, store):
-        return real(probes, jobs, solvers, on_cell, fakes.act, store)
+    def faked(cases, jobs, solvers, on_cell, store):
+        return real(cases, jobs, solvers, on_cell, fakes.act, store)
 
     monkeypatch.setattr(command.runner, "run", faked)
     out = tmp_path / "out"

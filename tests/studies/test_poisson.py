@@ -140,7 +140,7 @@ def test_impossible_bulk_is_bad_input(ratio, capsys):
 def test_finite_elements_with_elastic_bulk_meet_the_modulus_of_the_surface():
     """Two methods for nu(t): internal variables in the body, and a constant ratio with ``E*(t)``."""
     case = cases.load("cycle-v0.02")
-    for one in poisson.compare(case, (10.0, 100.0), resolution=4):
+    for one in poisson.compare_ratios(case, (10.0, 100.0), resolution=4):
         assert one.finished
         assert one.disagreements == []
         for name in (*poisson.OBSERVED, *poisson.CURVES):

@@ -10,11 +10,11 @@ import numpy as np
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, SceneError, Trace
 from validation.stability import base
 from validation.stability.case import ClosedForm, StabilityCase, Tolerance, Value
-from validation.stability.probe_runs import ProbeAnswer, ProbeRun
+from validation.stability.case_runs import CaseAnswer, CaseRun
 
 FORCE = 2.0
 TIGHT = Tolerance({}, "made up", other=1e-3)
-TRUTH = ClosedForm((Value("final_force", FORCE),), "made up")
+EXPECTED = ClosedForm((Value("final_force", FORCE),), "made up")
 
 
 def scene(title: str) -> Scene:
@@ -23,9 +23,9 @@ def scene(title: str) -> Scene:
     return Scene(plain.material, plain.indenter, plain.loading, plain.adhesion, title)
 
 
-def probe(title: str, truth=TRUTH, **more) -> StabilityCase:
-    """A probe on that scene."""
-    return StabilityCase("made up", title, scene(title), truth, TIGHT, **{"seconds": 20.0, **more})
+def case(title: str, expected=EXPECTED, **more) -> StabilityCase:
+    """A case on that scene."""
+    return StabilityCase("made up", title, scene(title), expected, TIGHT, **{"seconds": 20.0, **more})
 
 
 def trace(force: float = FORCE, kind: OutcomeKind = OutcomeKind.COMPLETED, steps: int = 3) -> Trace:
@@ -38,11 +38,11 @@ def trace(force: float = FORCE, kind: OutcomeKind = OutcomeKind.COMPLETED, steps
     return Trace("bem", time, 0.01 * time, force * time, radius, zero, zero, zero, end, counters)
 
 
-def act(run: ProbeRun) -> ProbeAnswer:
+def act(run: CaseRun) -> CaseAnswer:
     """What the title says."""
     title = run.scene.title
     if title == "refuses":
-        return ProbeAnswer(refusal=str(SceneError("adhesion.zone", "is too long")))
+        return CaseAnswer(refusal=str(SceneError("adhesion.zone", "is too long")))
     if title == "raises":
         raise ZeroDivisionError("division by\nzero")
     if title == "dies":
@@ -52,20 +52,20 @@ def act(run: ProbeRun) -> ProbeAnswer:
     while title == "hangs":
         pass
     if title == "gives up":
-        return ProbeAnswer(trace(kind=OutcomeKind.STEP_BUDGET))
+        return CaseAnswer(trace(kind=OutcomeKind.STEP_BUDGET))
     if title == "not a number":
-        return ProbeAnswer(trace(float("nan")))
+        return CaseAnswer(trace(float("nan")))
     if title == "a little off":
-        return ProbeAnswer(trace(FORCE * (1.0 + 5e-4)))
+        return CaseAnswer(trace(FORCE * (1.0 + 5e-4)))
     if title == "wrong":
-        return ProbeAnswer(trace(FORCE * 1.01))
+        return CaseAnswer(trace(FORCE * 1.01))
     if title == "ends otherwise":
-        return ProbeAnswer(trace(kind=OutcomeKind.DETACHED))
+        return CaseAnswer(trace(kind=OutcomeKind.DETACHED))
     if title == "by resolution":
-        return ProbeAnswer(trace(FORCE * (1.0 + 0.1 / run.resolution**2)))
-    return ProbeAnswer(trace())
+        return CaseAnswer(trace(FORCE * (1.0 + 0.1 / run.resolution**2)))
+    return CaseAnswer(trace())
 
 
-def never(run: ProbeRun) -> ProbeAnswer:
+def never(run: CaseRun) -> CaseAnswer:
     """Must not be asked."""
     raise AssertionError(run.scene.title)

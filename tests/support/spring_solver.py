@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, Trace
-from validation.solvers import SOLVERS, Solver
+from validation.solvers import SOLVERS, RunOptions, Solver
 
 SCENE = """
 title = "A small scene"
@@ -62,9 +62,9 @@ class FunctionSolver(Solver):
         for attribute in TAKEN_OVER:
             setattr(self, attribute, getattr(BUILT_IN.get(self.name, Solver), attribute))
 
-    def solve(self, *arguments, **options) -> Trace:
+    def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
         """Call the function; the trace is signed by the name of this solver."""
-        return dataclasses.replace(self.function(*arguments, **options), solver=self.name)
+        return dataclasses.replace(self.function(scene, resolution, **vars(options)), solver=self.name)
 
 
 @dataclass

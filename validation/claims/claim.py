@@ -23,7 +23,7 @@ HOLDS, IN_PART, FAILS = Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS
 
 @dataclass(frozen=True)
 class Part:
-    """One thing a statement says, with its result: ``shown`` has the numbers; ``values`` the same by name."""
+    """One part of a statement, with its result: ``shown`` has the numbers; ``values`` the same by name."""
 
     shown: str
     holds: bool
@@ -39,12 +39,12 @@ class Finding:
     name : str
         Short name, unique.
     place, wording : str
-        Where in the paper, and what it says there, paraphrased.
+        Where in the paper, and its words, paraphrased.
     recorded : Verdict
         The verdict of an earlier evaluation; another one now fails a check.
     parts : tuple of Part
     failure : str
-        Why it could not be judged.
+        Why it could not be evaluated.
     """
 
     name: str

@@ -59,7 +59,7 @@ def slow_cycle_is_soft(evidence: Evidence) -> list[Part]:
     force, radius = trace.force[row] / known.force, trace.contact_radius[row] / known.contact_radius
     pull = evidence.pull_off(cycle(QUOTED_SLOW)) / elastic.pull_off(glassy=False)
     slower = evidence.pull_off(cycle(SLOWEST)) / elastic.pull_off(glassy=False)
-    lost = _hysteresis(evidence, QUOTED_SLOW)
+    ratio = _hysteresis(evidence, QUOTED_SLOW)
     return [
         Part(f"force at the end of approach {force:.4f} of the soft value", abs(force - 1) <= RECOVERED),
         Part(f"contact radius there {radius:.4f} of it", abs(radius - 1) <= RECOVERED),
@@ -68,7 +68,7 @@ def slow_cycle_is_soft(evidence: Evidence) -> list[Part]:
             abs(pull - 1) <= RECOVERED,
             {"pull_off_ratio": pull, "pull_off_ratio_slowest": slower},
         ),
-        Part(f"hysteresis {lost:.3f} of its largest over V", lost <= RECOVERED, {"hysteresis": lost}),
+        Part(f"hysteresis {ratio:.3f} of its largest over V", ratio <= RECOVERED, {"hysteresis": ratio}),
     ]
 
 
@@ -84,14 +84,14 @@ def fast_cycle_is_glassy(evidence: Evidence) -> list[Part]:
         row = end_of_approach(trace)
         force = trace.force[row] / known.force
         pull = evidence.pull_off(cycle(speed)) / elastic.pull_off(glassy=True)
-        lost = _hysteresis(evidence, speed)
+        ratio = _hysteresis(evidence, speed)
         parts += [
             Part(f"V = {speed:g}: force at the end of approach {force:.4f} of the stiff value",
                  abs(force - 1) <= RECOVERED, {f"force_{speed:g}": force}),
             Part(f"pull-off force {pull:.4f} of "
             "it", abs(pull - 1) <= RECOVERED, {f"pull_off_{speed:g}": pull}),
-            Part(f"hysteresis {lost:.3f} of its largest over "
-            "V", lost <= RECOVERED, {f"hysteresis_{speed:g}": lost}),
+            Part(f"hysteresis {ratio:.3f} of its largest over "
+            "V", ratio <= RECOVERED, {f"hysteresis_{speed:g}": ratio}),
         ]  # fmt: skip
     return parts
 

@@ -13,9 +13,11 @@ from validation.measure.observables import end_of_approach
 
 SPEED = 0.1
 PLACE = "Sec. III, dwell-time figure"
-RELAXED = 0.9  # of the pull-off force from the relaxed contact
-# annuli are chosen for the scene, finer where it rests: the same to the solver's accuracy, not to rounding
+RELAXED = 0.9
+"""Share of the relaxed contact's pull-off force at which a rest counts as complete."""
 SAME = 5e-4
+"""Relative difference within which two approaches are the same: the solver's accuracy, since the annuli are
+chosen for the scene and finer where it rests."""
 
 
 @claim(PLACE, "The approach is not affected by the rest that follows.", HOLDS)

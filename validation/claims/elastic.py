@@ -22,18 +22,20 @@ def modulus(glassy: bool, scene: str = BASE) -> float:
 @cache
 def vanishing(glassy: bool, scene: str = BASE) -> JKR:
     """JKR: a vanishing process zone."""
-    asked = load(scene).scene
-    assert asked.adhesion is not None
-    return JKR(asked.indenter, modulus(glassy, scene), asked.adhesion.work)
+    adhesive = load(scene).scene
+    assert adhesive.adhesion is not None
+    return JKR(adhesive.indenter, modulus(glassy, scene), adhesive.adhesion.work)
 
 
 @cache
 def finite(glassy: bool, scene: str = BASE) -> FiniteZone:
     """The elastic limit of the model: the paper's closure over its process zone."""
-    asked = load(scene).scene
-    assert asked.adhesion is not None
-    assert isinstance(asked.indenter, Sphere)
-    return FiniteZone(asked.indenter.radius, modulus(glassy, scene), asked.adhesion.work, asked.adhesion.zone)
+    adhesive = load(scene).scene
+    assert adhesive.adhesion is not None
+    assert isinstance(adhesive.indenter, Sphere)
+    return FiniteZone(
+        adhesive.indenter.radius, modulus(glassy, scene), adhesive.adhesion.work, adhesive.adhesion.zone
+    )
 
 
 def pull_off(glassy: bool, scene: str = BASE) -> float:

@@ -1,4 +1,4 @@
-"""The runs that claims rest on: sweeps around the built-in scenes, and where their answers are kept.
+"""The runs that claims rest on: sweeps around the built-in scenes, and how their results are looked up.
 
 Every sweep varies the loading (or the zone) of a built-in scene, so that whatever the paper fixes is stated
 once, in that scene's file. Runs go through :func:`validation.execution.runs.run_all`, hence through any
@@ -21,8 +21,10 @@ from validation.solvers.boundary_elements import BoundaryElements
 SOLVER = BoundaryElements.name
 """The solver whose runs the statements are evaluated on: the paper's own method."""
 
-DEPTH = 0.032  # R: point B of Fig. 4; also the largest penetration of Fig. 2, which the paper leaves out
-BELOW = -0.5  # R: contact is lost long before
+DEPTH = 0.032
+"""Penetration of point B of Fig. 4, over R; also the largest of Fig. 2, which the paper does not state."""
+BELOW = -0.5
+"""Penetration to which retractions are prescribed, over R; contact is lost long before."""
 
 CYCLE_SPEEDS = (1e-6, 2e-5, 1e-4, 5e-4, 2e-3, 6e-3, 2e-2, 5e-2, 0.1, 0.3, 1.0, 10.0, 100.0)
 RETRACTION_SPEEDS = (1e-6, 1e-5, 5e-5, 2e-4, 5e-4, 1e-3, 2e-3, 6e-3, 2e-2, 0.1, 0.5, 2.0, 10.0, 100.0)
@@ -30,7 +32,8 @@ PRELOADS = (0.004, 0.01, 0.02, 0.032, 0.05, 0.08)
 PRELOAD_SPEEDS = (0.02, 0.1, 1.0, 100.0)
 DWELLS = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 DWELL_SPEEDS = (0.02, 0.1, 1.0)
-HALF_ZONE_SPEEDS = (1e-3, 3e-3, 1e-2, 5e-2)  # cycles with half the process zone
+HALF_ZONE_SPEEDS = (1e-3, 3e-3, 1e-2, 5e-2)
+"""Speeds of the cycles with half the process zone."""
 FORCES = (2, 4, 8)
 FREQUENCIES = ("0.35", "1.4")
 MATCHED = {
@@ -99,11 +102,11 @@ class Evidence:
         MissingRun
             If there is none.
         """
-        wanted = load(scene).scene if isinstance(scene, str) else scene
-        result = self.runs.get((without_title(wanted), solver))
+        scene = load(scene).scene if isinstance(scene, str) else scene
+        result = self.runs.get((without_title(scene), solver))
         if result is None or not result.finished:
             why = "not run" if result is None else result.ending
-            raise MissingRun(f"{wanted.title} by {solver}: {why}")
+            raise MissingRun(f"{scene.title} by {solver}: {why}")
         return result
 
     def trace(self, scene: Scene | str, solver: str = SOLVER) -> Trace:
@@ -122,17 +125,17 @@ class Evidence:
 
     def pull_off(self, scene: Scene | str, solver: str = SOLVER) -> float:
         """Pull-off force over ``F_JKR``."""
-        wanted = load(scene).scene if isinstance(scene, str) else scene
-        return self.measure(wanted, "pull_off_force", solver) / unit_sizes(wanted)["jkr-force"]
+        scene = load(scene).scene if isinstance(scene, str) else scene
+        return self.measure(scene, "pull_off_force", solver) / unit_sizes(scene)["jkr-force"]
 
 
 def missing_runs(planned: Iterable[tuple[Case, str]]) -> list[tuple[Case, str]]:
     """The runs that claims need and that are not among the ``planned``."""
-    answered = {(without_title(case.scene), solver, case.profile_times) for case, solver in planned}
+    covered = {(without_title(case.scene), solver, case.profile_times) for case, solver in planned}
     return [
         (case, s)
         for case, s in required_runs()
-        if (without_title(case.scene), s, case.profile_times) not in answered
+        if (without_title(case.scene), s, case.profile_times) not in covered
     ]
 
 
@@ -142,8 +145,8 @@ def gather(
     progress: Callable[[float, str], None] | None = None,
 ) -> Evidence:
     """Run ``tasks``, here or through an executor."""
-    todo = list(tasks)
-    return collect(todo, run_all(todo, executor, progress=progress))
+    pairs = list(tasks)
+    return collect(pairs, run_all(pairs, executor, progress=progress))
 
 
 def collect(tasks: Iterable[tuple[Case, str]], results: Mapping[tuple[str, str], Run]) -> Evidence:

@@ -40,14 +40,14 @@ def jump_is_a_flat_punch(evidence: Evidence) -> list[Part]:
             2.0 * trace.contact_radius[0] * elastic.modulus(glassy=True)
         )
         ratio = float((trace.penetration[0] - trace.penetration[jump]) / line)
-        kept = float(trace.contact_radius[jump] / trace.contact_radius[0])
+        radius_ratio = float(trace.contact_radius[jump] / trace.contact_radius[0])
         parts.append(
             Part(
                 f"process zone of the paper, {force} F_JKR: penetration jumps by {ratio:.4f} of that, "
                 "radius to "
-                f"{kept:.4f} of a_B",
+                f"{radius_ratio:.4f} of a_B",
                 abs(ratio - 1.0) <= RECOVERED,
-                {f"jump_{force}": ratio, f"radius_{force}": kept},
+                {f"jump_{force}": ratio, f"radius_{force}": radius_ratio},
             )
         )
     return parts

@@ -15,9 +15,12 @@ from validation.measure.observables import end_of_approach
 
 Array = NDArray[np.float64]
 
-RECOVERED = 0.05  # two responses count as the same within this, relative
-LARGER = 1.2  # the least factor that "significantly larger" can mean
-STEADY = 1e-3  # relative: a change below it is none
+RECOVERED = 0.05
+"""Relative difference within which two responses count as the same."""
+LARGER = 1.2
+"""Least ratio of two values for the first to count as significantly larger."""
+STEADY = 1e-3
+"""Change, relative to the largest magnitude, below which a quantity counts as constant."""
 
 
 def rising(values: ArrayLike, slack: float = STEADY) -> bool:
@@ -88,9 +91,9 @@ def on_line(trace: Trace, slope: float, tolerance: float = RECOVERED) -> float:
     top = int(force.argmin())
     change = slope * (depth - depth[0])
     off = np.abs(force - force[0] - change) > tolerance * np.abs(change) + 1e-12 * np.abs(force).max()
-    gone = np.flatnonzero(off[: top + 1])
-    last = depth[int(gone[0]) - 1] if gone.size and gone[0] > 0 else depth[top]
-    if gone.size and gone[0] == 0:
+    leaving = np.flatnonzero(off[: top + 1])
+    last = depth[int(leaving[0]) - 1] if leaving.size and leaving[0] > 0 else depth[top]
+    if leaving.size and leaving[0] == 0:
         return 0.0
     return float((depth[0] - last) / (depth[0] - depth[top]))
 
@@ -99,7 +102,22 @@ def release_rate(trace: Trace, at: int, work: float, window: float = 0.005) -> f
     """``G = dg - dP/dA`` (Eq. enrelrate2) about row ``at``: the slope of the loss over the contact area.
 
     A straight line through the rows whose area lies within ``window`` of the row's own, at least two on
-    either side; ``work`` where the area stands still.
+    either side; ``work`` where the area is constant.
+
+    Parameters
+    ----------
+    trace : Trace
+    at : int
+        Row.
+    work : float
+        Work of adhesion ``dg``.
+    window : float
+        Largest difference in contact area from the row's own, relative to it.
+
+    Returns
+    -------
+    float
+        Energy over area.
     """
     area = np.pi * trace.contact_radius**2
     touching = int(np.flatnonzero(area > 0.0)[-1])

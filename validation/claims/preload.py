@@ -6,7 +6,8 @@ from validation.claims.claim import HOLDS, Part, claim
 from validation.claims.evidence import PRELOAD_SPEEDS, PRELOADS, Evidence, cycle, retraction
 from validation.claims.measures import RECOVERED, rising
 
-MOST = 10.0  # Einf/E0
+MOST = 10.0
+"""``Einf/E0``, the limit of the pull-off force over ``F_JKR``."""
 
 
 @claim(

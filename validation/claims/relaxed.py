@@ -59,7 +59,7 @@ def point_b(evidence: Evidence) -> list[Part]:
     IN_PART,
 )
 def flat_punch_line_at_any_speed(evidence: Evidence) -> list[Part]:
-    """First slope over that of the glassy punch, and how far towards pull-off the line is kept."""
+    """First slope over that of the glassy punch, and how far towards pull-off the force follows that line."""
     parts = []
     for speed in RETRACTION_SPEEDS:
         trace = evidence.trace(retraction(speed))
@@ -240,12 +240,12 @@ def detachment_at_constant_area(evidence: Evidence) -> list[Part]:
     ]
     for speed in (FAST, RETRACTION_SPEEDS[-1]):
         trace = evidence.trace(retraction(speed))
-        kept = float((trace.contact_radius[tension_row(trace)] / trace.contact_radius[0]) ** 2)
+        area_ratio = float((trace.contact_radius[tension_row(trace)] / trace.contact_radius[0]) ** 2)
         parts.append(
             Part(
-                f"V = {speed:g}, process zone of the paper: {100 * (1 - kept):.1f} %",
-                1.0 - kept <= RECOVERED,
-                {f"area_kept_{speed:g}": kept},
+                f"V = {speed:g}, process zone of the paper: {100 * (1 - area_ratio):.1f} %",
+                1.0 - area_ratio <= RECOVERED,
+                {f"area_kept_{speed:g}": area_ratio},
             )
         )
     return parts

@@ -21,7 +21,8 @@ from validation.reference.steady_crack import opening
 from validation.solvers import REFERENCE
 
 PLACE = "Sec. III.A, Fig. 7"
-DEPTHS = (0.008, 0.016, 0.024)  # of Fig. 7(b); the paper does not state them in the text
+DEPTHS = (0.008, 0.016, 0.024)
+"""Penetrations of Fig. 7(b), over R; the paper does not state them in the text."""
 QUOTED = 5e-4
 
 

@@ -22,16 +22,18 @@ from validation.solvers import REFERENCE
 
 SCENE = "cycle-v0.002"
 PLACE = "Sec. III, Fig. 3"
-REVERSAL = 16.0  # time
-NEGLIGIBLE = 0.05  # change of contact area
+REVERSAL = 16.0
+"""Time at which the cycle turns from approach to retraction."""
+NEGLIGIBLE = 0.05
+"""Largest loss of contact area, relative, that counts as hardly a change."""
 
 
 def profiles(evidence: Evidence, solver: str = SOLVER) -> list[SurfaceProfile]:
     """Surface at the times the scene names, in order."""
-    kept = evidence.trace(SCENE, solver).profiles
-    if len(kept) < len(load(SCENE).profile_times):
+    recorded = evidence.trace(SCENE, solver).profiles
+    if len(recorded) < len(load(SCENE).profile_times):
         raise MissingRun(f"{SCENE} by {solver}: no surface at some of the times it names")
-    return sorted(kept, key=lambda profile: profile.time)
+    return sorted(recorded, key=lambda profile: profile.time)
 
 
 @claim(PLACE, "At the contact edge adhesion makes a square-root singularity of the pressure.", HOLDS)
@@ -50,7 +52,7 @@ def square_root_at_the_edge(evidence: Evidence) -> list[Part]:
 
 @claim(PLACE, "While approaching, the pressure has a positive annular peak near the advancing edge.", HOLDS)
 def approach_has_an_annular_peak(evidence: Evidence) -> list[Part]:
-    """Largest pressure inside the edge in all surfaces kept before the reversal, both solvers."""
+    """Largest pressure inside the edge in all surfaces recorded before the reversal, both solvers."""
     return [
         _peak(profile, solver, wanted=True)
         for solver in (SOLVER, REFERENCE)
@@ -61,7 +63,7 @@ def approach_has_an_annular_peak(evidence: Evidence) -> list[Part]:
 
 @claim(PLACE, "While withdrawing, the annular peak is gone.", HOLDS)
 def withdrawal_has_none(evidence: Evidence) -> list[Part]:
-    """The same in all surfaces kept after the reversal."""
+    """The same in all surfaces recorded after the reversal."""
     return [
         _peak(profile, solver, wanted=False)
         for solver in (SOLVER, REFERENCE)

@@ -15,7 +15,7 @@ from validation.measure.norms import distance, parting_time
 from validation.measure.scaling import column_of, scale
 from validation.solvers import REFERENCE
 
-SCALARS = {  # observable: unit
+SCALARS = {
     "start_force": "force",
     "start_radius": "length",
     "approach_force": "force",
@@ -32,11 +32,12 @@ SCALARS = {  # observable: unit
     "zone_excess": "energy",
     "peak_cycle_loss": "energy",
 }
+"""Unit by observable."""
 CURVES = {"force": "F(t), RMS", "contact_radius": "a(t), RMS"}
 
 
 def check_case(case: Case, runs: dict[str, Run]) -> list[Check]:
-    """All verdicts on the runs of one scene, keyed by solver."""
+    """All checks of the runs of one scene, which are keyed by solver."""
     checks = [check for result in runs.values() for check in check_run(case, result)]
     base = runs.get(REFERENCE)
     if base is not None:
@@ -66,18 +67,18 @@ def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
     oscillates = bool(cycle_times(case.scene.loading))
     checks = []
     for name, unit in SCALARS.items():
-        wanted, found = base.measures.get(name), result.measures.get(name)
+        expected, measured = base.measures.get(name), result.measures.get(name)
         tolerance = case.tolerance(result.solver, name)
-        if wanted is None or tolerance is None:
+        if expected is None or tolerance is None:
             continue
         if oscillates and name.startswith("approach"):
             continue  # of many crests of one height, which row comes first depends on the rows
         size = known.get(unit, 1.0)
-        difference = None if found is None else _ratio(found - wanted, scale(name, wanted, trace))
+        difference = None if measured is None else _ratio(measured - expected, scale(name, expected, trace))
         most, estimates = _limit(result, base, name, tolerance)
         passed = difference is not None and abs(difference) <= most
-        note = "" if found is not None else "the run does not give it"
-        if found is not None and not passed:
+        note = "" if measured is not None else "the run does not give it"
+        if measured is not None and not passed:
             note = _parting(result, trace, column_of(name) or "external_work", most)
         checks.append(
             Check(
@@ -85,8 +86,8 @@ def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
                 result.solver,
                 name,
                 "front tracking",
-                wanted / size,
-                None if found is None else found / size,
+                expected / size,
+                None if measured is None else measured / size,
                 passed,
                 unit if unit in known else "",
                 difference,

@@ -22,12 +22,12 @@ def check_run(case: Case, result: Run) -> list[Check]:
 
 
 def _ending(case: Case, result: Run) -> Check:
-    wanted = case.outcome or "completed or detached"
-    found = str(result.trace.outcome.kind) if result.trace else ("refused" if result.refused else "failed")
-    passed = result.finished and (not case.outcome or found == case.outcome)
+    expected = case.outcome or "completed or detached"
+    outcome = str(result.trace.outcome.kind) if result.trace else ("refused" if result.refused else "failed")
+    passed = result.finished and (not case.outcome or outcome == case.outcome)
     note = "" if passed else result.ending
     return Check(
-        case.name, result.solver, "outcome", "the run reaches its end", wanted, found, passed, note=note
+        case.name, result.solver, "outcome", "the run reaches its end", expected, outcome, passed, note=note
     )
 
 
@@ -35,11 +35,11 @@ def _value(case: Case, result: Run, expected: Expected) -> Check:
     size = unit_sizes(case.scene)[expected.unit]
     name = expected.observable
     if expected.at_time is not None:
-        found = _at_time(result, name, expected.at_time)
+        measured = _at_time(result, name, expected.at_time)
         name = f"{name} at t = {expected.at_time:g}"
     else:
-        found = result.measures.get(name)
-    shown = None if found is None else found / size
+        measured = result.measures.get(name)
+    shown = None if measured is None else measured / size
     if expected.value is None:
         return _limit(case, result, expected, name, shown)
     tolerance = expected.tolerance[result.solver]

@@ -1,4 +1,4 @@
-"""What moved between two reports: answers, endings, verdicts and the work it took.
+"""Changes between two reports: results, endings, verdicts and work.
 
 Every number of a run is compared with that of an earlier ``report.json``. It *moved* if it differs by more
 than round-off, and it moved *beyond tolerance* if
@@ -6,7 +6,7 @@ than round-off, and it moved *beyond tolerance* if
 - an observable differs by more than the tolerance for that scene, solver and observable, relative to what its
   check is relative to (see :mod:`validation.measure.scaling`), or can no longer be given;
 - a work counter grew by more than ``MORE_WORK``;
-- a run ends in another way, a check that passed no longer does or is gone;
+- a run ends in another way, a check that passed no longer does or is missing;
 - a scene or a solver is missing from a report of the same suite.
 
 Exit code rule of ``crosscontact report --baseline``: 1 if anything moved beyond tolerance or a check fails.
@@ -27,7 +27,9 @@ from validation.cases import Case
 from validation.measure.scaling import Magnitudes
 
 ROUND_OFF = 1e-10
+"""Change, relative as for checks, below which a number counts as unchanged."""
 MORE_WORK = 0.1
+"""Relative growth of a work counter beyond which it counts as moved beyond tolerance."""
 _NOT_COMPARED = ("wall_seconds", "cpu_seconds", "estimate_seconds")
 _ALLOWED = "a report.json written by `crosscontact report`"
 Run = Mapping[str, Any]
@@ -92,8 +94,8 @@ def read(path: str) -> dict[str, Any]:
     try:
         data = json.loads(Path(path).read_text("utf-8"))
     except (OSError, ValueError) as error:
-        said = getattr(error, "strerror", None) or str(error)
-        raise SceneError("--baseline", f"{path} cannot be read: {said}", _ALLOWED) from None
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SceneError("--baseline", f"{path} cannot be read: {reason}", _ALLOWED) from None
     scenes = data.get("scenes") if isinstance(data, dict) else None
     whole = isinstance(scenes, list) and all(
         isinstance(scene, dict)
@@ -110,7 +112,21 @@ def read(path: str) -> dict[str, Any]:
 
 
 def compare(path: str, old: Mapping[str, Any], new: Mapping[str, Any], cases: list[Case]) -> ReportComparison:
-    """Differences of the report ``new`` from ``old``, both as in ``report.json``."""
+    """Differences of one report from an earlier one.
+
+    Parameters
+    ----------
+    path : str
+        Of the earlier report, for its name.
+    old, new : mapping
+        Earlier and present report, both as in ``report.json``.
+    cases : list of Case
+        All scenes of ``new``.
+
+    Returns
+    -------
+    ReportComparison
+    """
     by_name = {case.name: case for case in cases}
     before = {scene["name"]: scene for scene in old["scenes"]}
     after = {scene["name"]: scene for scene in new["scenes"]}

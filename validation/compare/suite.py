@@ -48,7 +48,7 @@ def compare_scenes(
     progress : Progress
         Closed at the end.
     estimate : bool
-        Whether errors of these runs are estimated, and agreement is judged by the estimates.
+        Whether errors of these runs are estimated, and bound the differences that count as agreement.
     store : Store or None
         Runs of an earlier attempt are taken over.
     further : sequence of (Case, str)

@@ -1,4 +1,4 @@
-"""What a run says about its own error: the ground on which two solvers may be said to agree.
+"""Error estimates of a run: within their sum two solvers agree.
 
 The reference brings its own estimates (``Trace.errors``). Boundary and finite elements are run a second time,
 everything twice as coarse: half the resolution, four times the step tolerance, and for the finite elements a
@@ -32,6 +32,7 @@ from validation.measure.scaling import column_of, scale
 from validation.solvers import solver
 
 SAFETY = 3.0
+"""Safety factor on the extrapolated error of two grids, whose order is not observed (Roache 1994)."""
 IN_LAYERS = ("branch_dissipation", "zone_excess")
 ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
 CURVES = ("force", "contact_radius")
@@ -39,7 +40,20 @@ Measures = Mapping[str, float | None]
 
 
 def from_two_runs(fine: Trace, coarse: Trace, measured: Measures, coarsely: Measures) -> dict[str, float]:
-    """Relative errors of the finer run by observable, and of its curves by column."""
+    """Errors of the finer of two runs, ``3 |coarse - fine|/(2^p - 1)``.
+
+    Parameters
+    ----------
+    fine, coarse : Trace
+        Of one solver, the second twice as coarse.
+    measured, coarsely : mapping of str to float or None
+        Scalars of either run by name.
+
+    Returns
+    -------
+    dict of str to float
+        Relative errors of the finer run by observable, and of its curves by column.
+    """
     usual = solver(fine.solver).order
     errors = {}
     for column in CURVES:
@@ -98,7 +112,7 @@ def _with_sampling(errors: dict[str, float], trace: Trace) -> dict[str, float]:
 def _reach(trace: Trace, column: Array, row: int, error: float) -> float:
     """How far a column goes from the largest tension to where tension is less by a relative error.
 
-    Another peak that is hardly lower counts too: which of the two is larger is more than the run can tell.
+    Another peak that is hardly lower counts too: the run does not resolve which of the two is larger.
     """
     least = (1.0 - error) * -trace.force[row]
     farthest = float(np.abs(column[-trace.force >= least] - column[row]).max())

@@ -30,7 +30,7 @@ class Distance:
     largest : float
         ``max |x - y| / max|y|``; near a loss of contact this is mostly a shift in time.
     at : float
-        Time at which the largest difference is found.
+        Time of the largest difference.
     until : float
         End of the interval covered by both runs.
     covered : float
@@ -72,7 +72,21 @@ def distance(run: Trace, reference: Trace, column: str = "force") -> Distance | 
 
 
 def parting_time(run: Trace, reference: Trace, tolerance: float, column: str = "force") -> float | None:
-    """First time at which the two differ by more than ``tolerance * max|reference|``; ``None`` if never."""
+    """First time at which two runs differ by more than a tolerance.
+
+    Parameters
+    ----------
+    run, reference : Trace
+    tolerance : float
+        Relative to the largest magnitude in ``reference``.
+    column : str
+        Name of the column.
+
+    Returns
+    -------
+    float or None
+        ``None`` if they never do, or share no interval of time.
+    """
     grid = _common_times(run.time, reference.time)
     if grid.size < 2:
         return None
@@ -100,7 +114,7 @@ def _limits(time: Array, value: Array, grid: Array) -> Array:
     middle = 0.5 * (grid[1:] + grid[:-1])
     i = np.clip(np.searchsorted(time, middle, side="right") - 1, 0, time.size - 2)
     step = time[i + 1] - time[i]
-    # Where the middle of two neighbouring floats is one of them, the row pair found may be a jump.
+    # Where the middle of two neighbouring floats is one of them, that pair of rows may be a jump.
     safe = np.where(step > 0, step, 1.0)
     slope = np.where(step > 0, (value[i + 1] - value[i]) / safe, 0.0)
     return np.stack((value[i] + slope * (grid[:-1] - time[i]), value[i] + slope * (grid[1:] - time[i])))

@@ -19,7 +19,8 @@ from contact_scene import OutcomeKind, Trace
 
 Array = NDArray[np.float64]
 
-ROUND_OFF = 1e-9  # relative to the largest value: below it two values of a row count as the same
+ROUND_OFF = 1e-9
+"""Difference, relative to the largest value of a column, below which two of its values count as equal."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +155,7 @@ def _detachment(trace: Trace, zone: float) -> dict[str, float]:
                 "detachment_force": event.force,
             }
     last = _last_in_contact(trace, zone)
-    if np.any(trace.contact_radius[last + 1 :] > 0.0):  # it went on below the zone
+    if np.any(trace.contact_radius[last + 1 :] > 0.0):  # contact continues below the zone
         return _row(trace, last, "detachment")
     return _row(trace, last, "detachment") | {"detachment_time": trace.outcome.time}
 

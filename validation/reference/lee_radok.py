@@ -164,14 +164,10 @@ def radius_under_force_ramp(
 
     Parameters
     ----------
-    material : Material
-    indenter : Indenter
+    material, indenter, time, preload
+        As of :func:`radius_under_force_step`.
     rate : float
         Rate of the force.
-    time : array_like
-        Time since the start of the load.
-    preload : float
-        Force that has been held long enough to relax.
 
     Returns
     -------

@@ -37,8 +37,10 @@ from validation.reference.harmonic_integrals import ladders
 
 Array = NDArray[np.float64]
 
-_SHALLOWEST = 1e-12  # contact radii: keeps the singular circle at the edge finite
+_SHALLOWEST = 1e-12
+"""Least depth of a point, in contact radii: the stress at the edge of a punch stays finite."""
 _PIECES = 256
+"""Parabolas that interpolate the density under a profile without closed form."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +73,9 @@ class Density:
         left = np.stack([c0 + h * (c1 + h * c2), c1 + 2.0 * h * c2, 2.0 * c2], axis=1)
         right = np.stack([c0, c1, 2.0 * c2], axis=1)
         none = np.zeros((1, 3))
-        found = np.concatenate([none, left]) - np.concatenate([right, none])
-        found[0, [0, 2]] = 0.0
-        return found
+        jumps = np.concatenate([none, left]) - np.concatenate([right, none])
+        jumps[0, [0, 2]] = 0.0
+        return jumps
 
     def field(self, r: ArrayLike, z: ArrayLike, plane_modulus: float, poisson: float) -> Field:
         """Stress and displacement at points ``(r, z)``, ``r >= 0``, ``z <= 0``; shapes are broadcast.
@@ -131,6 +133,18 @@ def density(indenter: Indenter, contact_radius: float, penetration: float, plane
     """``q = E* (D - G(x))`` of any indenter held at contact radius and penetration.
 
     Exact for flat punch, cone and sphere; other shapes are interpolated by 256 parabolas.
+
+    Parameters
+    ----------
+    indenter : Indenter
+    contact_radius : float
+    penetration : float
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+
+    Returns
+    -------
+    Density
     """
     a = float(contact_radius)
     exact = isinstance(indenter, FlatPunch | Cone | Sphere)
@@ -186,17 +200,10 @@ def flat_punch(
 
     Parameters
     ----------
-    r : ndarray
-        Radius of the points.
-    z : ndarray
-        Height of the points, negative inside the body.
+    r, z, penetration, plane_modulus, poisson
+        As of :func:`contact`.
     radius : float
-        Radius of the indenter.
-    penetration : float
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-    poisson : float
-        Poisson's ratio.
+        Of the punch.
 
     Returns
     -------
@@ -213,17 +220,10 @@ def hertz(
 
     Parameters
     ----------
-    r : ndarray
-        Radius of the points.
-    z : ndarray
-        Height of the points, negative inside the body.
-    contact_radius : float
+    r, z, contact_radius, plane_modulus, poisson
+        As of :func:`contact`.
     radius : float
-        Radius of the indenter.
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-    poisson : float
-        Poisson's ratio.
+        Of the sphere.
 
     Returns
     -------
@@ -249,18 +249,10 @@ def jkr(
 
     Parameters
     ----------
-    r : ndarray
-        Radius of the points.
-    z : ndarray
-        Height of the points, negative inside the body.
-    contact_radius : float
-    indenter : Indenter
+    r, z, contact_radius, indenter, plane_modulus, poisson
+        As of :func:`contact`.
     work : float
         Work of adhesion.
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-    poisson : float
-        Poisson's ratio.
 
     Returns
     -------

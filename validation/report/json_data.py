@@ -105,7 +105,7 @@ def _scene_study(scene: SceneStudy) -> Data:
         {"measure": measure, "asked": error, "cheapest": best.scheme if best else None}
         | {"seconds": {entry.scheme: entry.seconds for entry in prices}}
         for measure in work_precision.measures(scene.timed)
-        for error in work_precision.ASKED
+        for error in work_precision.ERRORS
         for best, prices in [work_precision.cheapest(scene.timed, measure, error)]
     ]
     return {

@@ -1,7 +1,17 @@
 """The solvers by name, one object each; scikit-fem and gmsh are imported when the finite elements run."""
 
-from validation.solvers.base import Progress, Solver
+from validation.solvers.base import Progress, RunOptions, Solver
 from validation.solvers.front_tracking import REFERENCE
 from validation.solvers.registry import SOLVERS, register, solver, solvers, unregister
 
-__all__ = ["REFERENCE", "SOLVERS", "Progress", "Solver", "register", "solver", "solvers", "unregister"]
+__all__ = [
+    "REFERENCE",
+    "SOLVERS",
+    "Progress",
+    "RunOptions",
+    "Solver",
+    "register",
+    "solver",
+    "solvers",
+    "unregister",
+]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
@@ -17,6 +18,37 @@ SKIPPED_WORK: Mapping[str, str] = {
     "history_updates": "no history was carried",
 }
 """Work counter of any solver: what its remaining at zero means."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What may be requested of any solver beside the resolution.
+
+    Parameters
+    ----------
+    step_tolerance : float, optional
+        Tolerance of the time steps, relative; what it bounds, and its default, are the solver's own.
+    stop_times : tuple of float
+        Times that are stepped onto exactly.
+    profile_times : tuple of float
+        Times that are stepped onto exactly and give a surface profile each.
+    max_steps : int, optional
+        Largest number of steps, accepted and rejected together; by default the solver's own.
+    progress : callable, optional
+        Called with the share of the loading that is done, 0 to 1.
+    monitor : RunMonitor, optional
+        Stops the run between two steps, or has it continued.
+    estimate_errors : bool
+        Put error estimates into ``Trace.errors``, if the solver makes its own.
+    """
+
+    step_tolerance: float | None = None
+    stop_times: tuple[float, ...] = ()
+    profile_times: tuple[float, ...] = ()
+    max_steps: int | None = None
+    progress: Progress | None = None
+    monitor: RunMonitor | None = None
+    estimate_errors: bool = False
 
 
 class Solver(ABC):
@@ -66,20 +98,7 @@ class Solver(ABC):
     marker: ClassVar[str] = "x"
     css_variable: ClassVar[str] = "other"
 
-    @abstractmethod
-    def solve(
-        self,
-        scene: Scene,
-        resolution: int | None = None,
-        *,
-        step_tolerance: float | None = None,
-        stop_times: tuple[float, ...] = (),
-        profile_times: tuple[float, ...] = (),
-        max_steps: int | None = None,
-        progress: Progress | None = None,
-        monitor: RunMonitor | None = None,
-        estimate_errors: bool = False,
-    ) -> Trace:
+    def solve(self, scene: Scene, resolution: int | None = None, **options: Any) -> Trace:
         """Solve a scene.
 
         Parameters
@@ -87,20 +106,8 @@ class Solver(ABC):
         scene : Scene
         resolution : int, optional
             Divisions per process zone (without adhesion: per hundredth of the largest contact radius).
-        step_tolerance : float, optional
-            Tolerance of the time steps, relative; what it bounds is the solver's own.
-        stop_times : tuple of float
-            Times that are stepped onto exactly.
-        profile_times : tuple of float
-            Times that are stepped onto exactly and give a surface profile each.
-        max_steps : int, optional
-            Largest number of steps, accepted and rejected together.
-        progress : callable, optional
-            Called with the share of the loading that is done, 0 to 1.
-        monitor : RunMonitor, optional
-            Stops the run between two steps, or has it continued.
-        estimate_errors : bool
-            Put error estimates into ``Trace.errors``, if the solver makes its own.
+        **options
+            As of :class:`RunOptions`.
 
         Returns
         -------
@@ -111,13 +118,14 @@ class Solver(ABC):
         SceneError
             If the solver does not take the scene or an option.
         """
+        return self._solve(scene, resolution, RunOptions(**options))
+
+    @abstractmethod
+    def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
+        """Solve a scene; parameters as of :meth:`solve`."""
 
     def load(self) -> None:  # noqa: B027 - a solver without imports of its own has nothing to do
         """Import what :meth:`solve` needs, so that the run time does not contain it."""
-
-    def refusal(self, scene: Scene) -> str:
-        """Why the solver does not take this scene; empty if it does."""
-        return ""
 
     def default_resolution(self, scene: Scene) -> int:
         """Divisions per process zone where none are specified."""

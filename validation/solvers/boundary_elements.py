@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 from bem_solver import Options, solve
 from bem_solver.options import DEFAULT_RESOLUTION
-from contact_scene import RunMonitor, Scene, Trace
-from validation.solvers.base import Progress, Solver, cycle_count, specified
+from contact_scene import Scene, Trace
+from validation.solvers.base import RunOptions, Solver, cycle_count, specified
 
 
 @dataclass(frozen=True)
@@ -51,31 +51,18 @@ class BoundaryElements(Solver):
     marker = "o"
     css_variable = "bem"
 
-    def solve(
-        self,
-        scene: Scene,
-        resolution: int | None = None,
-        *,
-        step_tolerance: float | None = None,
-        stop_times: tuple[float, ...] = (),
-        profile_times: tuple[float, ...] = (),
-        max_steps: int | None = None,
-        progress: Progress | None = None,
-        monitor: RunMonitor | None = None,
-        estimate_errors: bool = False,
-    ) -> Trace:
-        """See :meth:`Solver.solve`; makes no error estimates of its own."""
-        options = Options(
+    def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
+        own = Options(
             resolution,
-            step_tolerance,
-            stop_times=stop_times,
-            profile_times=profile_times,
+            options.step_tolerance,
+            stop_times=options.stop_times,
+            profile_times=options.profile_times,
             annuli=self.annuli,
             scheme=self.scheme,
             step=self.step,
-            **specified(max_steps=max_steps),
+            **specified(max_steps=options.max_steps),
         )
-        return solve(scene, options, progress, monitor)
+        return solve(scene, own, options.progress, options.monitor)
 
     def default_resolution(self, scene: Scene) -> int:
         """As in ``bem_solver.Options``."""

@@ -9,8 +9,8 @@ from functools import partial
 from typing import Any, ClassVar, Literal
 
 import meshes
-from contact_scene import RunMonitor, Scene, SceneError, Trace
-from validation.solvers.base import SKIPPED_WORK, Progress, Solver, cycle_count, specified
+from contact_scene import Scene, SceneError, Trace
+from validation.solvers.base import SKIPPED_WORK, RunOptions, Solver, cycle_count, specified
 from validation.solvers.contact_range import largest_contact_radius
 
 DIVISIONS = 10
@@ -72,33 +72,20 @@ class FiniteElements(Solver):
     marker = "s"
     css_variable = "fem"
 
-    def solve(
-        self,
-        scene: Scene,
-        resolution: int | None = None,
-        *,
-        step_tolerance: float | None = None,
-        stop_times: tuple[float, ...] = (),
-        profile_times: tuple[float, ...] = (),
-        max_steps: int | None = None,
-        progress: Progress | None = None,
-        monitor: RunMonitor | None = None,
-        estimate_errors: bool = False,
-    ) -> Trace:
-        """See :meth:`Solver.solve`; makes no error estimates of its own."""
+    def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
         from fem_solver import Options, solve
 
         mesh = mesh_for(scene, resolution, self.grading, self.domain_ratio, self.cached_mesh)
-        options = Options(
+        own = Options(
             self.step_resolution or resolution,
-            step_tolerance,
-            stop_times=stop_times,
-            profile_times=profile_times,
+            options.step_tolerance,
+            stop_times=options.stop_times,
+            profile_times=options.profile_times,
             path=self.path,
             far_field=self.far_field,
-            **specified(max_steps=max_steps),
+            **specified(max_steps=options.max_steps),
         )
-        return solve(scene, mesh, options, progress, monitor)
+        return solve(scene, mesh, own, options.progress, options.monitor)
 
     def load(self) -> None:
         """Import the solver and scikit-fem."""

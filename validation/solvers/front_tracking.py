@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from contact_scene import RunMonitor, Scene, Trace
+from contact_scene import Scene, Trace
 from validation.reference import Options, solve
 from validation.reference.tracking.options import DEFAULT_RESOLUTION
-from validation.solvers.base import Progress, Solver, cycle_count, specified
+from validation.solvers.base import RunOptions, Solver, cycle_count, specified
 
 REFERENCE = "reference"
 
@@ -29,29 +29,16 @@ class FrontTracking(Solver):
     marker = "D"
     css_variable = "reference"
 
-    def solve(
-        self,
-        scene: Scene,
-        resolution: int | None = None,
-        *,
-        step_tolerance: float | None = None,
-        stop_times: tuple[float, ...] = (),
-        profile_times: tuple[float, ...] = (),
-        max_steps: int | None = None,
-        progress: Progress | None = None,
-        monitor: RunMonitor | None = None,
-        estimate_errors: bool = False,
-    ) -> Trace:
-        """See :meth:`Solver.solve`."""
-        options = Options(
+    def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
+        own = Options(
             resolution,
-            step_tolerance,
-            stop_times=stop_times,
-            profile_times=profile_times,
-            estimate_errors=estimate_errors,
-            **specified(max_steps=max_steps),
+            options.step_tolerance,
+            stop_times=options.stop_times,
+            profile_times=options.profile_times,
+            estimate_errors=options.estimate_errors,
+            **specified(max_steps=options.max_steps),
         )
-        return solve(scene, options, progress, monitor)
+        return solve(scene, own, options.progress, options.monitor)
 
     def default_resolution(self, scene: Scene) -> int:
         """As in ``validation.reference.Options``."""

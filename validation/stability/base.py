@@ -10,13 +10,18 @@ from collections.abc import Sequence
 from contact_scene import Adhesion, Branch, Indenter, Loading, Material, Ramp, Scene, Sphere, Step
 
 POISSON = 0.5
-MODULUS = 1.0 - POISSON**2  # E0* = 1
+MODULUS = 1.0 - POISSON**2
+"""Relaxed Young's modulus at which ``E0* = 1``."""
 CONTRAST = 10.0
+"""``Einf/E0``."""
 WORK = 5.026548e-4
 ZONE = 0.013
 RADIUS = 1.0
-TOP = 0.01  # largest penetration
-AWAY = -0.2  # beyond every detachment but those of very stiff contrasts, which never come here
+TOP = 0.01
+"""Largest penetration, over ``R``."""
+AWAY = -0.2
+"""Penetration to which the sphere is pulled, over ``R``: below every detachment but those of the stiffest
+contrasts, which have a limit of their own."""
 
 SPHERE = Sphere(RADIUS)
 ADHESION = Adhesion(WORK, ZONE)
@@ -25,7 +30,22 @@ ADHESION = Adhesion(WORK, ZONE)
 def material(
     contrast: float = CONTRAST, time: float = 1.0, poisson: float = POISSON, branches: int = 1
 ) -> Material:
-    """``E0* = 1``; equal branches at ``time``; elastic for a contrast of one."""
+    """A material with ``E0* = 1`` and equal branches.
+
+    Parameters
+    ----------
+    contrast : float
+        ``Einf/E0``; elastic for 1.
+    time : float
+        Relaxation time of all branches.
+    poisson : float
+    branches : int
+        Their number.
+
+    Returns
+    -------
+    Material
+    """
     modulus = 1.0 - poisson**2
     if contrast == 1.0:
         return Material(modulus, poisson)
@@ -46,5 +66,22 @@ def scene(
     adhesion: Adhesion | None = ADHESION,
     indenter: Indenter = SPHERE,
 ) -> Scene:
-    """A scene of the matrix."""
+    """A scene of the matrix.
+
+    Parameters
+    ----------
+    of : Material
+    steps : sequence of Step
+        Loading steps.
+    start : "jump-in" or "relaxed"
+        Glassy or relaxed equilibrium at the start.
+    penetration : float
+        At the start.
+    adhesion : Adhesion or None
+    indenter : Indenter
+
+    Returns
+    -------
+    Scene
+    """
     return Scene(of, indenter, Loading(start, penetration, tuple(steps)), adhesion)

@@ -1,8 +1,8 @@
 """One case of the matrix: a scene, what the right answer is, and how accurate an answer has to be.
 
-Four kinds of truth: numbers of a closed form (:class:`ClosedForm`), the front tracking at two resolutions
-(:class:`ReferenceRuns`), the same solver on an equivalent scene (:class:`EquivalentScene`), and that there is
-no solution, which a solver has to report (:class:`NoSolution`).
+Four kinds of expected answer: numbers of a closed form (:class:`ClosedForm`), the front tracking at two
+resolutions (:class:`ReferenceRuns`), the same solver on an equivalent scene (:class:`EquivalentScene`), and
+that there is no solution, which a solver has to report (:class:`NoSolution`).
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class ReferenceRuns:
 class EquivalentScene:
     """The same solver on a scene that differs in units, or in something without any effect.
 
-    Factors turn the columns of ``scene`` into those of the probe: penetration and radius by ``length``,
+    Factors turn the columns of ``scene`` into those of the case: penetration and radius by ``length``,
     time by ``time``, force by ``stress * length**2``, energies by ``stress * length**3``.
     """
 
@@ -72,7 +72,7 @@ class NoSolution:
     why: str
 
 
-Truth = ClosedForm | ReferenceRuns | EquivalentScene | NoSolution
+Expectation = ClosedForm | ReferenceRuns | EquivalentScene | NoSolution
 
 
 @dataclass(frozen=True)
@@ -107,13 +107,13 @@ class StabilityCase:
     axis, label : str
         Which axis, where on it.
     scene : Scene or SceneError
-        The question; or the refusal, where it cannot even be put.
-    truth : ClosedForm, ReferenceRuns, EquivalentScene or NoSolution
+        The scene, or the error where it is invalid before any solver sees it.
+    expected : ClosedForm, ReferenceRuns, EquivalentScene or NoSolution
     tolerance : Tolerance
     series : str
-        Probes of one series differ in stiffness alone; their work is fitted against it. Empty: no series.
+        Cases of one series differ in stiffness alone; their work is fitted against it. Empty: no series.
     stiffness : float
-        Ratio of the longest to the shortest time, or of the moduli, that makes this probe hard.
+        Ratio of the longest to the shortest time, or of the moduli.
     resolutions : mapping
         Divisions per process zone by solver, where they are not its ``coarse_resolution``.
     skip_reasons : mapping
@@ -127,7 +127,7 @@ class StabilityCase:
     axis: str
     label: str
     scene: Scene | SceneError
-    truth: Truth
+    expected: Expectation
     tolerance: Tolerance = USUAL
     series: str = ""
     stiffness: float = 1.0

@@ -1,4 +1,4 @@
-"""Closed forms as truths: elastic limits, adhesionless cycles, a punch."""
+"""Expected values in closed form: elastic limits, adhesionless cycles, a punch."""
 
 from __future__ import annotations
 
@@ -31,20 +31,38 @@ def elastic_cycle(
     ``at_once``, the loss: that of the model's own process zone, ``int (G - dg) dA`` from the start to where
     contact is lost, relative to the work of adhesion on the largest contact. A half-space that creeps during
     the final instability loses energy there that no elastic law knows.
+
+    Parameters
+    ----------
+    scene : Scene
+        A sphere with adhesion.
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``, relaxed or glassy.
+    which : str
+        Which modulus it is, for the source.
+    top : float
+        Largest penetration.
+    at_once : bool
+        Whether the final instability leaves no time to creep.
+
+    Returns
+    -------
+    ClosedForm
+        Ending with detachment.
     """
     law = zone_law(scene, plane_modulus)
     pressed = law.at_penetration(top)
-    pulled, lost = law.pull_off_force_control(), law.pull_off_penetration_control()
+    pulled, last = law.pull_off_force_control(), law.pull_off_penetration_control()
     adhering = law.work * math.pi * pressed.contact_radius**2
     values = [
         Value("approach_force", pressed.force, max(abs(pressed.force), -pulled.force)),
         Value("approach_radius", pressed.contact_radius),
         Value("pull_off_force", -pulled.force),
-        Value("detachment_penetration", lost.penetration, top - lost.penetration),
+        Value("detachment_penetration", last.penetration, top - last.penetration),
     ]
     if at_once:
         first = law.at_penetration(scene.loading.penetration)
-        values.append(Value("dissipated_energy", _zone_loss(law, lost, first), adhering))
+        values.append(Value("dissipated_energy", _zone_loss(law, last, first), adhering))
     return ClosedForm(tuple(values), f"elastic closure of finite zone, {which}", OutcomeKind.DETACHED)
 
 
@@ -58,7 +76,24 @@ def _zone_loss(law: FiniteZone, low: State, high: State) -> float:
 
 
 def rest(scene: Scene, penetration: float, plane_modulus: float, which: str) -> ClosedForm:
-    """The run ends in an elastic equilibrium at this penetration."""
+    """The run ends in an elastic equilibrium at this penetration.
+
+    Parameters
+    ----------
+    scene : Scene
+        A sphere with adhesion.
+    penetration : float
+        At the end of the run.
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``, relaxed or glassy.
+    which : str
+        Which modulus it is, for the source.
+
+    Returns
+    -------
+    ClosedForm
+        Final force and radius.
+    """
     state = zone_law(scene, plane_modulus).at_penetration(penetration)
     pulled = zone_law(scene, plane_modulus).pull_off_force_control()
     values = (
@@ -69,7 +104,24 @@ def rest(scene: Scene, penetration: float, plane_modulus: float, which: str) -> 
 
 
 def adhesionless_cycle(material: Material, indenter: Indenter, speed: float, top: float) -> ClosedForm:
-    """Press to ``top`` and pull at the same speed, without adhesion, any spectrum and profile."""
+    """Press to ``top`` and pull at the same speed, without adhesion (:class:`Ting`).
+
+    Parameters
+    ----------
+    material : Material
+        Of any spectrum.
+    indenter : Indenter
+        Of any profile.
+    speed : float
+        Length over time.
+    top : float
+        Largest penetration.
+
+    Returns
+    -------
+    ClosedForm
+        Largest force and radius, time of detachment.
+    """
     cycle = Ting(material, indenter, rise=speed, peak=top / speed, fall=speed)
     peak = cycle.peak
     values = (
@@ -81,14 +133,46 @@ def adhesionless_cycle(material: Material, indenter: Indenter, speed: float, top
 
 
 def punch_ramp(material: Material, radius: float, speed: float, top: float) -> ClosedForm:
-    """A flat punch pressed to ``top``: ``F = 2 a V int E*``."""
+    """A flat punch pressed to ``top``: ``F = 2 a V int_0^(top/V) E*(t) dt``.
+
+    Parameters
+    ----------
+    material : Material
+    radius : float
+        Radius ``a`` of the punch.
+    speed : float
+        ``V``, length over time.
+    top : float
+        Final penetration.
+
+    Returns
+    -------
+    ClosedForm
+        Final force and radius.
+    """
     carried = float(prony_integrals.relaxation_integral(material, top / speed))
     values = (Value("final_force", 2.0 * radius * speed * carried), Value("final_radius", radius))
     return ClosedForm(values, "Boussinesq's punch under the relaxation integral")
 
 
 def punch_rest(plane_modulus: float, radius: float, penetration: float, which: str) -> ClosedForm:
-    """A flat punch at rest."""
+    """A flat punch at rest: ``F = 2 a E* D`` (:func:`validation.reference.punch.force`).
+
+    Parameters
+    ----------
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``, relaxed or glassy.
+    radius : float
+        Radius of the punch.
+    penetration : float
+    which : str
+        Which modulus it is, for the source.
+
+    Returns
+    -------
+    ClosedForm
+        Final force and radius.
+    """
     value = float(punch.force(penetration, radius, plane_modulus))
     return ClosedForm(
         (Value("final_force", value), Value("final_radius", radius)), f"Boussinesq's punch, {which}"

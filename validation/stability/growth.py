@@ -12,7 +12,7 @@ import numpy as np
 from validation.stability.verdict import Cell, CellVerdict
 
 FEWEST = 3
-"""Least number of stiffnesses for a fit."""
+"""Least number of stiffnesses that a slope is fitted to."""
 
 
 @dataclass(frozen=True)

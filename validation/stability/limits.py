@@ -21,7 +21,7 @@ def limits(cells: Sequence[Cell]) -> list[str]:
         sentences += _of(solver, own)
     unknown = [cell.name for cell in cells if cell.verdict is CellVerdict.UNKNOWN]
     if unknown:
-        sentences.append(f"Not judged, the truth is missing: {'; '.join(unknown)}.")
+        sentences.append(f"Not compared, the expected values are missing: {'; '.join(unknown)}.")
     growths = fit(cells)
     fast = [growth for growth in growths if not growth.logarithmic]
     if growths:

@@ -1,4 +1,4 @@
-"""Axes of the loading: degenerate steps, jumps, many cycles, forces around the pull-off, lost starts."""
+"""Axes of the loading: degenerate steps, jumps, many cycles, dead loads, starts without equilibrium."""
 
 from __future__ import annotations
 
@@ -32,35 +32,35 @@ FORCE_ERROR = 1e-3
 
 
 def loading() -> list[StabilityCase]:
-    """Holds of no length, reversals within a step, jumps, many cycles, starts that cannot be."""
+    """Holds of no length, reversals within a step, jumps, many cycles, starts without equilibrium."""
     made = base.material()
     hard, soft = made.glassy_plane_modulus, made.relaxed_plane_modulus
     up, down = base.press_and_pull(0.02)
     plain = base.scene(made, (up, down))
     idle = base.scene(made, (Hold(0.0), up, Hold(0.0), Hold(0.0), down))
-    probes = [StabilityCase("loading", "holds of no length", idle, EquivalentScene(plain), SAME)]
+    cases = [StabilityCase("loading", "holds of no length", idle, EquivalentScene(plain), SAME)]
 
     flick = Table((0.0, 0.2, 0.2 + 1e-6, 0.2 + 2e-6, 0.5), (0.0, 0.004, 0.006, 0.004, base.TOP))
     spike = base.scene(made, (flick, down))
     names = ("approach_force", "pull_off_force", "loop_energy", CURVE)
-    probes.append(StabilityCase("loading", "reversal within 1e-6 tau", spike, ReferenceRuns(names)))
+    cases.append(StabilityCase("loading", "reversal within 1e-6 tau", spike, ReferenceRuns(names)))
 
     period = 2.0 * math.pi / 1e6
     swing = base.scene(made, (Oscillate(0.002, 1e6, 1.25 * period),))
     turned = closed_forms.rest(swing, 0.002, hard, "Einf")
-    probes.append(StabilityCase("loading", "oscillation far faster than tau", swing, turned))
+    cases.append(StabilityCase("loading", "oscillation far faster than tau", swing, turned))
 
     there = base.scene(made, (Table((0.0, 1e-9), (base.TOP, base.TOP)),))
-    probes.append(
+    cases.append(
         StabilityCase(
             "loading", "jump of the penetration", there, closed_forms.rest(there, base.TOP, hard, "Einf")
         )
     )
     settled = base.scene(made, (Table((0.0, 1e5), (base.TOP, base.TOP)),))
-    probes.append(
+    cases.append(
         StabilityCase("loading", "jump, then rest", settled, closed_forms.rest(settled, base.TOP, soft, "E0"))
     )
-    return probes + _cycles() + _starts()
+    return cases + _cycles() + _starts()
 
 
 def _cycles() -> list[StabilityCase]:
@@ -73,24 +73,24 @@ def _cycles() -> list[StabilityCase]:
     )
     swing = float(punch_oscillation.force(made, radius, 1.0, size, duration + quarter))
     force = 2.0 * radius * made.relaxed_plane_modulus * base.TOP + swing
-    lost = CYCLES * punch_oscillation.loss_per_cycle(made, radius, 1.0, size)
-    truth = ClosedForm(
-        (Value("final_force", force), Value("dissipated_energy", lost)), "punch under the complex modulus"
+    loss = CYCLES * punch_oscillation.loss_per_cycle(made, radius, 1.0, size)
+    expected = ClosedForm(
+        (Value("final_force", force), Value("dissipated_energy", loss)), "punch under the complex modulus"
     )
     stuck = base.scene(made, (Oscillate(size, 1.0, duration), Hold(1e4)), "relaxed", 0.0)
-    kept = ReferenceRuns(("final_force", "final_radius", "loop_energy"), fine=8, coarse=4)
+    final = ReferenceRuns(("final_force", "final_radius", "loop_energy"), fine=8, coarse=4)
     coarse = Tolerance(
         {BoundaryElements.name: 0.1},
         "energies of a swing of a hundredth of the load, to whose size steps are controlled: ten a cycle",
     )
     many: dict[str, Any] = {"max_steps": 200_000, "seconds": 600.0}
     return [
-        StabilityCase("loading", f"{CYCLES} cycles of a punch", shaken, truth, coarse, **many),
+        StabilityCase("loading", f"{CYCLES} cycles of a punch", shaken, expected, coarse, **many),
         StabilityCase(
             "loading",
             f"{CYCLES} cycles of a sphere, then rest",
             stuck,
-            kept,
+            final,
             coarse,
             resolutions=dict.fromkeys(SOLVERS, 4),
             **many,
@@ -101,7 +101,7 @@ def _cycles() -> list[StabilityCase]:
 def _starts() -> list[StabilityCase]:
     """Starts around the limit of stability."""
     made = base.material()
-    probes = []
+    cases = []
     for start, modulus in (("relaxed", made.relaxed_plane_modulus), ("jump-in", made.glassy_plane_modulus)):
         law = closed_forms.zone_law(base.scene(made, ()), modulus)
         limit = law.pull_off_penetration_control().penetration
@@ -109,16 +109,16 @@ def _starts() -> list[StabilityCase]:
             depth = factor * limit
             begun = base.scene(made, (Hold(0.0),), start, depth)
             label = f"{start} start at {factor:g} of the last stable penetration"
-            truth = NoSolution("no contact is stable there")
+            expected = NoSolution("no contact is stable there")
             if factor < 1.0:
                 state = law.at_penetration(depth)
                 values = (Value("start_force", state.force), Value("start_radius", state.contact_radius))
-                found = ClosedForm(values, "elastic closure of finite zone")
+                equilibrium = ClosedForm(values, "elastic closure of finite zone")
                 near = Tolerance({}, "next to the limit the radius moves like a square root", other=5e-2)
-                probes.append(StabilityCase("loading", label, begun, found, near))
+                cases.append(StabilityCase("loading", label, begun, equilibrium, near))
             else:
-                probes.append(StabilityCase("loading", label, begun, truth))
-    return probes
+                cases.append(StabilityCase("loading", label, begun, expected))
+    return cases
 
 
 def pull_off() -> list[StabilityCase]:
@@ -130,7 +130,7 @@ def pull_off() -> list[StabilityCase]:
     made = base.material()
     law = closed_forms.zone_law(base.scene(made, ()), made.relaxed_plane_modulus)
     limit = law.pull_off_force_control()
-    probes = []
+    cases = []
     for margin in MARGINS:
         tolerance = Tolerance(
             {REFERENCE: 1e-2 + 0.1 * FORCE_ERROR / (2.0 * margin)},
@@ -138,7 +138,7 @@ def pull_off() -> list[StabilityCase]:
             other=1e-2 + FORCE_ERROR / (2.0 * margin),
         )
         above = _dead_load(-limit.force * (1.0 + margin), 1e6)
-        probes.append(
+        cases.append(
             StabilityCase("dead load", f"{1.0 + margin:g} of slow pull-off", above, DELAY, tolerance)
         )
         below = -limit.force * (1.0 - margin)
@@ -152,16 +152,18 @@ def pull_off() -> list[StabilityCase]:
             Value("final_penetration", state.penetration, -state.penetration),
         )
         held = ClosedForm(values, "elastic closure of finite zone, E0")
-        probes.append(
+        cases.append(
             StabilityCase(
                 "dead load", f"{1.0 - margin:g} of slow pull-off", _dead_load(below, 1e6), held, tolerance
             )
         )
-    gone = ClosedForm((Value("detachment_time", 0.0, 1.0),), "beyond the glassy limit", OutcomeKind.DETACHED)
-    probes.append(
-        StabilityCase("dead load", "30 times slow pull-off", _dead_load(-30.0 * limit.force, 1e6), gone)
+    at_once = ClosedForm(
+        (Value("detachment_time", 0.0, 1.0),), "beyond the glassy limit", OutcomeKind.DETACHED
     )
-    return probes
+    cases.append(
+        StabilityCase("dead load", "30 times slow pull-off", _dead_load(-30.0 * limit.force, 1e6), at_once)
+    )
+    return cases
 
 
 def _dead_load(tension: float, duration: float) -> Scene:

@@ -8,7 +8,7 @@ from contact_scene import Branch, Hold, Material
 from validation.solvers import REFERENCE
 from validation.solvers.finite_elements import FiniteElements
 from validation.stability import base, closed_forms
-from validation.stability.case import EquivalentScene, ReferenceRuns, StabilityCase, Tolerance, Truth
+from validation.stability.case import EquivalentScene, Expectation, ReferenceRuns, StabilityCase, Tolerance
 from validation.stability.measure import CURVE
 
 CYCLE = ReferenceRuns(
@@ -27,7 +27,8 @@ STEPPED = Tolerance(
     other=2e-3,
 )
 RATIOS = (0.0, 0.3, 0.49, 0.4999, 0.5)
-PUSH = 0.01  # adhesionless speed, R per relaxation time
+PUSH = 0.01
+"""Speed of adhesionless cycles, ``R`` per relaxation time."""
 
 
 def contrast() -> list[StabilityCase]:
@@ -35,26 +36,26 @@ def contrast() -> list[StabilityCase]:
 
     The slow cycle takes ``1e7`` retardation times. The pull has ``V tau_c = da``: the edge feels the creep.
     """
-    probes = []
+    cases = []
     for ratio in CONTRASTS:
         made = base.material(ratio)
         creep = ratio  # retardation time, in relaxation times
         label = f"Einf/E0 = {ratio:g}"
         bare = base.scene(made, base.press_and_pull(PUSH), adhesion=None)
-        truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
-        probes.append(
+        expected = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
+        cases.append(
             StabilityCase(
                 "contrast",
                 f"{label}, adhesionless",
                 bare,
-                truth,
+                expected,
                 series="adhesionless cycle" if ratio > 1.0 else "",
                 stiffness=ratio,
             )
         )
         slow = base.scene(made, base.press_and_pull(1e-7 / creep), start="relaxed")
         quiet = closed_forms.elastic_cycle(slow, made.relaxed_plane_modulus, "E0", at_once=ratio == 1.0)
-        probes.append(
+        cases.append(
             StabilityCase(
                 "contrast",
                 f"{label}, slow",
@@ -65,7 +66,7 @@ def contrast() -> list[StabilityCase]:
             )
         )
         pull = base.scene(made, base.press_and_pull(base.ZONE / creep, away=-20.0)[1:], "relaxed", base.TOP)
-        probes.append(
+        cases.append(
             StabilityCase(
                 "contrast",
                 f"{label}, V tau_c = da",
@@ -76,7 +77,7 @@ def contrast() -> list[StabilityCase]:
                 stiffness=ratio,
             )
         )
-    return probes
+    return cases
 
 
 def _pull() -> ReferenceRuns:
@@ -85,7 +86,7 @@ def _pull() -> ReferenceRuns:
 
 def times() -> list[StabilityCase]:
     """Relaxation time over the duration of the loading, from a relaxed start and from a glassy one."""
-    probes = []
+    cases = []
     speed = base.TOP  # the approach takes one unit of time
     for ratio in TIMES:
         made = base.material(time=ratio)
@@ -94,25 +95,25 @@ def times() -> list[StabilityCase]:
         side = "slow response" if ratio > 1.0 else "fast response"
         timed = stiffness > 1.0  # neither slow nor fast at one
         cycle = base.scene(made, base.press_and_pull(speed))
-        truth: Truth
+        expected: Expectation
         if ratio <= 1e-6:
-            truth = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
+            expected = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
         elif ratio >= 1e6:
-            truth = closed_forms.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
+            expected = closed_forms.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
         else:
-            truth = CYCLE
-        probes.append(
+            expected = CYCLE
+        cases.append(
             StabilityCase(
                 "relaxation time",
                 f"{label}, glassy start",
                 cycle,
-                truth,
+                expected,
                 series=f"cycle, {side}" if timed else "",
                 stiffness=stiffness,
             )
         )
         pull = base.scene(made, base.press_and_pull(speed)[1:], "relaxed", base.TOP)
-        probes.append(
+        cases.append(
             StabilityCase(
                 "relaxation time",
                 f"{label}, pulled from rest",
@@ -123,18 +124,18 @@ def times() -> list[StabilityCase]:
                 stiffness=stiffness,
             )
         )
-    return probes
+    return cases
 
 
 def spectra() -> list[StabilityCase]:
     """Many branches, spread, nearly equal, or of no weight."""
     share = base.MODULUS * (base.CONTRAST - 1.0)
-    probes = []
+    cases = []
     for count, decades in ((1, 0), (2, 6), (7, 6), (7, 15), (30, 8), (30, 15)):
         spread = np.logspace(-0.5 * decades, 0.5 * decades, count)
         made = Material(base.MODULUS, base.POISSON, tuple(Branch(share / count, t) for t in spread))
         label = f"{count} branch{'es' if count > 1 else ''}" + (f", {decades} decades" if decades else "")
-        probes += _both(label, made)
+        cases += _both(label, made)
     near = Material(base.MODULUS, base.POISSON, (Branch(share / 2, 1.0), Branch(share / 2, 1.0 + 1e-9)))
     plain = base.scene(base.material(), base.press_and_pull(0.02))
     pairs = [("two times within 1e-9", near, STEPPED)]
@@ -144,28 +145,28 @@ def spectra() -> list[StabilityCase]:
             pairs.append((f"a branch of weight {weight:g} at {time:g} tau", extra, tolerance))
     for label, made, tolerance in pairs:
         cycle = base.scene(made, base.press_and_pull(0.02))
-        probes.append(StabilityCase("spectrum", label, cycle, EquivalentScene(plain), tolerance))
-    return probes
+        cases.append(StabilityCase("spectrum", label, cycle, EquivalentScene(plain), tolerance))
+    return cases
 
 
 def _both(label: str, made: Material) -> list[StabilityCase]:
     bare = base.scene(made, base.press_and_pull(PUSH), adhesion=None)
-    truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
+    expected = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
     cycle = base.scene(made, (*base.press_and_pull(0.02)[:1], Hold(1.0), *base.press_and_pull(0.02)[1:]))
     return [
-        StabilityCase("spectrum", f"{label}, adhesionless", bare, truth),
+        StabilityCase("spectrum", f"{label}, adhesionless", bare, expected),
         StabilityCase("spectrum", f"{label}, with a hold", cycle, CYCLE),
     ]
 
 
 def poisson() -> list[StabilityCase]:
     """Poisson's ratio at the same plane modulus: the answer does not depend on it."""
-    probes = []
+    cases = []
     for ratio in RATIOS:
         made = base.material(poisson=ratio)
         cycle = base.scene(made, base.press_and_pull(0.02))
-        probes.append(StabilityCase("Poisson's ratio", f"nu = {ratio:g}", cycle, CYCLE))
+        cases.append(StabilityCase("Poisson's ratio", f"nu = {ratio:g}", cycle, CYCLE))
         bare = base.scene(made, base.press_and_pull(PUSH), adhesion=None)
-        truth = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
-        probes.append(StabilityCase("Poisson's ratio", f"nu = {ratio:g}, adhesionless", bare, truth))
-    return probes
+        expected = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
+        cases.append(StabilityCase("Poisson's ratio", f"nu = {ratio:g}, adhesionless", bare, expected))
+    return cases

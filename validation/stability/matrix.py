@@ -22,6 +22,6 @@ AXES: dict[str, Callable[[], list[StabilityCase]]] = {
 }
 
 
-def probes(only: str | None = None) -> list[StabilityCase]:
-    """Every probe of the matrix, or of one axis."""
-    return [probe for name, build in AXES.items() if only in (None, name) for probe in build()]
+def cases(only: str | None = None) -> list[StabilityCase]:
+    """Every case of the matrix, or of one axis."""
+    return [case for name, build in AXES.items() if only in (None, name) for case in build()]

@@ -1,4 +1,4 @@
-"""Errors of a run against each kind of truth, and what its energies leave unexplained."""
+"""Errors of a run against each kind of expected answer, and what its energies leave unexplained."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ def against_values(trace: Trace, values: tuple[Value, ...]) -> dict[str, float]:
     return {value.name: _relative(measured[value.name], value.value, value.unit) for value in values}
 
 
-def against_trace(trace: Trace, truth: Trace, observables: ReferenceRuns) -> dict[str, float]:
+def against_trace(trace: Trace, reference: Trace, observables: ReferenceRuns) -> dict[str, float]:
     """Relative difference of every observable of two runs; ``CURVE`` is the whole curve ``F(t)``.
 
     What it is relative to is stated in :mod:`validation.measure.scaling`, but for those ``of_largest``.
     """
-    measured, wanted = observe(trace).as_dict(), observe(truth).as_dict()
+    measured, wanted = observe(trace).as_dict(), observe(reference).as_dict()
     errors = {}
-    largest = Magnitudes.of_trace(truth)
+    largest = Magnitudes.of_trace(reference)
     for name in observables.names:
         if name == CURVE:
-            apart = distance(trace, truth)
+            apart = distance(trace, reference)
             errors[name] = MISSING if apart is None else apart.rms
             continue
         value = wanted[name]
@@ -48,16 +48,16 @@ def against_trace(trace: Trace, truth: Trace, observables: ReferenceRuns) -> dic
     return errors
 
 
-def against_equivalent(trace: Trace, base: Trace, truth: EquivalentScene) -> dict[str, float]:
+def against_equivalent(trace: Trace, base: Trace, equivalent: EquivalentScene) -> dict[str, float]:
     """Largest difference of any row, relative to the column's largest magnitude.
 
     Runs that have not the same number of rows are compared as curves instead.
     """
-    force, energy = truth.stress * truth.length**2, truth.stress * truth.length**3
-    factors = (truth.time, truth.length, force, truth.length, energy, energy, energy)
+    force, energy = equivalent.stress * equivalent.length**2, equivalent.stress * equivalent.length**3
+    factors = (equivalent.time, equivalent.length, force, equivalent.length, energy, energy, energy)
     if len(trace) != len(base):
         apart = None
-        if truth.length == truth.stress == truth.time == 1.0:
+        if equivalent.length == equivalent.stress == equivalent.time == 1.0:
             apart = distance(trace, base)
         return {CURVE: MISSING if apart is None else apart.rms}
     largest_energy = energy * float(max(np.abs(base.stored_energy).max(), np.abs(base.external_work).max()))

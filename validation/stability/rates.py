@@ -6,39 +6,41 @@ import numpy as np
 
 from contact_scene import Hold, Table
 from validation.stability import base, closed_forms
-from validation.stability.case import StabilityCase, Truth
+from validation.stability.case import Expectation, StabilityCase
 from validation.stability.materials import CYCLE
 
 SPEEDS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)
-SLOW, FAST = 1e-8, 1e4  # elastic to a thousandth beyond these
+SLOW, FAST = 1e-8, 1e4
+"""``V tau/R`` below and above which the cycle is elastic to a thousandth, relaxed and glassy."""
 ROWS = 21
+"""Rows of a table from zero to the largest penetration."""
 
 
 def speeds() -> list[StabilityCase]:
     """``V tau/R``, approach and retraction."""
     made = base.material()
-    probes = []
+    cases = []
     for speed in SPEEDS:
         cycle = base.scene(made, base.press_and_pull(speed))
-        truth: Truth
+        expected: Expectation
         if speed <= SLOW:
-            truth = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
+            expected = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
         elif speed >= FAST:
-            truth = closed_forms.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
+            expected = closed_forms.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
         else:
-            truth = CYCLE
+            expected = CYCLE
         series = "slow cycle" if speed < 1e-5 else "fast cycle" if speed >= 1.0 else ""
-        probes.append(
+        cases.append(
             StabilityCase(
                 "speed",
                 f"V tau/R = {speed:g}",
                 cycle,
-                truth,
+                expected,
                 series=series,
                 stiffness=max(speed, 1.0 / speed),
             )
         )
-    return probes
+    return cases
 
 
 def steps() -> list[StabilityCase]:

@@ -39,10 +39,14 @@ PULL = ReferenceRuns(("start_force", "pull_off_force", "loop_energy", CURVE))
 PEELED = ReferenceRuns(("start_force", "pull_off_force", "loop_energy", CURVE), fine=8, coarse=4)
 SHARES = (1e-3, 1e-2, 0.1, 1.0 / 3.0, 0.5)
 ANGLES = (89.9, 85.0, 45.0, 10.0)
-REACH = 0.1  # contact radius of adhesionless indenters at the top
+REACH = 0.1
+"""Contact radius of adhesionless indenters at the largest penetration, over the sphere's ``R``."""
 SEED = 7
-THIN_BELOW, WIDE_BEYOND = 5e-3, 0.3  # da/a
-LOST = ("approach_force", "approach_radius", "detachment_penetration", "dissipated_energy")
+"""Of the noise on tabulated profiles."""
+THIN_BELOW, WIDE_BEYOND = 5e-3, 0.3
+"""``da/a`` below which the edge would cross too many zones in a full pull-off, and above which the contact
+shrinks to the zone before it detaches."""
+NOT_COMPARED_WIDE = ("approach_force", "approach_radius", "detachment_penetration", "dissipated_energy")
 WIDE = ReferenceRuns(("start_force", "pull_off_force"), fine=40, coarse=20)
 BRIEF = ReferenceRuns(("start_force", "final_force", "final_radius", CURVE))
 THIN = {BoundaryElements.name: 4}
@@ -56,7 +60,7 @@ def adhesion() -> list[StabilityCase]:
     """``gamma~`` from none to strong; zones from a thousandth of the contact radius to beyond it."""
     made = base.material()
     none = base.scene(made, base.press_and_pull(0.01), adhesion=Adhesion(0.0, base.ZONE))
-    probes = [
+    cases = [
         StabilityCase(
             "adhesion",
             "gamma~ = 0",
@@ -67,14 +71,14 @@ def adhesion() -> list[StabilityCase]:
     faint = base.scene(
         base.material(1.0), (Ramp(base.AWAY, 1.0),), "relaxed", base.TOP, Adhesion(math.pi * 1e-12, 2e-3)
     )
-    probes.append(StabilityCase("adhesion", "gamma~ = 1e-12, elastic", faint, _faint(faint)))
+    cases.append(StabilityCase("adhesion", "gamma~ = 1e-12, elastic", faint, _faint(faint)))
     for gamma, zone in ((1e-12, 2e-3), (1.6e-4, 0.013), (1e-2, 0.02)):
         stuck = base.scene(
             made, (Hold(1.0), Ramp(-2.0, 0.02)), "relaxed", base.TOP, Adhesion(math.pi * gamma, zone)
         )
-        probes.append(StabilityCase("adhesion", f"gamma~ = {gamma:g}", stuck, PULL, PULLED))
+        cases.append(StabilityCase("adhesion", f"gamma~ = {gamma:g}", stuck, PULL, PULLED))
     strong = base.scene(made, base.press_and_pull(1e6), adhesion=Adhesion(math.pi * 1e-2, 0.02))
-    probes.append(
+    cases.append(
         StabilityCase(
             "adhesion",
             "gamma~ = 1e-2, fast",
@@ -82,7 +86,7 @@ def adhesion() -> list[StabilityCase]:
             closed_forms.elastic_cycle(strong, made.glassy_plane_modulus, "Einf"),
         )
     )
-    return probes + _zones()
+    return cases + _zones()
 
 
 def _faint(scene: Scene) -> ClosedForm:
@@ -99,38 +103,38 @@ def _faint(scene: Scene) -> ClosedForm:
 def _zones() -> list[StabilityCase]:
     soft, made = base.material(1.0), base.material()
     radius = closed_forms.zone_law(base.scene(soft, ()), 1.0).at_penetration(base.TOP).contact_radius
-    probes = []
+    cases = []
     for share in SHARES:
         law = Adhesion(base.WORK, share * radius)
-        away, seen, more = _way_of(share)
+        away, observables, more = _pull_of(share)
         elastic = base.scene(soft, (Ramp(away, 1.0),), "relaxed", base.TOP, law)
-        truth = closed_forms.elastic_cycle(elastic, 1.0, "E0")
+        expected = closed_forms.elastic_cycle(elastic, 1.0, "E0")
         if share < THIN_BELOW:
-            truth = closed_forms.rest(elastic, away, 1.0, "E0")
+            expected = closed_forms.rest(elastic, away, 1.0, "E0")
         else:
-            left_out = LOST if share > WIDE_BEYOND else ("approach_force", "approach_radius")
-            kept = tuple(value for value in truth.values if value.name not in left_out)
-            truth = ClosedForm(kept, truth.source, truth.ending)
+            left_out = NOT_COMPARED_WIDE if share > WIDE_BEYOND else ("approach_force", "approach_radius")
+            values = tuple(value for value in expected.values if value.name not in left_out)
+            expected = ClosedForm(values, expected.source, expected.ending)
         peeled = base.scene(made, (Ramp(away, 0.02),), "relaxed", base.TOP, law)
         label = f"da/a = {share:.3g}"
-        probes += [
-            StabilityCase("process zone", f"{label}, elastic", elastic, truth, PULLED, **more),
-            StabilityCase("process zone", f"{label}, V tau/R = 0.02", peeled, seen, PULLED, **more),
+        cases += [
+            StabilityCase("process zone", f"{label}, elastic", elastic, expected, PULLED, **more),
+            StabilityCase("process zone", f"{label}, V tau/R = 0.02", peeled, observables, PULLED, **more),
         ]
     for share in (1.5, 100.0):
         law = Adhesion(base.WORK, share * radius)
         longer = base.scene(made, (Ramp(base.AWAY, 0.02),), "relaxed", base.TOP, law)
         why = "a process zone longer than the contact"
-        probes.append(StabilityCase("process zone", f"da/a = {share:.3g}", longer, NoSolution(why)))
-    return probes
+        cases.append(StabilityCase("process zone", f"da/a = {share:.3g}", longer, NoSolution(why)))
+    return cases
 
 
-def _way_of(share: float) -> tuple[float, ReferenceRuns, dict[str, Any]]:
-    """How far to pull, what to look at, and how finely.
+def _pull_of(share: float) -> tuple[float, ReferenceRuns, dict[str, Any]]:
+    """Penetration to pull to, observables to compare, and resolutions.
 
-    Of the shortest zones the edge recedes by some twenty. The longest ones are a good part of the way: more
-    steps in each, and beyond the pull-off the contact shrinks to the zone, where the model ends and nothing
-    is right or wrong.
+    The shortest zones are pulled only until the edge has receded by some twenty zones. The longest ones take
+    more divisions each, and beyond the pull-off the contact shrinks to the zone, where the model ends and
+    nothing is compared.
     """
     if share < THIN_BELOW:
         return 0.008, BRIEF, {"resolutions": THIN, "skip_reasons": SKIP_THIN}
@@ -144,7 +148,7 @@ def indenters() -> list[StabilityCase]:
     """Punch, cones, a steep power law, tables with noise; without and with adhesion."""
     made = base.material()
     punch = base.scene(made, (Ramp(base.TOP, 0.01),), adhesion=None, indenter=FlatPunch(0.2))
-    probes = [
+    cases = [
         StabilityCase(
             "indenter",
             "flat punch, adhesionless",
@@ -157,8 +161,8 @@ def indenters() -> list[StabilityCase]:
     for label, shape in shapes:
         top = float(sneddon.depth(shape, REACH))
         bare = base.scene(made, base.press_and_pull(top, top, -10.0 * top), adhesion=None, indenter=shape)
-        truth = closed_forms.adhesionless_cycle(made, shape, top, top)
-        probes.append(StabilityCase("indenter", f"{label}, adhesionless", bare, truth))
+        expected = closed_forms.adhesionless_cycle(made, shape, top, top)
+        cases.append(StabilityCase("indenter", f"{label}, adhesionless", bare, expected))
     held: list[tuple[str, Indenter, float]] = [
         ("flat punch", FlatPunch(0.2), 0.0),
         ("cone 85°", Cone(85.0), 0.01),
@@ -169,12 +173,12 @@ def indenters() -> list[StabilityCase]:
     for label, shape, top in held:
         law = Adhesion(base.WORK, 1e-4) if label == "cone 45°" else base.ADHESION  # contact is lost at 3e-4
         pulled = base.scene(made, (Ramp(top - 1.0, 0.02),), "relaxed", top, law, shape)
-        probes.append(StabilityCase("indenter", label, pulled, PULL, PULLED))
+        cases.append(StabilityCase("indenter", label, pulled, PULL, PULLED))
     falling = scene_or_refusal(lambda: base.scene(made, base.press_and_pull(0.02), indenter=_table(0.3)))
-    probes.append(
+    cases.append(
         StabilityCase("indenter", "table that falls, noise 30 %", falling, NoSolution("a profile that falls"))
     )
-    return probes
+    return cases
 
 
 def _table(noise: float) -> TabulatedProfile:

@@ -9,7 +9,7 @@ from validation.stability import base
 from validation.stability.case import EquivalentScene, StabilityCase
 from validation.stability.materials import SAME
 
-UNITS = (
+UNITS = (  # name, factors of length, stress and time
     ("metres to millimetres", 1e3, 1.0, 1.0),
     ("metres to nanometres", 1e9, 1.0, 1.0),
     ("nanometres to metres", 1e-9, 1.0, 1.0),
@@ -30,7 +30,19 @@ def unit_systems() -> list[StabilityCase]:
 
 
 def scaled(scene: Scene, length: float, stress: float, time: float) -> Scene:
-    """A sphere's scene in other units."""
+    """A sphere's scene in other units.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of ramps, with adhesion.
+    length, stress, time : float
+        Factors from its units to the new ones.
+
+    Returns
+    -------
+    Scene
+    """
     assert isinstance(scene.indenter, Sphere)
     assert scene.adhesion is not None
     branches = tuple(Branch(stress * b.modulus, time * b.time) for b in scene.material.branches)

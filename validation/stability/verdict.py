@@ -1,4 +1,4 @@
-"""One cell of the matrix: a solver's answer to a case, compared with the truth.
+"""One cell of the matrix: a solver's answer to a case, compared with what is expected.
 
 An answer is right within its tolerance, or it says that it is none: a refusal, or an outcome other than
 ``completed`` and ``detached``. Anything else is a fault, and the worst is an answer that looks like one.
@@ -18,16 +18,16 @@ from validation.stability import measure
 from validation.stability.case import (
     ClosedForm,
     EquivalentScene,
+    Expectation,
     NoSolution,
     ReferenceRuns,
     StabilityCase,
-    Truth,
 )
-from validation.stability.probe_runs import ProbeAnswer
+from validation.stability.case_runs import CaseAnswer
 
 
 class CellVerdict(StrEnum):
-    """What a cell shows."""
+    """How a solver's answer compares with what is expected."""
 
     WITHIN = "within tolerance"
     DECLINED = "says that it has no answer"
@@ -35,7 +35,7 @@ class CellVerdict(StrEnum):
     CRASH = "CRASHED"
     NOT_FINITE = "NOT FINITE"
     HANG = "HUNG"
-    UNKNOWN = "not judged: no truth"
+    UNKNOWN = "not compared: no expected values"
 
 
 FAULTS = (CellVerdict.WRONG, CellVerdict.CRASH, CellVerdict.NOT_FINITE, CellVerdict.HANG)
@@ -45,8 +45,8 @@ FAULTS = (CellVerdict.WRONG, CellVerdict.CRASH, CellVerdict.NOT_FINITE, CellVerd
 class Cell:
     """Everything that is reported about one run.
 
-    ``errors`` are relative, by observable; ``truth_error`` is the error estimate of the truth; ``seconds`` is
-    processor time; ``residual`` as in :func:`measure.energy_residual`.
+    ``errors`` are relative, by observable; ``expected_error`` is the error estimate of the expected values;
+    ``seconds`` is processor time; ``residual`` as in :func:`measure.energy_residual`.
     """
 
     axis: str
@@ -59,7 +59,7 @@ class Cell:
     errors: dict[str, float] = field(default_factory=dict)
     tolerance: float = 0.0
     why: str = ""
-    truth_error: float = 0.0
+    expected_error: float = 0.0
     steps: int = 0
     rejected_steps: int = 0
     residual: float | None = None
@@ -89,27 +89,35 @@ class Cell:
 
 
 def cell_of(
-    probe: StabilityCase, solver: str, result: TaskResult | None, truths: tuple[TaskResult | None, ...]
+    case: StabilityCase, solver: str, result: TaskResult | None, expected_runs: tuple[TaskResult | None, ...]
 ) -> Cell:
     """The cell of one solver.
 
     Parameters
     ----------
+    case : StabilityCase
+    solver : str
+        Name.
     result : TaskResult or None
-        With an ``ProbeAnswer``; ``None`` if the scene itself was refused.
-    truths : tuple of TaskResult or None
-        Runs the truth rests on: for ``ReferenceRuns`` fine and coarse, for ``EquivalentScene`` its own.
+        With a ``CaseAnswer``; ``None`` if the scene itself was refused.
+    expected_runs : tuple of TaskResult or None
+        Runs that give the expected values: for ``ReferenceRuns`` fine and coarse, for ``EquivalentScene`` its
+        own.
+
+    Returns
+    -------
+    Cell
     """
     if result is None:
-        assert isinstance(probe.scene, SceneError)
-        return _declined(probe, solver, "refused", str(probe.scene))
+        assert isinstance(case.scene, SceneError)
+        return _declined(case, solver, "refused", str(case.scene))
     if result.ending is TaskEnding.TIMED_OUT:
-        return _cell(probe, solver, CellVerdict.HANG, "hung", result.failure)
+        return _cell(case, solver, CellVerdict.HANG, "hung", result.failure)
     if result.ending is not TaskEnding.ANSWERED:
-        return _cell(probe, solver, CellVerdict.CRASH, str(result.ending), result.failure)
-    answer: ProbeAnswer = result.value
+        return _cell(case, solver, CellVerdict.CRASH, str(result.ending), result.failure)
+    answer: CaseAnswer = result.value
     if answer.trace is None:
-        return _declined(probe, solver, "refused", answer.refusal, seconds=answer.seconds)
+        return _declined(case, solver, "refused", answer.refusal, seconds=answer.seconds)
     trace, outcome = answer.trace, answer.trace.outcome
     facts: dict[str, Any] = {
         "steps": trace.counters.steps,
@@ -119,93 +127,89 @@ def cell_of(
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
     if broken or not np.isfinite(outcome.time):
         reason = f"not finite: {', '.join(broken or ['time of the outcome'])}"
-        return _cell(probe, solver, CellVerdict.NOT_FINITE, str(outcome.kind), reason, **facts)
+        return _cell(case, solver, CellVerdict.NOT_FINITE, str(outcome.kind), reason, **facts)
     if not outcome.finished:
-        return _declined(probe, solver, str(outcome.kind), outcome.reason, **facts)
-    facts["residual"] = measure.energy_residual(trace, _scene(probe).material)
-    return _compared(probe, solver, trace, truths, facts)
+        return _declined(case, solver, str(outcome.kind), outcome.reason, **facts)
+    facts["residual"] = measure.energy_residual(trace, _scene(case).material)
+    return _compared(case, solver, trace, expected_runs, facts)
 
 
 def _compared(
-    probe: StabilityCase,
+    case: StabilityCase,
     solver: str,
     trace: Trace,
-    truths: tuple[TaskResult | None, ...],
+    expected_runs: tuple[TaskResult | None, ...],
     facts: dict[str, Any],
 ) -> Cell:
-    """A run that claims to have an answer."""
-    truth, outcome = probe.truth, trace.outcome
+    """A run that reports an answer."""
+    expected, outcome = case.expected, trace.outcome
     ended = (str(outcome.kind), outcome.reason)
-    if isinstance(truth, NoSolution):
-        return _cell(probe, solver, CellVerdict.WRONG, *ended, source=truth.why, **facts)
-    if isinstance(truth, ClosedForm):
-        errors, own, ending = measure.against_values(trace, truth.values), 0.0, truth.ending
-        source = truth.source
+    if isinstance(expected, NoSolution):
+        return _cell(case, solver, CellVerdict.WRONG, *ended, source=expected.why, **facts)
+    if isinstance(expected, ClosedForm):
+        errors, own, ending = measure.against_values(trace, expected.values), 0.0, expected.ending
     else:
-        runs = [_trace(result) for result in truths]
+        runs = [_trace(result) for result in expected_runs]
         first = runs[0]
         if any(run is None or not run.outcome.finished for run in runs) or first is None:
             source = "the run it is measured against has no answer"
-            return _cell(probe, solver, CellVerdict.UNKNOWN, *ended, source=source, **facts)
+            return _cell(case, solver, CellVerdict.UNKNOWN, *ended, source=source, **facts)
         ending = first.outcome.kind
-        if isinstance(truth, EquivalentScene):
-            errors, own = measure.against_equivalent(trace, first, truth), 0.0
-            source = "the same solver on the equivalent scene"
+        if isinstance(expected, EquivalentScene):
+            errors, own = measure.against_equivalent(trace, first, expected), 0.0
         else:
-            errors = measure.against_trace(trace, first, truth)
-            own = _own_error(runs, truth)
-            source = f"front tracking, {truth.fine} steps a zone"
-    wrong = max(errors.values()) > probe.tolerance.limit(solver) + own or outcome.kind is not ending
+            errors = measure.against_trace(trace, first, expected)
+            own = _own_error(runs, expected)
+    wrong = max(errors.values()) > case.tolerance.limit(solver) + own or outcome.kind is not ending
     if outcome.kind is not ending:
         errors = errors | {f"ending ({ending})": measure.MISSING}
     verdict = CellVerdict.WRONG if wrong else CellVerdict.WITHIN
-    return _cell(probe, solver, verdict, *ended, source=source, errors=errors, truth_error=own, **facts)
+    source = source_of(expected)
+    return _cell(case, solver, verdict, *ended, source=source, errors=errors, expected_error=own, **facts)
 
 
-def _own_error(runs: list[Trace | None], truth: ReferenceRuns) -> float:
+def _own_error(runs: list[Trace | None], expected: ReferenceRuns) -> float:
     fine, coarse = runs
     if fine is None or coarse is None:
         return measure.MISSING
-    return measure.RICHARDSON * max(measure.against_trace(coarse, fine, truth).values())
+    return measure.RICHARDSON * max(measure.against_trace(coarse, fine, expected).values())
 
 
-def _declined(probe: StabilityCase, solver: str, outcome: str, reason: str, **facts) -> Cell:
+def _declined(case: StabilityCase, solver: str, outcome: str, reason: str, **facts) -> Cell:
     """A run that reports no answer; which is right where there is no solution."""
-    right = isinstance(probe.truth, NoSolution)
-    source = source_of(probe.truth)
+    right = isinstance(case.expected, NoSolution)
+    source = source_of(case.expected)
     verdict = CellVerdict.WITHIN if right else CellVerdict.DECLINED
-    return _cell(probe, solver, verdict, outcome, reason, source=source, **facts)
+    return _cell(case, solver, verdict, outcome, reason, source=source, **facts)
 
 
-def skipped_cell(probe: StabilityCase, solver: str) -> Cell:
+def skipped_cell(case: StabilityCase, solver: str) -> Cell:
     """A run that takes too long to be part of the matrix: a limit, reported as one."""
-    why = probe.skip_reasons[solver]
-    return _cell(probe, solver, CellVerdict.DECLINED, "not run", why, source=source_of(probe.truth))
+    why = case.skip_reasons[solver]
+    return _cell(case, solver, CellVerdict.DECLINED, "not run", why, source=source_of(case.expected))
 
 
-def source_of(truth: Truth) -> str:
-    """Where a truth comes from, in words."""
-    if isinstance(truth, ClosedForm):
-        return truth.source
-    if isinstance(truth, ReferenceRuns):
-        return f"front tracking, {truth.fine} steps a zone"
-    return truth.why if isinstance(truth, NoSolution) else "the same solver on the equivalent scene"
+def source_of(expected: Expectation) -> str:
+    """Where the expected values come from, in words."""
+    if isinstance(expected, ClosedForm):
+        return expected.source
+    if isinstance(expected, ReferenceRuns):
+        return f"front tracking, {expected.fine} steps a zone"
+    return expected.why if isinstance(expected, NoSolution) else "the same solver on the equivalent scene"
 
 
-def _cell(
-    probe: StabilityCase, solver: str, verdict: CellVerdict, outcome: str, reason: str, **facts
-) -> Cell:
+def _cell(case: StabilityCase, solver: str, verdict: CellVerdict, outcome: str, reason: str, **facts) -> Cell:
     return Cell(
-        axis=probe.axis,
-        label=probe.label,
+        axis=case.axis,
+        label=case.label,
         solver=solver,
         verdict=verdict,
         outcome=outcome,
         reason=" ".join(reason.split()),
-        tolerance=probe.tolerance.limit(solver),
-        why=probe.tolerance.why,
-        series=probe.series,
-        stiffness=probe.stiffness,
+        tolerance=case.tolerance.limit(solver),
+        why=case.tolerance.why,
+        series=case.series,
+        stiffness=case.stiffness,
         **facts,
     )
 
@@ -216,6 +220,6 @@ def _trace(result: TaskResult | None) -> Trace | None:
     return result.value.trace
 
 
-def _scene(probe: StabilityCase) -> Scene:
-    assert isinstance(probe.scene, Scene)
-    return probe.scene
+def _scene(case: StabilityCase) -> Scene:
+    assert isinstance(case.scene, Scene)
+    return case.scene

@@ -1,7 +1,7 @@
-"""Refinement ladders run and read: values, signed orders, Richardson value, grid convergence index.
+"""Refinement ladders and their convergence: values, signed orders, Richardson value, grid convergence index.
 
-Each observable is judged twice: by its values alone, and against the finest front tracking. A level that
-failed keeps its place.
+Each observable is extrapolated from its values alone and compared with the finest front tracking. A level
+that failed keeps its place.
 """
 
 from __future__ import annotations
@@ -36,12 +36,14 @@ SCALARS = (
 )
 NORMS = ("force, RMS", "force, mean", "force, largest", "radius, RMS")
 REPEATS = 3
-ENOUGH_SECONDS = 1.0  # a level is not repeated beyond this
+"""Largest number of runs of a timed level, of which the fastest counts."""
+ENOUGH_SECONDS = 1.0
+"""Wall time of all runs of a level after which it is not repeated: longer ones scatter little."""
 
 
 @dataclass(frozen=True)
 class LevelRun:
-    """One level: what it gave, or why it gave nothing.
+    """One level: its results, or why it has none.
 
     ``wall_seconds`` and ``cpu_seconds`` are the smallest of ``repeats`` runs, imports excluded, meshing and
     assembly included. ``errors`` are signed and relative (:func:`scales`); norms are relative to the
@@ -61,12 +63,12 @@ class LevelRun:
 
     @property
     def failed(self) -> bool:
-        """Whether this level has no full answer."""
+        """Whether this level has no complete result."""
         return bool(self.failure)
 
     @property
     def breakdown(self) -> str:
-        """Why there is no answer, where the next attempt may give one."""
+        """Why there is no result, where another attempt may give one."""
         return "" if self.outcome else self.failure
 
 
@@ -85,7 +87,7 @@ class Row:
     scale : float
         What errors and the index are relative to.
     alone : Extrapolation or None
-        What the values say without a reference.
+        Observed orders and error bound from the values alone.
     """
 
     observable: str
@@ -99,7 +101,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Convergence:
-    """A ladder with its runs and what they say."""
+    """A ladder with its runs and observables."""
 
     ladder: Ladder
     nominal: float
@@ -112,16 +114,32 @@ def solve_level(case: Case, scheme: str, level: Level) -> Trace:
     return schemes.scheme(scheme).solve(case.scene, level.settings, cycle_times(case.scene.loading))
 
 
-def run_level(case: Case, scheme: str, level: Level, truth: Trace | None, repeats: int = 1) -> LevelRun:
-    """Run a level, repeatedly while that is cheap; a breakdown becomes part of the answer."""
+def run_level(case: Case, scheme: str, level: Level, reference: Trace | None, repeats: int = 1) -> LevelRun:
+    """Run a level, repeatedly while that is cheap; a breakdown becomes part of the result.
+
+    Parameters
+    ----------
+    case : Case
+    scheme : str
+        Name.
+    level : Level
+    reference : Trace or None
+        Run that errors are measured against; ``None``: no errors.
+    repeats : int
+        Largest number of runs, of which the fastest is timed.
+
+    Returns
+    -------
+    LevelRun
+    """
     try:
         schemes.scheme(scheme).solver.load()  # imports are not part of a run
         scene = schemes.with_zone(case.scene, level.settings.zone_factor)
         wall, cpu, trace = _timed(lambda: solve_level(case, scheme, level), repeats)
     except Exception as error:
-        said = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        return LevelRun(level, failure=said, details=traceback.format_exc())
-    ran = LevelRun(
+        failure = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        return LevelRun(level, failure=failure, details=traceback.format_exc())
+    level_run = LevelRun(
         level,
         counters=asdict(trace.counters),
         wall_seconds=min(wall),
@@ -130,14 +148,14 @@ def run_level(case: Case, scheme: str, level: Level, truth: Trace | None, repeat
         outcome=str(trace.outcome.kind),
     )
     if not trace.outcome.finished:
-        return replace(ran, failure=f"{trace.outcome.kind}: {trace.outcome.reason}")
+        return replace(level_run, failure=f"{trace.outcome.kind}: {trace.outcome.reason}")
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
     if broken:
-        return replace(ran, failure=f"not finite: {', '.join(broken)}")
-    found = measure(trace, scene, min(wall))
-    values = {name: found.get(name) for name in SCALARS}
-    errors = {} if truth is None else errors_against(trace, values, truth, scene)
-    return replace(ran, values=values, errors=errors)
+        return replace(level_run, failure=f"not finite: {', '.join(broken)}")
+    measured = measure(trace, scene, min(wall))
+    values = {name: measured.get(name) for name in SCALARS}
+    errors = {} if reference is None else errors_against(trace, values, reference, scene)
+    return replace(level_run, values=values, errors=errors)
 
 
 def _timed(call: Callable[[], Trace], repeats: int) -> tuple[list[float], list[float], Trace]:
@@ -154,28 +172,43 @@ def _timed(call: Callable[[], Trace], repeats: int) -> tuple[list[float], list[f
 
 
 def errors_against(
-    trace: Trace, values: dict[str, float | None], truth: Trace, scene: Scene
+    trace: Trace, values: dict[str, float | None], reference: Trace, scene: Scene
 ) -> dict[str, float]:
-    """Relative signed errors of scalars, and the norms of the curves, as far as they apply."""
-    exact = measure(truth, scene, 0.0)
-    size = scales(truth, scene)
-    found = {
-        name: (value - wanted) / size[name]
+    """Relative errors of scalars and curves, as far as they apply.
+
+    Parameters
+    ----------
+    trace : Trace
+    values : dict of str to float or None
+        Its scalars by name.
+    reference : Trace
+        Run that errors are measured against.
+    scene : Scene
+
+    Returns
+    -------
+    dict of str to float
+        Signed errors of scalars over their :func:`scales`, norms of the curves (:data:`NORMS`).
+    """
+    exact = measure(reference, scene, 0.0)
+    size = scales(reference, scene)
+    errors = {
+        name: (value - expected) / size[name]
         for name, value in values.items()
-        if value is not None and (wanted := exact.get(name)) is not None and name in size
+        if value is not None and (expected := exact.get(name)) is not None and name in size
     }
-    force, radius = distance(trace, truth, "force"), distance(trace, truth, "contact_radius")
+    force, radius = distance(trace, reference, "force"), distance(trace, reference, "contact_radius")
     if force is not None and radius is not None:
         norms = (force.rms, force.mean, force.largest, radius.rms)
-        found |= dict(zip(NORMS, norms, strict=True))
-    return found
+        errors |= dict(zip(NORMS, norms, strict=True))
+    return errors
 
 
-def scales(truth: Trace, scene: Scene) -> dict[str, float]:
+def scales(reference: Trace, scene: Scene) -> dict[str, float]:
     """What errors are relative to, by observable (see :mod:`validation.measure.scaling`)."""
-    largest = Magnitudes.of_trace(truth)
+    largest = Magnitudes.of_trace(reference)
     sizes = {}
-    for name, value in measure(truth, scene, 0.0).items():
+    for name, value in measure(reference, scene, 0.0).items():
         if name not in SCALARS or value is None:
             continue
         if cycle_times(scene.loading) and name.startswith("approach"):
@@ -184,7 +217,7 @@ def scales(truth: Trace, scene: Scene) -> dict[str, float]:
     return sizes
 
 
-def read(ladder: Ladder, runs: tuple[LevelRun, ...], truth_scales: dict[str, float]) -> Convergence:
+def read(ladder: Ladder, runs: tuple[LevelRun, ...], reference_scales: dict[str, float]) -> Convergence:
     """Orders, extrapolations and bounds of every observable of a ladder.
 
     Without a reference an observable is relative to its own finest value.
@@ -198,7 +231,7 @@ def read(ladder: Ladder, runs: tuple[LevelRun, ...], truth_scales: dict[str, flo
         if all(entry is None for entry in (*values, *errors)):
             continue
         known = [abs(value) for value in values if value]
-        size = truth_scales.get(name) or (known[-1] if known else 1.0)
+        size = reference_scales.get(name) or (known[-1] if known else 1.0)
         alone = None if name in NORMS else extrapolate(sizes, values, nominal, size)
         relative = [None if error is None else abs(error) for error in errors]
         orders = reference_orders(sizes, errors, 1.0)

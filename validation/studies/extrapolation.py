@@ -1,7 +1,7 @@
-"""What a sequence of values on a refinement ladder tells: observed order, Richardson value, error bound.
+"""Observed order, Richardson value and error bound from a sequence of values on a refinement ladder.
 
-A level has a size ``h`` (relative, the finest last) and a value ``f``; ``f = f* + C h^p`` is what is looked
-for. No absolute value enters an order: an error that grows has a negative order, values that go to and fro
+A level has a size ``h`` (relative, the finest last) and a value ``f``; ``f = f* + C h^p`` is assumed.
+No absolute value enters an order: an error that grows has a negative order, values that go to and fro
 have none without the exact value.
 
 References: L. F. Richardson, *Phil. Trans. R. Soc. A* 226 (1927) 299; P. J. Roache, *J. Fluids Eng.* 116
@@ -18,16 +18,21 @@ from itertools import pairwise
 
 from scipy.optimize import brentq
 
-ROUND_OFF = 1e-12  # relative: smaller differences are not told from none
-ORDERS = (-20.0, 20.0)  # beyond these an order is not looked for
-SAFE, UNSAFE = 1.25, 3.0  # safety factors of the grid convergence index
-NEAR = 0.1  # an observed order this near (relative) the nominal one is trusted
-ASYMPTOTIC = (0.7, 1.4)  # allowed ratio of a coarse difference to its prediction
+ROUND_OFF = 1e-12
+"""Relative difference below which two values count as equal."""
+ORDERS = (-20.0, 20.0)
+"""Interval in which an observed order is searched."""
+SAFE, UNSAFE = 1.25, 3.0
+"""Safety factors of the grid convergence index, with the nominal order observed and without (Roache 1994)."""
+NEAR = 0.1
+"""Largest relative difference of the observed from the nominal order at which the nominal one is used."""
+ASYMPTOTIC = (0.7, 1.4)
+"""Ratio of a coarse difference to its prediction within which a ladder counts as asymptotic."""
 
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """What one ladder says about one observable.
+    """Order, extrapolated value and error bound of one observable on one ladder.
 
     Parameters
     ----------
@@ -60,9 +65,26 @@ class Extrapolation:
 def extrapolate(
     sizes: Sequence[float], values: Sequence[float | None], nominal: float, scale: float
 ) -> Extrapolation:
-    """Judge values by their differences alone, coarse to fine; ``None`` stands for a failed level.
+    """Extrapolate to ``h = 0`` and bound the error, from the differences of the values alone.
 
-    The extrapolation uses the finest three levels that did not fail, the check the fourth.
+    The extrapolation ``f* = f1 + (f1 - f2)/(r^p - 1)`` (Richardson 1927) and the grid convergence index
+    ``safety |f1 - f2|/(r^p - 1)/scale`` (Roache 1994) use the finest three levels that did not fail, the test
+    of the order the fourth.
+
+    Parameters
+    ----------
+    sizes : sequence of float
+        Relative size ``h`` of the levels, falling.
+    values : sequence of float or None
+        Value on every level, ``None`` where it failed.
+    nominal : float
+        Order by design.
+    scale : float
+        Magnitude that bound and round-off are relative to, in the unit of ``values``.
+
+    Returns
+    -------
+    Extrapolation
     """
     _check(sizes)
     orders = tuple(
@@ -104,8 +126,8 @@ def _level(
     jumps = [abs(fine - coarse) for coarse, fine in pairwise(f) if abs(fine - coarse) > smallest]
     if not jumps:
         return Extrapolation(orders, f[-1], 0.0, None, None, "no level differs")
-    said = "the finest two do not differ, coarser ones do: bound by the last jump"
-    return Extrapolation(orders, None, UNSAFE * jumps[-1] / scale, UNSAFE, None, said)
+    verdict = "the finest two do not differ, coarser ones do: bound by the last jump"
+    return Extrapolation(orders, None, UNSAFE * jumps[-1] / scale, UNSAFE, None, verdict)
 
 
 def observed_order(sizes: Sequence[float], values: Sequence[float | None], scale: float) -> float | None:
@@ -135,16 +157,16 @@ def reference_orders(
 ) -> tuple[float | None, ...]:
     """Signed order of every two neighbouring levels, ``ln|e_coarse/e_fine| / ln(h_coarse/h_fine)``.
 
-    Negative where the error grows; ``None`` where a level failed or an error is not told from none.
+    Negative where the error grows; ``None`` where a level failed or an error is below round-off.
     """
     _check(sizes)
-    found: list[float | None] = []
+    orders: list[float | None] = []
     for (coarse, fine), (big, small) in zip(pairwise(errors), pairwise(sizes), strict=True):
         if coarse is None or fine is None or min(abs(coarse), abs(fine)) <= ROUND_OFF * scale:
-            found.append(None)
+            orders.append(None)
         else:
-            found.append(math.log(abs(coarse / fine)) / math.log(big / small))
-    return tuple(found)
+            orders.append(math.log(abs(coarse / fine)) / math.log(big / small))
+    return tuple(orders)
 
 
 def fitted_slope(across: Sequence[float | None], up: Sequence[float | None]) -> float | None:

@@ -3,7 +3,7 @@
 Static contacts are compared with closed forms at all nodes within ``REACH`` contact radii of the centre, but
 those nearer than ``EDGE`` contact radii to the edge (the stress is infinite there, or its slope is); errors
 are relative to the largest stress component among these nodes. Closed forms belong to the radius and the
-penetration the finite elements found, so that what is measured is the field.
+penetration of the finite elements, so that what is measured is the field.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 REACH, EDGE = 3.0, 0.1
+"""Largest distance from the centre and least distance from the edge of compared nodes, in contact radii."""
 CONTACTS: dict[str, tuple[Indenter, Adhesion | None]] = {
     "flat punch": (FlatPunch(0.1), None),
     "Hertz": (Sphere(1.0), None),
@@ -140,8 +141,8 @@ def exact_shear(poisson: float) -> tuple[float, float]:
 def losses(name: str, resolution: int | None = None) -> list[tuple[FieldState, EnergySums]]:
     """A built-in cycle when its approach ends and at pull-off, with what its densities add up to."""
     scene = cases.load(name).scene
-    found = record_fields(scene, FieldRequest(pull_off=True, picked=_turn), resolution)
-    return [(state, balance(state, found.recording.trace)) for state in found.states()]
+    fields = record_fields(scene, FieldRequest(pull_off=True, picked=_turn), resolution)
+    return [(state, balance(state, fields.recording.trace)) for state in fields.states()]
 
 
 def _turn(trace: Trace, scene: Scene) -> dict[int, str]:
@@ -156,8 +157,8 @@ def main() -> None:
     print(f"{'':<24}{'below':>10}{'inside':>10}{'beside':>10}{'traction':>10}{'force':>10}")
     for name in CONTACTS:
         for poisson in RATIOS:
-            state, found = static(name, poisson)
-            values = (found.below, found.inside, found.beside, found.traction, found.force)
+            state, errors = static(name, poisson)
+            values = (errors.below, errors.inside, errors.beside, errors.traction, errors.force)
             print(f"{name + f', nu = {poisson:g}':<24}" + "".join(f"{value:10.1e}" for value in values))
             if name == "Hertz":
                 largest = 1.5 * state.force / (np.pi * state.contact_radius**2)

@@ -60,21 +60,21 @@ class Ladder:
 
 
 def finest(scene: Scene) -> tuple[int, ...]:
-    """Resolutions of the front tracking to measure errors against, the wanted one first."""
+    """Resolutions of the front tracking to measure errors against, the finest first."""
     return FINEST if scene.is_adhesive else FINEST_ADHESIONLESS
 
 
 def ladders(scene: Scene) -> list[Ladder]:
     """All ladders of a study of this scene."""
-    found = [_bem(scene), _paper(scene), _fem(scene), _fem_volume(scene), _reference(scene)]
-    found += [_bem_step(), _fem_step(), _bem_mesh(), _fem_mesh(scene), _fem_domain(), _fem_held()]
+    all_ladders = [_bem(scene), _paper(scene), _fem(scene), _fem_volume(scene), _reference(scene)]
+    all_ladders += [_bem_step(), _fem_step(), _bem_mesh(), _fem_mesh(scene), _fem_domain(), _fem_held()]
     if scene.is_adhesive:
-        found += [_zone(BEM, 6), _zone(FEM, 4), _zone(REFERENCE, 5)]
-    return found + [_other(name) for name in SOLVERS if name not in SCHEMES]
+        all_ladders += [_zone(BEM, 6), _zone(FEM, 4), _zone(REFERENCE, 5)]
+    return all_ladders + [_other(name) for name in SOLVERS if name not in SCHEMES]
 
 
 def _other(name: str) -> Ladder:
-    """A registered solver of which nothing but its resolution is known."""
+    """A registered solver without a ladder of its own: by its resolution alone."""
     levels = tuple(_by_resolution(n, Settings(n)) for n in (4, 8, 16, 32))
     return Ladder(name, "together", "divisions per zone", levels)
 
@@ -102,7 +102,7 @@ def _fem(scene: Scene) -> Ladder:
 
 
 def _fem_volume(scene: Scene) -> Ladder:
-    """The same answer as the condensed form, at another price: the levels stay coarse."""
+    """The same answer as the condensed form, at higher cost: the levels stay coarse."""
     levels = _fem_levels(scene, (3, 4, 5, 6) if scene.is_adhesive else (1, 2, 3, 4))
     refined = "as the condensed form, whose answer it repeats: only the price is of interest"
     return Ladder(VOLUME, "together", refined, levels)
@@ -159,7 +159,7 @@ def _fem_mesh(scene: Scene) -> Ladder:
 
 
 def _fem_domain() -> Ladder:
-    """The far boundary carries the displacement of the total force, so little is left to be seen."""
+    """The far boundary carries the displacement of the total force, so the error is small."""
     levels = tuple(_domain(ratio, True) for ratio in (12.5, 25.0, 50.0, 100.0))
     return Ladder(FEM, "domain", "domain radius over the largest contact radius", levels, nominal=2.0)
 

@@ -3,8 +3,8 @@
 For every ratio ``K/G`` of the relaxed solid the scene keeps its shear relaxation and is run
 
 - in full, with nu(t) from separate bulk and shear, by the finite elements;
-- by the reference with the ``E*(t)`` the surface feels (see ``poisson_material``): the same question, another
-  method, so the two must agree within their error estimates, which is what is judged;
+- by the reference with the ``E*(t)`` the surface feels (see ``poisson_material``): the same problem, another
+  method, so the two must agree within their error estimates, which is what is checked;
 - under three assumptions of a constant ratio, by the reference: ``shear`` and ``tension``, the relaxed ratio
   with the modulus measured in shear or in tension, and ``incompressible``, the paper's 0.5.
 
@@ -38,8 +38,8 @@ ASSUMPTIONS = {
 
 
 @dataclass(frozen=True)
-class Difference:
-    """Of one run from the reference on the surface modulus, relative; estimates of both, where there are."""
+class RunDifference:
+    """Relative difference of one run from the reference on the surface modulus; error estimates of both."""
 
     value: float
     estimate: float | None = None
@@ -75,7 +75,7 @@ class CompressibilityComparison:
         """Whether every run reached its end."""
         return all(result.finished for result in self.runs.values())
 
-    def difference(self, name: str, observable: str) -> Difference | None:
+    def difference(self, name: str, observable: str) -> RunDifference | None:
         """Of a run by name, in an observable or (root mean square over time) a column of the trace."""
         result, base = self.runs[name], self.runs[SURFACE]
         if result.trace is None or base.trace is None:
@@ -83,12 +83,12 @@ class CompressibilityComparison:
         estimates = result.errors.get(observable), base.errors.get(observable)
         if observable in CURVES:
             apart = distance(result.trace, base.trace, observable)
-            return None if apart is None else Difference(apart.rms, *estimates)
+            return None if apart is None else RunDifference(apart.rms, *estimates)
         value, expected = result.measures.get(observable), base.measures.get(observable)
         if value is None or expected is None:
             return None
         relative_to = scale(observable, expected, base.trace)
-        return Difference((value - expected) / relative_to if relative_to > 0.0 else 0.0, *estimates)
+        return RunDifference((value - expected) / relative_to if relative_to > 0.0 else 0.0, *estimates)
 
     @property
     def disagreements(self) -> list[str]:
@@ -111,7 +111,7 @@ def ratio_runs(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
     }
 
 
-def compare(
+def compare_ratios(
     case: Case,
     ratios: Iterable[float] = RATIOS,
     resolution: int | None = None,

@@ -1,4 +1,4 @@
-"""Materials of one shear relaxation and different compressibility, and what the surface sees of them.
+"""Materials of one shear relaxation and different compressibility, and their modulus at the surface.
 
 With shear modulus ``G(t)`` and bulk modulus ``K(t)`` apart, Poisson's ratio depends on time. Yet the surface
 of the half-space feels one modulus only. The Laplace transform (marked ^) of its compliance under normal load
@@ -8,8 +8,8 @@ is that of an elastic half-space, which knows ``E* = E/(1 - nu^2)`` alone; hence
 
 so the creep compliance of the plane modulus is ``J*(t) = J_G(t)/4 + (3/4) J_(3K + G)(t)``, from two ordinary
 Prony series. Any solver made for a constant ratio then gives force, contact radius and the shape of the
-surface without further error, if it is given this E*(t). Only the stress in the body (rr and tt) knows
-Poisson's ratio itself.
+surface without further error, with this E*(t). Only the stress in the body (rr and tt) depends
+on Poisson's ratio itself.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ import numpy as np
 from contact_scene import Branch, BulkRelaxation, Material
 from validation.reference.creep_compliance import creep_compliance, relaxation_spectrum
 
-_SAME = 1e-12  # relative difference below which two retardation times are one, apart by round-off
+_SAME = 1e-12
+"""Relative difference below which two retardation times are the same but for round-off."""
 
 
 def shear_of(material: Material) -> Material:
@@ -79,7 +80,7 @@ def _beside(shear: Material, bulk: Material) -> Material:
 
 
 def _in_series(*parts: tuple[float, Material]) -> Material:
-    """Modulus whose creep compliance is the weighted sum of those given."""
+    """Modulus whose creep compliance is the weighted sum of those of the parts."""
     retarding: dict[float, float] = {}
     for weight, part in parts:
         creep = creep_compliance(part)

@@ -1,8 +1,8 @@
 """Cost and convergence of the front tracking: ``python -m validation.studies.reference_accuracy``.
 
-One table a case: resolution, steps, processor time, errors against a run at ``TRUTH``, the order that a
+One table a case: resolution, steps, processor time, errors against a run at ``FINEST``, the order that a
 straight line through the logarithms of all errors has, and the run's own estimates. Force and contact radius
-are compared at ``MOMENTS`` of the run, which all runs step onto: no error of reading between rows is in them.
+are compared at ``MOMENTS`` of the run, which all runs step onto: no interpolation error is in them.
 The cases are cycles on materials with one to thirty branches, slow and fast, a retraction from the relaxed
 state, and the start of the frequency sweep. ``--quick`` leaves out the expensive ones.
 """
@@ -22,13 +22,17 @@ from validation.measure.observables import observe
 from validation.reference import Options, solve
 from validation.studies.extrapolation import fitted_slope
 
-WORK = math.pi * 1.6e-4  # gamma~ = 1.6e-4 with R = 1, E0* = 1
+WORK = math.pi * 1.6e-4
+"""Work of adhesion of ``gamma~ = 1.6e-4``, over ``E0* R``."""
 ZONE = 0.013
 RESOLUTIONS = (4, 8, 16, 32)
-TRUTH = 96
-MOMENTS = np.linspace(0.06, 0.96, 11)  # shares of the run
+FINEST = 96
+"""Resolution of the run that errors are measured against."""
+MOMENTS = np.linspace(0.06, 0.96, 11)
+"""Times of comparison, as shares of the run."""
 COLUMNS = ("pull_off_force", "loop_energy", "force", "contact_radius")
-USUAL = 16  # the default resolution
+USUAL = 16
+"""The default resolution, at which the run estimates its own errors."""
 
 
 def spectrum(count: int, low: float, high: float) -> tuple[Branch, ...]:
@@ -100,58 +104,71 @@ class AccuracyLevel:
 
 
 def measured(trace: Trace, moments: tuple[float, ...]) -> dict[str, NDArray[np.float64]]:
-    """What errors are told of: two numbers of the run, and two courses at the moments, all as arrays."""
-    seen = observe(trace)
+    """Two scalars of the run and two columns at the moments, all as arrays."""
+    observed = observe(trace)
     rows = [int(np.abs(trace.time - moment).argmin()) for moment in moments]
     return {
-        "pull_off_force": np.array([seen.pull_off_force]),
-        "loop_energy": np.array([seen.loop_energy]),
+        "pull_off_force": np.array([observed.pull_off_force]),
+        "loop_energy": np.array([observed.loop_energy]),
         "force": trace.force[rows],
         "contact_radius": trace.contact_radius[rows],
     }
 
 
 def levels(
-    scene: Scene, resolutions: tuple[int, ...] = RESOLUTIONS, truth: int = TRUTH, usual: int = USUAL
+    scene: Scene, resolutions: tuple[int, ...] = RESOLUTIONS, finest: int = FINEST, usual: int = USUAL
 ) -> list[AccuracyLevel]:
-    """Runs at several resolutions, judged by one at ``truth``; the one at ``usual`` estimates its errors.
+    """Runs at several resolutions and their errors, relative to the largest value of the finest run.
 
-    Errors are relative to the largest value in the exact run.
+    Parameters
+    ----------
+    scene : Scene
+    resolutions : tuple of int
+        Steps per process zone.
+    finest : int
+        Resolution of the run that errors are measured against.
+    usual : int
+        Resolution of the run that also estimates its own errors.
+
+    Returns
+    -------
+    list of AccuracyLevel
+        In the order of ``resolutions``.
     """
     end = solve(scene, Options(resolutions[0])).time[-1]
     moments = tuple(float(moment) for moment in MOMENTS * end)
-    exact = measured(solve(scene, Options(truth, profile_times=moments)), moments)
-    found = []
+    exact = measured(solve(scene, Options(finest, profile_times=moments)), moments)
+    accuracies = []
     for resolution in resolutions:
-        began = time.process_time()
+        begin = time.process_time()
         trace = solve(scene, Options(resolution, profile_times=moments))
-        spent = time.process_time() - began
+        spent = time.process_time() - begin
         own = solve(scene, Options(resolution, estimate_errors=True)).errors if resolution == usual else {}
         values = measured(trace, moments)
         errors = {
             name: float(np.abs(values[name] - exact[name]).max() / np.abs(exact[name]).max())
             for name in COLUMNS
         }
-        found.append(AccuracyLevel(resolution, trace.counters.steps, spent, errors, own))
-    return found
+        accuracies.append(AccuracyLevel(resolution, trace.counters.steps, spent, errors, own))
+    return accuracies
 
 
-def order(found: list[AccuracyLevel], name: str) -> float:
+def order(accuracies: list[AccuracyLevel], name: str) -> float:
     """Order in the step: slope of the straight line through the logarithms of the errors of all levels."""
-    steps = [1.0 / level.resolution for level in found]
-    slope = fitted_slope(steps, [level.errors[name] for level in found])
+    steps = [1.0 / level.resolution for level in accuracies]
+    slope = fitted_slope(steps, [level.errors[name] for level in accuracies])
     return math.nan if slope is None else slope
 
 
-def table(name: str, found: list[AccuracyLevel]) -> list[str]:
+def table(name: str, accuracies: list[AccuracyLevel]) -> list[str]:
     """The lines of one case."""
     head = f"{'n':>4}{'steps':>7}{'cpu s':>8}" + "".join(f"{column:>18}" for column in COLUMNS)
     lines = [name, head]
-    for level in found:
+    for level in accuracies:
         cells = "".join(f"{level.errors[column]:>18.1e}" for column in COLUMNS)
         lines.append(f"{level.resolution:>4}{level.steps:>7}{level.cpu_seconds:>8.2f}{cells}")
-    lines.append(f"{'order':<19}" + "".join(f"{order(found, column):>18.1f}" for column in COLUMNS))
-    own = next(level.estimates for level in found if level.estimates)
+    lines.append(f"{'order':<19}" + "".join(f"{order(accuracies, column):>18.1f}" for column in COLUMNS))
+    own = next(level.estimates for level in accuracies if level.estimates)
     lines.append(f"{'own estimate, n = ' + str(USUAL):<19}" + "".join(f"{own[c]:>18.1e}" for c in COLUMNS))
     return lines
 

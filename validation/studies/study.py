@@ -38,7 +38,7 @@ class SceneStudy:
     Parameters
     ----------
     reference : str
-        What errors are measured against, in words; why there is nothing, where there is nothing.
+        What errors are measured against, in words, or why there is no reference.
     uncertainty : dict of str to float
         Estimated relative error of the reference itself, by observable.
     ladders : list of Convergence
@@ -62,7 +62,7 @@ class SceneStudy:
 
 @dataclass(frozen=True)
 class Study:
-    """Everything the command computed; the writers only give it a form."""
+    """All scenes, where and how long they ran."""
 
     scenes: list[SceneStudy]
     environment: dict[str, object]
@@ -108,56 +108,56 @@ def _study_scene(case: Case, workers: int, progress: Progress, store: Store) -> 
 
     key = fingerprint("finest reference", case.scene)
     (answer,) = run([Task(key, f"{case.name} reference", _finest_reference, (case,))])
-    truth, resolution, reference = answer.value or (None, 0, f"no reference; {answer.failure}")
-    tasks = [_level_tasks(case, ladder, truth) for ladder in all_ladders]
+    reference, resolution, words = answer.value or (None, 0, f"no reference; {answer.failure}")
+    tasks = [_level_tasks(case, ladder, reference) for ladder in all_ladders]
     results = {i: run(tasks[i]) for i, ladder in enumerate(all_ladders) if ladder.timed}
     shared = [i for i in range(len(tasks)) if i not in results]
     with processes(min(workers, sum(len(tasks[i]) for i in shared))) as executor:
         answers = iter(run([task for i in shared for task in tasks[i]], executor))
     results |= {i: [next(answers) for _ in tasks[i]] for i in shared}
-    size = {} if truth is None else scales(truth, case.scene)
+    size = {} if reference is None else scales(reference, case.scene)
     convergences = [
         read(ladder, tuple(map(_level_run, results[i])), size) for i, ladder in enumerate(all_ladders)
     ]
-    return SceneStudy(case, reference, _uncertainty(resolution, convergences), convergences)
+    return SceneStudy(case, words, _uncertainty(resolution, convergences), convergences)
 
 
-def _level_tasks(case: Case, ladder: Ladder, truth: Trace | None) -> list[Task]:
+def _level_tasks(case: Case, ladder: Ladder, reference: Trace | None) -> list[Task]:
     """The levels of a ladder."""
     warmed_up = False
 
-    def run_timed(case: Case, scheme: str, level: Level, truth: Trace | None) -> LevelRun:
+    def run_timed(case: Case, scheme: str, level: Level, reference: Trace | None) -> LevelRun:
         nonlocal warmed_up
         if not warmed_up:  # imports, caches, pages of memory
             run_level(case, scheme, ladder.levels[0], None)
             warmed_up = True
-        return run_level(case, scheme, level, truth, REPEATS)
+        return run_level(case, scheme, level, reference, REPEATS)
 
     return [
         Task(
             fingerprint("level", case.scene, ladder.scheme, ladder.kind, level, ladder.timed),
             f"{case.name} {ladder.scheme} {ladder.kind} {level.label}",
             run_timed if ladder.timed else run_level,
-            (case, ladder.scheme, level, _own_reference(truth, level)),
+            (case, ladder.scheme, level, _own_reference(reference, level)),
         )
         for level in ladder.levels
     ]
 
 
 def _level_run(result: TaskResult) -> LevelRun:
-    """What a level gave, or its failure where a process died with it."""
+    """The result of a level, or its failure where its process died."""
     if result.value is None:
         return LevelRun(result.task.arguments[2], failure=result.failure, details=result.details)
     return result.value
 
 
-def _own_reference(truth: Trace | None, level: Level) -> Trace | None:
+def _own_reference(reference: Trace | None, level: Level) -> Trace | None:
     """The reference of a level; there is none for a scene whose process zone was changed."""
-    return truth if level.settings.zone_factor == 1.0 else None
+    return reference if level.settings.zone_factor == 1.0 else None
 
 
 def _finest_reference(case: Case) -> tuple[Trace | None, int, str]:
-    """The finest front tracking that reaches its end, its resolution, and what became of the finer ones."""
+    """The finest front tracking that reaches its end, its resolution, and why the finer ones failed."""
     failures = []
     for resolution in finest(case.scene):
         try:

@@ -1,6 +1,6 @@
 """Error against run time: which scheme is cheapest at an error, and how cost grows.
 
-Between the levels of a ladder the cost at an asked error is interpolated on logarithms; nothing is
+Between the levels of a ladder the cost at a required error is interpolated on logarithms; nothing is
 extrapolated beyond the finest level.
 """
 
@@ -13,16 +13,18 @@ from validation.measure import skipped_work
 from validation.studies.convergence import Convergence, LevelRun
 from validation.studies.extrapolation import fitted_slope
 
-ASKED = (1e-1, 1e-2, 1e-3, 1e-4)
+ERRORS = (1e-1, 1e-2, 1e-3, 1e-4)
 MEASURES = ("force, RMS", "force, mean", "force, largest", "radius, RMS", "pull_off_force", "loop_energy")
 WORK = ("wall_seconds", "cpu_seconds", "steps", "linear_solves", "closure_evaluations", "history_updates")
-PRICED = "cpu_seconds"  # on one thread the run time of a quiet machine, and much the same on a busy one
-BUSY = 1.2  # run time over processor time above which a machine had other work
+PRICED = "cpu_seconds"
+"""Cost that is compared: processor time, on one thread the run time of a quiet machine whatever the load."""
+BUSY = 1.2
+"""Run time over processor time above which the machine was loaded by other work."""
 
 
 @dataclass(frozen=True)
 class Price:
-    """Cost of a scheme at an asked error; ``None`` where no level of its ladder reaches it.
+    """Cost of a scheme at a required error; ``None`` where no level of its ladder reaches it.
 
     ``at_most`` marks a cost that its coarsest level, already good enough, only bounds from above.
     """
@@ -52,15 +54,31 @@ def cost(run: LevelRun, work: str) -> float | None:
     return float(count) if count is not None else None
 
 
-def price(study: Convergence, measure: str, asked: float, work: str = PRICED) -> Price:
-    """Least cost at which the error stays at or below ``asked`` from there on to the finest level."""
+def price(study: Convergence, measure: str, required: float, work: str = PRICED) -> Price:
+    """Least cost at which the error stays at or below the required one up to the finest level.
+
+    Parameters
+    ----------
+    study : Convergence
+    measure : str
+        Name of the error.
+    required : float
+        Largest error, relative.
+    work : str
+        Kind of cost: ``"wall_seconds"``, ``"cpu_seconds"``, or a work counter.
+
+    Returns
+    -------
+    Price
+        In seconds, or counts of work.
+    """
     points = [
         (abs(run.errors[measure]), spent)
         for run in study.runs
         if measure in run.errors and (spent := cost(run, work)) is not None
     ]
     good = len(points)
-    while good > 0 and points[good - 1][0] <= asked:
+    while good > 0 and points[good - 1][0] <= required:
         good -= 1
     name = study.ladder.scheme
     if good == len(points):
@@ -71,13 +89,13 @@ def price(study: Convergence, measure: str, asked: float, work: str = PRICED) ->
     worse, less = points[good - 1]
     if error <= 0.0 or less <= 0.0 or spent <= 0.0:
         return Price(name, spent)
-    part = math.log(worse / asked) / math.log(worse / error)
+    part = math.log(worse / required) / math.log(worse / error)
     return Price(name, math.exp(math.log(less) + part * math.log(spent / less)))
 
 
-def cheapest(studies: list[Convergence], measure: str, asked: float) -> tuple[Price | None, list[Price]]:
+def cheapest(studies: list[Convergence], measure: str, required: float) -> tuple[Price | None, list[Price]]:
     """The cheapest scheme by processor time, and all prices."""
-    prices = [price(study, measure, asked) for study in studies]
+    prices = [price(study, measure, required) for study in studies]
     able = [entry for entry in prices if entry.seconds is not None]
     return min(able, key=lambda entry: entry.seconds or 0.0, default=None), prices
 
@@ -97,19 +115,19 @@ def measures(studies: list[Convergence]) -> list[str]:
 
 
 def in_words(studies: list[Convergence], measure: str = MEASURES[0]) -> list[str]:
-    """One sentence for each asked error."""
+    """One sentence for each of :data:`ERRORS`."""
     if measure not in measures(studies):
         return ["there is none in this scene."]
-    said = []
-    for asked in ASKED:
-        best, prices = cheapest(studies, measure, asked)
+    sentences = []
+    for error in ERRORS:
+        best, prices = cheapest(studies, measure, error)
         if best is None:
-            said.append(f"At {asked:.0e} no scheme reaches the error on its ladder.")
+            sentences.append(f"At {error:.0e} no scheme reaches the error on its ladder.")
             continue
         rest = [entry for entry in prices if entry is not best]
         others = ", ".join(f"{entry.scheme} {_seconds(entry)}" for entry in rest)
-        said.append(f"At {asked:.0e} {best.scheme} is cheapest: {_seconds(best)} ({others or 'alone'}).")
-    return said
+        sentences.append(f"At {error:.0e} {best.scheme} is cheapest: {_seconds(best)} ({others or 'alone'}).")
+    return sentences
 
 
 def busy(studies: list[Convergence]) -> float:
@@ -125,22 +143,22 @@ def busy(studies: list[Convergence]) -> float:
 
 def growth_in_words(studies: list[Convergence]) -> list[str]:
     """How processor time grows, one sentence for each scheme."""
-    said = []
+    sentences = []
     for study in studies:
         fitted = growth(study, PRICED)
         if fitted.with_resolution is None:
-            said.append(f"{fitted.scheme}: fewer than three levels to fit a cost to.")
+            sentences.append(f"{fitted.scheme}: fewer than three levels to fit a cost to.")
             continue
         line = f"{fitted.scheme}: processor time grows as resolution^{fitted.with_resolution:.2f}"
         if fitted.with_error is not None:
             line += f" and as (1/error)^{fitted.with_error:.2f}"
-        said.append(line + ".")
-    return said
+        sentences.append(line + ".")
+    return sentences
 
 
 def left_out(studies: list[Convergence]) -> list[str]:
     """What the scene did not need, from the counters of the finest level."""
-    said = []
+    sentences = []
     for study in studies:
         done = [run for run in study.runs if not run.failed]
         if not done:
@@ -148,8 +166,8 @@ def left_out(studies: list[Convergence]) -> list[str]:
         scheme = study.ladder.scheme
         missing = skipped_work.left_out(scheme, done[-1].counters)
         if missing:
-            said.append(f"{scheme}: {'; '.join(missing)}.")
-    return said
+            sentences.append(f"{scheme}: {'; '.join(missing)}.")
+    return sentences
 
 
 def _seconds(entry: Price) -> str:

@@ -76,7 +76,17 @@ def film(
 
 
 def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Quantity) -> Iterator[Figure]:
-    """One figure a state; parameters as in :func:`film`."""
+    """One figure a state.
+
+    Parameters
+    ----------
+    states, trace, scene, quantity
+        As of :func:`film`.
+
+    Yields
+    ------
+    Figure
+    """
     from matplotlib.figure import Figure as New
 
     cut, view, shown = sections_alike(states, scene, quantity)

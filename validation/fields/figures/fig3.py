@@ -67,6 +67,10 @@ def figure(scene: Scene, bem: Sequence[SurfaceProfile], fem: Sequence[SurfacePro
     turn : float
         Time of the reversal; moments up to it belong to the approach.
 
+    Returns
+    -------
+    Figure
+
     Raises
     ------
     ValueError

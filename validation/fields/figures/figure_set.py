@@ -72,8 +72,8 @@ class FigureSet:
 
     def rows(self, trace: Trace, scene: Scene) -> dict[int, str]:
         """Rows of a trace whose fields the figures need, and their labels."""
-        found = dict.fromkeys(moments.in_contact(trace, self.frames), "") if self.animate else {}
-        return dict(sorted((found | (moments.key_moments(trace, scene) if self.moments else {})).items()))
+        frames = dict.fromkeys(moments.in_contact(trace, self.frames), "") if self.animate else {}
+        return dict(sorted((frames | (moments.key_moments(trace, scene) if self.moments else {})).items()))
 
     def draw(
         self,
@@ -108,7 +108,7 @@ class FigureSet:
             If VTK cannot draw here, and more was requested than the sections drawn by default.
         """
         try:
-            written = self.write(folder, states, trace, scene, progress, requested)
+            written = self._write(folder, states, trace, scene, progress, requested)
             lines = [f"drawn: {path}" for path in written]
             if (
                 self.show
@@ -122,31 +122,18 @@ class FigureSet:
             return [f"no figures: {error}"]
         return lines
 
-    def write(
+    def _write(
         self,
         folder: Path,
         states: Sequence[FieldState],
         trace: Trace,
         scene: Scene,
         progress: Progress,
-        requested: Collection[int] = (),
+        requested: Collection[int],
     ) -> list[Path]:
         """Draw everything but the window; states in contact only.
 
-        Parameters
-        ----------
-        folder, states, trace, scene, progress, requested
-            As in :meth:`draw`. Frames of the animation get a section only if labelled or requested.
-
-        Returns
-        -------
-        list of Path
-            What was written.
-
-        Raises
-        ------
-        NoRendering
-            If VTK cannot draw here.
+        Frames of the animation get a section only if labelled or requested.
         """
         touching, key, first = _touching(states), moments.key_moments(trace, scene), self._chosen[0]
         moving = set(moments.in_contact(trace, self.frames)) if self.animate else set()
@@ -169,16 +156,16 @@ class FigureSet:
             ]
         written = []
         frames = [state for state in touching if state.row in moving]
-        todo = len(drawings) + len(frames)
+        total = len(drawings) + len(frames)
         for count, (name, draw) in enumerate(drawings, 1):
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
             write_whole(path, png(draw()))
             written.append(path)
-            progress(count / todo)
+            progress(count / total)
         if frames:
             path = folder / f"cycle_{first.name}.gif"
-            begun = len(drawings) / todo
+            begun = len(drawings) / total
             rest = partial(_rest, progress, begun)
             write_whole(path, animation.film(frames, trace, scene, first, rest))
             written.append(path)
@@ -190,7 +177,7 @@ class FigureSet:
 
 
 def of_options(options: argparse.Namespace) -> FigureSet | None:
-    """The figures that options of the command line ask for; ``None`` for none.
+    """The figures that options of the command line request; ``None`` for none.
 
     Raises
     ------

@@ -50,6 +50,10 @@ def figure(section: BodySection, quantity: Quantity, zone: float, title: str) ->
         Process-zone length, or the length that takes its place; the width of the second view follows it.
     title : str
 
+    Returns
+    -------
+    Figure
+
     Raises
     ------
     NoRendering

@@ -43,9 +43,7 @@ SHOWN_DWELLS = (0.0, 0.3, 1.0, 3.0, 10.0, 100.0)
 LabelledScenes = Sequence[tuple[str, Scene]]
 
 
-def diagram(
-    runs: LabelledScenes, across: str, up: str, jkr: bool = True
-) -> Callable[[Figure, Evidence], None]:
+def diagram(runs: LabelledScenes, across: str, up: str) -> Callable[[Figure, Evidence], None]:
     """Equilibrium diagram: approach dashed, withdrawal solid, the largest tension marked."""
     names = {"penetration": DEPTH, "force": FORCE, "contact_radius": RADIUS}
 

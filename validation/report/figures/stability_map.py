@@ -1,6 +1,6 @@
 """Heat map of a solver over the stiff and extreme matrix: colour is the error, the letter how it ended.
 
-One row an axis, one field a probe, numbered as in the table. The colours are those of cividis, which a
+One row an axis, one field a case, numbered as in the table. The colours are those of cividis, which a
 colour-blind reader sees alike; a fault is framed and crossed out, so that no colour is needed to find it.
 """
 
@@ -43,7 +43,7 @@ LEGEND = (
 
 
 def draw(cells: Sequence[Cell], numbers: dict[tuple[str, str], int]) -> Figure:
-    """The map of one solver; ``numbers`` are those of the probes, by axis and label."""
+    """The map of one solver; ``numbers`` are those of the cases, by axis and label."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize

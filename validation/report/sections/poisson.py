@@ -12,7 +12,7 @@ from validation.studies.poisson import (
     FULL,
     OBSERVED,
     CompressibilityComparison,
-    Difference,
+    RunDifference,
 )
 
 NOTES = """\
@@ -43,5 +43,5 @@ def _rows(one: CompressibilityComparison) -> Iterator[dict[str, str]]:
         } | {assumption: _relative(one.difference(assumption, name)) for assumption in ASSUMPTIONS}
 
 
-def _relative(difference: Difference | None) -> str:
+def _relative(difference: RunDifference | None) -> str:
     return formatted(None if difference is None else difference.value, "+.1e")

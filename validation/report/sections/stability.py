@@ -67,7 +67,7 @@ def lead(matrix: StabilityMatrix) -> Paragraph:
 
 
 def numbers(cells: Sequence[judged.Cell]) -> dict[tuple[str, str], int]:
-    """Probes numbered in their order, from one, by axis and label."""
+    """Cases numbered in their order, from one, by axis and label."""
     return {key: i for i, key in enumerate(dict.fromkeys((cell.axis, cell.label) for cell in cells), 1)}
 
 
@@ -100,7 +100,7 @@ def _cells(cell: judged.Cell, number: int) -> Record:
         "error": _short(cell.error),
         "in": cell.worst,
         "tolerance": _short(cell.tolerance),
-        "truth ±": _short(cell.truth_error) if cell.truth_error else "",
+        "expected ±": _short(cell.expected_error) if cell.expected_error else "",
         "outcome": cell.outcome if meets else f"{cell.outcome}: {cell.reason}",
         "steps": str(cell.steps),
         "rejected": str(cell.rejected_steps),

@@ -40,11 +40,11 @@ NOTES = (
     "grows. Order of values alone: from three neighbouring levels; none where values go to and fro. Index: "
     "grid convergence index of the finest level, safety factor 1.25 where the observed order is within a "
     "tenth of the nominal one, else 3 with the lower of both orders (at least 1/2). Asymptotic: a coarser "
-    "difference over its prediction by the finest three levels, 0.7 to 1.4 asked."
+    "difference over its prediction by the finest three levels, 0.7 to 1.4 expected."
 )
-TRUTH_NOTE = (
+REFERENCE_NOTE = (
     "The front tracking's own levels are measured against a finer run of itself, which makes their orders "
-    "against the reference too high towards the fine end; judge it by its values alone."
+    "against the reference too high towards the fine end; use the orders of its values alone."
 )
 ZONE_NOTE = (
     "The process zone is a length of the model, no numerical parameter: the answer moves with it, and the "
@@ -126,7 +126,7 @@ def overview(scene: SceneStudy) -> Section:
     stated.append(f"{len(failed)} levels failed." if failed else "Every level has an answer.")
     rows = (_headline(study, row) for study, row in _headlines(scene.timed))
     title = "Observed orders, everything refined together"
-    return _section(title, [*stated, NOTES, TRUTH_NOTE], DataTable.of(rows))
+    return _section(title, [*stated, NOTES, REFERENCE_NOTE], DataTable.of(rows))
 
 
 def _headlines(studies: Sequence[Convergence]) -> Iterator[tuple[Convergence, Row]]:
@@ -259,7 +259,7 @@ def _section(title: str, paragraphs: Sequence[str], *tables: DataTable) -> Secti
 def _price_table(studies: Sequence[Convergence]) -> DataTable:
     rows = []
     for measure in work_precision.measures(list(studies)):
-        for asked in work_precision.ASKED:
+        for asked in work_precision.ERRORS:
             best, found = work_precision.cheapest(list(studies), measure, asked)
             bounds = ("≤ " if price.at_most else "" for price in found)
             seconds = (formatted(price.seconds, ".2g") for price in found)

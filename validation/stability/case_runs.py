@@ -1,4 +1,4 @@
-"""One solver on the scene of a probe, or the front tracking as its truth: the part that runs in a worker."""
+"""One solver on the scene of a case: the part of the matrix that runs in worker processes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from validation.solvers import SOLVERS
 
 
 @dataclass(frozen=True)
-class ProbeRun:
+class CaseRun:
     """What is run: ``solver`` by name, divisions per process zone, step budget."""
 
     solver: str
@@ -20,7 +20,7 @@ class ProbeRun:
 
 
 @dataclass(frozen=True)
-class ProbeAnswer:
+class CaseAnswer:
     """A trace, or the words of a refusal; processor time of the run in seconds."""
 
     trace: Trace | None = None
@@ -28,13 +28,13 @@ class ProbeAnswer:
     seconds: float = 0.0
 
 
-def solve_probe(run: ProbeRun) -> ProbeAnswer:
+def solve_case(run: CaseRun) -> CaseAnswer:
     """Run the solver; a refusal is an answer, anything else that is raised is a crash."""
     solver = SOLVERS[run.solver]
     solver.load()
-    began = time.process_time()
+    begin = time.process_time()
     try:
         trace = solver.solve(run.scene, run.resolution, max_steps=run.max_steps)
     except SceneError as error:
-        return ProbeAnswer(refusal=str(error), seconds=time.process_time() - began)
-    return ProbeAnswer(trace, seconds=time.process_time() - began)
+        return CaseAnswer(refusal=str(error), seconds=time.process_time() - begin)
+    return CaseAnswer(trace, seconds=time.process_time() - begin)
