@@ -94,7 +94,17 @@ def run(
     estimate: bool = False,
     monitor: RunMonitor | None = None,
 ) -> Run:
-    """Run one solver; a refusal or a breakdown is part of the answer. Parameters: :func:`run_or_raise`."""
+    """Run one solver; a refusal or a breakdown is part of the answer.
+
+    Parameters
+    ----------
+    case, solver, resolution, progress, estimate, monitor
+        As of :func:`run_or_raise`.
+
+    Returns
+    -------
+    Run
+    """
     begin, spent = time.perf_counter(), time.process_time()
     try:
         return run_or_raise(case, solver, resolution, progress, estimate, monitor)
@@ -240,7 +250,18 @@ def expected_seconds(case: Case, solver: str) -> float:
 
 
 def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
-    """A run as a task; parameters as of :func:`run`."""
+    """A run as a task.
+
+    Parameters
+    ----------
+    case, solver, resolution, estimate
+        As of :func:`run_or_raise`.
+
+    Returns
+    -------
+    Task
+        To be carried out by :func:`~validation.execution.tasks.run_tasks`.
+    """
     return Task(
         fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate),
         f"{case.name} {solver}",

@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from fem_solver.fields.states import FieldState
 
 USUAL = ("von-mises", "stress-zz", "dissipation-rate")
+"""Quantities drawn where none is named."""
 FRAMES = 60
+"""Of an animation."""
 Progress = Callable[[float], None]
 
 
@@ -72,8 +74,9 @@ class FigureSet:
 
     def rows(self, trace: Trace, scene: Scene) -> dict[int, str]:
         """Rows of a trace whose fields the figures need, and their labels."""
-        found = dict.fromkeys(moments.in_contact(trace, self.frames), "") if self.animate else {}
-        return dict(sorted((found | (moments.key_moments(trace, scene) if self.moments else {})).items()))
+        frames = dict.fromkeys(moments.in_contact(trace, self.frames), "") if self.animate else {}
+        key = moments.key_moments(trace, scene) if self.moments else {}
+        return dict(sorted((frames | key).items()))
 
     def draw(
         self,
@@ -190,7 +193,7 @@ class FigureSet:
 
 
 def of_options(options: argparse.Namespace) -> FigureSet | None:
-    """The figures that options of the command line ask for; ``None`` for none.
+    """The figures that options of the command line request; ``None`` for none.
 
     Raises
     ------
