@@ -37,6 +37,7 @@ AXIS_NAMES = (
     "dead-load",
     "scale",
 )
+"""Axes of the stability matrix, as ``validation.stability.matrix`` has them, which takes NumPy."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -335,13 +336,7 @@ def _command(options: argparse.Namespace) -> int:
     from crosscontact.commands import report
 
     return report.run(
-        options.suite,
-        options.out,
-        jobs,
-        options.estimates,
-        options.baseline,
-        options.fresh,
-        options.fields,
+        options.suite, options.out, jobs, options.estimates, options.baseline, options.fresh, options.fields
     )
 
 

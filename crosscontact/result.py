@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_NO_MEASURES = (  # keys of summary.json beside the measures
+_NO_MEASURES = (
     "solver",
     "scene",
     "outcome",
@@ -53,6 +53,7 @@ _NO_MEASURES = (  # keys of summary.json beside the measures
     "error_estimates",
     "events",
 )
+"""Keys of ``summary.json`` that are no measures."""
 _UNITS = {
     "time": "time",
     "penetration": "length",
@@ -63,6 +64,7 @@ _UNITS = {
     "dissipated_energy": "energy",
     "branch_dissipation": "energy",
 }
+"""Kind of the unit of a column of the trace."""
 INK: dict[str, Any] = {"color": "#0a0a0a", "linestyle": "-", "linewidth": 1.5}
 """Line of a figure that shows this result alone: black, whichever solver it comes from."""
 

@@ -20,8 +20,8 @@ from validation.fields.request import FieldRequest, record_fields
 def draw() -> Figure:
     """Four panels."""
     scene = load("cycle-v0.002").scene
-    found = record_fields(scene, FieldRequest(picked=key_moments))
-    return moment_panels.figure(list(found.states()), scene, QUANTITIES["stress-zz"])
+    recorded = record_fields(scene, FieldRequest(picked=key_moments))
+    return moment_panels.figure(list(recorded.states()), scene, QUANTITIES["stress-zz"])
 
 
 if __name__ == "__main__":

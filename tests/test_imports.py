@@ -45,15 +45,13 @@ BESIDE = {
 }
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.
-HEAVY = {
-    "skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "PIL", "pandas", "xarray", "dask",
-    "distributed",
-}  # fmt: skip
+HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
+HEAVY |= {"dask", "distributed"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
 LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.cli"}
-# Single imports of that kind. scipy.interpolate takes 0.6 s, contact_scene without it 0.3 s, and of all
-# scenes only those with a tabulated indenter need it.
+# Single imports of that kind. scipy.interpolate takes 0.6 s, contact_scene without it 0.3 s; only scenes with
+# a tabulated indenter need it.
 DEFERRED = {("contact_scene.indenter", "scipy.interpolate")}
 
 

@@ -14,8 +14,8 @@ PROJECT = {
     '"""A constant."""\n\n\nclass State:\n    pass\n',
     "scene/two.py": "def f():\n    from scene.one import LIMIT\n    return LIMIT\n"
     "\n\nclass State:\n    pass\n",
-    "meshes/fit.py": "def long(a):\n"
-    + "    a += 1\n" * 58
+    "meshes/fit.py": "def long(a):\n    '''Two\n    lines.'''\n"
+    + "    a += 1\n" * 57
     + "    return a\n\n\ndef short(a):\n    return a\n",
     "bem_solver/solver.py": '''
 def complete(a, b, c, *, d) -> int:
@@ -78,10 +78,10 @@ def test_every_figure_of_a_small_tree(tmp_path):
     found = source_metrics.measure(tmp_path)
     assert found.modules == 5
     assert dict(found.lines["scene"]) == {"total": 19, "code": 9, "docstrings": 4}
-    assert dict(found.lines["meshes"]) == {"total": 64, "code": 62}
+    assert dict(found.lines["meshes"]) == {"total": 65, "code": 61, "docstrings": 2}
     assert found.cycles == [["scene.one", "scene.two"]]
     assert found.repeated_classes == {"State": ["scene.one", "scene.two"]}
-    assert found.long_functions == ["meshes.fit.long"]
+    assert found.long_functions == {"meshes.fit.long": (61, 59)}
     assert found.documented == ["bem_solver.solver.complete", "bem_solver.solver.procedure"]
     assert found.undocumented == ["bem_solver.solver.without_returns", "bem_solver.solver.Solver.bare"]
 

@@ -17,6 +17,7 @@ from validation.execution.runs import Run
 from validation.execution.runs import run as run_solver
 
 DOTS_PER_INCH = 110
+"""Resolution of ``force.png``."""
 
 
 def run(
@@ -31,7 +32,7 @@ def run(
 ) -> int:
     """Run a solver, print the key numbers, write what is asked for.
 
-    With a folder to write to, an interrupted run is kept there and continued by the same command.
+    With a folder to write to, an interrupted run is saved there and continued by the same command.
 
     Parameters
     ----------
@@ -76,7 +77,7 @@ def run(
     if folder is not None:
         print(f"written to {folder}")
     if writer is not None and writer.stopped:
-        print(f"crosscontact: kept in {writer.path}: the same command goes on from there", file=sys.stderr)
+        print(f"crosscontact: saved in {writer.path}: the same command continues it", file=sys.stderr)
         raise KeyboardInterrupt
     if writer is not None and result.trace is not None:  # a breakdown may come of the machine: go on later
         writer.remove()

@@ -93,7 +93,7 @@ def test_a_signal_ends_the_run_with_its_step(capsys, tmp_path, scene_file, unint
     assert work.returncode == 1, err
     assert "Traceback" not in err
     assert err.splitlines()[-1] == "crosscontact: interrupted"
-    assert "goes on from there" in err
+    assert "the same command continues it" in err
     assert "interrupted: stopped from outside" in out
     assert sorted(file.name for file in tmp_path.iterdir()) == [checkpoints.CHECKPOINT, *RESULTS]
     summary = json.loads((tmp_path / "summary.json").read_text())
@@ -103,7 +103,7 @@ def test_a_signal_ends_the_run_with_its_step(capsys, tmp_path, scene_file, unint
     assert 0 < len(part) < len(force)
     assert part.tobytes() == force[: len(part)].tobytes()
     assert main(arguments(scene_file, "reference", tmp_path)) == 0
-    assert "going on with the run kept in" in capsys.readouterr().err
+    assert "continuing the run saved in" in capsys.readouterr().err
     assert_same_results(tmp_path, whole)
     assert json.loads((tmp_path / "summary.json").read_text())["wall_seconds"] > summary["wall_seconds"]
 

@@ -129,7 +129,7 @@ def test_a_writer_goes_on_ignores_and_starts_afresh(tmp_path):
     assert stopping.stopped
     going = checkpoints.CheckpointWriter(file, "q", lambda: False)
     assert going.start_state == [1, 2]
-    assert "going on" in going.message
+    assert "continuing" in going.message
     assert going.continue_run(lambda: pytest.fail("kept too soon"))
     assert checkpoints.CheckpointWriter(file, "q", lambda: False, fresh=True).start_state is None
     other = checkpoints.CheckpointWriter(file, "p", lambda: False)
@@ -157,7 +157,7 @@ def test_a_full_disk_stops_no_run(tmp_path, monkeypatch, capsys):
     writer = checkpoints.CheckpointWriter(tmp_path / "kept", "q", lambda: True)
     assert not writer.continue_run(lambda: 1)
     assert not writer.continue_run(lambda: 2)
-    assert capsys.readouterr().err.count("cannot be kept: no space left") == 1
+    assert capsys.readouterr().err.count("cannot be saved: no space left") == 1
 
 
 def test_a_store_takes_over_what_is_whole(tmp_path):

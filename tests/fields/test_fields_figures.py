@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[2]
 @given(largest=st.floats(1e-9, 1e9), radius=st.floats(1e-9, 1e9))
 def test_magnification_is_the_largest_round_number_within_the_swing(largest, radius):
     scale = geometry.magnification(largest, radius)
-    room = geometry.LARGEST_SHOWN * geometry.HALF_WIDTH * radius / largest
+    room = geometry.LARGEST_DRAWN * geometry.HALF_WIDTH * radius / largest
     assert scale <= room * (1 + 1e-6) < 2.5 * scale * (1 + 1e-6)
     digit = scale / 10.0 ** np.floor(np.log10(scale * (1 + 1e-9)))
     assert round(digit) in (1, 2, 5)

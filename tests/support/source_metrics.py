@@ -49,7 +49,8 @@ class SourceMetrics:
         Groups of modules that import each other, in functions and for type checking too.
     repeated_classes : dict of str to list of str
         Modules by the name of a class that more than one of them defines.
-    long_functions : list of str
+    long_functions : dict of str to (int, int)
+        Lines of functions of ``LONG`` lines and more, in all and without the docstring.
     documented, undocumented : list of str
         Public functions and methods of ``MANY`` parameters and more, with and without Parameters and, unless
         they return ``None``, Returns.
@@ -59,20 +60,21 @@ class SourceMetrics:
     lines: dict[str, Counter[str]]
     cycles: list[list[str]]
     repeated_classes: dict[str, list[str]]
-    long_functions: list[str]
+    long_functions: dict[str, tuple[int, int]]
     documented: list[str]
     undocumented: list[str]
 
     def __str__(self) -> str:
         total = sum(self.lines.values(), Counter())
         repeated = (f"{name}: {', '.join(modules)}" for name, modules in self.repeated_classes.items())
+        long = (f"{name}: {n}, {m} without docstring" for name, (n, m) in self.long_functions.items())
         share = f"{len(self.documented)} of {len(self.documented) + len(self.undocumented)} public functions"
         sections: list[tuple[str, list[str]]] = [
             (f"{self.modules} modules", []),
             (_in_words(total), [f"{package}: {_in_words(count)}" for package, count in self.lines.items()]),
             (f"{len(self.cycles)} import cycles", [" <-> ".join(group) for group in self.cycles]),
             (f"{len(self.repeated_classes)} repeated class names", list(repeated)),
-            (f"{len(self.long_functions)} functions of {LONG} lines and more", self.long_functions),
+            (f"{len(self.long_functions)} functions of {LONG} lines and more", list(long)),
             (
                 f"{share} of {MANY} parameters and more have Parameters and Returns, these not:",
                 self.undocumented,
@@ -88,15 +90,17 @@ def measure(root: Path) -> SourceMetrics:
     sources = read_sources(root, (*PACKAGES, *FORMER_PACKAGES))
     lines: defaultdict[str, Counter[str]] = defaultdict(Counter)
     classes: defaultdict[str, list[str]] = defaultdict(list)
-    long, documented, undocumented = [], [], []
+    long: dict[str, tuple[int, int]] = {}
+    documented, undocumented = [], []
     for name, source in sources.items():
         tree = ast.parse(source.text)
         lines[name.partition(".")[0]] += count_lines(source.text, tree)
         for node in ast.walk(tree):
             if isinstance(node, ast.ClassDef):
                 classes[node.name].append(name)
-            elif isinstance(node, Function) and (node.end_lineno or 0) - node.lineno + 1 >= LONG:
-                long.append(f"{name}.{node.name}")
+            elif isinstance(node, Function) and (count := line_count(node)) >= LONG:
+                docstring = 0 if ast.get_docstring(node) is None else line_count(node.body[0])
+                long[f"{name}.{node.name}"] = count, count - docstring
         for owner, function in public_functions(tree):
             if count_parameters(function) >= MANY:
                 (documented if has_contract(function) else undocumented).append(
@@ -108,10 +112,15 @@ def measure(root: Path) -> SourceMetrics:
         dict(lines),
         ImportGraph(sources).cycles(),
         repeated,
-        sorted(long),
+        dict(sorted(long.items())),
         documented,
         undocumented,
     )
+
+
+def line_count(node: ast.stmt) -> int:
+    """Lines from the first to the last of a statement."""
+    return (node.end_lineno or node.lineno) - node.lineno + 1
 
 
 def count_lines(text: str, tree: ast.Module) -> Counter[str]:
@@ -120,7 +129,7 @@ def count_lines(text: str, tree: ast.Module) -> Counter[str]:
     for node in ast.walk(tree):
         match node:
             case ast.Expr(value=ast.Constant(value=str())):
-                docstrings |= set(range(node.lineno, (node.end_lineno or 0) + 1))
+                docstrings |= set(range(node.lineno, node.lineno + line_count(node)))
     code: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type not in _LAYOUT:

@@ -55,8 +55,8 @@ def with_strides(values: NDArray[Any], strides: tuple[int, ...]) -> NDArray[Any]
     """A copy with the given strides, which may leave gaps or run backwards."""
     reach = [(n - 1) * stride for n, stride in zip(values.shape, strides, strict=True)]
     before, beyond = -sum(r for r in reach if r < 0), sum(r for r in reach if r > 0)
-    room = bytearray(before + beyond + values.itemsize)
-    copy: NDArray[Any] = np.ndarray(values.shape, values.dtype, room, before, strides)
+    memory = bytearray(before + beyond + values.itemsize)
+    copy: NDArray[Any] = np.ndarray(values.shape, values.dtype, memory, before, strides)
     copy[...] = values
     return copy
 
@@ -115,14 +115,14 @@ def read(path: Path, fingerprint: str) -> tuple[Any, float]:
     try:
         line, _, data = path.read_bytes().partition(b"\n")
         header = json.loads(line)
-        known, digest, seconds = header["fingerprint"], header["digest"], float(header["seconds"])
+        written_for, digest, seconds = header["fingerprint"], header["digest"], float(header["seconds"])
     except FileNotFoundError:
         raise UnusableFile("there is none") from None
     except OSError as error:
         raise UnusableFile(f"it cannot be read: {error.strerror}") from None
     except (ValueError, KeyError, TypeError):
         raise UnusableFile("it is damaged") from None
-    if header.get("format") != FORMAT or known != fingerprint:
+    if header.get("format") != FORMAT or written_for != fingerprint:
         raise UnusableFile("it belongs to another scene, solver, option or version")
     if hashlib.sha256(data).hexdigest() != digest:
         raise UnusableFile("it is damaged")

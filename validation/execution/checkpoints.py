@@ -64,9 +64,9 @@ class CheckpointWriter:
         if path.exists() and not fresh:
             try:
                 (self.start_state, self.cpu_seconds), self.seconds = checked_pickle.read(path, fingerprint)
-                self.message = f"going on with the run kept in {path}, after {self.seconds:.1f} s of it"
+                self.message = f"continuing the run saved in {path}, after {self.seconds:.1f} s of it"
             except checked_pickle.UnusableFile as why:
-                self.message = f"starting anew, {path} is of no use: {why}"
+                self.message = f"starting anew, {path} cannot be used: {why}"
         self._began, self._cpu_began = time.perf_counter(), time.process_time()
         self._due = self._began + INTERVAL
 
@@ -87,7 +87,7 @@ class CheckpointWriter:
             checked_pickle.write(self.path, self._fingerprint, (state, cpu_seconds), seconds)
         except OSError as error:  # a run without checkpoints is better than none
             if not self._failed:
-                print(f"crosscontact: the run cannot be kept: {error}", file=sys.stderr)
+                print(f"crosscontact: the run cannot be saved: {error}", file=sys.stderr)
             self._failed = True
 
     def remove(self) -> None:

@@ -29,7 +29,7 @@ def locked_folder(out: str | os.PathLike[str], key: str = "--out") -> Iterator[P
     SceneError
         If the folder cannot be written, or another process holds it.
     """
-    missing = not os.path.lexists(out)
+    created = not os.path.lexists(out)
     folder = output_folder(out, key)
     lock = SoftFileLock(folder / LOCK_FILE, timeout=WAIT)
     try:
@@ -45,6 +45,6 @@ def locked_folder(out: str | os.PathLike[str], key: str = "--out") -> Iterator[P
         yield folder
     finally:
         lock.release()
-        if missing:
+        if created:
             with suppress(OSError):
                 folder.rmdir()

@@ -94,7 +94,7 @@ def run(
     estimate: bool = False,
     monitor: RunMonitor | None = None,
 ) -> Run:
-    """Run one solver; a refusal or a breakdown is part of the result.
+    """Run one solver; a refusal or a breakdown is part of the answer.
 
     Parameters
     ----------
@@ -260,6 +260,7 @@ def run_task(case: Case, solver: str, resolution: int | None = None, estimate: b
     Returns
     -------
     Task
+        To be carried out by :func:`~validation.execution.tasks.run_tasks`.
     """
     return Task(
         fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate),

@@ -28,8 +28,10 @@ if TYPE_CHECKING:
     from fem_solver import FieldState
 
 SCENE = "cycle-v0.002"
-SHOWN = ("von-mises", "stress-zz", "dissipation-rate")
-FRAMES = 40  # of the animation
+DRAWN = ("von-mises", "stress-zz", "dissipation-rate")
+"""Quantities; sections at the largest tension show the first two, the animation the first."""
+FRAMES = 40
+"""Of the animation."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ def compute(runs: Mapping[str, Run], progress: Callable[[float], None] = lambda 
     """
     case = load(SCENE)
     surfaces = surface_figure(runs, case)
-    figures = FigureSet(SHOWN, moments=True, animate=True, frames=FRAMES)
+    figures = FigureSet(DRAWN, moments=True, animate=True, frames=FRAMES)
     recorded = record_fields(
         case.scene, FieldRequest(picked=figures.rows), None, lambda done: progress(0.2 * done)
     )
@@ -108,12 +110,12 @@ def draw(
         If VTK cannot draw here.
     """
     key = [state for state in states if state.label]
-    last, first = key[-1], QUANTITIES[SHOWN[0]]
+    last, first = key[-1], QUANTITIES[DRAWN[0]]
     images = []
-    for name in SHOWN:
+    for name in DRAWN:
         data = png(moment_panels.figure(key, scene, QUANTITIES[name]))
         images.append(Image(f"fields-strip-{name}.png", f"Key moments: {QUANTITIES[name].plain}", data))
-    for name in SHOWN[:2]:
+    for name in DRAWN[:2]:
         data = png(single_section(last, scene, QUANTITIES[name]))
         caption = f"At {last.label}, and close to the edge: {QUANTITIES[name].plain}"
         images.append(Image(f"fields-section-{name}.png", caption, data))

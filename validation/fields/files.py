@@ -73,8 +73,8 @@ def _file(name: str, index: int) -> str:
 
 def save(data: pyvista.DataSet, path: Path) -> None:
     """Write a data set beside its place and move it there in one step."""
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".part.") as made:
-        partial = Path(made) / path.name
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".part.") as stage:
+        partial = Path(stage) / path.name
         data.save(partial)
         if not partial.is_file():
             raise OSError(f"{path} could not be written")

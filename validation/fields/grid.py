@@ -25,7 +25,8 @@ Array = NDArray[np.float64]
 
 STRESS, DENSITY, RATE = "force/length^2", "energy/length^3", "energy/(length^3 time)"
 DISPLACEMENT = "displacement [length]"
-_OUTLINE = 400  # points of the indenter's outline
+_OUTLINE = 400
+"""Points of the indenter's outline."""
 
 
 def grid(state: FieldState) -> pyvista.UnstructuredGrid:
@@ -38,7 +39,7 @@ def grid(state: FieldState) -> pyvista.UnstructuredGrid:
         result.point_data[name] = values
     for name, values in cell_data(state).items():
         result.cell_data[name] = values
-    _tell(result, state)
+    _attach_scalars(result, state)
     return result
 
 
@@ -90,7 +91,7 @@ def surface(state: FieldState) -> pyvista.PolyData:
     result.point_data[DISPLACEMENT] = _in_plane(moved)
     result.point_data[f"pressure [{STRESS}]"] = profile.pressure
     result.point_data["gap [length]"] = profile.gap
-    _tell(result, state)
+    _attach_scalars(result, state)
     return result
 
 
@@ -102,7 +103,7 @@ def indenter(state: FieldState, scene: Scene) -> pyvista.PolyData:
     if math.isfinite(edge) and edge < reach:
         outline = np.vstack([outline, [edge, outline[-1, 1] + reach]])
     result = _line(outline)
-    _tell(result, state)
+    _attach_scalars(result, state)
     return result
 
 
@@ -116,7 +117,7 @@ def _in_plane(vectors: Array) -> Array:
     return np.column_stack([vectors, np.zeros(len(vectors))])
 
 
-def _tell(data: pyvista.DataSet, state: FieldState) -> None:
+def _attach_scalars(data: pyvista.DataSet, state: FieldState) -> None:
     """Attach what holds for the whole state; numbers only, since not every reader takes text."""
     for name, value in (
         ("TimeValue", state.time),

@@ -27,8 +27,10 @@ if TYPE_CHECKING:
 
     from fem_solver.fields.states import FieldState
 
-FRAME, LAST = 120, 1500  # milliseconds
-DOTS = 90  # per inch
+FRAME, LAST = 120, 1500
+"""Durations of a frame and of the last one, milliseconds."""
+DOTS = 90
+"""Resolution of a frame, dots per inch."""
 
 
 def film(
@@ -62,9 +64,9 @@ def film(
     from PIL import Image as New
 
     pictures: list[Image] = []
-    for count, made in enumerate(frames(states, trace, scene, quantity), 1):
+    for count, frame in enumerate(frames(states, trace, scene, quantity), 1):
         stream = io.BytesIO()
-        made.savefig(stream, format="png", dpi=DOTS, facecolor="white")
+        frame.savefig(stream, format="png", dpi=DOTS, facecolor="white")
         pictures.append(New.open(stream).convert("RGB"))
         progress(count / len(states))
     table = palette(quantity.kind.value)
@@ -89,21 +91,23 @@ def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Q
     """
     from matplotlib.figure import Figure as New
 
-    cut, view, shown = sections_alike(states, scene, quantity)
+    cut, view, colour_range = sections_alike(states, scene, quantity)
     turn = end_of_approach(trace)
-    for one in cut:
-        made = New(figsize=(9.6, 3.7), layout="constrained")
-        engine: Any = made.get_layout_engine()
+    for section in cut:
+        frame = New(figsize=(9.6, 3.7), layout="constrained")
+        engine: Any = frame.get_layout_engine()
         engine.set(w_pad=0.1)  # inches, between the colour bar and the curve
-        left, right = made.subplots(1, 2, width_ratios=(2.3, 1.0))
-        sections.draw(left, one, view, quantity, shown)
-        left.set_title(f"{caption(one.state)}\ndisplacements {sections.times(one.scale)}", fontsize=SMALL + 1)
+        left, right = frame.subplots(1, 2, width_ratios=(2.3, 1.0))
+        sections.draw(left, section, view, quantity, colour_range)
+        left.set_title(
+            f"{caption(section.state)}\ndisplacements {sections.times(section.scale)}", fontsize=SMALL + 1
+        )
         left.set_xlabel(f"x {LENGTH_UNIT}", fontsize=SMALL + 1)
         left.set_ylabel(f"y {LENGTH_UNIT}", fontsize=SMALL + 1)
-        sections.key(left, one)
-        sections.bar(made, [left], quantity, shown, shrink=0.8)
-        _curve(right, trace, turn, one.state)
-        yield made
+        sections.key(left, section)
+        sections.bar(frame, [left], quantity, colour_range, shrink=0.8)
+        _curve(right, trace, turn, section.state)
+        yield frame
 
 
 def _curve(axes: Axes, trace: Trace, turn: int, state: FieldState) -> None:

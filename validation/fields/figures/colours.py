@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-DECADES = 4.0  # shown of what spans many
+DECADES = 4.0
+"""Decades below the largest value that a logarithmic range covers."""
 
 
 class ValueKind(Enum):
@@ -32,8 +33,8 @@ class ValueKind(Enum):
     DECADES = "cividis"
 
 
-# Part of the area in view that lies within the range.
 COVERED = {ValueKind.SIGNED: 0.99, ValueKind.POSITIVE: 0.99, ValueKind.DECADES: 0.999}
+"""Share of the area in view whose values lie within the range."""
 
 
 @dataclass(frozen=True)
@@ -64,15 +65,15 @@ class ColourRange:
         return (LogNorm if self.kind is ValueKind.DECADES else Normalize)(self.low, self.high)
 
     def shade(self, values: ArrayLike) -> Array:
-        """Place of values on the map, within zero and one; the same shape."""
-        given = np.asarray(values, float)
+        """Values as fractions of the map's range, clipped to 0..1; the same shape."""
+        numbers = np.asarray(values, float)
         if self.kind is ValueKind.DECADES:
-            given = np.maximum(given, self.low)
-        return np.clip(np.ma.getdata(self.norm(given)), 0.0, 1.0)
+            numbers = np.maximum(numbers, self.low)
+        return np.clip(np.ma.getdata(self.norm(numbers)), 0.0, 1.0)
 
 
 def colours(kind: ValueKind, values: Sequence[Array], weights: Sequence[Array]) -> ColourRange:
-    """Colours that serve several views of a field alike.
+    """One range of colours for several views of a field.
 
     Parameters
     ----------
@@ -80,15 +81,15 @@ def colours(kind: ValueKind, values: Sequence[Array], weights: Sequence[Array]) 
     values, weights : sequence of (n,) arrays
         Values in each view, and the area each stands for.
     """
-    shown = np.concatenate([np.asarray(v, float) for v in values])
+    in_view = np.concatenate([np.asarray(v, float) for v in values])
     area = np.concatenate([np.asarray(w, float) for w in weights])
-    if shown.size == 0 or not np.isfinite(shown).all():
+    if in_view.size == 0 or not np.isfinite(in_view).all():
         raise ValueError("a field to be drawn needs finite values in view")
-    high = covered(np.abs(shown) if kind is ValueKind.SIGNED else shown, area, COVERED[kind])
+    high = covered(np.abs(in_view) if kind is ValueKind.SIGNED else in_view, area, COVERED[kind])
     if high <= 0.0:  # nothing there, or nothing beyond the covered part
-        high = float(np.abs(shown).max()) or 1.0
+        high = float(np.abs(in_view).max()) or 1.0
     low = {ValueKind.SIGNED: -high, ValueKind.POSITIVE: 0.0, ValueKind.DECADES: high * 10.0**-DECADES}[kind]
-    return ColourRange(kind, low, high, bool(shown.max() > high), bool(shown.min() < low))
+    return ColourRange(kind, low, high, bool(in_view.max() > high), bool(in_view.min() < low))
 
 
 def covered(values: Array, weights: Array, share: float) -> float:

@@ -2,7 +2,7 @@
 
 Axes as in the paper for a sphere, ``r~ = r/R``, ``u~ = u/R`` upwards, ``p~ = (1 - nu^2) p/(pi E0)``; other
 indenters keep the units of the scene. Lines are the boundary elements, open marks the finite elements; in
-the first six panels colour tells the solvers apart, in the last three the penetrations.
+the first six panels colour distinguishes the solvers, in the last three the penetrations.
 """
 
 from __future__ import annotations
@@ -25,9 +25,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WIDE = 2.1  # largest radius shown, over the largest contact radius
-NEAREST = 0.995  # pressures are drawn up to this part of the contact radius: beyond, they are singular
-MARKS = 16  # of the finite elements along a curve
+WIDE = 2.1
+"""Largest radius drawn, over the largest contact radius."""
+NEAREST = 0.995
+"""Largest radius of a pressure curve, over the contact radius: at the edge the pressure is singular."""
+MARKS = 16
+"""Marks of the finite elements along a curve."""
 TWO_SOLVERS = ("bem", "fem")
 
 
@@ -88,8 +91,8 @@ def figure(scene: Scene, bem: Sequence[SurfaceProfile], fem: Sequence[SurfacePro
     widest = WIDE * max(profile.contact_radius for profile in bem)
     deepest = max(max(abs(p.penetration), float(np.abs(p.displacement).max())) for p in bem) / size.length
     columns = max(len(way) for way in ways)
-    made = New(figsize=(9.4, 8.2), layout="constrained")
-    halves: Any = made.subfigures(2, 1, height_ratios=(1.9, 1.0))
+    panel_figure = New(figsize=(9.4, 8.2), layout="constrained")
+    halves: Any = panel_figure.subfigures(2, 1, height_ratios=(1.9, 1.0))
     upper, lower = halves
     panels = upper.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
     letters = iter("abcdefghijklmnopqrstuvwxyz")
@@ -118,7 +121,7 @@ def figure(scene: Scene, bem: Sequence[SurfaceProfile], fem: Sequence[SurfacePro
         for inset in axes.child_axes:
             for axis in (inset.xaxis, inset.yaxis):
                 axis.get_offset_text().set_fontsize(7)
-    return made
+    return panel_figure
 
 
 def _moment(
@@ -131,8 +134,8 @@ def _moment(
     axes.fill_between(r / size.length, height / size.length, 1e3, color=GRID, alpha=0.35, linewidth=0.0)
     inset = axes.inset_axes((0.12, 0.64, 0.36, 0.26))
     for profile, solver in zip(pair, TWO_SOLVERS, strict=True):
-        shown = profile.radius <= widest
-        x, up = profile.radius[shown] / size.length, -profile.displacement[shown] / size.length
+        drawn = profile.radius <= widest
+        x, up = profile.radius[drawn] / size.length, -profile.displacement[drawn] / size.length
         r, p = loaded(profile)
         if solver == "bem":
             axes.plot(x, up, label=solver, color=SERIES[0], linewidth=1.5)
@@ -197,8 +200,8 @@ def loaded(profile: SurfaceProfile) -> tuple[Array, Array]:
 def opening(profile: SurfaceProfile, least: float = 2e-3, most: float = 0.6) -> tuple[Array, Array]:
     """Distances from the edge and gaps there, within two parts of the contact radius."""
     s = profile.radius - profile.contact_radius
-    shown = (s >= least * profile.contact_radius) & (s <= most * profile.contact_radius) & (profile.gap > 0.0)
-    return s[shown], profile.gap[shown]
+    drawn = (s >= least * profile.contact_radius) & (s <= most * profile.contact_radius) & (profile.gap > 0.0)
+    return s[drawn], profile.gap[drawn]
 
 
 def evenly(x: Array, y: Array, back: Any = None) -> tuple[Array, Array]:

@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from fem_solver.fields.states import FieldState
 
 USUAL = ("von-mises", "stress-zz", "dissipation-rate")
+"""Quantities drawn where none is named."""
 FRAMES = 60
+"""Of an animation."""
 Progress = Callable[[float], None]
 
 
@@ -73,7 +75,8 @@ class FigureSet:
     def rows(self, trace: Trace, scene: Scene) -> dict[int, str]:
         """Rows of a trace whose fields the figures need, and their labels."""
         frames = dict.fromkeys(moments.in_contact(trace, self.frames), "") if self.animate else {}
-        return dict(sorted((frames | (moments.key_moments(trace, scene) if self.moments else {})).items()))
+        key = moments.key_moments(trace, scene) if self.moments else {}
+        return dict(sorted((frames | key).items()))
 
     def draw(
         self,

@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-HALF_WIDTH = 2.0  # half the width of a view, over the largest contact radius
-LARGEST_SHOWN = 0.2  # largest displacement shown, over half the width of the view
+HALF_WIDTH = 2.0
+"""Half the width of a view, over the largest contact radius."""
+LARGEST_DRAWN = 0.2
+"""Largest magnified displacement, over half the width of the view."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class View:
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
-        """As matplotlib wants it."""
+        """As ``imshow`` takes it."""
         return self.left, self.right, self.bottom, self.top
 
     @property
@@ -61,12 +63,12 @@ def near_edge(section: BodySection, zone: float) -> View:
 
 
 def magnification(largest: float, contact_radius: float) -> float:
-    """The largest of 1, 2, 5, 10, ... (or 1/2, 1/5, ...) that keeps a displacement within the swing."""
+    """The largest of 1, 2, 5, 10, ... (or 1/2, 1/5, ...) that keeps displacements below ``LARGEST_DRAWN``."""
     if largest <= 0.0:
         return 1.0
-    room = LARGEST_SHOWN * HALF_WIDTH * contact_radius / largest * (1.0 + 1e-9)
-    power = 10.0 ** math.floor(math.log10(room))
-    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= room)
+    limit = LARGEST_DRAWN * HALF_WIDTH * contact_radius / largest * (1.0 + 1e-9)
+    power = 10.0 ** math.floor(math.log10(limit))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= limit)
 
 
 @dataclass(frozen=True)

@@ -41,13 +41,13 @@ def figure(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> Fi
     """
     from matplotlib.figure import Figure as New
 
-    cut, view, shown = sections_alike(states, scene, quantity)
+    cut, view, colour_range = sections_alike(states, scene, quantity)
     rows = (len(cut) + 1) // 2
-    made = New(figsize=(10.0, 0.6 + 2.85 * rows), layout="compressed")
-    panels = made.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)
-    for axes, one in zip(panels.flat, cut, strict=False):
-        sections.draw(axes, one, view, quantity, shown)
-        axes.set_title(caption(one.state), fontsize=SMALL + 1)
+    panel_figure = New(figsize=(10.0, 0.6 + 2.85 * rows), layout="compressed")
+    panels = panel_figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)
+    for axes, body in zip(panels.flat, cut, strict=False):
+        sections.draw(axes, body, view, quantity, colour_range)
+        axes.set_title(caption(body.state), fontsize=SMALL + 1)
     for axes in panels.flat[len(cut) :]:
         axes.set_axis_off()
     for axes in panels[-1]:
@@ -55,9 +55,9 @@ def figure(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> Fi
     for axes in panels[:, 0]:
         axes.set_ylabel(f"y {LENGTH_UNIT}", fontsize=SMALL + 1)
     sections.key(panels[0, 0], cut[-1])
-    made.suptitle(f"displacements {sections.times(cut[0].scale)}", fontsize=SMALL + 1)
-    sections.bar(made, list(panels.flat), quantity, shown)
-    return made
+    panel_figure.suptitle(f"displacements {sections.times(cut[0].scale)}", fontsize=SMALL + 1)
+    sections.bar(panel_figure, list(panels.flat), quantity, colour_range)
+    return panel_figure
 
 
 def caption(state: FieldState) -> str:

@@ -9,7 +9,8 @@ from validation.measure.observables import end_of_approach, largest_tension
 
 JUMP_IN, END_OF_APPROACH = "jump-in", "end of approach"
 START_OF_DETACHMENT, PULL_OFF = "start of detachment", "pull-off"
-HUNDREDTH = 0.01  # of the contact radius takes the place of the process zone without adhesion
+HUNDREDTH = 0.01
+"""Length that replaces the process zone where there is no adhesion, over the contact radius."""
 
 
 def zone(scene: Scene, contact_radius: float) -> float:

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 CHOICE = "VTK_DEFAULT_OPENGL_WINDOW"
 OFF_SCREEN_WINDOWS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")
-ATTEMPT_LIMIT = 60.0  # seconds for the attempt; software rendering on a busy machine is slow to start
+ATTEMPT_LIMIT = 60.0
+"""Seconds for the attempt; software rendering on a busy machine is slow to start."""
 _ATTEMPT = """
 import pyvista
 plotter = pyvista.Plotter(off_screen=True, window_size=(8, 8))
@@ -30,7 +31,8 @@ print("drawn with", plotter.render_window.GetClassName())
 """
 
 
-Fill = Callable[[Any], None]  # puts things into a plotter
+Fill = Callable[[Any], None]
+"""Puts things into a plotter."""
 
 
 class NoRendering(OSError):
@@ -112,10 +114,10 @@ def picture(fill: Fill, size: tuple[int, int]) -> NDArray[np.uint8]:
 
 def show(fill: Fill, title: str) -> bool:
     """Open an interactive window where there is a screen; return whether there was one."""
-    here = rendering_window()
-    if not here.screen:
+    rendering = rendering_window()
+    if not rendering.screen:
         return False
-    plotter = _plotter(here, off_screen=False, window_size=(1200, 800), title=title)
+    plotter = _plotter(rendering, off_screen=False, window_size=(1200, 800), title=title)
     try:
         fill(plotter)
         plotter.show()
@@ -124,11 +126,11 @@ def show(fill: Fill, title: str) -> bool:
     return True
 
 
-def _plotter(here: RenderingWindow, **options: Any) -> Any:
-    if here.window:
-        os.environ[CHOICE] = here.window
+def _plotter(rendering: RenderingWindow, **options: Any) -> Any:
+    if rendering.window:
+        os.environ[CHOICE] = rendering.window
     import pyvista
 
-    made: Any = pyvista.Plotter(**options)
-    made.set_background("white")
-    return made
+    plotter: Any = pyvista.Plotter(**options)
+    plotter.set_background("white")
+    return plotter

@@ -28,9 +28,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ANGLES = np.radians((-135.0, 135.0))  # of the body; the quarter around the direction of the eye is left out
-PLANES = 73  # planes through the axis
-SIZE = (1200, 840)  # pixels
+ANGLES = np.radians((-135.0, 135.0))
+"""Of the two cut faces; the quarter around the direction of view is left out."""
+PLANES = 73
+"""Copies of the section about the axis, of which the surface of revolution is made."""
+SIZE = (1200, 840)
+"""Width and height of the rendered picture, pixels."""
 VIEW_DIRECTION = (-1.0, 0.0, 0.55)
 
 
@@ -44,26 +47,26 @@ def figure(state: FieldState, scene: Scene, quantity: Quantity) -> Figure:
     """
     from matplotlib.figure import Figure as New
 
-    cut, view, shown = prepared(state, scene, quantity)
-    made = New(figsize=(8.0, 5.0), layout="constrained")
-    axes = made.subplots()
-    axes.imshow(rendering.picture(lambda plotter: add(plotter, cut, view, quantity, shown), SIZE))
+    cut, view, colour_range = prepared(state, scene, quantity)
+    panel_figure = New(figsize=(8.0, 5.0), layout="constrained")
+    axes = panel_figure.subplots()
+    axes.imshow(rendering.picture(lambda plotter: add(plotter, cut, view, quantity, colour_range), SIZE))
     axes.set_axis_off()
     axes.set_title(f"{caption(state)}\ndisplacements {sections.times(cut.scale)}", fontsize=SMALL + 1)
     axes.plot([], [], color=MARK, linewidth=2.0, label="contact edge")
     if cut.zone.size:
         axes.plot([], [], color=ZONE, linewidth=3.0, label="process zone")
     axes.legend(loc="upper left", fontsize=SMALL, framealpha=0.85, edgecolor="none")
-    sections.bar(made, [axes], quantity, shown, shrink=0.8)
-    return made
+    sections.bar(panel_figure, [axes], quantity, colour_range, shrink=0.8)
+    return panel_figure
 
 
 def interactive(state: FieldState, scene: Scene, quantity: Quantity) -> bool:
     """Open a window with the same; return whether there is a screen to open it on."""
-    cut, view, shown = prepared(state, scene, quantity)
+    cut, view, colour_range = prepared(state, scene, quantity)
 
     def fill(plotter: Any) -> None:
-        add(plotter, cut, view, quantity, shown)
+        add(plotter, cut, view, quantity, colour_range)
         plotter.add_text(f"{caption(state)}\n{quantity.plain}", font_size=9, color="black")
         plotter.add_axes(color="black")
 
@@ -71,14 +74,14 @@ def interactive(state: FieldState, scene: Scene, quantity: Quantity) -> bool:
 
 
 def prepared(state: FieldState, scene: Scene, quantity: Quantity) -> tuple[BodySection, View, ColourRange]:
-    """BodySection, the part of it that is turned, and its colours."""
+    """The section, the part of it that is turned about the axis, and its colours."""
     view = whole(state.contact_radius)
     scale = magnification(float(np.abs(state.displacement).max()), state.contact_radius)
     cut = section(state, scene, scale)
     return cut, view, sections.shared_colours(quantity, [cut], [view])
 
 
-def add(plotter: Any, cut: BodySection, view: View, quantity: Quantity, shown: ColourRange) -> None:
+def add(plotter: Any, cut: BodySection, view: View, quantity: Quantity, colour_range: ColourRange) -> None:
     """Put body, indenter and marks into a window, the camera on them.
 
     Parameters
@@ -88,15 +91,15 @@ def add(plotter: Any, cut: BodySection, view: View, quantity: Quantity, shown: C
     view : View
         The part that is turned about the axis.
     quantity : Quantity
-    shown : ColourRange
+    colour_range : ColourRange
     """
     style: dict[str, Any] = {
         "scalars": "shade",
-        "cmap": shown.map,
+        "cmap": colour_range.map,
         "clim": (0.0, 1.0),
         "show_scalar_bar": False,
     }
-    shade = shown.shade(quantity.values(cut.state))
+    shade = colour_range.shade(quantity.values(cut.state))
     flat = half_section(cut, view, shade)
     for angle in ANGLES:
         plotter.add_mesh(standing(flat, angle), **style, lighting=False)
@@ -169,12 +172,12 @@ def side(cut: BodySection, view: View, shade: Array) -> tuple[Array, Array]:
     """The outer side of what is shown, from below to the surface, and the shades along it."""
     end = np.interp(view.right, *cut.surface.T)
     line = np.column_stack([np.full(60, view.right), np.linspace(view.bottom, end, 60)])
-    spare = 0.3 * view.right
-    near = (np.abs(cut.moved[:, 0] - view.right) < spare) & (cut.moved[:, 1] > view.bottom - spare)
-    found = LinearNDInterpolator(cut.moved[near], shade[near])(line)
-    beside = np.isnan(found)  # rounded to just outside the body
-    found[beside] = NearestNDInterpolator(cut.moved[near], shade[near])(line[beside])
-    return line, found
+    margin = 0.3 * view.right
+    near = (np.abs(cut.moved[:, 0] - view.right) < margin) & (cut.moved[:, 1] > view.bottom - margin)
+    shades = LinearNDInterpolator(cut.moved[near], shade[near])(line)
+    outside = np.isnan(shades)  # by round-off
+    shades[outside] = NearestNDInterpolator(cut.moved[near], shade[near])(line[outside])
+    return line, shades
 
 
 def turned(line: Array) -> pyvista.StructuredGrid:

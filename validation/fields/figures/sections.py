@@ -23,19 +23,21 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-PIXELS = 900  # across a picture
+PIXELS = 900
+"""Width of a rendered picture."""
 INDENTER, MARK, ZONE = "#c9ccd1", "#000000", "#e6007e"
 LENGTH_UNIT = "(scene units of length)"
-SMALL = 8.0  # points, the smallest text
+SMALL = 8.0
+"""Size of the smallest text, points."""
 
 
 def shared_colours(quantity: Quantity, sections: list[BodySection], views: list[View]) -> ColourRange:
-    """ColourRange that serve all sections alike, from what is in view."""
+    """One range of colours for all sections, from the values in view."""
     values, weights = [], []
     for section, view in zip(sections, views, strict=True):
-        shown = section.within(view)
-        values.append(quantity.values(section.state)[shown])
-        weights.append(section.areas[shown])
+        in_view = section.within(view)
+        values.append(quantity.values(section.state)[in_view])
+        weights.append(section.areas[in_view])
     return colours(quantity.kind, values, weights)
 
 
@@ -62,22 +64,22 @@ def figure(section: BodySection, quantity: Quantity, zone: float, title: str) ->
     from matplotlib.figure import Figure as New
 
     views = [whole(section.state.contact_radius), near_edge(section, zone)]
-    made = New(figsize=(10.6, 3.9), layout="compressed")
-    panels = made.subplots(1, 2, width_ratios=(views[0].aspect, views[1].aspect))
+    panel_figure = New(figsize=(10.6, 3.9), layout="compressed")
+    panels = panel_figure.subplots(1, 2, width_ratios=(views[0].aspect, views[1].aspect))
     for axes, view in zip(panels, views, strict=True):
-        shown = shared_colours(quantity, [section], [view])
-        draw(axes, section, view, quantity, shown)
+        colour_range = shared_colours(quantity, [section], [view])
+        draw(axes, section, view, quantity, colour_range)
         axes.set_xlabel(f"x {LENGTH_UNIT}", fontsize=SMALL + 1)
-        bar(made, [axes], quantity, shown, label=axes is panels[1])
+        bar(panel_figure, [axes], quantity, colour_range, label=axes is panels[1])
     panels[0].set_ylabel(f"y {LENGTH_UNIT}", fontsize=SMALL + 1)
     panels[0].set_title(f"{title}\ndisplacements {times(section.scale)}", fontsize=SMALL + 1)
     panels[1].set_title("at the contact edge", fontsize=SMALL + 1)
     panels[0].add_patch(_frame(views[1]))
     key(panels[0], section)
-    return made
+    return panel_figure
 
 
-def draw(axes: Axes, section: BodySection, view: View, quantity: Quantity, shown: ColourRange) -> None:
+def draw(axes: Axes, section: BodySection, view: View, quantity: Quantity, colour_range: ColourRange) -> None:
     """Draw field, indenter, surface and marks of one view.
 
     Parameters
@@ -86,7 +88,7 @@ def draw(axes: Axes, section: BodySection, view: View, quantity: Quantity, shown
     section : BodySection
     view : View
     quantity : Quantity
-    shown : ColourRange
+    colour_range : ColourRange
 
     Raises
     ------
@@ -94,7 +96,7 @@ def draw(axes: Axes, section: BodySection, view: View, quantity: Quantity, shown
         If VTK cannot draw here.
     """
     size = (PIXELS, max(2, round(PIXELS / view.aspect)))
-    image = rendering.picture(lambda plotter: add_field(plotter, section, view, quantity, shown), size)
+    image = rendering.picture(lambda plotter: add_field(plotter, section, view, quantity, colour_range), size)
     axes.imshow(image, extent=view.extent, aspect="equal", interpolation="lanczos", zorder=0)
     body, surface = both_sides(section.indenter), both_sides(section.surface)
     ceiling = max(view.top, float(body[:, 1].max()))
@@ -124,7 +126,7 @@ def key(axes: Axes, section: BodySection) -> None:
 
 
 def times(scale: float) -> str:
-    """How a magnification is stated."""
+    """A magnification in words."""
     return "true to scale" if scale == 1.0 else f"drawn {scale:g} times as large"
 
 
@@ -132,7 +134,7 @@ def bar(
     figure: Figure,
     panels: list[Axes],
     quantity: Quantity,
-    shown: ColourRange,
+    colour_range: ColourRange,
     label: bool = True,
     **options: Any,
 ) -> None:
@@ -143,7 +145,7 @@ def bar(
     figure : Figure
     panels : list of Axes
     quantity : Quantity
-    shown : ColourRange
+    colour_range : ColourRange
     label : bool
         Whether name and unit stand at the bar.
     **options
@@ -151,17 +153,21 @@ def bar(
     """
     from matplotlib.cm import ScalarMappable
 
-    table = ScalarMappable(shown.norm, shown.map)
-    made: Any = figure.colorbar(table, ax=panels, extend=shown.extend, **({"pad": 0.02} | options))
+    table = ScalarMappable(colour_range.norm, colour_range.map)
+    colour_bar: Any = figure.colorbar(
+        table, ax=panels, extend=colour_range.extend, **({"pad": 0.02} | options)
+    )
     if label:
-        made.set_label(quantity.label, fontsize=SMALL + 1)
-    made.ax.tick_params(labelsize=SMALL)
+        colour_bar.set_label(quantity.label, fontsize=SMALL + 1)
+    colour_bar.ax.tick_params(labelsize=SMALL)
     if quantity.kind is not ValueKind.DECADES:
-        made.formatter.set_powerlimits((-2, 3))
-        made.ax.yaxis.get_offset_text().set_fontsize(SMALL)
+        colour_bar.formatter.set_powerlimits((-2, 3))
+        colour_bar.ax.yaxis.get_offset_text().set_fontsize(SMALL)
 
 
-def add_field(plotter: Any, section: BodySection, view: View, quantity: Quantity, shown: ColourRange) -> None:
+def add_field(
+    plotter: Any, section: BodySection, view: View, quantity: Quantity, colour_range: ColourRange
+) -> None:
     """Put the coloured body into a window, the camera on the view.
 
     Parameters
@@ -170,12 +176,12 @@ def add_field(plotter: Any, section: BodySection, view: View, quantity: Quantity
     section : BodySection
     view : View
     quantity : Quantity
-    shown : ColourRange
+    colour_range : ColourRange
     """
     plotter.add_mesh(
-        mirrored(section, quantity, shown),
+        mirrored(section, quantity, colour_range),
         scalars="shade",
-        cmap=shown.map,
+        cmap=colour_range.map,
         clim=(0.0, 1.0),
         lighting=False,
         show_scalar_bar=False,
@@ -192,7 +198,7 @@ def add_field(plotter: Any, section: BodySection, view: View, quantity: Quantity
     plotter.reset_camera_clipping_range()
 
 
-def mirrored(section: BodySection, quantity: Quantity, shown: ColourRange) -> pyvista.PolyData:
+def mirrored(section: BodySection, quantity: Quantity, colour_range: ColourRange) -> pyvista.PolyData:
     """The deformed body on both sides of the axis, with the field (``quantity.name``) and its ``shade``."""
     import pyvista
 
@@ -204,7 +210,7 @@ def mirrored(section: BodySection, quantity: Quantity, shown: ColourRange) -> py
     mesh = pyvista.PolyData.from_regular_faces(points, faces)
     values = np.tile(quantity.values(section.state), 2)
     mesh.point_data[quantity.name] = values
-    mesh.point_data["shade"] = shown.shade(values)
+    mesh.point_data["shade"] = colour_range.shade(values)
     return mesh
 
 
