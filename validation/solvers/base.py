@@ -50,6 +50,16 @@ class RunOptions:
     monitor: RunMonitor | None = None
     estimate_errors: bool = False
 
+    @property
+    def of_solver(self) -> dict[str, Any]:
+        """Keywords that the options of every solver have in common."""
+        return {
+            "tolerance": self.step_tolerance,
+            "stop_times": self.stop_times,
+            "profile_times": self.profile_times,
+            **specified(max_steps=self.max_steps),
+        }
+
 
 class Solver(ABC):
     """One method of solution.

@@ -177,8 +177,8 @@ def _uncertainty(resolution: int, convergences: list[Convergence]) -> dict[str, 
     With second order and a step ``n`` times smaller, ``(n^2 - 1)`` times less than that distance.
     """
     for entry in convergences:
-        done = [run for run in entry.runs if not run.failed and run.level.settings.resolution < resolution]
-        if entry.ladder.scheme == REFERENCE and entry.ladder.timed and done:
-            finer = resolution / done[-1].level.settings.resolution
-            return {name: abs(e) / (finer**2 - 1.0) for name, e in done[-1].errors.items()}
+        coarser = [run for run in entry.runs if not run.failed and run.level.settings.resolution < resolution]
+        if entry.ladder.scheme == REFERENCE and entry.ladder.timed and coarser:
+            finer = resolution / coarser[-1].level.settings.resolution
+            return {name: abs(e) / (finer**2 - 1.0) for name, e in coarser[-1].errors.items()}
     return {}

@@ -160,11 +160,11 @@ def left_out(studies: list[Convergence]) -> list[str]:
     """What the scene did not need, from the counters of the finest level."""
     sentences = []
     for study in studies:
-        done = [run for run in study.runs if not run.failed]
-        if not done:
+        finished = [run for run in study.runs if not run.failed]
+        if not finished:
             continue
         scheme = study.ladder.scheme
-        missing = skipped_work.left_out(scheme, done[-1].counters)
+        missing = skipped_work.left_out(scheme, finished[-1].counters)
         if missing:
             sentences.append(f"{scheme}: {'; '.join(missing)}.")
     return sentences
