@@ -35,6 +35,7 @@ from validation.solvers import solver
 SAFETY = 3.0
 """Safety factor on the extrapolated error of two grids, whose order is not observed (Roache 1994)."""
 IN_LAYERS = ("branch_dissipation", "zone_excess")
+"""Quantities of first order: squares of the stress in the layer at the edge."""
 ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
 CURVES = ("force", "contact_radius")
 Measures = Mapping[str, float | None]

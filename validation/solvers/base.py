@@ -1,4 +1,4 @@
-"""What is known about a solver: how it is run, how accurate it is, how its curves are drawn."""
+"""A solver: how it is run, how accurate it is, how its curves are drawn."""
 
 from __future__ import annotations
 

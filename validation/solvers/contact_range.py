@@ -1,4 +1,4 @@
-"""How far a contact edge will travel: what a finite-element mesh is fitted to before anything is solved.
+"""Range of the contact edge, which a finite-element mesh is fitted to before anything is solved.
 
 A bound, not a solution: the largest contact is that of the fully relaxed elastic contact (soft modulus,
 hence the largest area) at the largest penetration, or under the largest force, of the loading.

@@ -25,7 +25,9 @@ from validation.stability.materials import SAME
 from validation.stability.measure import CURVE
 
 CYCLES = 1000
+"""Cycles of the long oscillations."""
 MARGINS = (0.3, 0.1, 0.03, 0.01, 3e-3)
+"""Distances of dead loads from the slow pull-off force, relative to it."""
 DELAY = ReferenceRuns(("detachment_time",))
 FORCE_ERROR = 1e-3
 """Relative error of the slow pull-off force at the coarse resolutions; of the front tracking, a tenth."""

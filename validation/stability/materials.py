@@ -15,7 +15,9 @@ CYCLE = ReferenceRuns(
     ("approach_force", "pull_off_force", "loop_energy", CURVE), of_largest=("approach_force",)
 )
 CONTRASTS = (1.0, 10.0, 1e3, 1e6, 1e9)
+"""``Einf/E0``."""
 TIMES = (1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12)
+"""Relaxation time over the duration of the approach."""
 PULLED = Tolerance(
     {FiniteElements.name: 4e-2},
     "the edge recedes all the way, and elements round it down by part of one: 1.4 % of the force at 4 a zone",
@@ -27,6 +29,7 @@ STEPPED = Tolerance(
     other=2e-3,
 )
 RATIOS = (0.0, 0.3, 0.49, 0.4999, 0.5)
+"""Poisson's ratios."""
 PUSH = 0.01
 """Speed of adhesionless cycles, ``R`` per relaxation time."""
 

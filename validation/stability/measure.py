@@ -13,6 +13,7 @@ from validation.measure.scaling import Magnitudes, column_of
 from validation.stability.case import EquivalentScene, ReferenceRuns, Value
 
 CURVE = "force, RMS"
+"""Name of the error of the curve ``F(t)``: root mean square over the largest force."""
 RICHARDSON = 1.0 / 3.0
 """Error of the finer of two runs of second order over their difference, the coarser at twice the step."""
 MISSING = math.inf

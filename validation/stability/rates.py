@@ -10,6 +10,7 @@ from validation.stability.case import Expectation, StabilityCase
 from validation.stability.materials import CYCLE
 
 SPEEDS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)
+"""``V tau/R``."""
 SLOW, FAST = 1e-8, 1e4
 """``V tau/R`` below and above which the cycle is elastic to a thousandth, relaxed and glassy."""
 ROWS = 21

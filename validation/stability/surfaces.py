@@ -38,7 +38,9 @@ from validation.stability.measure import CURVE
 PULL = ReferenceRuns(("start_force", "pull_off_force", "loop_energy", CURVE))
 PEELED = ReferenceRuns(("start_force", "pull_off_force", "loop_energy", CURVE), fine=8, coarse=4)
 SHARES = (1e-3, 1e-2, 0.1, 1.0 / 3.0, 0.5)
+"""Process zone over contact radius, ``da/a``."""
 ANGLES = (89.9, 85.0, 45.0, 10.0)
+"""Half-angles of the cones, in degrees."""
 REACH = 0.1
 """Contact radius of adhesionless indenters at the largest penetration, over the sphere's ``R``."""
 SEED = 7
@@ -47,9 +49,11 @@ THIN_BELOW, WIDE_BEYOND = 5e-3, 0.3
 """``da/a`` below which the edge would cross too many zones in a full pull-off, and above which the contact
 shrinks to the zone before it detaches."""
 NOT_COMPARED_WIDE = ("approach_force", "approach_radius", "detachment_penetration", "dissipated_energy")
+"""Observables that are not compared for zones beyond ``WIDE_BEYOND``."""
 WIDE = ReferenceRuns(("start_force", "pull_off_force"), fine=40, coarse=20)
 BRIEF = ReferenceRuns(("start_force", "final_force", "final_radius", CURVE))
 THIN = {BoundaryElements.name: 4}
+"""Divisions of zones below ``THIN_BELOW``."""
 SKIP_THIN = {
     FiniteElements.name: "thousands of elements in the path of the edge, "
     "each with a column of the dense compliance"

@@ -1,4 +1,4 @@
-"""One cell of the matrix: a solver's answer to a case, compared with what is expected.
+"""One cell of the matrix: a solver's answer to a case, compared with the expected one.
 
 A run passes if its answer is within tolerance, or if it reports that it has none: a refusal, or an outcome
 other than ``completed`` and ``detached``. Anything else is a fault; the worst is a wrong answer.
@@ -27,7 +27,7 @@ from validation.stability.case_runs import CaseAnswer
 
 
 class CellVerdict(StrEnum):
-    """How a solver's answer compares with what is expected."""
+    """How a solver's answer compares with the expected one."""
 
     WITHIN = "within tolerance"
     DECLINED = "reports no answer"

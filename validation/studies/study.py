@@ -1,6 +1,6 @@
-"""A study of scenes: every ladder of every scheme, timed where time is the question.
+"""A study of scenes: every ladder of every scheme, timed where costs are compared.
 
-What is timed runs alone, in this process, after a warm-up run of its scheme; the other ladders then share the
+Timed ladders run alone, in this process, after a warm-up run of their scheme; the other ladders then share the
 cores. Everything is measured against the finest front tracking.
 """
 
@@ -95,7 +95,7 @@ def study(cases: list[Case], workers: int, progress: Progress, store: Store | No
 
 
 def _study_scene(case: Case, workers: int, progress: Progress, store: Store) -> SceneStudy:
-    """The reference first; then what is timed, alone; then the rest together."""
+    """The reference first; then the timed ladders, alone; then the others together."""
     all_ladders = ladders(case.scene)
     total = 1 + sum(len(ladder.levels) for ladder in all_ladders)
     done = 0
