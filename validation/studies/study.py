@@ -1,7 +1,7 @@
 """A study of scenes: every ladder of every scheme, timed where costs are compared.
 
-Timed ladders run alone, in this process, after a warm-up run of their scheme; the other ladders then share the
-cores. Everything is measured against the finest front tracking.
+Timed ladders run alone, in this process, after a warm-up run of their scheme; the others then share the cores.
+Everything is measured against the finest front tracking.
 """
 
 from __future__ import annotations
