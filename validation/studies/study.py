@@ -1,6 +1,6 @@
 """A study of scenes: every ladder of every scheme, timed where costs are compared.
 
-Timed ladders run alone, in this process, after a warm-up run of their scheme; the others then share the cores.
+Timed ladders run alone, in this process, after a warm-up run of their scheme; the others share the cores.
 Everything is measured against the finest front tracking.
 """
 
