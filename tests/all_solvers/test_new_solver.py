@@ -68,6 +68,11 @@ def test_the_matrix_and_a_study_take_it_too(registered):
     assert first.tolerance.limit(NAME) > 1e-2
 
 
+def test_an_unknown_option_is_an_error(registered):
+    with pytest.raises(TypeError, match="tolerances"):
+        registered.solve(load("cycle-v0.1").scene, 4, tolerances=1e-3)
+
+
 def test_names_are_unique(registered):
     with pytest.raises(ValueError, match="already"):
         register(SpringSolver())

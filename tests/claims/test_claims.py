@@ -39,7 +39,7 @@ GOOD, BAD = Part("as said", True), Part("otherwise", False)
 
 @pytest.mark.parametrize(
     ("parts", "verdict"),
-    [((GOOD, GOOD), HOLDS), ((GOOD, BAD), IN_PART), ((BAD,), FAILS), ((), Verdict.NOT_JUDGED)],
+    [((GOOD, GOOD), HOLDS), ((GOOD, BAD), IN_PART), ((BAD,), FAILS), ((), Verdict.NOT_EVALUATED)],
 )
 def test_verdict_of_parts(parts, verdict):
     found = Finding("x", "here", "so it is", verdict, parts)
@@ -58,7 +58,7 @@ def test_a_missing_run_leaves_a_claim_unjudged():
         return [Part("never reached", bool(found.trace(cycle(0.1))))]
 
     finding = it_holds.finding(Evidence({}))
-    assert finding.verdict is Verdict.NOT_JUDGED
+    assert finding.verdict is Verdict.NOT_EVALUATED
     assert finding.changed
     assert "not run" in finding.shown
 

@@ -48,7 +48,7 @@ def test_page_and_markdown_show_faults_refusals_and_limits():
     lines = markdown.text(Document("", (), (section.summary(MATRIX),))).splitlines()
     assert sum(line.startswith("| ") for line in lines) == 1 + 4  # the head, and what is not within tolerance
     said = "\n".join(lines)
-    assert "fem says that it has no answer: contrast, 1 (refused)" in said
+    assert "fem reports no answer: contrast, 1 (refused)" in said
     assert "contrast: 10: bem: final_force off by 0.5" in said
     assert "1 of 3 cells its energy terms" in said
     assert "Not compared, the expected values are missing: contrast: 100: bem" in said

@@ -1,5 +1,5 @@
-"""Statements of the paper's text as checks: what it says, what the runs show, whether it holds.
+"""Statements of the paper's text as checks: wording, results of runs, verdict.
 
-A module a figure; :mod:`validation.claims.evidence` says which runs they rest on, and
+A module a figure; :mod:`validation.claims.evidence` lists the runs they rest on, and
 :mod:`validation.claims.all` lists and evaluates them.
 """

@@ -36,7 +36,7 @@ def checks(results: Iterable[Finding]) -> list[Check]:
             result.name,
             result.place,
             str(result.recorded),
-            None if result.verdict is Verdict.NOT_JUDGED else str(result.verdict),
+            None if result.verdict is Verdict.NOT_EVALUATED else str(result.verdict),
             not result.changed,
             note=result.shown if result.changed else "",
         )

@@ -15,7 +15,7 @@ class Verdict(StrEnum):
     HOLDS = "holds"
     IN_PART = "holds in part"
     FAILS = "does not hold"
-    NOT_JUDGED = "not judged"
+    NOT_EVALUATED = "not evaluated"
 
 
 HOLDS, IN_PART, FAILS = Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS
@@ -58,7 +58,7 @@ class Finding:
     def verdict(self) -> Verdict:
         """Holds if every part does, does not hold if none does."""
         if self.failure or not self.parts:
-            return Verdict.NOT_JUDGED
+            return Verdict.NOT_EVALUATED
         true = sum(part.holds for part in self.parts)
         return HOLDS if true == len(self.parts) else IN_PART if true else FAILS
 

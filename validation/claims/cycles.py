@@ -20,6 +20,7 @@ from validation.measure.observables import end_of_approach
 
 SLOWEST, FASTEST = CYCLE_SPEEDS[0], CYCLE_SPEEDS[-1]
 QUOTED_SLOW = 2e-5
+"""Speed that the paper names as slow enough for a soft elastic cycle."""
 PLACE = "Sec. III, Fig. 2"
 
 

@@ -12,6 +12,7 @@ from validation.claims.measures import RECOVERED, crossing, rising
 from validation.measure.observables import end_of_approach
 
 SPEED = 0.1
+"""Speed of the cycles whose rest varies."""
 PLACE = "Sec. III, dwell-time figure"
 RELAXED = 0.9
 """Share of the relaxed contact's pull-off force at which a rest counts as complete."""

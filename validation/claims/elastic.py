@@ -11,6 +11,7 @@ from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 
 BASE = "cycle-v0.02"
+"""Built-in scene with the material, sphere and adhesion of all claims but the sweep."""
 
 
 def modulus(glassy: bool, scene: str = BASE) -> float:

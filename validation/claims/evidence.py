@@ -28,23 +28,25 @@ BELOW = -0.5
 
 CYCLE_SPEEDS = (1e-6, 2e-5, 1e-4, 5e-4, 2e-3, 6e-3, 2e-2, 5e-2, 0.1, 0.3, 1.0, 10.0, 100.0)
 RETRACTION_SPEEDS = (1e-6, 1e-5, 5e-5, 2e-4, 5e-4, 1e-3, 2e-3, 6e-3, 2e-2, 0.1, 0.5, 2.0, 10.0, 100.0)
+"""``V tau/R`` of the sweeps over cycles (Fig. 2) and over retractions from the relaxed contact (Fig. 4)."""
 PRELOADS = (0.004, 0.01, 0.02, 0.032, 0.05, 0.08)
 PRELOAD_SPEEDS = (0.02, 0.1, 1.0, 100.0)
+"""Penetrations, over R, from which the relaxed contact is pulled off, and speeds (Fig. 4(c))."""
 DWELLS = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 DWELL_SPEEDS = (0.02, 0.1, 1.0)
+"""Rests at the largest penetration, over the relaxation time, and speeds."""
 HALF_ZONE_SPEEDS = (1e-3, 3e-3, 1e-2, 5e-2)
 """Speeds of the cycles with half the process zone."""
 FORCES = (2, 4, 8)
+"""Constant tensions, over ``F_JKR`` (Fig. 5)."""
 FREQUENCIES = ("0.35", "1.4")
-MATCHED = {
-    2: 2.371e-4,
-    4: 1.175e-3,
-    8: 6.04e-3,
-}  # speed of the retraction whose pull-off force is that many F_JKR
+"""Angular frequencies of the built-in oscillations, times the relaxation time (Fig. 6)."""
+MATCHED = {2: 2.371e-4, 4: 1.175e-3, 8: 6.04e-3}
+"""Speed of the retraction whose pull-off force is that many ``F_JKR``."""
 
 
 class MissingRun(LookupError):
-    """A run that a claim needs gave no full answer."""
+    """A run that a claim needs is missing or did not finish."""
 
 
 def cycle(speed: float, zone: float = 0.013, dwell: float = 0.0) -> Scene:

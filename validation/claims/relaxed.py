@@ -195,9 +195,9 @@ def small_scale_is_effective_jkr(evidence: Evidence) -> list[Part]:
         adapted = type(law)(law.indenter, law.plane_modulus, effective)
         a = trace.contact_radius
         near = np.flatnonzero((a > 0.8 * a[row]) & (a < 1.25 * a[row]))
-        top, way = -trace.force[row], trace.penetration[0] - trace.penetration[row]
+        top, travel = -trace.force[row], trace.penetration[0] - trace.penetration[row]
         force = float(np.abs(adapted.force(a[near]) - trace.force[near]).max() / top)
-        depth = float(np.abs(adapted.penetration(a[near]) - trace.penetration[near]).max() / way)
+        depth = float(np.abs(adapted.penetration(a[near]) - trace.penetration[near]).max() / travel)
         known = -adapted.pull_off_force_control().force / top
         parts += [
             Part(

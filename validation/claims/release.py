@@ -24,6 +24,7 @@ PLACE = "Sec. III.A, Fig. 7"
 DEPTHS = (0.008, 0.016, 0.024)
 """Penetrations of Fig. 7(b), over R; the paper does not state them in the text."""
 QUOTED = 5e-4
+"""Largest speed at which, in the paper, the JKR formula gives the energy release rate."""
 
 
 def at_pull_off(evidence: Evidence, speed: float, solver: str = SOLVER) -> float:

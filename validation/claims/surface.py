@@ -54,7 +54,7 @@ def square_root_at_the_edge(evidence: Evidence) -> list[Part]:
 def approach_has_an_annular_peak(evidence: Evidence) -> list[Part]:
     """Largest pressure inside the edge in all surfaces recorded before the reversal, both solvers."""
     return [
-        _peak(profile, solver, wanted=True)
+        _peak(profile, solver, expected=True)
         for solver in (SOLVER, REFERENCE)
         for profile in profiles(evidence, solver)
         if profile.time <= REVERSAL
@@ -65,19 +65,21 @@ def approach_has_an_annular_peak(evidence: Evidence) -> list[Part]:
 def withdrawal_has_none(evidence: Evidence) -> list[Part]:
     """The same in all surfaces recorded after the reversal."""
     return [
-        _peak(profile, solver, wanted=False)
+        _peak(profile, solver, expected=False)
         for solver in (SOLVER, REFERENCE)
         for profile in profiles(evidence, solver)
         if profile.time > REVERSAL
     ]
 
 
-def _peak(profile: SurfaceProfile, solver: str, wanted: bool) -> Part:
+def _peak(profile: SurfaceProfile, solver: str, expected: bool) -> Part:
     peak = annular_peak(profile)
     where = (
         "falls from the centre" if peak is None else f"largest at r/a = {peak[0]:.2f}, {peak[1]:.2f} of p(0)"
     )
-    return Part(f"{solver}, Δ/R = {profile.penetration:.3f}: pressure {where}", (peak is not None) == wanted)
+    return Part(
+        f"{solver}, Δ/R = {profile.penetration:.3f}: pressure {where}", (peak is not None) == expected
+    )
 
 
 @claim(

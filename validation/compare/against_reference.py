@@ -136,8 +136,8 @@ def _limit(
     result: Run, base: Run, name: str, tolerance: float
 ) -> tuple[float, tuple[float | None, float | None]]:
     """Largest difference that counts as agreement, and the two estimates it comes from."""
-    mine, theirs = result.errors.get(name), base.errors.get(name)
-    return agreement_limit(tolerance, mine, theirs), (mine, theirs)
+    estimates = result.errors.get(name), base.errors.get(name)
+    return agreement_limit(tolerance, *estimates), estimates
 
 
 def _parting(result: Run, base: Trace, column: str, limit: float) -> str:

@@ -31,6 +31,7 @@ ROUND_OFF = 1e-10
 MORE_WORK = 0.1
 """Relative growth of a work counter beyond which it counts as moved beyond tolerance."""
 _NOT_COMPARED = ("wall_seconds", "cpu_seconds", "estimate_seconds")
+"""Run times, which belong to the machine."""
 _ALLOWED = "a report.json written by `crosscontact report`"
 Run = Mapping[str, Any]
 

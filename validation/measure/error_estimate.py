@@ -14,8 +14,9 @@ branches dissipate has p = 1 too, because it squares the stress in the layer at 
 
 The difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its
 run. The excess at the edge is a difference, uncertain by what its two terms are. The largest tension is a row
-of the trace: it is also uncertain by half the way to the neighbouring rows. Its place is uncertain by the
-whole way, since it lies anywhere between them, and by the way along which the tension falls by its own error.
+of the trace: it is also uncertain by half the distance to the neighbouring rows. Its place is uncertain by
+the whole distance, since it lies anywhere between them, and by that over which the tension falls by its own
+error.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from validation.solvers import solver
 SAFETY = 3.0
 """Safety factor on the extrapolated error of two grids, whose order is not observed (Roache 1994)."""
 IN_LAYERS = ("branch_dissipation", "zone_excess")
+"""Quantities of first order: squares of the stress in the layer at the edge."""
 ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
 CURVES = ("force", "contact_radius")
 Measures = Mapping[str, float | None]
@@ -116,8 +118,8 @@ def _reach(trace: Trace, column: Array, row: int, error: float) -> float:
     """
     least = (1.0 - error) * -trace.force[row]
     farthest = float(np.abs(column[-trace.force >= least] - column[row]).max())
-    for way in (slice(row, None, -1), slice(row, None)):
-        tension, values = -trace.force[way], column[way]
+    for side in (slice(row, None, -1), slice(row, None)):
+        tension, values = -trace.force[side], column[side]
         below = np.flatnonzero(tension < least)
         last = int(below[0]) if below.size else len(tension) - 1
         if last == 0:

@@ -197,7 +197,7 @@ def cycle_losses(trace: Trace, times: ArrayLike) -> tuple[CycleLoss, ...]:
     """Losses of the cycles between consecutive ``times``, as far as the run went.
 
     A time that is no row of the trace is interpolated linearly, which costs second order in the row
-    spacing; ask the solver for a profile at these times to have them stepped onto.
+    spacing; pass them to the solver as stop times to have them stepped onto.
     """
     if len(trace) < 2:
         return ()

@@ -28,6 +28,7 @@ from validation.reference import prony_integrals, sneddon
 
 Array = NDArray[np.float64]
 _ACCURACY = {"epsabs": 0.0, "epsrel": 1e-11, "limit": 400}
+"""Options of the adaptive quadrature."""
 
 
 def ramp(material: Material, indenter: Indenter, rate: float, time: ArrayLike) -> tuple[Array, Array]:

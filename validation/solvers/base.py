@@ -1,4 +1,4 @@
-"""What is known about a solver: how it is run, how accurate it is, how its curves are drawn."""
+"""A solver: how it is run, how accurate it is, how its curves are drawn."""
 
 from __future__ import annotations
 
@@ -49,6 +49,16 @@ class RunOptions:
     progress: Progress | None = None
     monitor: RunMonitor | None = None
     estimate_errors: bool = False
+
+    @property
+    def of_solver(self) -> dict[str, Any]:
+        """Keywords that the options of every solver have in common."""
+        return {
+            "tolerance": self.step_tolerance,
+            "stop_times": self.stop_times,
+            "profile_times": self.profile_times,
+            **specified(max_steps=self.max_steps),
+        }
 
 
 class Solver(ABC):

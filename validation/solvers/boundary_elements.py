@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from bem_solver import Options, solve
 from bem_solver.options import DEFAULT_RESOLUTION
 from contact_scene import Scene, Trace
-from validation.solvers.base import RunOptions, Solver, cycle_count, specified
+from validation.solvers.base import RunOptions, Solver, cycle_count
 
 
 @dataclass(frozen=True)
@@ -52,16 +52,7 @@ class BoundaryElements(Solver):
     css_variable = "bem"
 
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
-        own = Options(
-            resolution,
-            options.step_tolerance,
-            stop_times=options.stop_times,
-            profile_times=options.profile_times,
-            annuli=self.annuli,
-            scheme=self.scheme,
-            step=self.step,
-            **specified(max_steps=options.max_steps),
-        )
+        own = Options(resolution, annuli=self.annuli, scheme=self.scheme, step=self.step, **options.of_solver)
         return solve(scene, own, options.progress, options.monitor)
 
     def default_resolution(self, scene: Scene) -> int:

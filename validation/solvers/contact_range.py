@@ -1,4 +1,4 @@
-"""How far a contact edge will travel: what a finite-element mesh is fitted to before anything is solved.
+"""Range of the contact edge, which a finite-element mesh is fitted to before anything is solved.
 
 A bound, not a solution: the largest contact is that of the fully relaxed elastic contact (soft modulus,
 hence the largest area) at the largest penetration, or under the largest force, of the loading.
@@ -16,7 +16,7 @@ from contact_scene import ForceRamp, Scene, SceneError, Step
 from validation.reference import sneddon
 
 SPARE = 1.02
-"""Factor on the largest contact radius of a sharp edge, which a finite process zone exceeds a little."""
+"""Factor on the largest contact radius of a sharp edge, which a finite process zone exceeds by less."""
 DECADES = np.geomspace(1e-18, 1e18, 1441)
 """Radii between which the largest contact radius is searched, in any unit of length."""
 
@@ -38,7 +38,7 @@ def largest_contact_radius(scene: Scene) -> float:
         return np.maximum(by_depth, (force - resisting) / (2.0 * stiffness * a))
 
     zone = scene.adhesion.zone if scene.adhesion is not None else 0.0
-    for reach in (0.0, zone):  # where a sharp edge has let go, one with a process zone may hold on a little
+    for reach in (0.0, zone):  # a process zone may hold a contact that a sharp edge does not
         with np.errstate(over="ignore"):
             held = np.flatnonzero(spare_load(DECADES, reach) > 0.0)
         if held.size and held[-1] + 1 < DECADES.size:

@@ -78,12 +78,9 @@ class FiniteElements(Solver):
         mesh = mesh_for(scene, resolution, self.grading, self.domain_ratio, self.cached_mesh)
         own = Options(
             self.step_resolution or resolution,
-            options.step_tolerance,
-            stop_times=options.stop_times,
-            profile_times=options.profile_times,
             path=self.path,
             far_field=self.far_field,
-            **specified(max_steps=options.max_steps),
+            **options.of_solver,
         )
         return solve(scene, mesh, own, options.progress, options.monitor)
 

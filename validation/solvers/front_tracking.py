@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from contact_scene import Scene, Trace
 from validation.reference import Options, solve
 from validation.reference.tracking.options import DEFAULT_RESOLUTION
-from validation.solvers.base import RunOptions, Solver, cycle_count, specified
+from validation.solvers.base import RunOptions, Solver, cycle_count
 
 REFERENCE = "reference"
 
@@ -30,14 +30,7 @@ class FrontTracking(Solver):
     css_variable = "reference"
 
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
-        own = Options(
-            resolution,
-            options.step_tolerance,
-            stop_times=options.stop_times,
-            profile_times=options.profile_times,
-            estimate_errors=options.estimate_errors,
-            **specified(max_steps=options.max_steps),
-        )
+        own = Options(resolution, estimate_errors=options.estimate_errors, **options.of_solver)
         return solve(scene, own, options.progress, options.monitor)
 
     def default_resolution(self, scene: Scene) -> int:

@@ -15,7 +15,9 @@ MODULUS = 1.0 - POISSON**2
 CONTRAST = 10.0
 """``Einf/E0``."""
 WORK = 5.026548e-4
+"""Work of adhesion, over ``E0* R``."""
 ZONE = 0.013
+"""Process-zone length, over ``R``."""
 RADIUS = 1.0
 TOP = 0.01
 """Largest penetration, over ``R``."""

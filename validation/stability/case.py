@@ -1,4 +1,4 @@
-"""One case of the matrix: a scene, what the right answer is, and how accurate an answer has to be.
+"""One case of the matrix: a scene, the expected answer, and the tolerance.
 
 Four kinds of expected answer: numbers of a closed form (:class:`ClosedForm`), the front tracking at two
 resolutions (:class:`ReferenceRuns`), the same solver on an equivalent scene (:class:`EquivalentScene`), and

@@ -11,7 +11,7 @@ from validation.solvers import SOLVERS
 
 @dataclass(frozen=True)
 class CaseRun:
-    """What is run: ``solver`` by name, divisions per process zone, step budget."""
+    """One run: solver by name, scene, divisions per process zone, step budget."""
 
     solver: str
     scene: Scene

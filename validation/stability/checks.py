@@ -18,7 +18,7 @@ def checks(cells: Sequence[Cell]) -> list[Check]:
             "stability",
             solver,
             f"faults: {axis}",
-            "within tolerance, or said that there is no answer",
+            "within tolerance, or no answer reported",
             0.0,
             float(sum(cell.fault for cell in group)),
             not any(cell.fault for cell in group),

@@ -25,12 +25,12 @@ def zone_law(scene: Scene, plane_modulus: float) -> FiniteZone:
 def elastic_cycle(
     scene: Scene, plane_modulus: float, which: str, top: float = TOP, at_once: bool = True
 ) -> ClosedForm:
-    """Press to ``top`` and pull off, elastic with one modulus: ``which`` says why it is.
+    """Press to ``top`` and pull off, elastic with one modulus.
 
     Force and radius at the top, the largest tension, where contact is lost, and, where that happens
     ``at_once``, the loss: that of the model's own process zone, ``int (G - dg) dA`` from the start to where
     contact is lost, relative to the work of adhesion on the largest contact. A half-space that creeps during
-    the final instability loses energy there that no elastic law knows.
+    the final instability loses energy there that no elastic law contains.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ def _of(solver: str, cells: Sequence[Cell]) -> list[str]:
     silent = [cell for cell in cells if cell.verdict is CellVerdict.DECLINED]
     if silent:
         named = "; ".join(f"{cell.axis}, {cell.label} ({cell.outcome})" for cell in silent)
-        sentences.append(f"{solver} says that it has no answer: {named}.")
+        sentences.append(f"{solver} reports no answer: {named}.")
     compared = [
         cell for cell in cells if cell.verdict is CellVerdict.WITHIN and cell.errors and cell.tolerance
     ]

@@ -25,7 +25,9 @@ from validation.stability.materials import SAME
 from validation.stability.measure import CURVE
 
 CYCLES = 1000
+"""Cycles of the long oscillations."""
 MARGINS = (0.3, 0.1, 0.03, 0.01, 3e-3)
+"""Distances of dead loads from the slow pull-off force, relative to it."""
 DELAY = ReferenceRuns(("detachment_time",))
 FORCE_ERROR = 1e-3
 """Relative error of the slow pull-off force at the coarse resolutions; of the front tracking, a tenth."""
@@ -33,30 +35,30 @@ FORCE_ERROR = 1e-3
 
 def loading() -> list[StabilityCase]:
     """Holds of no length, reversals within a step, jumps, many cycles, starts without equilibrium."""
-    made = base.material()
-    hard, soft = made.glassy_plane_modulus, made.relaxed_plane_modulus
+    material = base.material()
+    hard, soft = material.glassy_plane_modulus, material.relaxed_plane_modulus
     up, down = base.press_and_pull(0.02)
-    plain = base.scene(made, (up, down))
-    idle = base.scene(made, (Hold(0.0), up, Hold(0.0), Hold(0.0), down))
-    cases = [StabilityCase("loading", "holds of no length", idle, EquivalentScene(plain), SAME)]
+    plain = base.scene(material, (up, down))
+    with_holds = base.scene(material, (Hold(0.0), up, Hold(0.0), Hold(0.0), down))
+    cases = [StabilityCase("loading", "holds of no length", with_holds, EquivalentScene(plain), SAME)]
 
     flick = Table((0.0, 0.2, 0.2 + 1e-6, 0.2 + 2e-6, 0.5), (0.0, 0.004, 0.006, 0.004, base.TOP))
-    spike = base.scene(made, (flick, down))
+    spike = base.scene(material, (flick, down))
     names = ("approach_force", "pull_off_force", "loop_energy", CURVE)
     cases.append(StabilityCase("loading", "reversal within 1e-6 tau", spike, ReferenceRuns(names)))
 
     period = 2.0 * math.pi / 1e6
-    swing = base.scene(made, (Oscillate(0.002, 1e6, 1.25 * period),))
+    swing = base.scene(material, (Oscillate(0.002, 1e6, 1.25 * period),))
     turned = closed_forms.rest(swing, 0.002, hard, "Einf")
     cases.append(StabilityCase("loading", "oscillation far faster than tau", swing, turned))
 
-    there = base.scene(made, (Table((0.0, 1e-9), (base.TOP, base.TOP)),))
+    jumped = base.scene(material, (Table((0.0, 1e-9), (base.TOP, base.TOP)),))
     cases.append(
         StabilityCase(
-            "loading", "jump of the penetration", there, closed_forms.rest(there, base.TOP, hard, "Einf")
+            "loading", "jump of the penetration", jumped, closed_forms.rest(jumped, base.TOP, hard, "Einf")
         )
     )
-    settled = base.scene(made, (Table((0.0, 1e5), (base.TOP, base.TOP)),))
+    settled = base.scene(material, (Table((0.0, 1e5), (base.TOP, base.TOP)),))
     cases.append(
         StabilityCase("loading", "jump, then rest", settled, closed_forms.rest(settled, base.TOP, soft, "E0"))
     )
@@ -65,19 +67,19 @@ def loading() -> list[StabilityCase]:
 
 def _cycles() -> list[StabilityCase]:
     """Small oscillations, then a rest: of a punch, and of a sphere that sticks."""
-    made = base.material()
+    material = base.material()
     duration, size, radius = 2.0 * math.pi * CYCLES, 1e-4, 0.2
     quarter = 0.5 * math.pi
     shaken = base.scene(
-        made, (Oscillate(size, 1.0, duration + quarter),), "relaxed", base.TOP, None, FlatPunch(radius)
+        material, (Oscillate(size, 1.0, duration + quarter),), "relaxed", base.TOP, None, FlatPunch(radius)
     )
-    swing = float(punch_oscillation.force(made, radius, 1.0, size, duration + quarter))
-    force = 2.0 * radius * made.relaxed_plane_modulus * base.TOP + swing
-    loss = CYCLES * punch_oscillation.loss_per_cycle(made, radius, 1.0, size)
+    swing = float(punch_oscillation.force(material, radius, 1.0, size, duration + quarter))
+    force = 2.0 * radius * material.relaxed_plane_modulus * base.TOP + swing
+    loss = CYCLES * punch_oscillation.loss_per_cycle(material, radius, 1.0, size)
     expected = ClosedForm(
         (Value("final_force", force), Value("dissipated_energy", loss)), "punch under the complex modulus"
     )
-    stuck = base.scene(made, (Oscillate(size, 1.0, duration), Hold(1e4)), "relaxed", 0.0)
+    adhering = base.scene(material, (Oscillate(size, 1.0, duration), Hold(1e4)), "relaxed", 0.0)
     final = ReferenceRuns(("final_force", "final_radius", "loop_energy"), fine=8, coarse=4)
     coarse = Tolerance(
         {BoundaryElements.name: 0.1},
@@ -89,7 +91,7 @@ def _cycles() -> list[StabilityCase]:
         StabilityCase(
             "loading",
             f"{CYCLES} cycles of a sphere, then rest",
-            stuck,
+            adhering,
             final,
             coarse,
             resolutions=dict.fromkeys(SOLVERS, 4),
@@ -100,14 +102,17 @@ def _cycles() -> list[StabilityCase]:
 
 def _starts() -> list[StabilityCase]:
     """Starts around the limit of stability."""
-    made = base.material()
+    material = base.material()
     cases = []
-    for start, modulus in (("relaxed", made.relaxed_plane_modulus), ("jump-in", made.glassy_plane_modulus)):
-        law = closed_forms.zone_law(base.scene(made, ()), modulus)
+    for start, modulus in (
+        ("relaxed", material.relaxed_plane_modulus),
+        ("jump-in", material.glassy_plane_modulus),
+    ):
+        law = closed_forms.zone_law(base.scene(material, ()), modulus)
         limit = law.pull_off_penetration_control().penetration
         for factor in (0.99, 1.01, 100.0):
             depth = factor * limit
-            begun = base.scene(made, (Hold(0.0),), start, depth)
+            started = base.scene(material, (Hold(0.0),), start, depth)
             label = f"{start} start at {factor:g} of the last stable penetration"
             expected = NoSolution("no contact is stable there")
             if factor < 1.0:
@@ -115,9 +120,9 @@ def _starts() -> list[StabilityCase]:
                 values = (Value("start_force", state.force), Value("start_radius", state.contact_radius))
                 equilibrium = ClosedForm(values, "elastic closure of finite zone")
                 near = Tolerance({}, "next to the limit the radius moves like a square root", other=5e-2)
-                cases.append(StabilityCase("loading", label, begun, equilibrium, near))
+                cases.append(StabilityCase("loading", label, started, equilibrium, near))
             else:
-                cases.append(StabilityCase("loading", label, begun, expected))
+                cases.append(StabilityCase("loading", label, started, expected))
     return cases
 
 
@@ -127,8 +132,8 @@ def pull_off() -> list[StabilityCase]:
     The delay grows without bound towards the limit, like the root of the margin: the error of the limit
     itself, divided by twice the margin, is the error of the delay.
     """
-    made = base.material()
-    law = closed_forms.zone_law(base.scene(made, ()), made.relaxed_plane_modulus)
+    material = base.material()
+    law = closed_forms.zone_law(base.scene(material, ()), material.relaxed_plane_modulus)
     limit = law.pull_off_force_control()
     cases = []
     for margin in MARGINS:

@@ -15,7 +15,9 @@ CYCLE = ReferenceRuns(
     ("approach_force", "pull_off_force", "loop_energy", CURVE), of_largest=("approach_force",)
 )
 CONTRASTS = (1.0, 10.0, 1e3, 1e6, 1e9)
+"""``Einf/E0``."""
 TIMES = (1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12)
+"""Relaxation time over the duration of the approach."""
 PULLED = Tolerance(
     {FiniteElements.name: 4e-2},
     "the edge recedes all the way, and elements round it down by part of one: 1.4 % of the force at 4 a zone",
@@ -27,6 +29,7 @@ STEPPED = Tolerance(
     other=2e-3,
 )
 RATIOS = (0.0, 0.3, 0.49, 0.4999, 0.5)
+"""Poisson's ratios."""
 PUSH = 0.01
 """Speed of adhesionless cycles, ``R`` per relaxation time."""
 
@@ -38,34 +41,36 @@ def contrast() -> list[StabilityCase]:
     """
     cases = []
     for ratio in CONTRASTS:
-        made = base.material(ratio)
+        material = base.material(ratio)
         creep = ratio  # retardation time, in relaxation times
         label = f"Einf/E0 = {ratio:g}"
-        bare = base.scene(made, base.press_and_pull(PUSH), adhesion=None)
-        expected = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
+        adhesionless = base.scene(material, base.press_and_pull(PUSH), adhesion=None)
+        expected = closed_forms.adhesionless_cycle(material, base.SPHERE, PUSH, base.TOP)
         cases.append(
             StabilityCase(
                 "contrast",
                 f"{label}, adhesionless",
-                bare,
+                adhesionless,
                 expected,
                 series="adhesionless cycle" if ratio > 1.0 else "",
                 stiffness=ratio,
             )
         )
-        slow = base.scene(made, base.press_and_pull(1e-7 / creep), start="relaxed")
-        quiet = closed_forms.elastic_cycle(slow, made.relaxed_plane_modulus, "E0", at_once=ratio == 1.0)
+        slow = base.scene(material, base.press_and_pull(1e-7 / creep), start="relaxed")
+        elastic = closed_forms.elastic_cycle(slow, material.relaxed_plane_modulus, "E0", at_once=ratio == 1.0)
         cases.append(
             StabilityCase(
                 "contrast",
                 f"{label}, slow",
                 slow,
-                quiet,
+                elastic,
                 series="slow cycle" if ratio > 1.0 else "",
                 stiffness=ratio,
             )
         )
-        pull = base.scene(made, base.press_and_pull(base.ZONE / creep, away=-20.0)[1:], "relaxed", base.TOP)
+        pull = base.scene(
+            material, base.press_and_pull(base.ZONE / creep, away=-20.0)[1:], "relaxed", base.TOP
+        )
         cases.append(
             StabilityCase(
                 "contrast",
@@ -89,17 +94,17 @@ def times() -> list[StabilityCase]:
     cases = []
     speed = base.TOP  # the approach takes one unit of time
     for ratio in TIMES:
-        made = base.material(time=ratio)
+        material = base.material(time=ratio)
         label = f"tau/T = {ratio:g}"
         stiffness = max(ratio, 1.0 / ratio)
         side = "slow response" if ratio > 1.0 else "fast response"
         timed = stiffness > 1.0  # neither slow nor fast at one
-        cycle = base.scene(made, base.press_and_pull(speed))
+        cycle = base.scene(material, base.press_and_pull(speed))
         expected: Expectation
         if ratio <= 1e-6:
-            expected = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
+            expected = closed_forms.elastic_cycle(cycle, material.relaxed_plane_modulus, "E0", at_once=False)
         elif ratio >= 1e6:
-            expected = closed_forms.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
+            expected = closed_forms.elastic_cycle(cycle, material.glassy_plane_modulus, "Einf")
         else:
             expected = CYCLE
         cases.append(
@@ -112,7 +117,7 @@ def times() -> list[StabilityCase]:
                 stiffness=stiffness,
             )
         )
-        pull = base.scene(made, base.press_and_pull(speed)[1:], "relaxed", base.TOP)
+        pull = base.scene(material, base.press_and_pull(speed)[1:], "relaxed", base.TOP)
         cases.append(
             StabilityCase(
                 "relaxation time",
@@ -133,9 +138,9 @@ def spectra() -> list[StabilityCase]:
     cases = []
     for count, decades in ((1, 0), (2, 6), (7, 6), (7, 15), (30, 8), (30, 15)):
         spread = np.logspace(-0.5 * decades, 0.5 * decades, count)
-        made = Material(base.MODULUS, base.POISSON, tuple(Branch(share / count, t) for t in spread))
+        material = Material(base.MODULUS, base.POISSON, tuple(Branch(share / count, t) for t in spread))
         label = f"{count} branch{'es' if count > 1 else ''}" + (f", {decades} decades" if decades else "")
-        cases += _both(label, made)
+        cases += _both(label, material)
     near = Material(base.MODULUS, base.POISSON, (Branch(share / 2, 1.0), Branch(share / 2, 1.0 + 1e-9)))
     plain = base.scene(base.material(), base.press_and_pull(0.02))
     pairs = [("two times within 1e-9", near, STEPPED)]
@@ -143,18 +148,18 @@ def spectra() -> list[StabilityCase]:
         for time in (1e-9, 1e3):
             extra = Material(base.MODULUS, base.POISSON, (Branch(share, 1.0), Branch(weight, time)))
             pairs.append((f"a branch of weight {weight:g} at {time:g} tau", extra, tolerance))
-    for label, made, tolerance in pairs:
-        cycle = base.scene(made, base.press_and_pull(0.02))
+    for label, material, tolerance in pairs:
+        cycle = base.scene(material, base.press_and_pull(0.02))
         cases.append(StabilityCase("spectrum", label, cycle, EquivalentScene(plain), tolerance))
     return cases
 
 
-def _both(label: str, made: Material) -> list[StabilityCase]:
-    bare = base.scene(made, base.press_and_pull(PUSH), adhesion=None)
-    expected = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
-    cycle = base.scene(made, (*base.press_and_pull(0.02)[:1], Hold(1.0), *base.press_and_pull(0.02)[1:]))
+def _both(label: str, material: Material) -> list[StabilityCase]:
+    adhesionless = base.scene(material, base.press_and_pull(PUSH), adhesion=None)
+    expected = closed_forms.adhesionless_cycle(material, base.SPHERE, PUSH, base.TOP)
+    cycle = base.scene(material, (*base.press_and_pull(0.02)[:1], Hold(1.0), *base.press_and_pull(0.02)[1:]))
     return [
-        StabilityCase("spectrum", f"{label}, adhesionless", bare, expected),
+        StabilityCase("spectrum", f"{label}, adhesionless", adhesionless, expected),
         StabilityCase("spectrum", f"{label}, with a hold", cycle, CYCLE),
     ]
 
@@ -163,10 +168,12 @@ def poisson() -> list[StabilityCase]:
     """Poisson's ratio at the same plane modulus: the answer does not depend on it."""
     cases = []
     for ratio in RATIOS:
-        made = base.material(poisson=ratio)
-        cycle = base.scene(made, base.press_and_pull(0.02))
+        material = base.material(poisson=ratio)
+        cycle = base.scene(material, base.press_and_pull(0.02))
         cases.append(StabilityCase("Poisson's ratio", f"nu = {ratio:g}", cycle, CYCLE))
-        bare = base.scene(made, base.press_and_pull(PUSH), adhesion=None)
-        expected = closed_forms.adhesionless_cycle(made, base.SPHERE, PUSH, base.TOP)
-        cases.append(StabilityCase("Poisson's ratio", f"nu = {ratio:g}, adhesionless", bare, expected))
+        adhesionless = base.scene(material, base.press_and_pull(PUSH), adhesion=None)
+        expected = closed_forms.adhesionless_cycle(material, base.SPHERE, PUSH, base.TOP)
+        cases.append(
+            StabilityCase("Poisson's ratio", f"nu = {ratio:g}, adhesionless", adhesionless, expected)
+        )
     return cases

@@ -13,6 +13,7 @@ from validation.measure.scaling import Magnitudes, column_of
 from validation.stability.case import EquivalentScene, ReferenceRuns, Value
 
 CURVE = "force, RMS"
+"""Name of the error of the curve ``F(t)``: root mean square over the largest force."""
 RICHARDSON = 1.0 / 3.0
 """Error of the finer of two runs of second order over their difference, the coarser at twice the step."""
 MISSING = math.inf
@@ -30,7 +31,7 @@ def against_trace(trace: Trace, reference: Trace, observables: ReferenceRuns) ->
 
     What it is relative to is stated in :mod:`validation.measure.scaling`, but for those ``of_largest``.
     """
-    measured, wanted = observe(trace).as_dict(), observe(reference).as_dict()
+    measured, expected = observe(trace).as_dict(), observe(reference).as_dict()
     errors = {}
     largest = Magnitudes.of_trace(reference)
     for name in observables.names:
@@ -38,7 +39,7 @@ def against_trace(trace: Trace, reference: Trace, observables: ReferenceRuns) ->
             apart = distance(trace, reference)
             errors[name] = MISSING if apart is None else apart.rms
             continue
-        value = wanted[name]
+        value = expected[name]
         if value is None:
             errors[name] = 0.0 if measured[name] is None else MISSING
         else:
@@ -63,11 +64,11 @@ def against_equivalent(trace: Trace, base: Trace, equivalent: EquivalentScene) -
     largest_energy = energy * float(max(np.abs(base.stored_energy).max(), np.abs(base.external_work).max()))
     errors = {}
     for name, factor in zip(COLUMNS, factors, strict=True):
-        wanted = factor * getattr(base, name)
-        unit = float(np.abs(wanted).max())
+        expected = factor * getattr(base, name)
+        unit = float(np.abs(expected).max())
         if name == "dissipated_energy":  # what a balance leaves is as exact as its largest term
             unit = max(unit, largest_energy)
-        errors[name] = float(np.abs(getattr(trace, name) - wanted).max()) / (unit or 1.0)
+        errors[name] = float(np.abs(getattr(trace, name) - expected).max()) / (unit or 1.0)
     return errors
 
 

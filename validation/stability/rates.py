@@ -10,6 +10,7 @@ from validation.stability.case import Expectation, StabilityCase
 from validation.stability.materials import CYCLE
 
 SPEEDS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)
+"""``V tau/R``."""
 SLOW, FAST = 1e-8, 1e4
 """``V tau/R`` below and above which the cycle is elastic to a thousandth, relaxed and glassy."""
 ROWS = 21
@@ -18,15 +19,15 @@ ROWS = 21
 
 def speeds() -> list[StabilityCase]:
     """``V tau/R``, approach and retraction."""
-    made = base.material()
+    material = base.material()
     cases = []
     for speed in SPEEDS:
-        cycle = base.scene(made, base.press_and_pull(speed))
+        cycle = base.scene(material, base.press_and_pull(speed))
         expected: Expectation
         if speed <= SLOW:
-            expected = closed_forms.elastic_cycle(cycle, made.relaxed_plane_modulus, "E0", at_once=False)
+            expected = closed_forms.elastic_cycle(cycle, material.relaxed_plane_modulus, "E0", at_once=False)
         elif speed >= FAST:
-            expected = closed_forms.elastic_cycle(cycle, made.glassy_plane_modulus, "Einf")
+            expected = closed_forms.elastic_cycle(cycle, material.glassy_plane_modulus, "Einf")
         else:
             expected = CYCLE
         series = "slow cycle" if speed < 1e-5 else "fast cycle" if speed >= 1.0 else ""
@@ -46,8 +47,8 @@ def speeds() -> list[StabilityCase]:
 def steps() -> list[StabilityCase]:
     """Tables whose rows force the step: rows of ``1e-9`` and ``1e9`` relaxation times, also
     tiny ones after long ones."""
-    made = base.material()
-    soft, hard = made.relaxed_plane_modulus, made.glassy_plane_modulus
+    material = base.material()
+    soft, hard = material.relaxed_plane_modulus, material.glassy_plane_modulus
     up = np.linspace(0.0, base.TOP, ROWS)
     down = np.linspace(base.TOP, -0.05, 2 * ROWS)
     there = np.concatenate((up, down[1:]))
@@ -55,13 +56,13 @@ def steps() -> list[StabilityCase]:
     def table(step: float, values: np.ndarray) -> Table:
         return Table(tuple(step * np.arange(values.size)), tuple(values))
 
-    small = base.scene(made, (table(1e-9, there),))
-    large = base.scene(made, (table(1e9, there),))
-    settled = base.scene(made, (table(1e-9, up), Hold(1e4)))
+    small = base.scene(material, (table(1e-9, there),))
+    large = base.scene(material, (table(1e9, there),))
+    settled = base.scene(material, (table(1e-9, up), Hold(1e4)))
     stairs = np.repeat(up, 2)[1:]
     pace = np.tile((1e-9, 1e4), stairs.size)[: stairs.size]
     pace[0] = 0.0
-    climb = base.scene(made, (Table(tuple(np.cumsum(pace)), tuple(stairs)), Hold(1e4)))
+    climb = base.scene(material, (Table(tuple(np.cumsum(pace)), tuple(stairs)), Hold(1e4)))
     return [
         StabilityCase("step", "dt/tau = 1e-9", small, closed_forms.elastic_cycle(small, hard, "Einf")),
         StabilityCase(

@@ -52,7 +52,7 @@ def run(
     on_cell : callable
         Called with each cell and all cells so far.
     solve : callable
-        What a process does.
+        Carries out one run, in a process.
     store : Store or None
         Stored runs are not repeated; runs that crashed or hung are not stored.
 
@@ -87,7 +87,7 @@ def run(
 
 
 def _tasks(case: StabilityCase, solver: str, solve: SolveCase) -> list[Task]:
-    """Runs that a cell rests on: the solver's own, and those that give what is expected."""
+    """Runs that a cell rests on: the solver's own, and those that give the expected answer."""
     if not isinstance(case.scene, Scene) or solver in case.skip_reasons:
         return []
     own = case.resolution(solver)

@@ -38,7 +38,9 @@ from validation.stability.measure import CURVE
 PULL = ReferenceRuns(("start_force", "pull_off_force", "loop_energy", CURVE))
 PEELED = ReferenceRuns(("start_force", "pull_off_force", "loop_energy", CURVE), fine=8, coarse=4)
 SHARES = (1e-3, 1e-2, 0.1, 1.0 / 3.0, 0.5)
+"""Process zone over contact radius, ``da/a``."""
 ANGLES = (89.9, 85.0, 45.0, 10.0)
+"""Half-angles of the cones, in degrees."""
 REACH = 0.1
 """Contact radius of adhesionless indenters at the largest penetration, over the sphere's ``R``."""
 SEED = 7
@@ -47,9 +49,11 @@ THIN_BELOW, WIDE_BEYOND = 5e-3, 0.3
 """``da/a`` below which the edge would cross too many zones in a full pull-off, and above which the contact
 shrinks to the zone before it detaches."""
 NOT_COMPARED_WIDE = ("approach_force", "approach_radius", "detachment_penetration", "dissipated_energy")
+"""Observables that are not compared for zones beyond ``WIDE_BEYOND``."""
 WIDE = ReferenceRuns(("start_force", "pull_off_force"), fine=40, coarse=20)
 BRIEF = ReferenceRuns(("start_force", "final_force", "final_radius", CURVE))
 THIN = {BoundaryElements.name: 4}
+"""Divisions of zones below ``THIN_BELOW``."""
 SKIP_THIN = {
     FiniteElements.name: "thousands of elements in the path of the edge, "
     "each with a column of the dense compliance"
@@ -58,14 +62,14 @@ SKIP_THIN = {
 
 def adhesion() -> list[StabilityCase]:
     """``gamma~`` from none to strong; zones from a thousandth of the contact radius to beyond it."""
-    made = base.material()
-    none = base.scene(made, base.press_and_pull(0.01), adhesion=Adhesion(0.0, base.ZONE))
+    material = base.material()
+    none = base.scene(material, base.press_and_pull(0.01), adhesion=Adhesion(0.0, base.ZONE))
     cases = [
         StabilityCase(
             "adhesion",
             "gamma~ = 0",
             none,
-            closed_forms.adhesionless_cycle(made, base.SPHERE, 0.01, base.TOP),
+            closed_forms.adhesionless_cycle(material, base.SPHERE, 0.01, base.TOP),
         )
     ]
     faint = base.scene(
@@ -73,17 +77,17 @@ def adhesion() -> list[StabilityCase]:
     )
     cases.append(StabilityCase("adhesion", "gamma~ = 1e-12, elastic", faint, _faint(faint)))
     for gamma, zone in ((1e-12, 2e-3), (1.6e-4, 0.013), (1e-2, 0.02)):
-        stuck = base.scene(
-            made, (Hold(1.0), Ramp(-2.0, 0.02)), "relaxed", base.TOP, Adhesion(math.pi * gamma, zone)
+        adhering = base.scene(
+            material, (Hold(1.0), Ramp(-2.0, 0.02)), "relaxed", base.TOP, Adhesion(math.pi * gamma, zone)
         )
-        cases.append(StabilityCase("adhesion", f"gamma~ = {gamma:g}", stuck, PULL, PULLED))
-    strong = base.scene(made, base.press_and_pull(1e6), adhesion=Adhesion(math.pi * 1e-2, 0.02))
+        cases.append(StabilityCase("adhesion", f"gamma~ = {gamma:g}", adhering, PULL, PULLED))
+    strong = base.scene(material, base.press_and_pull(1e6), adhesion=Adhesion(math.pi * 1e-2, 0.02))
     cases.append(
         StabilityCase(
             "adhesion",
             "gamma~ = 1e-2, fast",
             strong,
-            closed_forms.elastic_cycle(strong, made.glassy_plane_modulus, "Einf"),
+            closed_forms.elastic_cycle(strong, material.glassy_plane_modulus, "Einf"),
         )
     )
     return cases + _zones()
@@ -101,7 +105,7 @@ def _faint(scene: Scene) -> ClosedForm:
 
 
 def _zones() -> list[StabilityCase]:
-    soft, made = base.material(1.0), base.material()
+    soft, material = base.material(1.0), base.material()
     radius = closed_forms.zone_law(base.scene(soft, ()), 1.0).at_penetration(base.TOP).contact_radius
     cases = []
     for share in SHARES:
@@ -115,15 +119,17 @@ def _zones() -> list[StabilityCase]:
             left_out = NOT_COMPARED_WIDE if share > WIDE_BEYOND else ("approach_force", "approach_radius")
             values = tuple(value for value in expected.values if value.name not in left_out)
             expected = ClosedForm(values, expected.source, expected.ending)
-        peeled = base.scene(made, (Ramp(away, 0.02),), "relaxed", base.TOP, law)
+        viscoelastic = base.scene(material, (Ramp(away, 0.02),), "relaxed", base.TOP, law)
         label = f"da/a = {share:.3g}"
         cases += [
             StabilityCase("process zone", f"{label}, elastic", elastic, expected, PULLED, **more),
-            StabilityCase("process zone", f"{label}, V tau/R = 0.02", peeled, observables, PULLED, **more),
+            StabilityCase(
+                "process zone", f"{label}, V tau/R = 0.02", viscoelastic, observables, PULLED, **more
+            ),
         ]
     for share in (1.5, 100.0):
         law = Adhesion(base.WORK, share * radius)
-        longer = base.scene(made, (Ramp(base.AWAY, 0.02),), "relaxed", base.TOP, law)
+        longer = base.scene(material, (Ramp(base.AWAY, 0.02),), "relaxed", base.TOP, law)
         why = "a process zone longer than the contact"
         cases.append(StabilityCase("process zone", f"da/a = {share:.3g}", longer, NoSolution(why)))
     return cases
@@ -146,23 +152,25 @@ def _pull_of(share: float) -> tuple[float, ReferenceRuns, dict[str, Any]]:
 
 def indenters() -> list[StabilityCase]:
     """Punch, cones, a steep power law, tables with noise; without and with adhesion."""
-    made = base.material()
-    punch = base.scene(made, (Ramp(base.TOP, 0.01),), adhesion=None, indenter=FlatPunch(0.2))
+    material = base.material()
+    punch = base.scene(material, (Ramp(base.TOP, 0.01),), adhesion=None, indenter=FlatPunch(0.2))
     cases = [
         StabilityCase(
             "indenter",
             "flat punch, adhesionless",
             punch,
-            closed_forms.punch_ramp(made, 0.2, 0.01, base.TOP),
+            closed_forms.punch_ramp(material, 0.2, 0.01, base.TOP),
         )
     ]
     shapes: list[tuple[str, Indenter]] = [(f"cone {angle:g}°", Cone(angle)) for angle in ANGLES]
     shapes += [("power law 8", PowerLaw(8.0, 1.0)), ("table, noise 0.1 %", _table(1e-3))]
     for label, shape in shapes:
         top = float(sneddon.depth(shape, REACH))
-        bare = base.scene(made, base.press_and_pull(top, top, -10.0 * top), adhesion=None, indenter=shape)
-        expected = closed_forms.adhesionless_cycle(made, shape, top, top)
-        cases.append(StabilityCase("indenter", f"{label}, adhesionless", bare, expected))
+        adhesionless = base.scene(
+            material, base.press_and_pull(top, top, -10.0 * top), adhesion=None, indenter=shape
+        )
+        expected = closed_forms.adhesionless_cycle(material, shape, top, top)
+        cases.append(StabilityCase("indenter", f"{label}, adhesionless", adhesionless, expected))
     held: list[tuple[str, Indenter, float]] = [
         ("flat punch", FlatPunch(0.2), 0.0),
         ("cone 85°", Cone(85.0), 0.01),
@@ -172,9 +180,9 @@ def indenters() -> list[StabilityCase]:
     ]
     for label, shape, top in held:
         law = Adhesion(base.WORK, 1e-4) if label == "cone 45°" else base.ADHESION  # contact is lost at 3e-4
-        pulled = base.scene(made, (Ramp(top - 1.0, 0.02),), "relaxed", top, law, shape)
+        pulled = base.scene(material, (Ramp(top - 1.0, 0.02),), "relaxed", top, law, shape)
         cases.append(StabilityCase("indenter", label, pulled, PULL, PULLED))
-    falling = scene_or_refusal(lambda: base.scene(made, base.press_and_pull(0.02), indenter=_table(0.3)))
+    falling = scene_or_refusal(lambda: base.scene(material, base.press_and_pull(0.02), indenter=_table(0.3)))
     cases.append(
         StabilityCase("indenter", "table that falls, noise 30 %", falling, NoSolution("a profile that falls"))
     )

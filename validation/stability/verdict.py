@@ -1,7 +1,7 @@
-"""One cell of the matrix: a solver's answer to a case, compared with what is expected.
+"""One cell of the matrix: a solver's answer to a case, compared with the expected one.
 
-An answer is right within its tolerance, or it says that it is none: a refusal, or an outcome other than
-``completed`` and ``detached``. Anything else is a fault, and the worst is an answer that looks like one.
+A run passes if its answer is within tolerance, or if it reports that it has none: a refusal, or an outcome
+other than ``completed`` and ``detached``. Anything else is a fault; the worst is a wrong answer.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from validation.stability.case_runs import CaseAnswer
 
 
 class CellVerdict(StrEnum):
-    """How a solver's answer compares with what is expected."""
+    """How a solver's answer compares with the expected one."""
 
     WITHIN = "within tolerance"
-    DECLINED = "says that it has no answer"
+    DECLINED = "reports no answer"
     WRONG = "SILENTLY WRONG"
     CRASH = "CRASHED"
     NOT_FINITE = "NOT FINITE"

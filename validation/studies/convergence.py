@@ -35,6 +35,7 @@ SCALARS = (
     "peak_cycle_loss",
 )
 NORMS = ("force, RMS", "force, mean", "force, largest", "radius, RMS")
+"""Errors of curves, relative to the largest magnitude of the reference (:mod:`validation.measure.norms`)."""
 REPEATS = 3
 """Largest number of runs of a timed level, of which the fastest counts."""
 ENOUGH_SECONDS = 1.0

@@ -34,7 +34,9 @@ CONTACTS: dict[str, tuple[Indenter, Adhesion | None]] = {
     "JKR": (Sphere(1.0), Adhesion(1e-4, 0.004)),
 }
 RATIOS = (0.3, 0.5)
+"""Poisson's ratios of the static contacts."""
 CYCLES = ("cycle-v0.02", "three-branches")
+"""Built-in scenes whose dissipated energy is compared."""
 
 
 @dataclass(frozen=True)

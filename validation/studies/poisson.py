@@ -4,7 +4,7 @@ For every ratio ``K/G`` of the relaxed solid the scene keeps its shear relaxatio
 
 - in full, with nu(t) from separate bulk and shear, by the finite elements;
 - by the reference with the ``E*(t)`` the surface feels (see ``poisson_material``): the same problem, another
-  method, so the two must agree within their error estimates, which is what is checked;
+  method, so the two must agree within their error estimates, which is checked;
 - under three assumptions of a constant ratio, by the reference: ``shear`` and ``tension``, the relaxed ratio
   with the modulus measured in shear or in tension, and ``incompressible``, the paper's 0.5.
 
@@ -27,9 +27,11 @@ from validation.solvers.finite_elements import FiniteElements
 from validation.studies import poisson_material as materials
 
 RATIOS = (10.0, 30.0, 100.0, 300.0, 1000.0)
+"""``K/G`` of the relaxed solid."""
 OBSERVED = ("pull_off_force", "loop_energy", "approach_radius", "approach_force")
 CURVES = ("force", "contact_radius")
 FULL, SURFACE = "full", "surface"
+"""Names of the runs with separate bulk relaxation and with the modulus at the surface."""
 ASSUMPTIONS = {
     "shear": materials.constant,
     "tension": materials.tension,
@@ -98,7 +100,7 @@ class CompressibilityComparison:
 
 
 def ratio_runs(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
-    """What is run for one compressibility: case and solver by name."""
+    """Runs of one compressibility: case and solver by name."""
     separate = materials.with_bulk(case.scene.material, ratio)
     answers = {
         FULL: (separate, FiniteElements.name),

@@ -2,7 +2,7 @@
 
 With shear modulus ``G(t)`` and bulk modulus ``K(t)`` apart, Poisson's ratio depends on time. Yet the surface
 of the half-space feels one modulus only. The Laplace transform (marked ^) of its compliance under normal load
-is that of an elastic half-space, which knows ``E* = E/(1 - nu^2)`` alone; hence it depends on
+is that of an elastic half-space, which depends on ``E* = E/(1 - nu^2)`` alone; hence it depends on
 
     E*^ = 4 G^ (3 K^ + G^)/(3 K^ + 4 G^),      1/E*^ = 1/(4 G^) + 3/(4 (3 K^ + G^)),
 

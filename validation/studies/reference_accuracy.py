@@ -25,7 +25,9 @@ from validation.studies.extrapolation import fitted_slope
 WORK = math.pi * 1.6e-4
 """Work of adhesion of ``gamma~ = 1.6e-4``, over ``E0* R``."""
 ZONE = 0.013
+"""Process-zone length, over ``R``."""
 RESOLUTIONS = (4, 8, 16, 32)
+"""Steps per process zone."""
 FINEST = 96
 """Resolution of the run that errors are measured against."""
 MOMENTS = np.linspace(0.06, 0.96, 11)

@@ -1,7 +1,7 @@
-"""A study of scenes: every ladder of every scheme, timed where time is the question.
+"""A study of scenes: every ladder of every scheme, timed where costs are compared.
 
-What is timed runs alone, in this process, after a warm-up run of its scheme; the other ladders then share the
-cores. Everything is measured against the finest front tracking.
+Timed ladders run alone, in this process, after a warm-up run of their scheme; the others share the cores.
+Everything is measured against the finest front tracking.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def study(cases: list[Case], workers: int, progress: Progress, store: Store | No
 
 
 def _study_scene(case: Case, workers: int, progress: Progress, store: Store) -> SceneStudy:
-    """The reference first; then what is timed, alone; then the rest together."""
+    """The reference first; then the timed ladders, alone; then the others together."""
     all_ladders = ladders(case.scene)
     total = 1 + sum(len(ladder.levels) for ladder in all_ladders)
     done = 0
@@ -177,8 +177,8 @@ def _uncertainty(resolution: int, convergences: list[Convergence]) -> dict[str, 
     With second order and a step ``n`` times smaller, ``(n^2 - 1)`` times less than that distance.
     """
     for entry in convergences:
-        done = [run for run in entry.runs if not run.failed and run.level.settings.resolution < resolution]
-        if entry.ladder.scheme == REFERENCE and entry.ladder.timed and done:
-            finer = resolution / done[-1].level.settings.resolution
-            return {name: abs(e) / (finer**2 - 1.0) for name, e in done[-1].errors.items()}
+        coarser = [run for run in entry.runs if not run.failed and run.level.settings.resolution < resolution]
+        if entry.ladder.scheme == REFERENCE and entry.ladder.timed and coarser:
+            finer = resolution / coarser[-1].level.settings.resolution
+            return {name: abs(e) / (finer**2 - 1.0) for name, e in coarser[-1].errors.items()}
     return {}

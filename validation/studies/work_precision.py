@@ -14,6 +14,7 @@ from validation.studies.convergence import Convergence, LevelRun
 from validation.studies.extrapolation import fitted_slope
 
 ERRORS = (1e-1, 1e-2, 1e-3, 1e-4)
+"""Relative errors at which costs are compared."""
 MEASURES = ("force, RMS", "force, mean", "force, largest", "radius, RMS", "pull_off_force", "loop_energy")
 WORK = ("wall_seconds", "cpu_seconds", "steps", "linear_solves", "closure_evaluations", "history_updates")
 PRICED = "cpu_seconds"
@@ -157,14 +158,14 @@ def growth_in_words(studies: list[Convergence]) -> list[str]:
 
 
 def left_out(studies: list[Convergence]) -> list[str]:
-    """What the scene did not need, from the counters of the finest level."""
+    """Work that the scene did not need, from the counters of the finest level."""
     sentences = []
     for study in studies:
-        done = [run for run in study.runs if not run.failed]
-        if not done:
+        finished = [run for run in study.runs if not run.failed]
+        if not finished:
             continue
         scheme = study.ladder.scheme
-        missing = skipped_work.left_out(scheme, done[-1].counters)
+        missing = skipped_work.left_out(scheme, finished[-1].counters)
         if missing:
             sentences.append(f"{scheme}: {'; '.join(missing)}.")
     return sentences

@@ -37,8 +37,8 @@ LETTERS = {
 }
 LEGEND = (
     "c completed, d detached, R refused, N no equilibrium, U step underflow, B step budget, F not finite, "
-    "O out of range, I interrupted, H hung, X crashed, – not run, ? not judged; underlined: says that it has "
-    "no answer; framed and crossed out: silently wrong, crashed, not finite or hung"
+    "O out of range, I interrupted, H hung, X crashed, – not run, ? not compared; underlined: reports no "
+    "answer; framed and crossed out: silently wrong, crashed, not finite or hung"
 )
 
 

@@ -29,7 +29,7 @@ EXPLAINED = (
     "Every field is one run of one solver on one scene, in a process of its own that is killed if it hangs. "
     "Its error is the largest of several observables against a closed form where there is one, else against "
     "the front tracking, whose own error estimate is added to the tolerance. A run is within its tolerance, "
-    "or says that it has no answer; anything else is a fault. Resolutions are coarse and tolerances chosen "
+    "or reports no answer; anything else is a fault. Resolutions are coarse and tolerances chosen "
     "for them, with the reason beside each. Balance: what stored energy, branch dissipation and release at "
     "the edge, each integrated on its own, leave of the work, relative to the largest of them."
 )
