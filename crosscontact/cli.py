@@ -111,49 +111,68 @@ def parser() -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"crosscontact {__version__}")
     commands = top.add_subparsers(dest="command", metavar="COMMAND")
-
     commands.add_parser("scenes", help="list the built-in scenes")
+    _solve_arguments(commands.add_parser("solve", help="run one solver on one scene"))
+    _compare_arguments(
+        commands.add_parser("compare", help="run all solvers on scenes; exit 1 when out of tolerance")
+    )
+    _study_arguments(
+        commands.add_parser("study", help="refinement ladders and error against run time, every solver")
+    )
+    _fields_arguments(
+        commands.add_parser("fields", help="stresses, energies and losses in the body, for ParaView")
+    )
+    _stability_arguments(
+        commands.add_parser("stability", help="stiff and extreme cases: where each solver holds")
+    )
+    _report_arguments(
+        commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
+    )
+    return top
 
-    solve = commands.add_parser("solve", help="run one solver on one scene")
-    solve.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
-    _solver_option(solve, "default: the reference")
-    solve.add_argument(
+
+def _solve_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
+    _solver_option(command, "default: the reference")
+    command.add_argument(
         "--resolution",
         type=_resolution,
         metavar="N",
         help="divisions per process zone (without adhesion: per hundredth of the largest contact radius), "
         "N >= 4; default: the solver's choice",
     )
-    solve.add_argument("--out", metavar="DIR", help="write trace.csv, summary.json and scene.toml there")
-    solve.add_argument(
+    command.add_argument("--out", metavar="DIR", help="write trace.csv, summary.json and scene.toml there")
+    command.add_argument(
         "--estimate",
         action="store_true",
         help="estimate the errors, by a second, coarser run where the solver has no estimate of its own",
     )
-    solve.add_argument(
+    command.add_argument(
         "--plot",
         action="store_true",
         help="draw force.png and force.svg, into --out or the current folder",
     )
-    _fresh(solve)
+    _fresh(command)
 
-    compare = commands.add_parser("compare", help="run all solvers on scenes; exit 1 when out of tolerance")
-    compare.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
-    compare.add_argument(
+
+def _compare_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
+    command.add_argument(
         "--solvers",
         type=_solvers,
         metavar="A,B",
         help="these only, the reference among them; default: all",
     )
-    compare.add_argument("--out", metavar="DIR", help="write the report and every run there")
-    compare.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
-    _fresh(compare)
+    command.add_argument("--out", metavar="DIR", help="write the report and every run there")
+    command.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    _fresh(command)
 
-    study = commands.add_parser("study", help="refinement ladders and error against run time, every solver")
-    study.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
-    study.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
-    study.add_argument("--jobs", type=_jobs, metavar="N", help="processes for what is not timed")
-    study.add_argument(
+
+def _study_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
+    command.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
+    command.add_argument("--jobs", type=_jobs, metavar="N", help="processes for what is not timed")
+    command.add_argument(
         "--poisson",
         type=_bulk,
         nargs="*",
@@ -161,11 +180,12 @@ def parser() -> argparse.ArgumentParser:
         help="instead: elastic bulk of these ratios to the relaxed shear modulus (10 to 1000), against a "
         "constant Poisson's ratio",
     )
-    _fresh(study)
+    _fresh(command)
 
-    fields = commands.add_parser("fields", help="stresses, energies and losses in the body, for ParaView")
-    fields.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
-    fields.add_argument(
+
+def _fields_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
+    command.add_argument(
         "--at",
         type=_time,
         nargs="+",
@@ -173,19 +193,19 @@ def parser() -> argparse.ArgumentParser:
         metavar="T",
         help="times, stepped onto exactly; where the load jumps, the state before",
     )
-    fields.add_argument("--pull-off", action="store_true", help="the moment of largest tension")
-    fields.add_argument(
+    command.add_argument("--pull-off", action="store_true", help="the moment of largest tension")
+    command.add_argument(
         "--every",
         type=_jobs,
         default=0,
         metavar="N",
         help="every N-th accepted step, the start included; not drawn",
     )
-    fields.add_argument(
+    command.add_argument(
         "--resolution", type=_resolution, metavar="N", help="divisions per process zone, as for solve"
     )
-    fields.add_argument("--out", metavar="DIR", help="default: out/fields/SCENE")
-    drawn = fields.add_argument_group("figures", "sections are drawn at all moments; where asked for, also")
+    command.add_argument("--out", metavar="DIR", help="default: out/fields/SCENE")
+    drawn = command.add_argument_group("figures", "sections are drawn at all moments; where asked for, also")
     drawn.add_argument("--strip", action="store_true", help="the key moments of the run side by side")
     drawn.add_argument("--animate", action="store_true", help="the whole run as an animated GIF")
     drawn.add_argument("--revolve", action="store_true", help="the body in three dimensions")
@@ -200,37 +220,36 @@ def parser() -> argparse.ArgumentParser:
     )
     drawn.add_argument("--no-figures", action="store_true", help="files for ParaView only")
 
-    stability = commands.add_parser("stability", help="stiff and extreme cases: where each solver holds")
-    stability.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and heat maps there")
-    stability.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
-    _solver_option(stability, "this one only; default: all")
-    stability.add_argument(
-        "--only", choices=AXIS_NAMES, metavar="AXIS", help=f"one of {', '.join(AXIS_NAMES)}"
-    )
-    _fresh(stability)
 
-    report = commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
-    report.add_argument("--suite", choices=SUITES, default="quick")
-    report.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
-    report.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
-    report.add_argument(
+def _stability_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and heat maps there")
+    command.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    _solver_option(command, "this one only; default: all")
+    command.add_argument("--only", choices=AXIS_NAMES, metavar="AXIS", help=f"one of {', '.join(AXIS_NAMES)}")
+    _fresh(command)
+
+
+def _report_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--suite", choices=SUITES, default="quick")
+    command.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
+    command.add_argument("--jobs", type=_jobs, metavar="N", help="processes; default: the number of cores")
+    command.add_argument(
         "--estimates",
         action=argparse.BooleanOptionalAction,
         default=True,
         help="judge agreement by error estimates, each from a coarser run (default), or by tolerances alone",
     )
-    report.add_argument(
+    command.add_argument(
         "--baseline",
         metavar="OLD.json",
         help="an earlier report.json: list what moved, exit 1 when beyond tolerance",
     )
-    report.add_argument(
+    command.add_argument(
         "--fields",
         action="store_true",
         help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
     )
-    _fresh(report)
-    return top
+    _fresh(command)
 
 
 def _solver_option(command: argparse.ArgumentParser, help: str) -> None:
