@@ -1,6 +1,6 @@
 """The paper's axisymmetric boundary-element solver: any Prony material, any loading, Griffith closure."""
 
 from bem_solver.options import Options
-from bem_solver.solver import solve
+from bem_solver.solver import refusal, solve
 
-__all__ = ["Options", "solve"]
+__all__ = ["Options", "refusal", "solve"]

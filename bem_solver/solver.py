@@ -35,6 +35,17 @@ from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 
 
+def refusal(scene: Scene) -> UnsupportedScene | None:
+    """Why the boundary elements do not take a scene; ``None`` if they do."""
+    if scene.material.bulk is None:
+        return None
+    return UnsupportedScene(
+        "material.bulk",
+        "the boundary elements assume a constant Poisson's ratio",
+        "no bulk key, or --solver fem",
+    )
+
+
 @single_threaded()
 def solve(
     scene: Scene,
@@ -67,12 +78,9 @@ def solve(
         If the process zone does not fit into the contact at the start, or the kept state is another solver's.
     """
     options = options or Options()
-    if scene.material.bulk is not None:
-        raise UnsupportedScene(
-            "material.bulk",
-            "the boundary elements assume a constant Poisson's ratio",
-            "no bulk key, or --solver fem",
-        )
+    unsupported = refusal(scene)
+    if unsupported is not None:
+        raise unsupported
     began = clock.perf_counter()
     run = solve_uniform if options.annuli == "uniform" else _solve_graded
     with np.errstate(all="ignore"):  # non-finite numbers are looked for where state is committed

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, named, spring
 
+from contact_scene import Branch, BulkRelaxation, Loading, Material, Scene, Sphere, UnsupportedScene
 from validation import solvers
 from validation.cases import load
 from validation.execution.progress import Progress
@@ -83,3 +85,21 @@ def test_it_is_gone_afterwards():
     assert NAME not in solvers.SOLVERS
     with pytest.raises(KeyError):
         solvers.solver(NAME)
+
+
+def test_a_refusal_is_told_without_solving():
+    material = Material(0.75, 0.4, (Branch(6.75, 1.0),), BulkRelaxation())
+    scene = Scene(material, Sphere(1.0), Loading("relaxed", 0.02))
+    refusals = {method.name: method.refusal(scene) for method in solvers.solvers()}
+    assert {name: error and error.key for name, error in refusals.items()} == {
+        "bem": "material.bulk",
+        "fem": None,
+        "reference": "material.bulk",
+    }
+    for method in solvers.solvers():
+        error = refusals[method.name]
+        assert method.refusal(dataclasses.replace(scene, material=Material(0.75, 0.4))) is None
+        if error is not None:
+            with pytest.raises(UnsupportedScene) as raised:
+                method.solve(scene)
+            assert str(raised.value) == str(error)

@@ -1,5 +1,5 @@
 """Reference solutions: front tracking for any scene, closed forms for special ones."""
 
-from validation.reference.tracking import Options, solve
+from validation.reference.tracking import Options, refusal, solve
 
-__all__ = ["Options", "solve"]
+__all__ = ["Options", "refusal", "solve"]

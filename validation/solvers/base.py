@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
-from contact_scene import Oscillate, RunMonitor, Scene, Sweep, Trace
+from contact_scene import Oscillate, RunMonitor, Scene, Sweep, Trace, UnsupportedScene
 
 Progress = Callable[[float], None]
 
@@ -128,7 +128,14 @@ class Solver(ABC):
         SceneError
             If the solver does not take the scene or an option.
         """
+        unsupported = self.refusal(scene)
+        if unsupported is not None:
+            raise unsupported
         return self._solve(scene, resolution, RunOptions(**options))
+
+    def refusal(self, scene: Scene) -> UnsupportedScene | None:
+        """Why the method does not take this scene, told without solving it; ``None`` if it does."""
+        return None
 
     @abstractmethod
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from bem_solver import Options, solve
+from bem_solver import Options, refusal, solve
 from bem_solver.options import DEFAULT_RESOLUTION
-from contact_scene import Scene, Trace
+from contact_scene import Scene, Trace, UnsupportedScene
 from validation.solvers.base import RunOptions, Solver, cycle_count
 
 
@@ -54,6 +54,10 @@ class BoundaryElements(Solver):
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
         own = Options(resolution, annuli=self.annuli, scheme=self.scheme, step=self.step, **options.of_solver)
         return solve(scene, own, options.progress, options.monitor)
+
+    def refusal(self, scene: Scene) -> UnsupportedScene | None:
+        """A bulk modulus that relaxes apart from shear."""
+        return refusal(scene)
 
     def default_resolution(self, scene: Scene) -> int:
         """As in ``bem_solver.Options``."""

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from contact_scene import Scene, Trace
-from validation.reference import Options, solve
+from contact_scene import Scene, Trace, UnsupportedScene
+from validation.reference import Options, refusal, solve
 from validation.reference.tracking.options import DEFAULT_RESOLUTION
 from validation.solvers.base import RunOptions, Solver, cycle_count
 
@@ -32,6 +32,10 @@ class FrontTracking(Solver):
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
         own = Options(resolution, estimate_errors=options.estimate_errors, **options.of_solver)
         return solve(scene, own, options.progress, options.monitor)
+
+    def refusal(self, scene: Scene) -> UnsupportedScene | None:
+        """A bulk modulus that relaxes apart from shear."""
+        return refusal(scene)
 
     def default_resolution(self, scene: Scene) -> int:
         """As in ``validation.reference.Options``."""

@@ -42,6 +42,17 @@ DENSE_ROW_TOLERANCES = RowTolerances(0.25, 0.25)
 """The same for the coarser run of an error estimate, whose curves another run is compared with."""
 
 
+def refusal(scene: Scene) -> UnsupportedScene | None:
+    """Why front tracking does not take a scene; ``None`` if it does."""
+    if scene.material.bulk is None:
+        return None
+    return UnsupportedScene(
+        "material.bulk",
+        "the Abel transform needs bulk and shear to relax alike",
+        "no bulk entry, or the finite-element solver",
+    )
+
+
 @single_threaded()
 def solve(
     scene: Scene,
@@ -78,12 +89,9 @@ def solve(
     """
     options = options or Options()
     began = time.perf_counter()
-    if scene.material.bulk is not None:
-        raise UnsupportedScene(
-            "material.bulk",
-            "the Abel transform needs bulk and shear to relax alike",
-            "no bulk entry, or the finite-element solver",
-        )
+    unsupported = refusal(scene)
+    if unsupported is not None:
+        raise unsupported
     fineness = options.fineness(scene.is_adhesive)
     result = _run(scene, options, fineness, ROW_TOLERANCES, progress, monitor)
     errors: dict[str, float] = {}
