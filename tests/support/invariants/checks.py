@@ -83,8 +83,7 @@ def stays_within_the_step_budget(solver: CoarseSolver, scene: Scene, budget: int
     trace = answered(solver, scene, budget=budget)
     if trace is None:
         return
-    work = trace.counters
-    spent = work.steps if solver.name == "fem" else work.steps + work.rejected_steps
+    spent = trace.counters.steps + trace.counters.rejected_steps
     assert spent <= budget
     if spent < budget:
         assert trace.outcome.kind is not OutcomeKind.STEP_BUDGET
