@@ -70,6 +70,7 @@ def test_fast_retraction():
     assert_allclose(seen.pull_off_force / PULL, 9.85, rtol=5e-3)
 
 
+@pytest.mark.slow
 def test_fast_retraction_approaches_its_limit_from_below():
     """The zone shrinks, the enhancement rises towards 9.9138 of the frozen limit."""
     limit = -FrozenRetraction(ONE, SPHERE, WORK, 0.032).pull_off().force / PULL
@@ -132,6 +133,7 @@ def test_observed_order_when_annuli_and_steps_are_refined_together(rate):
     assert 1.8 <= observed_order(loops) < 2.5, loops
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [0.02])
 def test_backward_euler_costs_the_order(rate):
     exact = observe(bem(cycle(rate))).loop_energy

@@ -1,6 +1,7 @@
 """What must hold for any material, any speed and any unit; few examples of a coarse solver."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -64,6 +65,7 @@ def test_branches_of_one_time_add_up(one, two, time):
     assert_allclose(split.force, joined.force, rtol=1e-11)
 
 
+@pytest.mark.slow
 @few
 @given(SPECTRA)
 def test_slow_is_relaxed_and_fast_is_glassy(branches):
@@ -76,6 +78,7 @@ def test_slow_is_relaxed_and_fast_is_glassy(branches):
     assert_allclose(solve(jump, COARSE).force[-1], solve(glassy, COARSE).force[-1], rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_adhesive_cycle_between_its_elastic_limits():
     """Slower than anything relaxes, and faster: the pull-off of the two elastic half-spaces."""
     slow = solve(cycle(2e-8, depth=0.005), COARSE).force.min()

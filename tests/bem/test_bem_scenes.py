@@ -65,6 +65,9 @@ LOADINGS = {
     "jump down": (scene(Table((0.0, 1.0), (0.025, 0.025)), start="relaxed", at=0.032), 2e-3),
 }
 SLOW = {
+    "hold",
+    "three branches",
+    "dead tension",
     "cone",
     "hundredfold",
     "short zone",
@@ -141,6 +144,7 @@ def test_only_the_plane_modulus_counts():
     assert_allclose(other.time[-1], plain.time[-1], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_tabulated_sphere_is_the_sphere():
     mine, sphere = bem(cycle(0.1, indenter=TABLE), resolution=6), bem(cycle(0.1), resolution=6)
     assert_allclose(mine.force.min(), sphere.force.min(), rtol=1e-7)

@@ -14,6 +14,7 @@ import pytest
 COMMAND = [sys.executable, "-m", "crosscontact"]
 
 
+@pytest.mark.slow
 def test_compare_in_parallel(tmp_path):
     said = subprocess.run(
         [*COMMAND, "compare", "relaxed-equilibrium", "--jobs", "2", "--out", str(tmp_path)],

@@ -151,6 +151,7 @@ def test_fast_oscillation_is_glassy_and_the_loop_closes() -> None:
     assert trace.force[-1] == pytest.approx(trace.force[0], abs=1e-2 * np.ptp(trace.force))
 
 
+@pytest.mark.slow
 def test_flat_punch_under_oscillation() -> None:
     """``F = 2 a E*(omega) D`` once the transient is gone; the edge cannot move."""
     omega, amplitude = 1.5, 1e-3
@@ -225,6 +226,7 @@ def test_load_jumps_are_glassy() -> None:
     assert jumped.time[-1] == 0.0
 
 
+@pytest.mark.slow
 def test_a_ledge_makes_the_edge_snap() -> None:
     """A profile with a gentle inner part, a steep rise and a terrace beyond: the edge jumps the rise."""
     radii = (0.0, 0.05, 0.1, 0.12, 0.14, 0.2, 0.26, 0.3, 0.6)

@@ -211,6 +211,7 @@ def test_all_solvers_on_probes_with_a_closed_form(label):
         assert np.isfinite(cell.residual)
 
 
+@pytest.mark.slow
 def test_elements_follow_the_edge_up_to_its_last_root():
     """Next to it a stride of a quarter element finds no root: with nothing shorter this took 9600 steps."""
     (case,) = [one for one in AXES["relaxation-time"]() if one.label == "tau/T = 1e-12, pulled from rest"]
