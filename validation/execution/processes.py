@@ -13,6 +13,7 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
 from typing import Any
 from weakref import WeakSet
@@ -30,6 +31,8 @@ class WorkerProcesses(Executor):
     """Spawned processes that leave an interrupt to their parent and end with it, even if it is killed."""
 
     def __init__(self, count: int) -> None:
+        # Started later, where interrupts are blocked, it would unblock them for the processes that follow.
+        resource_tracker.ensure_running()
         context = multiprocessing.get_context("spawn")
         self._pool = pebble.ProcessPool(count, initializer=_begin_worker, context=context)
         self._futures: WeakSet[Future[Any]] = WeakSet()
