@@ -13,6 +13,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from contact_scene.errors import SceneError, number
@@ -21,6 +23,9 @@ from contact_scene.trace import Counters, Outcome, OutcomeKind
 
 MAX_STEPS = 200_000
 """Trial steps, accepted and rejected together, that a run may take where its options name no other number."""
+
+_EQUAL_TENSION = 1e-9
+"""Difference, relative to the largest tension, below which two tensions are the same."""
 
 
 class RunMonitor(Protocol):
@@ -151,6 +156,29 @@ def budget_outcome(counters: Counters, max_steps: int, time: float) -> Outcome |
     if counters.steps + counters.rejected_steps < max_steps:
         return None
     return Outcome(OutcomeKind.STEP_BUDGET, f"{max_steps} steps were not enough", time)
+
+
+def below_zone_outcome(force: ArrayLike, time: float) -> Outcome:
+    """The outcome of a run whose contact has shrunk to the length of its process zone, where the model ends.
+
+    Parameters
+    ----------
+    force : array_like, shape (n,)
+        Force of all rows, positive in compression.
+    time : float
+        Where the run ends.
+
+    Returns
+    -------
+    Outcome
+        ``past_extremum`` where the largest tension lies before the last row.
+    """
+    tension = -np.asarray(force, float)
+    largest = float(tension.max(initial=0.0))
+    past = largest > 0.0 and float(tension[-1]) < largest * (1.0 - _EQUAL_TENSION)
+    remark = "after" if past else "before"
+    reason = f"the contact has shrunk to its process zone, {remark} the largest tension"
+    return Outcome(OutcomeKind.BELOW_ZONE, reason, time, past)
 
 
 def interruption(monitor: RunMonitor | None, state: Callable[[], KeptState], time: float) -> Outcome | None:

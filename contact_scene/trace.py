@@ -40,21 +40,28 @@ class OutcomeKind(StrEnum):
     STEP_BUDGET = "step budget exhausted"
     NOT_FINITE = "not finite"
     OUT_OF_RANGE = "out of range"
+    BELOW_ZONE = "out of the model's range"
     INTERRUPTED = "interrupted"
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Why a run ended; ``finished`` separates complete from partial results."""
+    """Why a run ended; ``finished`` separates complete from partial results.
+
+    ``past_extremum`` matters for a contact that has shrunk to its process zone, where the model ends: whether
+    the tension had its maximum, the pull-off force, before.
+    """
 
     kind: OutcomeKind
     reason: str
     time: float
+    past_extremum: bool = False
 
     @property
     def finished(self) -> bool:
         """Whether the result is complete (detachment is a result, not a failure)."""
-        return self.kind in (OutcomeKind.COMPLETED, OutcomeKind.DETACHED)
+        below_zone = self.kind is OutcomeKind.BELOW_ZONE and self.past_extremum
+        return below_zone or self.kind in (OutcomeKind.COMPLETED, OutcomeKind.DETACHED)
 
 
 @dataclass
