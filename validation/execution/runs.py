@@ -244,9 +244,10 @@ def summary(result: Run) -> dict[str, Any]:
     }
 
 
-def expected_seconds(case: Case, solver: str) -> float:
+def expected_seconds(case: Case, solver: str, resolution: int | None = None) -> float:
     """Rough run time (s), to start long runs first."""
-    return solvers.SOLVERS[solver].expected_seconds(case.scene) if solver in solvers.SOLVERS else 1.0
+    method = solvers.SOLVERS.get(solver)
+    return 1.0 if method is None else method.expected_cost(case.scene, resolution).seconds
 
 
 def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
@@ -267,7 +268,7 @@ def run_task(case: Case, solver: str, resolution: int | None = None, estimate: b
         f"{case.name} {solver}",
         run,
         (case, solver, resolution, None, estimate),
-        expected_seconds(case, solver),
+        expected_seconds(case, solver, resolution),
     )
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
-from contact_scene import Oscillate, RunMonitor, Scene, Sweep, Trace, UnsupportedScene
+from contact_scene import RunMonitor, Scene, Trace, UnsupportedScene
+from validation.solvers.cost import Cost, CostModel, SceneWork, forecast, scene_work
 
 Progress = Callable[[float], None]
 
@@ -81,6 +81,8 @@ class Solver(ABC):
         Largest relative error at :meth:`coarse_resolution`.
     estimates_errors : bool
         Whether ``solve`` can estimate the errors of a run itself (``Trace.errors``).
+    cost_model : CostModel
+        What a run costs, measured (``python -m validation.solvers.cost_benchmark``).
     skipped_work : mapping of str to str
         Work counter: what its remaining at zero means.
     curve_style : mapping
@@ -99,6 +101,7 @@ class Solver(ABC):
     quantity_tolerances: ClassVar[Mapping[str, float]] = {}
     coarse_tolerance: ClassVar[float] = 2e-2
     estimates_errors: ClassVar[bool] = False
+    cost_model: ClassVar[CostModel] = CostModel()
     skipped_work: ClassVar[Mapping[str, str]] = SKIPPED_WORK
     curve_style: ClassVar[Mapping[str, Any]] = {
         "color": "#cc79a7",
@@ -156,20 +159,27 @@ class Solver(ABC):
         """The run twice as coarse, to estimate errors from: to be called with the keywords of ``solve``."""
         return partial(self.solve, scene, max((resolution or self.default_resolution(scene)) // 2, 4))
 
-    def expected_seconds(self, scene: Scene) -> float:
-        """Rough run time (s), to start long runs first."""
-        return 1.0 + 0.1 * cycle_count(scene)
+    def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
+        """Forecast of the steps, the processor time and the memory of a run, without solving anything.
 
+        Parameters
+        ----------
+        scene : Scene
+        resolution : int, optional
+            Divisions per process zone, as for :meth:`solve`.
 
-def cycle_count(scene: Scene) -> float:
-    """Cycles of all oscillations and sweeps of a loading."""
-    cycles = 0.0
-    for step in scene.loading.steps:
-        if isinstance(step, Oscillate):
-            cycles += step.angular_frequency * step.duration / (2.0 * math.pi)
-        elif isinstance(step, Sweep):
-            cycles += step.chirp * step.duration**2 / (4.0 * math.pi)
-    return cycles
+        Returns
+        -------
+        Cost
+            To a factor of three or so. The coarser run from which errors are estimated is not included.
+        """
+        work = scene_work(scene)
+        divisions = resolution or self.default_resolution(scene)
+        return forecast(self.cost_model, work, divisions, self._unknowns(work, divisions))
+
+    def _unknowns(self, work: SceneWork, resolution: int) -> float:
+        """What the time of a step grows with: points of the surface, by default of the whole contact."""
+        return max(work.radius_in_zones, 1.0) * resolution
 
 
 def specified(**options: Any) -> dict[str, Any]:

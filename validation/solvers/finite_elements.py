@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal
 
 import meshes
 from contact_scene import Scene, SceneError, Trace
-from validation.solvers.base import SKIPPED_WORK, RunOptions, Solver, cycle_count, specified
+from validation.solvers.base import SKIPPED_WORK, RunOptions, Solver, specified
 from validation.solvers.contact_range import largest_contact_radius
 
 DIVISIONS = 10
@@ -103,10 +103,6 @@ class FiniteElements(Solver):
         half = max((resolution or self.default_resolution(scene)) // 2, 1)
         other = replace(self, grading=2.0 * (self.grading or GRADING))
         return partial(other.solve, scene, half, step_tolerance=4.0 * DEFAULT_TOLERANCE)
-
-    def expected_seconds(self, scene: Scene) -> float:
-        """From the built-in scenes: a run, and each of its cycles."""
-        return 2.5 + 0.1 * cycle_count(scene)
 
 
 def mesh_for(
