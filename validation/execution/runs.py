@@ -209,7 +209,7 @@ def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | N
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
     """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
     zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
-    values: dict[str, float | None] = dict(observe(trace, zone).as_dict())
+    values: dict[str, float | None] = dict(observe(trace, zone, scene.loading).as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
     branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
     values["branch_dissipation"] = branches

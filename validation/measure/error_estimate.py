@@ -28,7 +28,7 @@ import numpy as np
 from contact_scene import Trace
 from contact_scene.trace import Array
 from validation.measure.norms import distance
-from validation.measure.observables import largest_tension
+from validation.measure.observables import pull_off_row
 from validation.measure.scaling import column_of, scale
 from validation.solvers import solver
 
@@ -94,7 +94,7 @@ def _extrapolated(difference: float, order: float) -> float:
 
 
 def _with_sampling(errors: dict[str, float], trace: Trace) -> dict[str, float]:
-    row = largest_tension(trace)
+    row = pull_off_row(trace)
     if row is None:
         return errors
     near = [i for i in (row - 1, row + 1) if 0 <= i < len(trace) and trace.contact_radius[i] > 0.0]
