@@ -190,20 +190,23 @@ def run_or_raise(
 
 
 def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | None) -> dict[str, float]:
-    """Error estimates of a finished run; none if the coarser run ends otherwise."""
+    """Error estimates of a finished run; none if the second run ends otherwise."""
     trace = result.trace
     if trace is None:
         return {}
     if method.estimates_errors:
-        return error_estimate.from_own(trace, result.measures)
+        return error_estimate.from_own(trace, result.measures, case.scene.loading)
+    second = method.comparison_run(case.scene, resolution)
     try:
-        stops = cycle_times(case.scene.loading)
-        coarse = method.coarser(case.scene, resolution)(stop_times=stops, profile_times=case.profile_times)
+        other = second.solve(stop_times=cycle_times(case.scene.loading), profile_times=case.profile_times)
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
-    if coarse.outcome.kind is not trace.outcome.kind:
+    if other.outcome.kind is not trace.outcome.kind:
         return {}
-    return error_estimate.from_two_runs(trace, coarse, result.measures, measure(coarse, case.scene, 0.0))
+    otherwise = measure(other, case.scene, 0.0)
+    return error_estimate.from_two_runs(
+        trace, other, result.measures, otherwise, second.ratio, case.scene.loading
+    )
 
 
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:

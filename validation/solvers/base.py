@@ -61,6 +61,22 @@ class RunOptions:
         }
 
 
+@dataclass(frozen=True)
+class ComparisonRun:
+    """A second run of a solver, with other sizes of steps and elements.
+
+    Parameters
+    ----------
+    solve : callable
+        Carries it out; to be called with the keywords of ``Solver.solve``.
+    ratio : float
+        Its sizes over those of the first run; not 1.
+    """
+
+    solve: Callable[..., Trace]
+    ratio: float
+
+
 class Solver(ABC):
     """One method of solution.
 
@@ -79,6 +95,11 @@ class Solver(ABC):
         Least tolerance of check values that are less accurate than the others, by name.
     coarse_tolerance : float
         Largest relative error at :meth:`coarse_resolution`.
+    movement_tolerance : float
+        Largest difference of a curve from the reference, relative to its excursion in any load step or cycle
+        (root mean square of what is left of the difference without its mean).
+    least_resolution : int
+        Fewest divisions per process zone that are accepted.
     estimates_errors : bool
         Whether ``solve`` can estimate the errors of a run itself (``Trace.errors``).
     cost_model : CostModel
@@ -100,6 +121,8 @@ class Solver(ABC):
     curve_tolerance: ClassVar[float] = 5e-3
     quantity_tolerances: ClassVar[Mapping[str, float]] = {}
     coarse_tolerance: ClassVar[float] = 2e-2
+    movement_tolerance: ClassVar[float] = 2e-2
+    least_resolution: ClassVar[int] = 4
     estimates_errors: ClassVar[bool] = False
     cost_model: ClassVar[CostModel] = CostModel()
     skipped_work: ClassVar[Mapping[str, str]] = SKIPPED_WORK
@@ -155,9 +178,27 @@ class Solver(ABC):
         """The fewest divisions per process zone that still meet :attr:`coarse_tolerance`."""
         return 4
 
-    def coarser(self, scene: Scene, resolution: int | None = None) -> Callable[..., Trace]:
-        """The run twice as coarse, to estimate errors from: to be called with the keywords of ``solve``."""
-        return partial(self.solve, scene, max((resolution or self.default_resolution(scene)) // 2, 4))
+    def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
+        """The run from whose difference errors are estimated: at half the resolution, or at twice.
+
+        Parameters
+        ----------
+        scene : Scene
+        resolution : int, optional
+            Of the run whose errors are estimated.
+
+        Returns
+        -------
+        ComparisonRun
+        """
+        divisions, other = self._other_resolution(scene, resolution)
+        return ComparisonRun(partial(self.solve, scene, other), divisions / other)
+
+    def _other_resolution(self, scene: Scene, resolution: int | None) -> tuple[int, int]:
+        """Resolution of a run, and that of the run it is compared with."""
+        divisions = resolution or self.default_resolution(scene)
+        half = divisions // 2
+        return divisions, half if half >= self.least_resolution else 2 * divisions
 
     def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
         """Forecast of the steps, the processor time and the memory of a run, without solving anything.

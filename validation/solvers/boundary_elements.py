@@ -43,6 +43,8 @@ class BoundaryElements(Solver):
         "pull_off_penetration": 0.02,
         "pull_off_radius": 0.02,
         "pull_off_time": 0.02,
+        "detachment_radius": 0.02,
+        "detachment_force": 0.02,
         "branch_dissipation": 0.01,
         "zone_excess": 0.01,
     }
