@@ -59,12 +59,19 @@ class RowCurve:
         """Estimated interpolation error at the same points."""
         return np.abs(self._cubic(grid, self.other_slopes) - self._cubic(grid, self.slopes))
 
+    def at(self, time: float) -> float:
+        """Value at one time, at a jump the later one."""
+        return float(self._between(np.array([time]), np.array([time]), self.slopes)[0])
+
     def _cubic(self, grid: Array, slopes: tuple[Array, Array]) -> Array:
         middle = 0.5 * (grid[1:] + grid[:-1])
-        i = np.clip(np.searchsorted(self.time, middle, side="right") - 1, 0, self.time.size - 2)
+        return self._between(middle, grid[:-1] + POINTS[:, None] * np.diff(grid), slopes)
+
+    def _between(self, inside: Array, at: Array, slopes: tuple[Array, Array]) -> Array:
+        """Values at times ``at`` of the intervals of rows that contain the times ``inside``."""
+        i = np.clip(np.searchsorted(self.time, inside, side="right") - 1, 0, self.time.size - 2)
         # Where the middle of two neighbouring floats is one of them, that pair of rows may be a jump.
         h = self.step[i]
-        at = grid[:-1] + POINTS[:, None] * np.diff(grid)
         x = np.clip((at - self.time[i]) / np.where(h > 0.0, h, 1.0), 0.0, 1.0)
         x = np.where(h > 0.0, x, 0.0)
         rise = self.secant[i] * h
