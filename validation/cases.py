@@ -8,7 +8,7 @@ A built-in scene is a pair of files in ``validation/scenes``: ``NAME.toml``, an 
 - ``profile_times``: times at which the state of the surface is kept, none if left out;
 - ``[tolerances]``: per solver, the largest difference from the reference, relative: ``values`` for scalars,
   a scalar's own name where it differs (the loss of the balance takes that of ``loop_energy``), ``curves``
-  for ``F(t)`` and ``a(t)`` (RMS over maximum);
+  for ``F(t)`` and ``a(t)`` (RMS over maximum), ``movement`` for the same relative to their excursion;
 - ``[[checks]]``: one number each, with ``observable``, ``value`` and ``tolerance`` per solver (relative to
   ``scale``, by default to the value) or ``at_most``/``at_least``, ``unit`` and ``source``; ``at_time`` takes
   a column of the trace at that time instead of an observable.
@@ -56,10 +56,11 @@ class Case:
     profile_times: tuple[float, ...] = ()
 
     def tolerance(self, solver: str, quantity: str) -> float | None:
-        """Largest relative difference of ``solver`` from the reference in a scalar or in ``curves``.
+        """Largest relative difference of ``solver`` from the reference in a scalar, ``curves``, ``movement``.
 
-        The place of a maximum is known to the root of what its height is known to, and the branch integral
-        squares a stress that is singular at the edge: both have wider tolerances, unless the scene says so.
+        The place of a maximum, and the edge where it loses its hold, are known to the root of what the force
+        is known to, and the branch integral squares a stress that is singular at the edge: they have wider
+        tolerances, unless the scene says so.
         Where the scene has no tolerances for this solver, its defaults hold; ``None``: no such solver.
         """
         method = SOLVERS.get(solver)
@@ -69,6 +70,8 @@ class Case:
         table = self.tolerances.get(solver, usual_values)
         if quantity == "curves":
             return table.get("curves")
+        if quantity == "movement":
+            return table.get("movement", method.movement_tolerance)
         usual = table.get("values")
         if usual is not None:
             usual = max(usual, method.quantity_tolerances.get(quantity, 0.0))

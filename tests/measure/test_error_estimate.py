@@ -9,7 +9,7 @@ import pytest
 from support.spring_solver import SCENE, FunctionSolver, fake, named
 from support.spring_solver import spring as spring_solve
 
-from contact_scene import Counters, Outcome, OutcomeKind, Trace
+from contact_scene import Counters, Loading, Outcome, OutcomeKind, Trace
 from crosscontact import registry
 from crosscontact.cli import main
 from validation import solvers
@@ -17,6 +17,7 @@ from validation.cases import load
 from validation.compare.against_reference import against_reference, check_case
 from validation.execution.runs import Run, measure, run
 from validation.measure.error_estimate import SAFETY, from_own, from_two_runs
+from validation.measure.norms import interpolation_error
 from validation.measure.scaling import scale
 
 CASE = load("cycle-v0.1")
@@ -33,8 +34,11 @@ def spring(stiffness: float, rows: int = 41, solver: str = "fem") -> Trace:
     )
 
 
-def estimates(fine: Trace, coarse: Trace) -> dict[str, float]:
-    return from_two_runs(fine, coarse, measure(fine, CASE.scene, 0.0), measure(coarse, CASE.scene, 0.0))
+def estimates(
+    run: Trace, other: Trace, ratio: float = 2.0, loading: Loading | None = None
+) -> dict[str, float]:
+    measured, otherwise = (measure(trace, CASE.scene, 0.0) for trace in (run, other))
+    return from_two_runs(run, other, measured, otherwise, ratio, loading)
 
 
 @pytest.mark.parametrize(("solver", "order"), [("fem", 2), ("bem", 1)])
@@ -54,24 +58,80 @@ def test_a_scalar_is_no_better_than_its_curves():
     assert found["force"] > 1e-3
 
 
-def test_the_largest_tension_is_uncertain_by_half_a_row_and_its_place_by_more():
-    found = estimates(spring(1.0, rows=41), spring(1.0, rows=41))
-    away = 0.5 * 0.08 / 40
-    assert found["pull_off_force"] == pytest.approx(away / 0.01)
-    assert found["pull_off_penetration"] == pytest.approx((2.0 + 1.0) * away / 0.03)  # a row, and half a row
-    assert found["approach_force"] == 0.0
+def pulled(time, tension) -> Trace:
+    """A run that detaches, with the given tension; penetration falls by one in unit time."""
+    t = np.asarray(time, float)
+    outcome = Outcome(OutcomeKind.DETACHED, "as told", float(t[-1]))
+    run = spring(1.0, rows=t.size)
+    return dataclasses.replace(
+        run, time=t, force=-np.asarray(tension, float), penetration=-t, outcome=outcome
+    )
+
+
+def missed(time, tension) -> float:
+    """Estimated relative error of the largest tension of two equal runs: what the rows leave open."""
+    run = pulled(time, tension)
+    return from_two_runs(run, run, {"pull_off_force": max(tension)}, {"pull_off_force": max(tension)})[
+        "pull_off_force"
+    ]
+
+
+def test_an_extremum_that_is_located_is_certain():
+    t = np.arange(16.0)
+    corner = np.concatenate((0.1 * t[:11], 1.0 - 0.2 * t[1:6]))
+    assert missed(t, corner) == pytest.approx(0.0, abs=1e-9)
+    assert missed(t, 0.1 * t) == pytest.approx(0.0, abs=1e-9)  # at the end of the contact
+    run = pulled(t, corner)
+    found = from_own(run, {"pull_off_force": 1.0, "pull_off_time": 10.0})
+    assert found["pull_off_time"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_corner_between_rows_is_uncertain_by_what_it_may_exceed_them():
+    """Tension rises by 1 and falls by 3 in unit time; the corner, at 3.75, lies between two rows."""
+    t = np.delete(np.arange(0.0, 8.0, 0.5), 8)
+    tension = np.minimum(t, 3.75 - 3.0 * (t - 3.75))
+    assert max(tension) == 3.5
+    assert missed(t, tension) - interpolation_error(pulled(t, tension), "force") == pytest.approx(0.25 / 3.5)
+
+
+def test_a_smooth_extremum_is_uncertain_by_no_more_than_its_curvature_allows():
+    t = np.arange(9.0)
+    for middle in (4.0, 4.25, 4.5):
+        tension = 100.0 - (t - middle) ** 2
+        true = (100.0 - tension.max()) / tension.max()
+        assert true <= missed(t, tension) <= 2.0 / 100.0
+
+
+def test_the_edge_runs_away_after_the_last_row():
+    """The edge moves as the root of the time left before t = 1, of which the last row has one tenth left."""
+    t = np.linspace(0.0, 0.9, 10)
+    edge = 0.5 + np.sqrt(1.0 - t)
+    run = dataclasses.replace(pulled(t, 2.0 - t), contact_radius=edge, errors={"contact_radius": 0.0})
+    found = from_own(run, {"detachment_radius": edge[-1], "detachment_force": -1.1, "detachment_time": 0.9})
+    assert found["detachment_radius"] * edge[-1] == pytest.approx(edge[-1] - 0.5)
+    assert found["detachment_force"] == pytest.approx((1.0 + np.sqrt(2.0)) * 0.1 / 1.1)
+    assert found["detachment_time"] == 0.0
+    at_rest = dataclasses.replace(run, contact_radius=np.ones(10))
+    assert from_own(at_rest, {"detachment_force": -1.1})["detachment_force"] == 0.0
+    closing = dataclasses.replace(run, contact_radius=np.append(edge[:-1], 1e-6))
+    assert from_own(closing, {"detachment_radius": 1e-6})["detachment_radius"] <= 1e-4
 
 
 def test_the_place_of_the_largest_tension_is_as_uncertain_as_the_way_its_error_reaches():
     """Tension rises to 1 in ten steps and falls in five; known to 0.25 it may stand 2.5 steps before."""
     t = np.arange(16.0)
-    force = -np.concatenate((0.1 * t[:11], 1.0 - 0.2 * t[1:6]))
-    run = dataclasses.replace(
-        spring(1.0, rows=16), time=t, force=force, penetration=-t, errors={"pull_off_force": 0.25 - 0.5 * 0.2}
-    )
+    run = pulled(t, np.concatenate((0.1 * t[:11], 1.0 - 0.2 * t[1:6])))
+    run = dataclasses.replace(run, errors={"pull_off_force": 0.25})
     found = from_own(run, {"pull_off_force": 1.0, "pull_off_time": 10.0})
     assert found["pull_off_force"] == pytest.approx(0.25)
-    assert found["pull_off_time"] == pytest.approx(0.15 + (1.0 + 2.5) / 10.0)
+    assert found["pull_off_time"] == pytest.approx(0.25 + 2.5 / 10.0)
+
+
+def test_the_end_of_a_plateau_of_the_force_is_an_event():
+    t = np.arange(6.0)
+    run = dataclasses.replace(pulled(t, [-1.0, 2.0, 2.0, 2.0, 2.0, 2.0]), errors={"pull_off_force": 1e-3})
+    found = from_own(run, {"pull_off_force": 2.0, "pull_off_time": 5.0})
+    assert found == {"pull_off_force": 1e-3, "pull_off_time": 1e-3}
 
 
 def test_a_difference_is_as_uncertain_as_both_its_terms():
@@ -105,18 +165,31 @@ def test_scales():
     assert scale("loop_energy", -2.0, trace) == 2.0
 
 
-def test_coarser_runs_are_coarser():
-    def coarser(name, scene, resolution):
-        """Resolution and step tolerance of the coarser run, and the solver that carries it out."""
-        call = solvers.solver(name).coarser(scene, resolution)
-        assert call.args[0] is scene
-        return call.args[1], call.keywords.get("step_tolerance"), call.func.__self__
+def test_the_run_that_errors_are_estimated_from_is_never_the_same():
+    def other(name, scene, resolution):
+        """Resolution, step tolerance and solver of the second run, and how much coarser it is."""
+        second = solvers.solver(name).comparison_run(scene, resolution)
+        assert second.solve.args[0] is scene
+        return (*second.solve.args[1:], second.solve.keywords.get("step_tolerance"), second.ratio)
 
-    assert coarser("bem", CASE.scene, None)[:2] == (6, None)
-    assert coarser("bem", CASE.scene, 40)[0] == 20
-    assert coarser("fem", CASE.scene, None)[:2] == (5, 4e-3)
-    assert coarser("fem", CASE.scene, None)[2].grading == 0.4
-    assert coarser("fem", load("adhesionless-cycle").scene, None)[0] == 1
+    assert other("bem", CASE.scene, None) == (6, None, 2.0)
+    assert other("bem", CASE.scene, 40) == (20, None, 2.0)
+    assert other("bem", CASE.scene, 9) == (4, None, 2.25)
+    for least in (4, 5, 6, 7):
+        assert other("bem", CASE.scene, least) == (2 * least, None, 0.5)
+    assert other("fem", CASE.scene, None) == (5, 4e-3, 2.0)
+    assert other("fem", CASE.scene, 1) == (2, 0.25e-3, 0.5)
+    assert solvers.solver("fem").comparison_run(CASE.scene).solve.func.__self__.grading == 0.4
+    assert solvers.solver("fem").comparison_run(CASE.scene, 1).solve.func.__self__.grading == 0.1
+    assert other("fem", load("adhesionless-cycle").scene, None)[0] == 1
+
+
+@pytest.mark.parametrize("ratio", [2.0, 2.25, 1.75, 0.5])
+@pytest.mark.parametrize(("solver", "order"), [("fem", 2), ("bem", 1)])
+def test_the_estimate_is_that_of_the_first_run_at_any_ratio(solver, order, ratio):
+    run, other = spring(1.0 + 1e-3, solver=solver), spring(1.0 + 1e-3 * ratio**order, solver=solver)
+    found = estimates(run, other, ratio)
+    assert found["approach_force"] == pytest.approx(SAFETY * 1e-3, rel=4e-3)
 
 
 def runs(difference: float, mine: float | None, theirs: float | None) -> list:

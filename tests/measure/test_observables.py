@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from contact_scene import Counters, Event, Outcome, OutcomeKind, Trace
+from contact_scene import (
+    Counters,
+    Event,
+    Force,
+    Hold,
+    Loading,
+    Oscillate,
+    Outcome,
+    OutcomeKind,
+    Ramp,
+    Trace,
+)
 from validation.measure.norms import distance, parting_time
 from validation.measure.observables import cycle_losses, end_of_approach, observe
 
@@ -87,8 +100,77 @@ def test_dwell_ends_the_approach_at_its_first_row():
 
 
 def test_force_plateau_pulls_off_at_its_last_row():
-    run = trace([0, 0, 1, 2], [3, 1, 0, -4], [1, -2, -2, -2 + 1e-12])
-    assert observe(run).pull_off_time == 2
+    plateau = [0, 0, 1, 2], [3, 1, 0, -4], [1, -2, -2, -2 + 1e-12]
+    assert observe(trace(*plateau, kind=OutcomeKind.DETACHED)).pull_off_time == 2
+    assert observe(trace(*plateau)).pull_off_time is None  # the tension has not fallen: no extremum yet
+
+
+def ended(*columns, kind=OutcomeKind.INTERRUPTED, past=False):
+    run = trace(*columns)
+    return dataclasses.replace(run, outcome=dataclasses.replace(run.outcome, kind=kind, past_extremum=past))
+
+
+STOPPED = (OutcomeKind.INTERRUPTED, OutcomeKind.STEP_BUDGET, OutcomeKind.NOT_FINITE, OutcomeKind.COMPLETED)
+UNDER_TENSION = [0, 1, 2], [0, 1, 2], [-2, -1, 3]
+RISING = [0, 1, 2, 3], [0, 2, 1, 0], [-2, 3, -1, -4]
+PASSED = [0, 1, 2, 3, 4], [0, 2, 1, 0, -1], [-2, 3, -1, -1.5, -1.25]
+
+
+@pytest.mark.parametrize("kind", STOPPED)
+def test_a_run_that_ends_before_an_extremum_of_tension_has_no_pull_off(kind):
+    for columns in (UNDER_TENSION, RISING):
+        seen = observe(ended(*columns, kind=kind))
+        assert {seen.pull_off_force, seen.pull_off_time, seen.pull_off_penetration, seen.pull_off_radius} == {
+            None
+        }
+    seen = observe(ended(*PASSED, kind=kind))  # less than the tension at the start, which is no pull-off
+    assert (seen.pull_off_force, seen.pull_off_time, seen.pull_off_penetration) == (1.5, 3, 0)
+
+
+def test_a_dwell_under_tension_before_the_approach_is_no_pull_off():
+    run = trace([0, 1, 2, 3, 4], [0, 0, 0, 2, 1], [-2, -2.5, -2.25, 3, -1])
+    assert observe(run).pull_off_force is None
+
+
+def test_a_hold_that_ends_in_detachment_pulls_off_at_its_extremum():
+    held = [0, 1, 2, 2], [-1, -1, -1, -1], [-2, -2.5, -2.25, 0], [1, 0.75, 0.5, 0]
+    assert observe(trace(*held, kind=OutcomeKind.DETACHED)).pull_off_force == 2.5
+
+
+@pytest.mark.parametrize("past", [False, True])
+def test_a_contact_as_long_as_its_zone_has_not_detached(past):
+    columns = PASSED if past else RISING
+    seen = observe(ended(*columns, kind=OutcomeKind.BELOW_ZONE, past=past), zone=0.25)
+    found = [value for name, value in seen.as_dict().items() if name.startswith("detachment")]
+    assert set(found) == {None}
+    assert len(found) == 4
+    assert seen.pull_off_force == (1.5 if past else None)
+    assert (seen.final_time, seen.approach_time) == ((4, 1) if past else (3, 1))
+    unknown = observe(ended(*PASSED, kind=OutcomeKind.BELOW_ZONE, past=False), zone=0.25)
+    assert unknown.pull_off_force is None
+
+
+def test_the_approach_of_a_stopped_run_is_known_once_it_has_ended():
+    down = Ramp(2.0, 1.0)
+    back = Ramp(-1.0, 1.0)
+    assert observe(ended(*UNDER_TENSION)).approach_force is None
+    assert observe(trace(*UNDER_TENSION)).approach_force == 3
+    assert observe(ended(*RISING)).approach_force == 3
+    assert (
+        observe(
+            ended([0, 2, 3], [0, 2, 2], [0, 3, 2]), 0.0, Loading("relaxed", 0, (down, Hold(9)))
+        ).approach_time
+        == 2
+    )
+    for ahead in (Ramp(2.5, 1.0), Force(4.0, 1.0), Oscillate(1.5, 1.0, 9.0)):
+        again = Loading("relaxed", 0.0, (down, Ramp(1.0, 1.0), ahead))
+        assert observe(ended([0, 2, 2.5], [0, 2, 1.5], [0, 3, 2]), 0.0, again).approach_force is None
+        assert (
+            observe(
+                ended([0, 2, 2.5], [0, 2, 1.5], [0, 3, 2]), 0.0, Loading("relaxed", 0.0, (down, back))
+            ).approach_force
+            == 3
+        )
 
 
 def test_jump_counts_in_the_loop_integral():

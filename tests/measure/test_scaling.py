@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from support.synthetic_traces import trace
@@ -20,10 +22,19 @@ def test_each_kind_of_quantity():
     assert scale("start_force", 3.0, RUN) == 3.0
     assert scale("start_force", 1e-9, RUN) == pytest.approx(0.2)
     assert scale("final_radius", 0.0, RUN) == pytest.approx(0.01)
-    assert scale("loop_energy", -2e-9, RUN) == 2e-9
     assert scale("peak_cycle_loss", 5.0, RUN) == 5.0
     for name in LOSSES:
         assert scale(name, 1e-9, RUN) == Magnitudes.of_trace(RUN).balance > 1e-9
+
+
+def test_work_that_nearly_cancels_is_not_divided_by_itself():
+    worked = dataclasses.replace(
+        RUN, external_work=np.array([0.0, 0.06, -1e-9]), stored_energy=np.array([0.02, 0.08, 0.0])
+    )
+    assert scale("loop_energy", -1e-9, worked) == pytest.approx(0.05 * 0.06)
+    assert scale("loop_energy", -0.5, worked) == 0.5
+    assert scale("peak_cycle_loss", 1e-20, worked) == pytest.approx(0.05 * 0.08)
+    assert Magnitudes.of_measures({"loop_energy": -2e-9}).scale("loop_energy", -2e-9) == 2e-9
 
 
 def test_names_of_columns():

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import math
 
-from contact_scene import Trace
+from contact_scene import OutcomeKind, Trace
 from validation.cases import Case
 from validation.compare.checks import check_run
 from validation.execution.runs import Run
-from validation.measure.check import Check, agreement_limit
+from validation.measure.check import Check, agreement_limit, disagreement
 from validation.measure.cycles import cycle_times
 from validation.measure.dimensionless import unit_sizes
-from validation.measure.norms import distance, parting_time
+from validation.measure.error_estimate import MOVEMENT
+from validation.measure.norms import distance, movement_distance, parting_time
+from validation.measure.observables import Observables
 from validation.measure.scaling import column_of, scale
+from validation.measure.windows import windows
 from validation.solvers import REFERENCE
 
 SCALARS = {
     "start_force": "force",
     "start_radius": "length",
+    "approach_time": "",
+    "approach_penetration": "length",
     "approach_force": "force",
     "approach_radius": "length",
     "pull_off_force": "jkr-force",
@@ -25,15 +30,23 @@ SCALARS = {
     "pull_off_radius": "length",
     "pull_off_time": "",
     "detachment_penetration": "length",
+    "detachment_radius": "length",
+    "detachment_force": "force",
     "detachment_time": "",
+    "final_penetration": "length",
+    "final_radius": "length",
+    "final_force": "force",
+    "final_time": "",
     "loop_energy": "energy",
     "dissipated_energy": "energy",
     "branch_dissipation": "energy",
     "zone_excess": "energy",
     "peak_cycle_loss": "energy",
 }
-"""Unit by observable."""
-CURVES = {"force": "F(t), RMS", "contact_radius": "a(t), RMS"}
+"""Unit by observable: all that is measured, but for what counts work, and the frequency of the peak of the
+loss, which is that of one cycle or of its neighbour."""
+CURVES = {"force": "F(t)", "contact_radius": "a(t)"}
+SOURCE = "front tracking"
 
 
 def check_case(case: Case, runs: dict[str, Run]) -> list[Check]:
@@ -52,43 +65,58 @@ def against_reference(case: Case, result: Run, base: Run) -> list[Check]:
 
     Where both runs estimate their errors, the limit is the sum of the two estimates, at most the scene's
     tolerance; otherwise it is the tolerance. What differences are relative to is stated in
-    :mod:`validation.measure.scaling`.
+    :mod:`validation.measure.scaling`. Both runs have to end in the same way, and a run must not give what the
+    reference does not: no detachment, no pull-off force where there is none.
     """
     if result.trace is None or base.trace is None:
         missing = "no run" if result.trace is None else "no reference run"
-        return [
-            Check(case.name, result.solver, "reference", "front tracking", None, None, False, note=missing)
-        ]
-    return _scalars(case, result, base, base.trace) + _curves(case, result, result.trace, base, base.trace)
+        return [Check(case.name, result.solver, "reference", SOURCE, None, None, False, note=missing)]
+    return [
+        _ending(case, result, result.trace, base.trace),
+        *_scalars(case, result, base, base.trace),
+        *_curves(case, result, result.trace, base, base.trace),
+    ]
+
+
+def _ending(case: Case, result: Run, trace: Trace, base: Trace) -> Check:
+    expected, found = str(base.outcome.kind), str(trace.outcome.kind)
+    note = "" if expected == found else f"at t = {trace.outcome.time:.4g}, not {base.outcome.time:.4g}"
+    return Check(case.name, result.solver, "outcome", SOURCE, expected, found, expected == found, note=note)
 
 
 def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
     known = unit_sizes(case.scene)
-    oscillates = bool(cycle_times(case.scene.loading))
     checks = []
     for name, unit in SCALARS.items():
-        expected, measured = base.measures.get(name), result.measures.get(name)
         tolerance = case.tolerance(result.solver, name)
-        if expected is None or tolerance is None:
+        if tolerance is None or not _comparable(case, name, trace):
             continue
-        if oscillates and name.startswith("approach"):
-            continue  # of many crests of one height, which row comes first depends on the rows
+        expected, measured = base.measures.get(name), result.measures.get(name)
         size = known.get(unit, 1.0)
+        estimates = result.errors.get(name), base.errors.get(name)
+        shown = None if measured is None else measured / size
+        if expected is None:
+            if measured is not None and name in Observables().as_dict():
+                note = "the reference gives none"
+                checks.append(
+                    Check(case.name, result.solver, name, SOURCE, None, shown, False, unit, note=note)
+                )
+            continue
         difference = None if measured is None else _ratio(measured - expected, scale(name, expected, trace))
-        most, estimates = _limit(result, base, name, tolerance)
-        passed = difference is not None and abs(difference) <= most
-        note = "" if measured is not None else "the run does not give it"
-        if measured is not None and not passed:
-            note = _parting(result, trace, column_of(name) or "external_work", most)
+        note = disagreement(difference, tolerance, *estimates)
+        if note and measured is not None:
+            most = agreement_limit(tolerance, *estimates)
+            parted = _parting(result, trace, column_of(name) or "external_work", most)
+            note = ", ".join(filter(None, (note, parted)))
         checks.append(
             Check(
                 case.name,
                 result.solver,
                 name,
-                "front tracking",
+                SOURCE,
                 expected / size,
-                None if measured is None else measured / size,
-                passed,
+                shown,
+                not note,
                 unit if unit in known else "",
                 difference,
                 tolerance,
@@ -100,44 +128,54 @@ def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
     return checks
 
 
+def _comparable(case: Case, name: str, trace: Trace) -> bool:
+    """Whether two right runs have the same value: it does not depend on which rows they have."""
+    if name.startswith("approach") and cycle_times(case.scene.loading):
+        return False  # of many crests of one height, which row comes first depends on the rows
+    # After a detachment, in contact or free is a matter of a row more or less; detachment_* is physical.
+    return not (name.startswith("final") and trace.outcome.kind is OutcomeKind.DETACHED)
+
+
 def _curves(case: Case, result: Run, trace: Trace, base: Run, base_trace: Trace) -> list[Check]:
-    tolerance = case.tolerance(result.solver, "curves")
-    if tolerance is None:
-        return []
+    """Curves relative to their size, and relative to their excursion in the worst load step or cycle."""
     checks = []
+    spans = windows(case.scene.loading, base_trace)
     for column, name in CURVES.items():
         apart = distance(trace, base_trace, column)
-        most, estimates = _limit(result, base, column, tolerance)
-        passed = apart is not None and apart.rms <= most
-        note = "" if apart is None else f"largest {apart.largest:.2g} at t = {apart.at:.4g}"
-        if apart is not None and not passed:
-            note = ", ".join(filter(None, (note, _parting(result, base_trace, column, most))))
-        checks.append(
-            Check(
-                case.name,
-                result.solver,
-                name,
-                "front tracking",
-                0.0,
-                None if apart is None else apart.rms,
-                passed,
-                "",
-                None if apart is None else apart.rms,
-                tolerance,
-                note=note or "no common interval of time",
-                estimate=estimates[0],
-                base_estimate=estimates[1],
+        moved = movement_distance(trace, base_trace, spans, column)
+        largest = "" if apart is None else f"largest {apart.largest:.2g} at t = {apart.at:.4g}"
+        worst = "" if moved is None else f"worst from t = {moved.begin:.4g} to {moved.end:.4g}"
+        for norm, kind, key, found, where in (
+            ("RMS", "curves", column, apart, largest),
+            ("movement", "movement", column + MOVEMENT, moved, worst),
+        ):
+            tolerance = case.tolerance(result.solver, kind)
+            if tolerance is None:
+                continue
+            rms = None if found is None else found.rms
+            estimates = result.errors.get(key), base.errors.get(key)
+            reason = disagreement(rms, tolerance, *estimates) if found else "no common interval of time"
+            parted = ""
+            if reason and kind == "curves":
+                parted = _parting(result, base_trace, column, agreement_limit(tolerance, *estimates))
+            checks.append(
+                Check(
+                    case.name,
+                    result.solver,
+                    f"{name}, {norm}",
+                    SOURCE,
+                    0.0,
+                    rms,
+                    not reason,
+                    "",
+                    rms,
+                    tolerance,
+                    note=", ".join(filter(None, (reason, where, parted))),
+                    estimate=estimates[0],
+                    base_estimate=estimates[1],
+                )
             )
-        )
     return checks
-
-
-def _limit(
-    result: Run, base: Run, name: str, tolerance: float
-) -> tuple[float, tuple[float | None, float | None]]:
-    """Largest difference that counts as agreement, and the two estimates it comes from."""
-    estimates = result.errors.get(name), base.errors.get(name)
-    return agreement_limit(tolerance, *estimates), estimates
 
 
 def _parting(result: Run, base: Trace, column: str, limit: float) -> str:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from validation.cases import Case, Expected
 from validation.execution.runs import Run
 from validation.measure.check import Check
 from validation.measure.dimensionless import unit_sizes
+from validation.measure.row_interpolation import RowCurve
 
 
 def check_run(case: Case, result: Run) -> list[Check]:
@@ -76,8 +75,9 @@ def _limit(case: Case, result: Run, expected: Expected, name: str, shown: float 
 
 
 def _at_time(result: Run, column: str, time: float) -> float | None:
-    """A column linearly between rows; ``None`` if the run does not reach that time."""
+    """A column between rows; ``None`` if the run does not reach that time or has no such column."""
     trace = result.trace
-    if trace is None or len(trace) == 0 or not trace.time[0] <= time <= trace.time[-1]:
+    values = None if trace is None else trace.columns().get(column)
+    if trace is None or values is None or len(trace) < 2 or not trace.time[0] <= time <= trace.time[-1]:
         return None
-    return float(np.interp(time, trace.time, trace.columns()[column]))
+    return RowCurve(trace.time, values).at(time)

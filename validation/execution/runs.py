@@ -190,26 +190,29 @@ def run_or_raise(
 
 
 def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | None) -> dict[str, float]:
-    """Error estimates of a finished run; none if the coarser run ends otherwise."""
+    """Error estimates of a finished run; none if the second run ends otherwise."""
     trace = result.trace
     if trace is None:
         return {}
     if method.estimates_errors:
-        return error_estimate.from_own(trace, result.measures)
+        return error_estimate.from_own(trace, result.measures, case.scene.loading)
+    second = method.comparison_run(case.scene, resolution)
     try:
-        stops = cycle_times(case.scene.loading)
-        coarse = method.coarser(case.scene, resolution)(stop_times=stops, profile_times=case.profile_times)
+        other = second.solve(stop_times=cycle_times(case.scene.loading), profile_times=case.profile_times)
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
-    if coarse.outcome.kind is not trace.outcome.kind:
+    if other.outcome.kind is not trace.outcome.kind:
         return {}
-    return error_estimate.from_two_runs(trace, coarse, result.measures, measure(coarse, case.scene, 0.0))
+    otherwise = measure(other, case.scene, 0.0)
+    return error_estimate.from_two_runs(
+        trace, other, result.measures, otherwise, second.ratio, case.scene.loading
+    )
 
 
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
     """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
     zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
-    values: dict[str, float | None] = dict(observe(trace, zone).as_dict())
+    values: dict[str, float | None] = dict(observe(trace, zone, scene.loading).as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
     branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
     values["branch_dissipation"] = branches
@@ -244,9 +247,10 @@ def summary(result: Run) -> dict[str, Any]:
     }
 
 
-def expected_seconds(case: Case, solver: str) -> float:
+def expected_seconds(case: Case, solver: str, resolution: int | None = None) -> float:
     """Rough run time (s), to start long runs first."""
-    return solvers.SOLVERS[solver].expected_seconds(case.scene) if solver in solvers.SOLVERS else 1.0
+    method = solvers.SOLVERS.get(solver)
+    return 1.0 if method is None else method.expected_cost(case.scene, resolution).seconds
 
 
 def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
@@ -267,7 +271,7 @@ def run_task(case: Case, solver: str, resolution: int | None = None, estimate: b
         f"{case.name} {solver}",
         run,
         (case, solver, resolution, None, estimate),
-        expected_seconds(case, solver),
+        expected_seconds(case, solver, resolution),
     )
 
 

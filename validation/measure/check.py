@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from validation.measure.observables import ROUND_OFF
+
+SEVERAL = 10.0
+"""Largest error estimate, relative to the tolerance, of a run that is worth comparing. Estimates hold a
+safety factor of three: beyond this the two runs they come from differ by more than three tolerances, and
+where they agree with the reference, they do so by accident."""
 
 
 @dataclass(frozen=True)
@@ -66,3 +72,32 @@ def agreement_limit(tolerance: float, estimate: float | None, base_estimate: flo
     if estimate is None or base_estimate is None:
         return tolerance
     return min(tolerance, estimate + base_estimate + ROUND_OFF)
+
+
+def disagreement(
+    difference: float | None, tolerance: float, estimate: float | None, base_estimate: float | None
+) -> str:
+    """Why a value does not agree with what was expected, in words; empty if it does.
+
+    Parameters
+    ----------
+    difference : float or None
+        Relative, of either sign; ``None`` if the run does not give the value.
+    tolerance : float
+        Relative.
+    estimate, base_estimate : float or None
+        Relative error estimates of the two runs.
+
+    Returns
+    -------
+    str
+    """
+    if difference is None:
+        return "the run does not give it"
+    if not math.isfinite(difference):
+        return "the difference is not finite"
+    for whose, error in (("the run", estimate), ("the reference", base_estimate)):
+        if error is not None and not 0.0 <= error <= SEVERAL * tolerance:
+            return f"{whose} estimates its own error at {error:.2g}: the tolerance is {tolerance:.2g}"
+    limit = agreement_limit(tolerance, estimate, base_estimate)
+    return "" if abs(difference) <= limit else f"differs by {abs(difference):.2g}, not within {limit:.2g}"

@@ -1,114 +1,238 @@
 """Error estimates of a run: within their sum two solvers agree.
 
 The reference brings its own estimates (``Trace.errors``). Boundary and finite elements are run a second time,
-everything twice as coarse: half the resolution, four times the step tolerance, and for the finite elements a
-mesh that grades twice as fast. Two runs cannot prove an order, hence the factor 3 customary for two grids
-(Roache 1994):
+everything coarser by a ratio ``r``, 2 where the resolution is even: half the resolution, four times the step
+tolerance, and for the finite elements a mesh that grades twice as fast. A run that cannot be coarser is
+compared with a finer one, ``r`` = 1/2. Two runs cannot prove an order, hence the factor 3 customary for two
+grids (Roache 1994):
 
-    ``estimate = 3 |coarse - fine|/(2^p - 1)``.
+    ``estimate = 3 |other - run|/|r^p - 1|``.
 
 ``p`` is 2 for the finite elements. For the boundary elements it is 1: static states converge faster, but the
 annuli that resolve the layer behind an advancing edge do not double with the resolution, and with 2 the
 estimates of whole cycles fell short of the true error (by up to 1.7 times in the quick suite). What the
 branches dissipate has p = 1 too, because it squares the stress in the layer at a sharp edge.
 
+Curves are known at rows only: what they may do between is added (:mod:`row_interpolation`). Relative to its
+excursion in the worst window a curve has an estimate of its own, so that a small oscillation is not lost in
+the size of the contact.
+
 The difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its
 run. The excess at the edge is a difference, uncertain by what its two terms are. The largest tension is a row
-of the trace: it is also uncertain by half the distance to the neighbouring rows. Its place is uncertain by
-the whole distance, since it lies anywhere between them, and by that over which the tension falls by its own
-error.
+of the trace: it is also uncertain by what the tension between the rows beside it may exceed it. Its place is
+uncertain by that over which the tension falls by its own error and, if it is not located, by the distance of
+these rows. The edge may have gone on after the last row in contact, where it runs away.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
-from contact_scene import Trace
+from contact_scene import Loading, OutcomeKind, Trace
 from contact_scene.trace import Array
-from validation.measure.norms import distance
-from validation.measure.observables import largest_tension
+from validation.measure.norms import (
+    distance,
+    interpolation_error,
+    movement_bound,
+    movement_distance,
+    movement_interpolation_error,
+)
+from validation.measure.observables import ROUND_OFF, pull_off_row
 from validation.measure.scaling import column_of, scale
+from validation.measure.windows import windows
 from validation.solvers import solver
 
 SAFETY = 3.0
 """Safety factor on the extrapolated error of two grids, whose order is not observed (Roache 1994)."""
 IN_LAYERS = ("branch_dissipation", "zone_excess")
 """Quantities of first order: squares of the stress in the layer at the edge."""
+RUNAWAY = 1.0 / (math.sqrt(2.0) - 1.0)
+"""Distance of the edge from where contact is lost over its last step, if it is lost within one more step of
+that duration: before a limit point the edge moves as the root of the time that is left."""
 ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
 CURVES = ("force", "contact_radius")
+MOVEMENT = "_movement"
+"""Ending of the name of an error of a curve relative to its excursion in the worst window."""
 Measures = Mapping[str, float | None]
 
 
-def from_two_runs(fine: Trace, coarse: Trace, measured: Measures, coarsely: Measures) -> dict[str, float]:
-    """Errors of the finer of two runs, ``3 |coarse - fine|/(2^p - 1)``.
+def from_two_runs(
+    run: Trace,
+    other: Trace,
+    measured: Measures,
+    otherwise: Measures,
+    ratio: float = 2.0,
+    loading: Loading | None = None,
+) -> dict[str, float]:
+    """Errors of a run from its difference from a coarser or finer one, ``3 |other - run|/|r^p - 1|``.
 
     Parameters
     ----------
-    fine, coarse : Trace
-        Of one solver, the second twice as coarse.
-    measured, coarsely : mapping of str to float or None
+    run, other : Trace
+        Of one solver; the estimates are those of the first.
+    measured, otherwise : mapping of str to float or None
         Scalars of either run by name.
+    ratio : float
+        Step and element sizes of the second run over those of the first; not 1.
+    loading : Loading, optional
+        Divides the run into windows, for the errors relative to the excursions of the curves.
 
     Returns
     -------
     dict of str to float
-        Relative errors of the finer run by observable, and of its curves by column.
+        Relative errors of the first run by observable, of its curves by column, and of their movement by
+        column with ``MOVEMENT``.
     """
-    usual = solver(fine.solver).order
+    usual = solver(run.solver).order
     errors = {}
     for column in CURVES:
-        apart = distance(coarse, fine, column)
+        apart = distance(other, run, column)
         if apart is not None:
-            errors[column] = _extrapolated(apart.rms, usual)
+            errors[column] = _extrapolated(apart.rms, usual, ratio) + interpolation_error(run, column)
     floor = max(errors.values(), default=0.0)
     for name, value in measured.items():
-        other = coarsely.get(name)
-        if value is None or other is None or not (column_of(name) or name in ENERGIES):
+        there = otherwise.get(name)
+        if value is None or there is None or not (column_of(name) or name in ENERGIES):
             continue
-        relative_to = scale(name, value, fine)
+        relative_to = scale(name, value, run)
         order = 1.0 if name in IN_LAYERS else usual
-        own = _extrapolated(abs(other - value) / relative_to, order) if relative_to > 0.0 else 0.0
+        own = _extrapolated(abs(there - value) / relative_to, order, ratio) if relative_to > 0.0 else 0.0
         errors[name] = max(own, floor)
     terms = ("branch_dissipation", "dissipated_energy")
     if "zone_excess" in errors and all(name in errors for name in terms):
-        sizes = [scale(name, measured[name] or 0.0, fine) for name in (*terms, "zone_excess")]
+        sizes = [scale(name, measured[name] or 0.0, run) for name in (*terms, "zone_excess")]
         both = sum(errors[name] * size for name, size in zip(terms, sizes, strict=False))
         errors["zone_excess"] = max(errors["zone_excess"], both / sizes[-1] if sizes[-1] > 0.0 else 0.0)
-    return _with_sampling(errors, fine)
+    if loading is not None and len(run):
+        spans = windows(loading, run)
+        for column in CURVES:
+            moved = movement_distance(other, run, spans, column)
+            if moved is not None:
+                between = movement_interpolation_error(run, spans, column)
+                errors[column + MOVEMENT] = _extrapolated(moved.rms, usual, ratio) + between
+    return _with_last_step(_with_sampling(errors, run), run)
 
 
-def from_own(trace: Trace, measured: Measures) -> dict[str, float]:
-    """The estimates of a solver that makes its own; a scalar it does not name has the largest of them."""
+def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -> dict[str, float]:
+    """The estimates of a solver that makes its own; a scalar it does not name has the largest of them.
+
+    Where it names none for the movement of a curve, it is bounded by that of the curve.
+
+    Parameters
+    ----------
+    trace : Trace
+    measured : mapping of str to float or None
+        Scalars of the run by name.
+    loading : Loading, optional
+        As of :func:`from_two_runs`.
+
+    Returns
+    -------
+    dict of str to float
+    """
     largest = max(trace.errors.values(), default=0.0)
-    errors = {column: trace.errors[column] for column in CURVES if column in trace.errors}
+    own = {column: trace.errors[column] for column in CURVES if column in trace.errors}
+    errors = {column: error + interpolation_error(trace, column) for column, error in own.items()}
     for name, value in measured.items():
         if value is not None and (column_of(name) or name in ENERGIES):
             errors[name] = trace.errors.get(name, largest)
-    return _with_sampling(errors, trace)
+    if loading is not None and len(trace):
+        spans = windows(loading, trace)
+        for column, error in own.items():
+            bound = movement_bound(trace, spans, column) * error
+            between = movement_interpolation_error(trace, spans, column)
+            errors[column + MOVEMENT] = trace.errors.get(column + MOVEMENT, bound) + between
+    return _with_last_step(_with_sampling(errors, trace), trace)
 
 
-def _extrapolated(difference: float, order: float) -> float:
-    return SAFETY * difference / (2.0**order - 1.0)
+def _extrapolated(difference: float, order: float, ratio: float) -> float:
+    return SAFETY * difference / abs(ratio**order - 1.0)
 
 
 def _with_sampling(errors: dict[str, float], trace: Trace) -> dict[str, float]:
-    row = largest_tension(trace)
-    if row is None:
+    """Add to the errors of the pull-off what the rows leave open, between which the extremum may lie."""
+    row = pull_off_row(trace)
+    if row is None or _on_plateau(trace, row):
         return errors
-    near = [i for i in (row - 1, row + 1) if 0 <= i < len(trace) and trace.contact_radius[i] > 0.0]
-    for name in ("force", "penetration", "radius", "time"):
+    touching = np.flatnonzero(trace.contact_radius > 0.0)
+    near = [i for i in (row - 1, row + 1) if i in touching]
+    missed = _missed_tension(trace, row)
+    if "pull_off_force" in errors:
+        errors["pull_off_force"] += missed / scale("pull_off_force", float(trace.force[row]), trace)
+    for name in ("penetration", "radius", "time"):
         column = trace.columns()[column_of(name)]
         relative_to = scale(f"pull_off_{name}", float(column[row]), trace)
-        if f"pull_off_{name}" in errors and near and relative_to > 0.0:
-            away = max(abs(float(column[i] - column[row])) for i in near)
-            if name == "force":
-                away *= 0.5
-            else:
-                away += _reach(trace, column, row, errors.get("pull_off_force", 0.0))
+        if f"pull_off_{name}" in errors and relative_to > 0.0:
+            away = _reach(trace, column, row, errors.get("pull_off_force", 0.0))
+            if missed > 0.0:
+                away += max((abs(float(column[i] - column[row])) for i in near), default=0.0)
             errors[f"pull_off_{name}"] += away / relative_to
     return errors
+
+
+def _with_last_step(errors: dict[str, float], trace: Trace) -> dict[str, float]:
+    """Add to the errors of radius and force at detachment what they may have lost after the last row.
+
+    Time and penetration are those of an event, but the edge runs away there.
+    """
+    touching = np.flatnonzero(trace.contact_radius > 0.0)
+    if trace.outcome.kind is not OutcomeKind.DETACHED or touching.size < 2:
+        return errors
+    before, last = touching[-2], touching[-1]
+    if trace.contact_radius[before] == trace.contact_radius[last]:
+        return errors  # the edge is at rest, and contact is lost all at once
+    for name in ("force", "radius"):
+        key, column = f"detachment_{name}", trace.columns()[column_of(name)]
+        relative_to = scale(key, float(column[last]), trace)
+        if key in errors and relative_to > 0.0:
+            away = RUNAWAY * abs(float(column[last] - column[before]))
+            errors[key] += min(away, abs(float(column[last]))) / relative_to
+    return errors
+
+
+def _missed_tension(trace: Trace, row: int) -> float:
+    """By how much the tension between the rows beside the largest may exceed it.
+
+    Around its maximum the tension is a concave curve, smooth or with a corner: between two rows it lies below
+    the straight lines through the two rows before and through the two rows after. Where the maximum is
+    located, at a corner or at the end of the contact, these lines meet in it, to round-off.
+    """
+    end = int(np.flatnonzero(trace.contact_radius > 0.0)[-1]) + 1
+    time, tension = trace.time[:end], -trace.force[:end]
+    largest, most = float(tension[row]), float(tension[row])
+
+    def slope(first: int) -> float | None:
+        if first < 0 or first + 1 >= end or time[first + 1] <= time[first]:
+            return None
+        return float((tension[first + 1] - tension[first]) / (time[first + 1] - time[first]))
+
+    for first in (row - 1, row):
+        if slope(first) is None:
+            continue
+        h = float(time[first + 1] - time[first])
+        left, right = float(tension[first]), float(tension[first + 1])
+        before, after = slope(first - 1), slope(first + 1)
+        if before is None and after is None:
+            most = max(most, largest + 0.5 * abs(right - left))
+        elif before is None or after is None:
+            most = max(most, left + before * h if before is not None else right - (after or 0.0) * h)
+        elif before > after:
+            at = min(max((right - left - after * h) / (before - after), 0.0), h)
+            most = max(most, min(left + before * at, right - after * (h - at)))
+    return most - largest if most > largest + ROUND_OFF * abs(largest) else 0.0
+
+
+def _on_plateau(trace: Trace, row: int) -> bool:
+    """Whether the tension is prescribed up to this row: it ends at once, with the contact or in a jump."""
+    before = trace.time[:row] < trace.time[row]
+    later = row + 1 < len(trace) and trace.contact_radius[row + 1] > 0.0
+    if not before.any() or (later and trace.time[row + 1] > trace.time[row]):
+        return False
+    last = int(np.flatnonzero(before)[-1])
+    return bool(abs(trace.force[last] - trace.force[row]) <= ROUND_OFF * abs(trace.force[row]))
 
 
 def _reach(trace: Trace, column: Array, row: int, error: float) -> float:

@@ -10,12 +10,14 @@ every integral over the penetration.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene import OutcomeKind, Trace
+from contact_scene import Loading, OutcomeKind, Trace
 
 Array = NDArray[np.float64]
 
@@ -32,14 +34,16 @@ class Observables:
     start_force, start_radius : float or None
         First row.
     approach_time, approach_penetration, approach_force, approach_radius : float or None
-        End of the approach: the first row at which the largest penetration of the run is reached.
+        End of the approach: the first row at which the largest penetration of the run is reached. ``None``
+        for a run that did not finish, unless the approach had ended (see :func:`approach_ended`).
     pull_off_force : float or None
-        Largest tension ``max(-F)`` over all rows; ``None`` if the run never pulls.
+        Largest tension ``max(-F)`` of the run, if it is an extremum that the run has passed (see
+        :func:`pull_off_row`): not the tension with which a run begins or which still rises at its end.
     pull_off_time, pull_off_penetration, pull_off_radius : float or None
         There; on a plateau of the force (force control) its last row.
     detachment_time, detachment_penetration, detachment_radius, detachment_force : float or None
-        Last state in contact of a run that lost contact; where the contact shrinks below the process zone,
-        the last state longer than it. What is shorter lies outside the model, and a solver may stop there.
+        Last state in contact of a run that lost contact. ``None`` where the contact shrank to its process
+        zone: there the model ends, not the contact, and the state is ``final_*``.
     loop_energy : float or None
         ``integral F dD`` over the run.
     dissipated_energy : float or None
@@ -75,8 +79,21 @@ class Observables:
         return asdict(self)
 
 
-def observe(trace: Trace, zone: float = 0.0) -> Observables:
-    """All observables of a run with the given process zone; of a run without a row, none."""
+def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> Observables:
+    """All observables of a run; of a run without a row, none.
+
+    Parameters
+    ----------
+    trace : Trace
+    zone : float
+        Length of the process zone.
+    loading : Loading, optional
+        What was asked for: whether the approach of a run that did not finish had ended.
+
+    Returns
+    -------
+    Observables
+    """
     if len(trace) == 0:
         return Observables()
     values: dict[str, float] = {
@@ -89,8 +106,9 @@ def observe(trace: Trace, zone: float = 0.0) -> Observables:
         "final_force": trace.force[-1],
         "final_radius": trace.contact_radius[-1],
     }
-    values |= _row(trace, end_of_approach(trace), "approach")
-    pulling = largest_tension(trace)
+    if trace.outcome.finished or approach_ended(trace, loading):
+        values |= _row(trace, end_of_approach(trace), "approach")
+    pulling = pull_off_row(trace)
     if pulling is not None:
         at = _row(trace, pulling, "pull_off")
         values |= at | {"pull_off_force": -at["pull_off_force"]}
@@ -105,6 +123,36 @@ def end_of_approach(trace: Trace) -> int:
     return int(np.flatnonzero(depth >= depth.max() - slack)[0])
 
 
+def approach_ended(trace: Trace, loading: Loading | None = None) -> bool:
+    """Whether a run that stopped on its way is past its largest penetration.
+
+    A later row is no deeper, and what the loading prescribes after the end of the run, as far as it is known,
+    is no deeper either.
+    """
+    row = end_of_approach(trace)
+    if not np.any(trace.time[row + 1 :] > trace.time[row]):
+        return False
+    if loading is None:
+        return True
+    deepest, slack = float(trace.penetration[row]), ROUND_OFF * float(np.ptp(trace.penetration))
+    return all(depth <= deepest + slack for depth in _prescribed_after(loading, float(trace.time[-1])))
+
+
+def _prescribed_after(loading: Loading, time: float) -> Iterator[float]:
+    """Penetrations at the ends, kinks and crests of the loading after a time; nan where not known."""
+    for step, segment in loading.segments():
+        if segment.end <= time:
+            continue
+        if segment.control != "penetration":
+            yield math.nan
+            continue
+        yield from (segment.value(at) for at in (*segment.kinks, segment.end) if not at <= time)
+        amplitude = getattr(step, "amplitude", 0.0)
+        if amplitude != 0.0:
+            sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
+            yield segment.value(segment.start) + abs(amplitude) + sinking
+
+
 def largest_tension(trace: Trace) -> int | None:
     """Index of the last row at the largest tension; ``None`` without tension beyond round-off."""
     tension = -trace.force
@@ -112,6 +160,32 @@ def largest_tension(trace: Trace) -> int | None:
     if tension.max() <= slack:
         return None
     return int(np.flatnonzero(tension >= tension.max() - slack)[-1])
+
+
+def pull_off_row(trace: Trace) -> int | None:
+    """Index of the last row at the largest tension, if that is the pull-off force.
+
+    It is if the indenter pulls there (some earlier row is deeper), and if the run has passed the extremum:
+    the tension falls afterwards, or contact is lost. Of a run that loses contact without ever being pulled
+    back, such as during a hold, it is the largest tension after the first row. A contact that has shrunk to
+    its process zone has passed the extremum only if its outcome says so.
+    """
+    tension = -trace.force
+    slack = ROUND_OFF * float(np.abs(trace.force).max())
+    depth = trace.penetration
+    pulled_back = depth < np.maximum.accumulate(depth) - ROUND_OFF * float(np.ptp(depth))
+    kind = trace.outcome.kind
+    if kind is OutcomeKind.BELOW_ZONE and not trace.outcome.past_extremum:
+        return None
+    if kind is OutcomeKind.DETACHED and not np.any(pulled_back & (tension > slack)):
+        pulled_back = np.arange(len(trace)) > 0
+    pulling = np.flatnonzero(pulled_back & (tension > slack))
+    if pulling.size == 0:
+        return None
+    largest = float(tension[pulling].max())
+    row = int(pulling[tension[pulling] >= largest - slack][-1])
+    falls = bool(np.any(tension[row + 1 :] < largest - slack))
+    return row if falls or kind is OutcomeKind.DETACHED else None
 
 
 def at_last_contact(trace: Trace, column: str, zone: float = 0.0) -> float | None:

@@ -7,7 +7,10 @@ A difference in a quantity is divided by
   term of the energy balance that it is the remainder of (stored energy, external work, surface energy);
 - a force, contact radius or time: its magnitude, but at least a twentieth of the largest magnitude of that
   column in the run, so that a value that nearly vanishes is not divided by itself;
-- any other energy and any frequency: its magnitude.
+- the work done over the run (loop energy): its magnitude, but at least a twentieth of the largest magnitude of
+  the external work in the run, for the same reason; that over a cycle: at least a twentieth of the largest
+  stored energy;
+- any frequency: its magnitude.
 """
 
 from __future__ import annotations
@@ -24,6 +27,8 @@ LEAST_SHARE = 0.05
 """Least scale of a force, radius or time, relative to the largest magnitude of its column in the run."""
 LOSSES = ("dissipated_energy", "branch_dissipation", "zone_excess")
 """Quantities that are what an energy balance leaves."""
+WORKS = {"loop_energy": "external_work", "peak_cycle_loss": "stored_energy"}
+"""Work done over a run or a cycle: the column it is a small part of where it nearly vanishes."""
 _COLUMNS = {"force": "force", "radius": "contact_radius", "penetration": "penetration", "time": "time"}
 
 
@@ -39,7 +44,7 @@ class Magnitudes:
     Parameters
     ----------
     columns : mapping of str to float
-        By column of the trace.
+        By column of the trace; energies where the rows are available.
     balance : float
         Of the terms of the energy balance.
     """
@@ -55,7 +60,7 @@ class Magnitudes:
         surface = trace.dissipated_energy + stored - trace.external_work
         terms = (trace.stored_energy, trace.external_work, surface)
         return cls(
-            {name: float(np.abs(columns[name]).max()) for name in _COLUMNS.values()},
+            {name: float(np.abs(columns[name]).max()) for name in (*_COLUMNS.values(), *WORKS.values())},
             max(float(np.abs(term).max()) for term in terms),
         )
 
@@ -73,6 +78,7 @@ class Magnitudes:
             )
             for kind, column in _COLUMNS.items()
         }
+        columns["external_work"] = numbers.get("loop_energy", 0.0)
         return cls(columns, max(numbers.get(name, 0.0) for name in ("loop_energy", "branch_dissipation")))
 
     def scale(self, name: str, value: float) -> float:
@@ -82,7 +88,8 @@ class Magnitudes:
             return self.columns[column]
         if name in LOSSES:
             return max(abs(value), self.balance)
-        return max(abs(value), LEAST_SHARE * self.columns[column]) if column else abs(value)
+        column = column or WORKS.get(name, "")
+        return max(abs(value), LEAST_SHARE * self.columns.get(column, 0.0))
 
 
 def scale(name: str, value: float, trace: Trace) -> float:

@@ -1,12 +1,14 @@
 """The solvers by name, one object each; scikit-fem and gmsh are imported when the finite elements run."""
 
 from validation.solvers.base import Progress, RunOptions, Solver
+from validation.solvers.cost import Cost
 from validation.solvers.front_tracking import REFERENCE
 from validation.solvers.registry import SOLVERS, register, solver, solvers, unregister
 
 __all__ = [
     "REFERENCE",
     "SOLVERS",
+    "Cost",
     "Progress",
     "RunOptions",
     "Solver",

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
-from contact_scene import Oscillate, RunMonitor, Scene, Sweep, Trace, UnsupportedScene
+from contact_scene import RunMonitor, Scene, Trace, UnsupportedScene
+from validation.solvers.cost import Cost, CostModel, SceneWork, forecast, scene_work
 
 Progress = Callable[[float], None]
 
@@ -61,6 +61,22 @@ class RunOptions:
         }
 
 
+@dataclass(frozen=True)
+class ComparisonRun:
+    """A second run of a solver, with other sizes of steps and elements.
+
+    Parameters
+    ----------
+    solve : callable
+        Carries it out; to be called with the keywords of ``Solver.solve``.
+    ratio : float
+        Its sizes over those of the first run; not 1.
+    """
+
+    solve: Callable[..., Trace]
+    ratio: float
+
+
 class Solver(ABC):
     """One method of solution.
 
@@ -79,8 +95,15 @@ class Solver(ABC):
         Least tolerance of check values that are less accurate than the others, by name.
     coarse_tolerance : float
         Largest relative error at :meth:`coarse_resolution`.
+    movement_tolerance : float
+        Largest difference of a curve from the reference, relative to its excursion in any load step or cycle
+        (root mean square of what is left of the difference without its mean).
+    least_resolution : int
+        Fewest divisions per process zone that are accepted.
     estimates_errors : bool
         Whether ``solve`` can estimate the errors of a run itself (``Trace.errors``).
+    cost_model : CostModel
+        What a run costs, measured (``python -m validation.solvers.cost_benchmark``).
     skipped_work : mapping of str to str
         Work counter: what its remaining at zero means.
     curve_style : mapping
@@ -98,7 +121,10 @@ class Solver(ABC):
     curve_tolerance: ClassVar[float] = 5e-3
     quantity_tolerances: ClassVar[Mapping[str, float]] = {}
     coarse_tolerance: ClassVar[float] = 2e-2
+    movement_tolerance: ClassVar[float] = 2e-2
+    least_resolution: ClassVar[int] = 4
     estimates_errors: ClassVar[bool] = False
+    cost_model: ClassVar[CostModel] = CostModel()
     skipped_work: ClassVar[Mapping[str, str]] = SKIPPED_WORK
     curve_style: ClassVar[Mapping[str, Any]] = {
         "color": "#cc79a7",
@@ -152,24 +178,49 @@ class Solver(ABC):
         """The fewest divisions per process zone that still meet :attr:`coarse_tolerance`."""
         return 4
 
-    def coarser(self, scene: Scene, resolution: int | None = None) -> Callable[..., Trace]:
-        """The run twice as coarse, to estimate errors from: to be called with the keywords of ``solve``."""
-        return partial(self.solve, scene, max((resolution or self.default_resolution(scene)) // 2, 4))
+    def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
+        """The run from whose difference errors are estimated: at half the resolution, or at twice.
 
-    def expected_seconds(self, scene: Scene) -> float:
-        """Rough run time (s), to start long runs first."""
-        return 1.0 + 0.1 * cycle_count(scene)
+        Parameters
+        ----------
+        scene : Scene
+        resolution : int, optional
+            Of the run whose errors are estimated.
 
+        Returns
+        -------
+        ComparisonRun
+        """
+        divisions, other = self._other_resolution(scene, resolution)
+        return ComparisonRun(partial(self.solve, scene, other), divisions / other)
 
-def cycle_count(scene: Scene) -> float:
-    """Cycles of all oscillations and sweeps of a loading."""
-    cycles = 0.0
-    for step in scene.loading.steps:
-        if isinstance(step, Oscillate):
-            cycles += step.angular_frequency * step.duration / (2.0 * math.pi)
-        elif isinstance(step, Sweep):
-            cycles += step.chirp * step.duration**2 / (4.0 * math.pi)
-    return cycles
+    def _other_resolution(self, scene: Scene, resolution: int | None) -> tuple[int, int]:
+        """Resolution of a run, and that of the run it is compared with."""
+        divisions = resolution or self.default_resolution(scene)
+        half = divisions // 2
+        return divisions, half if half >= self.least_resolution else 2 * divisions
+
+    def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
+        """Forecast of the steps, the processor time and the memory of a run, without solving anything.
+
+        Parameters
+        ----------
+        scene : Scene
+        resolution : int, optional
+            Divisions per process zone, as for :meth:`solve`.
+
+        Returns
+        -------
+        Cost
+            To a factor of three or so. The coarser run from which errors are estimated is not included.
+        """
+        work = scene_work(scene)
+        divisions = resolution or self.default_resolution(scene)
+        return forecast(self.cost_model, work, divisions, self._unknowns(work, divisions))
+
+    def _unknowns(self, work: SceneWork, resolution: int) -> float:
+        """What the time of a step grows with: points of the surface, by default of the whole contact."""
+        return max(work.radius_in_zones, 1.0) * resolution
 
 
 def specified(**options: Any) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from bem_solver import Options, refusal, solve
 from bem_solver.options import DEFAULT_RESOLUTION
 from contact_scene import Scene, Trace, UnsupportedScene
-from validation.solvers.base import RunOptions, Solver, cycle_count
+from validation.solvers.base import RunOptions, Solver
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,8 @@ class BoundaryElements(Solver):
         "pull_off_penetration": 0.02,
         "pull_off_radius": 0.02,
         "pull_off_time": 0.02,
+        "detachment_radius": 0.02,
+        "detachment_force": 0.02,
         "branch_dissipation": 0.01,
         "zone_excess": 0.01,
     }
@@ -66,7 +68,3 @@ class BoundaryElements(Solver):
     def coarse_resolution(self, adhesive: bool) -> int:
         """Six, with and without adhesion."""
         return 6
-
-    def expected_seconds(self, scene: Scene) -> float:
-        """From the built-in scenes: a run, and each of its cycles."""
-        return 1.5 + 0.3 * cycle_count(scene)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Literal
 
 import meshes
 from contact_scene import Scene, SceneError, Trace
-from validation.solvers.base import SKIPPED_WORK, RunOptions, Solver, cycle_count, specified
+from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver, specified
 from validation.solvers.contact_range import largest_contact_radius
 
 DIVISIONS = 10
@@ -56,10 +56,13 @@ class FiniteElements(Solver):
         "pull_off_penetration": 0.02,
         "pull_off_radius": 0.02,
         "pull_off_time": 0.02,
+        "detachment_radius": 0.02,
+        "detachment_force": 0.02,
         "branch_dissipation": 0.08,
         "zone_excess": 0.08,
     }
     coarse_tolerance = 2e-2
+    least_resolution = 1
     skipped_work: ClassVar[Mapping[str, str]] = {
         **SKIPPED_WORK,
         "volume_solves": "no solution in the volume within the time loop",
@@ -96,17 +99,15 @@ class FiniteElements(Solver):
         """Four; without adhesion one."""
         return 4 if adhesive else 1
 
-    def coarser(self, scene: Scene, resolution: int | None = None) -> Callable[..., Trace]:
-        """Half the resolution, a mesh that grades twice as fast, four times the step tolerance."""
+    def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
+        """Half the resolution, twice the grading, four times the step tolerance; or the reverse."""
         from fem_solver.options import DEFAULT_TOLERANCE
 
-        half = max((resolution or self.default_resolution(scene)) // 2, 1)
-        other = replace(self, grading=2.0 * (self.grading or GRADING))
-        return partial(other.solve, scene, half, step_tolerance=4.0 * DEFAULT_TOLERANCE)
-
-    def expected_seconds(self, scene: Scene) -> float:
-        """From the built-in scenes: a run, and each of its cycles."""
-        return 2.5 + 0.1 * cycle_count(scene)
+        divisions, other = self._other_resolution(scene, resolution)
+        ratio = divisions / other
+        method = replace(self, grading=ratio * (self.grading or GRADING))
+        run = partial(method.solve, scene, other, step_tolerance=ratio**2 * DEFAULT_TOLERANCE)
+        return ComparisonRun(run, ratio)
 
 
 def mesh_for(

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from contact_scene import Scene, Trace, UnsupportedScene
 from validation.reference import Options, refusal, solve
 from validation.reference.tracking.options import DEFAULT_RESOLUTION
-from validation.solvers.base import RunOptions, Solver, cycle_count
+from validation.solvers.base import RunOptions, Solver
 
 REFERENCE = "reference"
 
@@ -44,7 +44,3 @@ class FrontTracking(Solver):
     def coarse_resolution(self, adhesive: bool) -> int:
         """Eight; without adhesion four."""
         return 8 if adhesive else 4
-
-    def expected_seconds(self, scene: Scene) -> float:
-        """From the built-in scenes: a run, and each of its cycles."""
-        return 1.2 + 0.3 * cycle_count(scene)

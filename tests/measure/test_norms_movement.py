@@ -1,0 +1,157 @@
+"""Curves between sparse rows, and differences relative to what a curve does in a window of the run."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from contact_scene import (
+    Counters,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Oscillate,
+    Outcome,
+    OutcomeKind,
+    Ramp,
+    Sweep,
+    Trace,
+)
+from validation.measure.norms import (
+    LEAST_EXCURSION,
+    distance,
+    interpolation_error,
+    movement_bound,
+    movement_distance,
+)
+from validation.measure.row_interpolation import POINTS, WEIGHTS, RowCurve
+from validation.measure.windows import windows
+
+
+def run(time, force, radius=None, penetration=None) -> Trace:
+    t = np.asarray(time, float)
+    zero = np.zeros_like(t)
+    return Trace(
+        solver="bem",
+        time=t,
+        penetration=zero if penetration is None else np.asarray(penetration, float),
+        force=np.asarray(force, float),
+        contact_radius=zero + 1.0 if radius is None else np.asarray(radius, float),
+        stored_energy=zero,
+        external_work=zero,
+        dissipated_energy=zero,
+        outcome=Outcome(OutcomeKind.COMPLETED, "by hand", float(t[-1])),
+        counters=Counters(),
+    )
+
+
+def test_points_and_weights_integrate_the_square_of_a_cubic():
+    for power in range(7):
+        assert WEIGHTS @ POINTS**power == pytest.approx(1.0 / (power + 1.0))
+
+
+def test_a_parabola_is_followed_between_sparse_rows():
+    """Straight lines through nine rows would miss it by h^2/8 = 0.2 %."""
+    sparse, dense = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 801)
+    apart = distance(run(sparse, sparse + sparse**2), run(dense, dense + dense**2))
+    assert apart.largest < 2.5e-4
+    assert interpolation_error(run(sparse, sparse + sparse**2), "force") == pytest.approx(apart.rms, rel=1e-6)
+
+
+@pytest.mark.parametrize("rows", [13, 25, 49])
+def test_the_interpolation_error_is_of_the_size_of_the_true_one(rows):
+    sparse, dense = np.linspace(0.0, 3.0, rows) ** 1.25, np.linspace(0.0, 3.0**1.25, 4001)
+    shown = run(sparse, np.sin(2.0 * sparse))
+    apart = distance(shown, run(dense, np.sin(2.0 * dense)))
+    assert 0.3 * apart.rms < interpolation_error(shown, "force") < 10.0 * apart.rms
+
+
+def test_corners_and_jumps_are_not_rounded():
+    t = np.array([0.0, 1.0, 2.0, 3.0, 3.0, 4.0, 5.0, 6.0])
+    corner = np.array([0.0, 1.0, 2.0, 3.0, 7.0, 5.0, 3.0, 1.0])
+    assert np.allclose(RowCurve(t, corner).within(np.arange(4.0))[2], [0.5, 1.5, 2.5])
+    assert np.allclose(RowCurve(t, corner).within(np.arange(3.0, 7.0))[2], [6.0, 4.0, 2.0])
+    roof = 3.0 - np.abs(np.arange(7.0) - 3.0)
+    assert np.allclose(
+        RowCurve(np.arange(7.0), roof).within(np.arange(7.0))[2], roof[:-1] + 0.5 * np.diff(roof)
+    )
+
+
+def test_no_curve_leaves_the_range_of_its_two_rows():
+    rng = np.random.default_rng(5)
+    for _ in range(50):
+        t = np.cumsum(10.0 ** rng.uniform(-9, 0, 12))
+        x = np.cumsum(rng.normal(size=12) * 10.0 ** rng.uniform(-6, 3, 12))
+        at = RowCurve(t, x).within(t)
+        slack = 1e-12 * np.abs(x).max()
+        assert np.all(at >= np.minimum(x[1:], x[:-1]) - slack)
+        assert np.all(at <= np.maximum(x[1:], x[:-1]) + slack)
+
+
+RAMP, SHAKE = Ramp(1.0, 1.0), Oscillate(0.01, 2.0 * np.pi, 4.0)
+LOADING = Loading("relaxed", 0.0, (RAMP, SHAKE))
+TIME = np.linspace(0.0, 5.0, 2001)
+EDGE = np.minimum(TIME, 1.0) + np.where(TIME > 1.0, 0.005 * np.sin(2.0 * np.pi * (TIME - 1.0)), 0.0)
+
+
+def moved(other, loading=LOADING):
+    base = run(TIME, TIME, EDGE, np.minimum(TIME, 1.0))
+    return movement_distance(run(TIME, TIME, other), base, windows(loading, base), "contact_radius")
+
+
+def test_an_edge_that_freezes_in_a_small_oscillation_stands_out():
+    """It travels by 1 % of the radius; frozen in the last cycle it is 0.1 % of the whole off."""
+    frozen = np.where(TIME > 4.0, 1.0, EDGE)
+    base = run(TIME, TIME, EDGE)
+    apart = distance(run(TIME, TIME, frozen), base, "contact_radius")
+    assert apart.rms < 2e-3
+    found = moved(frozen)
+    assert found.rms == pytest.approx(np.sqrt(0.5) / 2.0, rel=1e-3)
+    assert (found.begin, found.end) == pytest.approx((4.0, 5.0))
+
+
+def test_a_contact_too_large_by_a_constant_moves_as_it_should():
+    assert moved(EDGE + 0.003).rms < 1e-6
+    assert moved(EDGE).rms == 0.0
+    assert (
+        moved(np.where(TIME > 1.0, EDGE + 0.003, EDGE)).rms < 0.1
+    )  # the ramp's end, in the first window only
+
+
+def test_what_hardly_moves_is_divided_by_no_less_than_the_tolerance_of_curves():
+    base = run(TIME, TIME, np.ones_like(TIME))
+    shaken = run(TIME, TIME, 1.0 + 1e-6 * np.sin(TIME))
+    found = movement_distance(shaken, base, windows(LOADING, base), "contact_radius")
+    assert found.rms <= 1e-6 / LEAST_EXCURSION
+    assert movement_distance(base, shaken, windows(LOADING, base), "contact_radius").rms < 1e-3
+
+
+def test_the_bound_of_the_movement_covers_every_window():
+    base = run(TIME, TIME, EDGE)
+    frozen = run(TIME, TIME, np.where(TIME > 4.0, 1.0, EDGE))
+    spans = windows(LOADING, base)
+    size = distance(frozen, base, "contact_radius").rms
+    assert movement_distance(frozen, base, spans, "contact_radius").rms <= size * movement_bound(
+        base, spans, "contact_radius"
+    )
+
+
+def test_windows_are_the_run_its_load_steps_and_its_whole_cycles():
+    base = run([0.0, 1.0, 4.5], [0, 0, 0], penetration=[0.0, 1.0, 1.0])
+    spans = [(0.0, 4.5), (0.0, 1.0), (1.0, 4.5), (1.0, 2.0), (2.0, 3.0), (3.0, 4.0)]
+    assert windows(LOADING, base) == pytest.approx(np.array(spans))
+    chirped = Loading("relaxed", 0.0, (Sweep(0.1, 4.0 * np.pi, 2.0), Hold(1.0)))
+    ends = [0.0, 1.0, np.sqrt(2.0), np.sqrt(3.0), 2.0]
+    spans = [(0.0, 3.0), (0.0, 2.0), *pairwise(ends), (2.0, 3.0)]
+    assert windows(chirped, run([0.0, 3.0], [0, 0])) == pytest.approx(np.array(spans))
+
+
+def test_the_state_in_which_a_load_step_begins_is_that_of_the_run():
+    """Under force control the penetration is found by the run: 0.5 when the ramp to 2 begins."""
+    loading = Loading("relaxed", 0.0, (Force(1.0, 1.0), ForceRamp(3.0, 2.0), Ramp(2.0, 1.0)))
+    base = run([0.0, 1.0, 2.0, 3.5], [1.0, 1.0, 3.0, 9.0], penetration=[0.0, 0.25, 0.5, 2.0])
+    spans = [(0.0, 3.5), (0.0, 1.0), (1.0, 2.0), (2.0, 3.5)]
+    assert windows(loading, base) == pytest.approx(np.array(spans))

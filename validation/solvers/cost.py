@@ -1,0 +1,232 @@
+"""Forecast of what a run costs, told before it: steps, processor time, memory.
+
+No solution: the path of the contact edge is that of the fully relaxed elastic contact, whose edge goes
+farthest, and a step is counted
+
+- for every division of a process zone (without adhesion, of a hundredth of the largest contact radius) that
+  the edge passes,
+- for the times between the shortest relaxation and the duration of a load step, by decades,
+- for every cycle of an oscillation, at least the steps that follow a sine.
+
+How many of each a solver takes, and what a step costs, is its :class:`CostModel`, measured by
+``python -m validation.solvers.cost_benchmark``. A forecast is meant within a factor of three.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from contact_scene import Force, ForceRamp, Oscillate, Scene, SceneError, Step, Sweep
+from validation.reference import sneddon
+from validation.solvers.contact_range import largest_contact_radius
+
+RADII = np.geomspace(1e-5, 1.0, 241)
+"""Contact radii at which the elastic contact is tabulated, relative to the largest."""
+LAST_DECADES = 6.0
+"""Decades of time below the duration of a load step in which steps are counted: what relaxes faster is taken
+to have relaxed."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Forecast of a run, to a factor of three or so.
+
+    Parameters
+    ----------
+    steps : float
+        Accepted steps.
+    seconds : float
+        Processor time (s) on the machine on which the constants were measured.
+    bytes : float
+        Largest memory that the run holds beside the program.
+    """
+
+    steps: float
+    seconds: float
+    bytes: float
+
+
+@dataclass(frozen=True)
+class CostModel:
+    """What a solver takes for the work that a scene asks; measured constants.
+
+    Parameters
+    ----------
+    steps_per_division, steps_per_decade, steps_per_cycle, steps_per_interval : float
+        Steps for a division of the process zone that the edge passes, for a decade of time after the begin of
+        a load step of a viscoelastic contact, for a cycle of an oscillation and for an interval between two
+        kinks of the load.
+    seconds_of_setup, seconds_per_step : float
+        Processor time (s) of a run without steps, and of a step of a contact of which ``points_of_step``
+        unknowns are resolved, without branches.
+    seconds_per_branch : float
+        Addition to ``seconds_per_step``, relative, for every branch of the material.
+    growth : float
+        Exponent of the time of a step with the number of unknowns.
+    points_of_step : float
+        See ``seconds_per_step``.
+    bytes_of_run, bytes_per_step : float
+        Memory of a run without steps, and of each row.
+    """
+
+    steps_per_division: float = 1.0
+    steps_per_decade: float = 4.0
+    steps_per_cycle: float = 40.0
+    steps_per_interval: float = 4.0
+    seconds_of_setup: float = 0.1
+    seconds_per_step: float = 5e-3
+    seconds_per_branch: float = 0.1
+    growth: float = 0.0
+    points_of_step: float = 200.0
+    bytes_of_run: float = 1e7
+    bytes_per_step: float = 500.0
+
+
+@dataclass(frozen=True)
+class SceneWork:
+    """What a scene asks of any solver, in counts.
+
+    Parameters
+    ----------
+    zones : float
+        Process zones (without adhesion hundredths of the largest contact radius) that the edge passes.
+    radius_in_zones : float
+        Largest contact radius in process zones.
+    decades : float
+        Decades of time from the shortest relaxation to the duration, summed over the load steps.
+    cycles : float
+        Of all oscillations and sweeps.
+    intervals : float
+        Intervals of the load between its kinks.
+    branches : int
+        Of the material that have a modulus.
+    """
+
+    zones: float
+    radius_in_zones: float
+    decades: float
+    cycles: float
+    intervals: float
+    branches: int
+
+
+def scene_work(scene: Scene) -> SceneWork:
+    """Count what a scene asks; a scene that never touches asks nothing."""
+    branches = len(scene.material.spectrum[0])
+    cycles = cycle_count(scene)
+    try:
+        largest = largest_contact_radius(scene)
+    except SceneError:
+        return SceneWork(0.0, 0.0, 0.0, cycles, float(len(scene.loading.steps)), branches)
+    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.01 * largest
+    travel, intervals = _edge_travel(scene, largest)
+    return SceneWork(travel / zone, largest / zone, _decades(scene), cycles, intervals, branches)
+
+
+def cycle_count(scene: Scene) -> float:
+    """Cycles of all oscillations and sweeps of a loading."""
+    cycles = 0.0
+    for step in scene.loading.steps:
+        if isinstance(step, Oscillate):
+            cycles += step.angular_frequency * step.duration / (2.0 * math.pi)
+        elif isinstance(step, Sweep):
+            cycles += step.chirp * step.duration**2 / (4.0 * math.pi)
+    return cycles
+
+
+def forecast(model: CostModel, work: SceneWork, resolution: int, unknowns: float) -> Cost:
+    """The cost of a run.
+
+    Parameters
+    ----------
+    model : CostModel
+        Of the solver.
+    work : SceneWork
+        Of the scene.
+    resolution : int
+        Divisions per process zone.
+    unknowns : float
+        Of one step: surface points, rows of the history, whatever the time of a step grows with.
+
+    Returns
+    -------
+    Cost
+    """
+    steps = (
+        model.steps_per_division * resolution * work.zones
+        + model.steps_per_decade * work.decades
+        + model.steps_per_cycle * work.cycles
+        + model.steps_per_interval * work.intervals
+    )
+    a_step = model.seconds_per_step * (unknowns / model.points_of_step) ** model.growth
+    a_step *= 1.0 + model.seconds_per_branch * work.branches
+    return Cost(
+        steps, model.seconds_of_setup + steps * a_step, model.bytes_of_run + steps * model.bytes_per_step
+    )
+
+
+def _edge_travel(scene: Scene, largest: float) -> tuple[float, float]:
+    """Length of the path of the edge of the relaxed contact, and intervals of the load; both upper bounds."""
+    stiffness = scene.material.relaxed_plane_modulus
+    work = scene.adhesion.work if scene.adhesion is not None else 0.0
+    radii = largest * RADII
+    pull = np.sqrt(2.0 * np.pi * radii * work / stiffness)
+    with np.errstate(over="ignore"):
+        depths = sneddon.depth(scene.indenter, radii) - pull
+        forces = sneddon.force(scene.indenter, radii, stiffness) - 2.0 * stiffness * radii * pull
+    edge = scene.indenter.edge
+
+    def radius(control: str, value: float) -> float:
+        if math.isfinite(edge):
+            return edge if value > (depths if control == "penetration" else forces).min() else 0.0
+        held = np.flatnonzero((depths if control == "penetration" else forces) <= value)
+        return float(radii[held[-1]]) if held.size else 0.0
+
+    present = radius("penetration", scene.loading.penetration)
+    travel, intervals, force = present if work == 0.0 else 0.0, 0.0, 0.0
+    depth = scene.loading.penetration
+
+    def state(step: Step) -> tuple[float, float]:
+        return depth, force
+
+    for step, segment in scene.loading.segments(state):
+        amplitude = abs(getattr(step, "amplitude", 0.0))
+        if amplitude > 0.0:
+            between = abs(radius("penetration", depth + amplitude) - radius("penetration", depth - amplitude))
+            travel += 2.0 * between * _cycles(step)
+        times = (segment.start, *segment.kinks, segment.end)
+        values = [segment.value(at) for at in times]
+        path = [present, *(radius(segment.control, value) for value in values)]
+        travel += sum(abs(after - before) for before, after in pairwise(path))
+        intervals += len(times) - 1
+        present = path[-1]
+        if isinstance(step, (Force, ForceRamp)):
+            force = values[-1]
+            depth = float(np.interp(present, radii, depths)) if present > 0.0 else depth
+        else:
+            depth = values[-1]
+        if present == 0.0 and work > 0.0:
+            break  # contact is lost, which ends the run
+    return travel, intervals
+
+
+def _cycles(step: Step) -> float:
+    if isinstance(step, Oscillate):
+        return step.angular_frequency * step.duration / (2.0 * math.pi)
+    return step.chirp * step.duration**2 / (4.0 * math.pi) if isinstance(step, Sweep) else 0.0
+
+
+def _decades(scene: Scene) -> float:
+    """Decades of time between the shortest relaxation and the end of a load step, over all load steps."""
+    times = scene.material.spectrum[1]
+    if times.size == 0:
+        return 0.0
+    total = 0.0
+    for _, segment in scene.loading.segments(lambda step: (scene.loading.penetration, 0.0), own_time=True):
+        if segment.end > 0.0:
+            total += min(max(math.log10(segment.end) - math.log10(times[0]), 0.0) + 1.0, LAST_DECADES)
+    return total
