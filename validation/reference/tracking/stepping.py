@@ -6,7 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from contact_scene import Event, Outcome, OutcomeKind, RunMonitor, Segment
-from contact_scene.run_control import KeptState, LoadingCursor, budget_outcome, interruption, stops_within
+from contact_scene.run_control import (
+    KeptState,
+    LoadingCursor,
+    below_zone_outcome,
+    budget_outcome,
+    interruption,
+    stops_within,
+)
 from validation.reference.tracking.coarsening import coarsened
 from validation.reference.tracking.instantaneous import (
     flat_first_contact,
@@ -17,7 +24,7 @@ from validation.reference.tracking.limit_points import AT_LIMIT_POINT
 from validation.reference.tracking.options import Options
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.profiles import surface_profile
-from validation.reference.tracking.recorder import Recorder
+from validation.reference.tracking.recorder import FORCE_OF_ROW, Recorder
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step import RowTolerances, trial_step
 from validation.reference.tracking.step_history import FORCE
@@ -163,6 +170,8 @@ class FrontStepper:
             self._kink()
         if outcome.detachment:
             self._lose_contact(outcome.detachment)
+        elif outcome.below_zone:
+            self.outcome = below_zone_outcome([row[FORCE_OF_ROW] for row in state.recorded.rows], state.time)
 
     def _commit(self, candidate: FrontCandidate, segment: Segment | None = None) -> None:
         """Make a candidate the present state; its interpolated rows are left to the recorder."""
