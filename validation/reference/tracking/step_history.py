@@ -134,8 +134,7 @@ class StepHistory:
         slope = curve.deriv()
         if float(slope(0.0)) * float(slope(1.0)) >= 0.0:
             return None
-        roots = np.asarray(slope.roots())
-        share = float(roots[np.argmin(np.abs(roots - 0.5))].real)
+        share = float(min(np.real(slope.roots()), key=lambda root: abs(root - 0.5)))
         extremum = float(curve(share))
         if min(abs(extremum), abs(extremum - last[column] + first[column])) <= least:
             return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -45,6 +46,12 @@ MOST_REJECTED = 400
 """Steps rejected one after the other before the run ends with an underflow of the step."""
 
 
+def beyond_floating_point(error: ArithmeticError, time: float) -> Outcome:
+    """The outcome of a run in which a number overflows or loses its meaning."""
+    reason = f"a number is beyond the range of floating point ({error})"
+    return Outcome(OutcomeKind.OUT_OF_RANGE, reason, time)
+
+
 @dataclass
 class FrontStepper:
     """A run in progress.
@@ -80,6 +87,12 @@ class FrontStepper:
 
     def run(self) -> Outcome:
         """Carry out all load steps, from the present position in the loading."""
+        try:
+            return self._load_steps()
+        except ArithmeticError as error:
+            return beyond_floating_point(error, self.state.time)
+
+    def _load_steps(self) -> Outcome:
         state, cursor, loading = self.state, self.cursor, self.problem.scene.loading
         if cursor.at_start:
             self._add_row()
@@ -93,6 +106,14 @@ class FrontStepper:
 
     def _load_step(self, segment: Segment) -> None:
         state, cursor = self.state, self.cursor
+        coarsest = self.problem.fineness.deviation * (segment.end - segment.start)
+        if 0.0 < coarsest < math.ulp(segment.end):
+            length = segment.end - segment.start
+            reason = (
+                f"a load step of length {length:.3g} is lost in the rounding of the time {segment.end:.3g}"
+            )
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
+            return
         if segment.control == "force" and state.surface.radius == 0.0:
             loaded = self._without_contact(segment)
             if loaded is None:
