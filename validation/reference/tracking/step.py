@@ -141,4 +141,4 @@ def _first_duration(problem: FrontProblem, state: FrontState, segment: Segment, 
     rate = abs(segment.rate(state.time))
     if rate > 0.0 and scale > 0.0:
         quick = min(quick, part * scale / rate)
-    return max(quick, 1e-12 * left)
+    return max(quick, 4.0 * math.ulp(state.time))

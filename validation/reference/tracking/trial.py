@@ -34,6 +34,8 @@ LARGEST_BEND = 0.99
 """Bend of the path of the edge over its travel: below 1 the edge does not reverse within a step."""
 FIRST_CONTACT_NODES = np.arange(1, 16) / 16.0
 """Nodes of a contact that has just begun, as fractions of the step."""
+SHORTER = 1e-3
+"""Ratio of durations in the search for a time that may be shorter by decades than the step."""
 NARROW = 1e-14
 """Relative difference below which two radii or two times are the same."""
 
@@ -191,6 +193,14 @@ class Trial:
             return None
         if (late >= 0.0) if outward else (late <= 0.0):
             return longest
+        while self.nodes.shortest < SHORTER * longest:  # the edge may pass long before: close in by decades
+            earlier = SHORTER * longest
+            value = function(earlier)
+            if (value >= 0.0) if outward else (value <= 0.0):
+                return bracketed(
+                    function, earlier, value, longest, late, self.condition.tolerance, NARROW * longest
+                )
+            longest, late = earlier, value
         return bracketed(function, 0.0, at_once, longest, late, self.condition.tolerance, NARROW * longest)
 
     def departure_time(self, longest: float) -> float | None:
