@@ -130,20 +130,24 @@ def evaluate(
     """
     annuli, counters = problem.annuli, problem.counters
     kinks = _kinks_inside(problem, state, duration, edge)
-    radii = edge * annuli.radii
+    radii = edge * annuli.points
     points = points_at(problem, state, radii if kinks is None else np.append(radii, kinks.readings))
-    singular = state.surface.root_strength(abs(edge - state.edge)) if problem.viscoelastic else 0.0
+    singular, innermost = 0.0, None
+    if problem.viscoelastic:
+        singular = state.surface.root_strength(abs(edge - state.edge))
+        if state.edge > 0.0:
+            innermost = points_at(problem, state, np.array([min(edge, state.edge)]))
 
     def under(motion: Motion) -> ContactSurface:
         return ContactSurface.under(annuli, edge, _required_load(problem, points, motion), kinks)
 
     if control == "penetration":
-        motion = Motion(duration, state.edge, edge, state.penetration, value, singular)
+        motion = Motion(duration, state.edge, edge, state.penetration, value, singular, innermost)
         surface = under(motion)
     else:
         # everything is affine in the new penetration
         step = max(abs(state.penetration), 1e-3 * edge)
-        first = Motion(duration, state.edge, edge, state.penetration, state.penetration, singular)
+        first = Motion(duration, state.edge, edge, state.penetration, state.penetration, singular, innermost)
         one, two = under(first), under(replace(first, new_penetration=state.penetration + step))
         share = (value - one.force) / (two.force - one.force)
         motion = replace(first, new_penetration=state.penetration + share * step)
