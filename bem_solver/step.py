@@ -16,10 +16,8 @@ from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import departure_from_line, shrunk
-from bem_solver.trial import HalfSpaceState, TrialContact, evaluate
+from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, TrialContact, evaluate
 
-EDGE_ACCURACY = 4e-3
-"""Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
 _RESIDUAL_ACCURACY = 1e-2
 """Accuracy of the closure, in step tolerances of the work of adhesion: far below the step error."""
 _LOAD_WEIGHT = 4.0

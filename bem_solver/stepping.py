@@ -26,7 +26,6 @@ from bem_solver.profiles import surface_profile
 from bem_solver.run_state import GradedState, StepSettings, StepStart
 from bem_solver.state_update import updated_state
 from bem_solver.step import (
-    EDGE_ACCURACY,
     Candidate,
     FailedStep,
     StepFailure,
@@ -35,7 +34,7 @@ from bem_solver.step import (
     limited_step,
 )
 from bem_solver.step_control import grown, shrunk
-from bem_solver.trial import Problem, TrialContact
+from bem_solver.trial import EDGE_ACCURACY, Problem, TrialContact
 from contact_scene import Outcome, OutcomeKind, RunMonitor
 from contact_scene.run_control import KeptState, LoadingCursor, budget_outcome, interruption
 

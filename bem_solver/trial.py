@@ -22,6 +22,9 @@ from contact_scene import Counters, Scene
 
 Array = NDArray[np.float64]
 
+EDGE_ACCURACY = 4e-3
+"""Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -177,9 +180,10 @@ def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge
     if not history.direction <= 0 < state.edge < edge:
         return kinks
     still = 0.1 * float(problem.chain.relaxation[0])
-    reach = min(longest, (edge - state.edge) * still / (still + duration))
+    turning = state.edge if history.farthest is None else min(history.farthest, state.edge)
+    reach = min(longest, (edge - turning) * still / (still + duration))
     none = EdgeKinks(np.empty(0), np.empty(0))
-    return (kinks or none).and_at(state.edge, reach)
+    return (kinks or none).and_at(turning, reach)
 
 
 def _closure(problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface) -> float:
