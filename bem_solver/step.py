@@ -146,7 +146,7 @@ class TrialStep(StepStart):
         if inward.residual > trial.residual:
             travel = abs(beyond.motion.new_edge - self.state.contact.edge)
             return FailedStep(StepFailure.UNSTABLE, receding, travel)
-        return Candidate(parameter, trial, 0.0, root.slope)
+        return Candidate(parameter, trial, self._error(trial, parameter - start), root.slope)
 
     def _in_full_contact(self) -> Candidate | None:
         """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""

@@ -3,7 +3,7 @@
 A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside,
 then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
 sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of the departure from a straight
-line that ``v`` has in time at the outermost point inside all the time, falling off like ``1/r``, and a rest
+line that ``v`` has in time at the outermost point inside all the time, falling off as ``v``, and a rest
 that is linear in time; the recursions are exact for all. So both sides of an edge at rest change alike: a step
 between them would be read as a root by an edge that advances a little. A covered point meets the indenter at
 the moment the edge passes; a released one leaves it, glassy, at that moment. Displacement ``w``, load ``v`` and
@@ -100,13 +100,13 @@ def load_inside(chain: Chain, variables: Array, displacement: Array) -> Array:
     return chain.relaxed * displacement + chain.stress(variables)
 
 
-def bend(chain: Chain, radius: Array, motion: Motion, first: Array, last: Array) -> Array:
+def bend(chain: Chain, points: SurfacePoints, motion: Motion, first: Array, last: Array) -> Array:
     """Scaled lags at a share of the step beyond those under a load that is linear since an earlier share.
 
     Parameters
     ----------
     chain : Chain
-    radius : ndarray (m,)
+    points : SurfacePoints (m)
         Outside the innermost edge of the step.
     motion : Motion
     first, last : ndarray (m,) or (1,)
@@ -115,11 +115,12 @@ def bend(chain: Chain, radius: Array, motion: Motion, first: Array, last: Array)
     Returns
     -------
     ndarray (m, K)
-        Those of the innermost edge, where displacement is prescribed, times its radius over ``radius``.
+        Those of the innermost edge, where displacement is prescribed, times the share of its load that the
+        points have: in a hold all loads relax in proportion.
     """
     point = motion.innermost
     if point is None or motion.duration == 0.0:
-        return np.zeros((len(radius), len(chain)))
+        return np.zeros((len(points), len(chain)))
     rise = motion.new_penetration - motion.penetration
 
     def at(share: Array) -> tuple[Array, Array]:
@@ -130,7 +131,8 @@ def bend(chain: Chain, radius: Array, motion: Motion, first: Array, last: Array)
     (before, load), (after, new_load) = at(first), at(last)
     y = ((last - first) * motion.duration)[:, None] / chain.retardation
     lags = after - chain.decay(y) * before - chain.spread(y) * chain.lag_rate * (new_load - load)[:, None]
-    return point.radius / radius[:, None] * lags
+    part = np.clip(points.load / point.load, 0.0, 1.0) if point.load[0] != 0.0 else np.zeros(len(points))
+    return part[:, None] * lags
 
 
 def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
@@ -141,7 +143,7 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     rise = motion.singular * np.sqrt(points.radius - motion.edge)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
     lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
-    lags += bend(chain, points.radius, motion, np.zeros_like(share), share)
+    lags += bend(chain, points, motion, np.zeros_like(share), share)
     meeting = motion.penetration_at(share) - points.height
     # w = v/E0 - sum l at the moment of contact, with even * (v - v_n) still to come into l
     per_load = even @ chain.compliances
@@ -176,7 +178,7 @@ def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     lags = chain.decay(y) * (at_release @ chain.rotation.T)
     lags += even * chain.lag_rate * (new_load - load)[:, None]
     lags += (chain.spread_from_edge(y) - even) * chain.lag_rate * fall[:, None]
-    lags += bend(chain, points.radius, motion, share, np.ones_like(share))
+    lags += bend(chain, points, motion, share, np.ones_like(share))
     return lags @ chain.rotation
 
 
@@ -203,7 +205,7 @@ def free(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -
     change = -motion.singular * (np.sqrt(after) - np.sqrt(before))
     weight = chain.spread_outside(np.broadcast_to(y, lags.shape), before[:, None], after[:, None])
     lags += (weight - even) * chain.lag_rate * change[:, None]
-    lags += bend(chain, points.radius, motion, np.zeros(1), np.ones(1))
+    lags += bend(chain, points, motion, np.zeros(1), np.ones(1))
     return lags @ chain.rotation
 
 
