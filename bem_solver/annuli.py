@@ -48,8 +48,6 @@ class Annuli:
     ----------
     borders : ndarray (M + 1,), radii, areas : ndarray (M,)
         Annulus borders, collocation radii and areas.
-    points : ndarray (M + 1,)
-        Where a surface wants its load: the collocation radii and the edge.
     matrix : ndarray (M, M)
         Displacement at the collocation radii under unit pressure on each annulus.
     """
@@ -60,7 +58,6 @@ class Annuli:
         self.count = count
         self.borders = np.sin(angle)
         self.radii = np.sin(middle)
-        self.points = np.append(self.radii, 1.0)
         self.areas = np.pi * np.diff(self.borders**2)
         self.matrix = annulus_influence(self.radii, self.borders)
         self._factors, self._pivots, info = dgetrf(self.matrix)
@@ -74,8 +71,8 @@ class Annuli:
         self._edge_fit = np.linalg.inv(np.vander(offsets, 3, increasing=True))[0]
         # displacement outside, at equal angles arcsin(1/x); the far end, arcsin = 0, is zero
         self._outside_count = count
-        self._inverse_radius = self.borders[1:]
-        self._outside = annulus_influence(1.0 / self._inverse_radius, self.borders)
+        outside = 1.0 / np.sin(0.5 * np.pi * np.arange(1, count + 1) / count)
+        self._outside = annulus_influence(outside, self.borders)
 
     def __reduce__(self) -> tuple[type[Annuli], tuple[int]]:
         """Kept as their number alone: matrix and factors are made anew, bit for bit."""
@@ -93,15 +90,12 @@ class Annuli:
         """``kappa = pi q(edge)``: displacement of the flat punch with the same edge singularity."""
         return float(np.pi * (self._edge_fit @ density[:-4:-1]))
 
-    def outside_field(self, pressure: Array, kappa: float, at_edge: float) -> Array:
+    def outside_field(self, pressure: Array, kappa: float) -> Array:
         """Samples of the outer displacement without its punch part, at equal angles ``arcsin(1/x)``.
 
-        They meet the displacement ``at_edge`` prescribed there: what annuli miss of it, spread like ``1/x``,
-        would be a step, whose root an advancing edge would find however little it moves. Returns shape (M +
-        3,): far end (zero, and its odd continuation) to the edge.
+        Returns shape (M + 3,): far end (zero, and its odd continuation) to the edge.
         """
         inner = self._outside @ (pressure - kappa * self.punch)
-        inner += (at_edge - kappa - inner[-1]) * self._inverse_radius
         # odd about the far end (~1/x); about the edge the samples are continued by a cubic
         beyond = 4.0 * inner[-1] - 6.0 * inner[-2] + 4.0 * inner[-3] - inner[-4]
         return np.concatenate(([-inner[0], 0.0], inner, [beyond]))

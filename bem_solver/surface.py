@@ -59,8 +59,8 @@ class ContactSurface:
         ----------
         annuli : Annuli
         edge : float
-        load : ndarray (M + 1 + 3 k,)
-            ``v`` at the collocation radii, at the edge, then at the readings of the kinks.
+        load : ndarray (M + 3 k,)
+            ``v`` at the collocation radii, then at the readings of the kinks.
         kinks : EdgeKinks, optional
 
         Returns
@@ -68,18 +68,17 @@ class ContactSurface:
         ContactSurface
         """
         if kinks is None:
-            scaled = rest = annuli.solve(load[:-1])
-            at_edge, strengths, carried = float(load[-1]), None, 0.0
+            scaled = rest = annuli.solve(load)
+            strengths, carried = None, 0.0
         else:
-            load, read = np.split(load, [annuli.count + 1])
+            load, read = np.split(load, [annuli.count])
             strengths = kinks.strengths(read)
-            smooth = load - kinks.displacement(edge * annuli.points) @ strengths
-            scaled, rest = annuli.solve(np.stack((load[:-1], smooth[:-1]), axis=1)).T
-            at_edge = float(smooth[-1])
+            punches = kinks.displacement(edge * annuli.radii) @ strengths
+            scaled, rest = annuli.solve(np.stack((load, load - punches), axis=1)).T
             carried = 2.0 * float(kinks.radius @ strengths)
         density = annuli.density(rest)
         kappa = annuli.edge_strength(density)
-        field = annuli.outside_field(rest, kappa, at_edge)
+        field = annuli.outside_field(rest, kappa)
         # the punch part of the force, 2 kappa, is exact
         force = edge * (2.0 * kappa + annuli.areas @ (rest - kappa * annuli.punch)) + carried
         return cls(annuli, edge, scaled, density, kappa, field, float(force), kinks, strengths)

@@ -133,7 +133,7 @@ def evaluate(
     """
     annuli, counters = problem.annuli, problem.counters
     kinks = _kinks_inside(problem, state, duration, edge)
-    radii = edge * annuli.points
+    radii = edge * annuli.radii
     points = points_at(problem, state, radii if kinks is None else np.append(radii, kinks.readings))
     singular, innermost = 0.0, None
     if problem.viscoelastic:
