@@ -89,8 +89,8 @@ def limited_step(start: StepStart) -> tuple[float, float]:
 class TrialStep(StepStart):
     """A step of length ``step`` from the committed state along a loading interval.
 
-    Where the edge would go further than its travel limit, the shorter step that takes it just there is
-    sought instead.
+    Where the edge would go further than its travel limit, or inside the process zone, the shorter step that
+    takes it just there is sought instead.
     """
 
     step: float
@@ -107,7 +107,7 @@ class TrialStep(StepStart):
         edge, limit = state.contact.edge, problem.scene.indenter.edge
         length, tolerance = problem.length_at(edge), self.settings.tolerance
         reach = state.travel_share * length / self.settings.divisions
-        low, high = max(edge - reach, 0.25 * edge), min(edge + reach, limit)
+        low, high = max(edge - reach, 0.25 * edge, problem.zone), min(edge + reach, limit)
         if edge == limit:
             resting = self._in_full_contact()
             if resting is not None:
