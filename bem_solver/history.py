@@ -134,14 +134,16 @@ def _slopes(at: Array, values: Array) -> Array:
 class SurfaceHistory:
     """Scaled Maxwell stresses up to the edge, scaled Voigt strains from the edge on.
 
-    ``direction`` is the sign of the last motion of the edge; ``turning`` the radius at which that motion
-    began, until the edge has left it far enough for it to be a kink.
+    ``direction`` is the sign of the last motion of the edge, ``farthest`` the radius it has reached in it
+    (``None``: not yet any); ``turning`` the radius at which that motion began, until the edge has left it far
+    enough for it to be a kink.
     """
 
     inner: NodalVariables
     outer: NodalVariables
     direction: int = 0
     turning: float | None = None
+    farthest: float | None = None
 
     @property
     def kinks(self) -> tuple[float, ...]:
@@ -179,9 +181,9 @@ def distinct(radius: Array, fixed: tuple[float, ...], smallest: float) -> Array:
 
 
 def updated_kinks(
-    before: SurfaceHistory, edge: float, new_edge: float, apart: float
-) -> tuple[tuple[float, ...], int, float | None]:
-    """Kinks, direction and turning radius after the edge went from ``edge`` to ``new_edge``.
+    before: SurfaceHistory, edge: float, new_edge: float, apart: float, rest: float
+) -> tuple[tuple[float, ...], int, float | None, float]:
+    """Kinks, direction, turning and farthest radius after the edge went from ``edge`` to ``new_edge``.
 
     Parameters
     ----------
@@ -189,12 +191,15 @@ def updated_kinks(
     edge, new_edge : float
     apart : float
         Smallest distance of a kink from the edge and from newer kinks.
+    rest : float
+        Accuracy of the edge: so far back from its farthest radius it has not turned.
 
     Returns
     -------
     kinks : tuple of float
     direction : int
     turning : float or None
+    farthest : float
 
     Notes
     -----
@@ -202,13 +207,19 @@ def updated_kinks(
     than that to the edge or to a newer one are dropped: the nodes that stay around them carry their
     history.
     """
-    direction = int(np.sign(new_edge - edge)) or before.direction
-    turning = before.turning if direction == before.direction else edge
+    farthest = edge if before.farthest is None else before.farthest
+    direction, turning = before.direction, before.turning
+    ahead = (new_edge - farthest) * direction
+    if ahead > 0.0:
+        farthest = new_edge
+    elif direction == 0 or ahead < -rest:
+        direction = int(np.sign(new_edge - farthest)) or direction
+        turning, farthest = farthest, new_edge
     kinks = [k for k in before.kinks if k != edge and abs(k - new_edge) >= apart]
     if turning is not None and abs(new_edge - turning) >= apart:
         kinks = [k for k in kinks if abs(k - turning) >= apart] + [turning]
         turning = None
-    return tuple(sorted(kinks[-_MOST_KINKS:])), direction, turning
+    return tuple(sorted(kinks[-_MOST_KINKS:])), direction, turning, farthest
 
 
 def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:

@@ -14,9 +14,8 @@ from bem_solver.history import SurfaceHistory
 from bem_solver.root_search import rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.start import contact_scale, equilibrium
-from bem_solver.step import EDGE_ACCURACY
 from bem_solver.surface import ContactSurface
-from bem_solver.trial import HalfSpaceState, TrialContact, evaluate
+from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, TrialContact, evaluate
 from contact_scene import Outcome, OutcomeKind
 
 SMALLEST_TRAVEL_SHARE = 1.0 / 64.0

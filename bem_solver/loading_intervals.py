@@ -15,6 +15,7 @@ from contact_scene import Outcome, OutcomeKind, Segment
 from contact_scene.loading import Loading
 from contact_scene.run_control import LoadingCursor, stops_within
 
+_ENDS_OF_CONTACT = (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -156,9 +157,7 @@ def follow_loading(
         report = partial(_report, progress, cursor, loading, segment)
         while (interval := next_interval(cursor, segment, requested)) is not None:
             outcome = run.follow(interval, report)
-            if run.reached()[0] in profile_times and (
-                outcome is None or outcome.kind is OutcomeKind.DETACHED
-            ):
+            if run.reached()[0] in profile_times and (outcome is None or outcome.kind in _ENDS_OF_CONTACT):
                 run.record_profile()
             if outcome is not None:
                 return outcome

@@ -37,6 +37,11 @@ class TraceRecorder:
             )
         )
 
+    @property
+    def forces(self) -> list[float]:
+        """Force of every row, positive in compression."""
+        return [row[2] for row in self.rows]
+
     def kink(self) -> None:
         """Slopes may jump at the last row."""
         self.kinks.append(max(len(self.rows) - 1, 0))

@@ -17,6 +17,9 @@ class HasResidual(Protocol):
 
 _ITERATIONS = 200
 """Evaluations before the search is given up; bisection alone would need about 60."""
+_FIRST = 1e-3
+"""Share of the tolerances within which the first trial is a root already by the estimated slope: it may be wrong
+by the inverse."""
 _ROUNDING = 4e-16
 """Relative width of a bracket that holds no further floating-point number."""
 
@@ -65,9 +68,17 @@ def rising_root(
     ------
     FloatingPointError
         If a residual is not finite or the search does not converge.
+
+    Notes
+    -----
+    Beyond an edge at rest the residual rises as a root of the distance, with a vertical tangent there: a slope
+    measured over less than ``accuracy`` tells nothing about where the root lies within it. The tolerance in
+    the radius is therefore judged by the smaller of the last secant and the last one over at least
+    ``accuracy``, the one that is returned, or by a change of sign.
     """
     negative: float | None = None  # largest x known with residual < 0
     positive: float | None = None  # smallest x known with residual > 0
+    wide = slope  # over at least the accuracy
     x = min(max(guess, low), high)
     trial = evaluate(x)
     for iteration in range(_ITERATIONS):
@@ -76,27 +87,32 @@ def rising_root(
             raise FloatingPointError(f"the closure is not finite at contact radius {x:.6g}")
         if r < 0.0:
             if x >= high:
-                return RootSearchResult("above", x, trial, slope)
+                return RootSearchResult("above", x, trial, wide)
             negative = x if negative is None else max(negative, x)
         elif r > 0.0:
             if x <= low:
-                return RootSearchResult("below", x, trial, slope)
+                return RootSearchResult("below", x, trial, wide)
             positive = x if positive is None else min(positive, x)
-        if r == 0.0 or (iteration > 0 and slope > 0.0 and abs(r) <= min(slope * accuracy, residual)):
-            return RootSearchResult("converged", x, trial, slope)
+        sure = 1.0 if iteration > 0 else _FIRST
+        if abs(r) <= sure * min(slope * accuracy, wide * accuracy, residual):
+            return RootSearchResult("converged", x, trial, wide)
         left = low if negative is None else negative
         right = high if positive is None else positive
         near = abs(r) <= residual or right - left <= _ROUNDING * abs(x)
         if near and right - left <= accuracy:
-            return RootSearchResult("converged", x, trial, slope)
+            return RootSearchResult("converged", x, trial, wide)
         new = min(max(x - r / slope, left), right) if slope > 0.0 else (right if r < 0.0 else left)
         bracketed = negative is not None and positive is not None
+        if not bracketed and iteration > 0 and abs(new - x) < accuracy:
+            new = min(max(x - math.copysign(accuracy, r), left), right)
         if bracketed and (not left < new < right or iteration % 6 == 5):
             new = 0.5 * (left + right)
         if new == x:
-            return RootSearchResult("converged", x, trial, slope)
+            return RootSearchResult("converged", x, trial, wide)
         new_trial = evaluate(new)
         secant = (new_trial.residual - r) / (new - x)
-        slope = secant if secant > 0.0 else 0.0
+        slope = max(secant, 0.0)
+        if abs(new - x) >= accuracy:
+            wide = slope
         x, trial = new, new_trial
     raise FloatingPointError("the search for the edge did not converge")

@@ -17,7 +17,7 @@ from bem_solver.history import (
 )
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, advanced, load_inside
-from bem_solver.trial import HalfSpaceState, Problem, TrialContact, points_at
+from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, Problem, TrialContact, points_at
 
 Array = NDArray[np.float64]
 
@@ -144,7 +144,9 @@ def _new_history(
     wanted = graded_nodes(radii, edge, reach)
     if len(state.history.outer.radius) == 0:  # first contact: nothing beyond it yet
         wanted = np.concatenate((wanted, [0.0], (edge + length) * np.geomspace(1.0, 1e6, 240)))
-    kinks, direction, turning = updated_kinks(state.history, motion.edge, edge, 8.0 * smallest)
+    kinks, direction, turning, farthest = updated_kinks(
+        state.history, motion.edge, edge, 8.0 * smallest, EDGE_ACCURACY * tolerance * length
+    )
     fixed = (edge, *kinks) if turning is None or turning == edge else (edge, turning, *kinks)
     if turning is not None and turning < edge:
         kinks = tuple(sorted((*kinks, turning)))
@@ -162,4 +164,4 @@ def _new_history(
     def coarsen(side: NodalVariables) -> NodalVariables:
         return side.coarsened(allowed_change, spacing(side.radius, edge, length, divisions), parity)
 
-    return SurfaceHistory(coarsen(inner), coarsen(outer), direction, turning)
+    return SurfaceHistory(coarsen(inner), coarsen(outer), direction, turning, farthest)

@@ -16,10 +16,8 @@ from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import departure_from_line, shrunk
-from bem_solver.trial import HalfSpaceState, TrialContact, evaluate
+from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, TrialContact, evaluate
 
-EDGE_ACCURACY = 4e-3
-"""Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
 _RESIDUAL_ACCURACY = 1e-2
 """Accuracy of the closure, in step tolerances of the work of adhesion: far below the step error."""
 _LOAD_WEIGHT = 4.0
@@ -91,8 +89,8 @@ def limited_step(start: StepStart) -> tuple[float, float]:
 class TrialStep(StepStart):
     """A step of length ``step`` from the committed state along a loading interval.
 
-    Where the edge would go further than its travel limit, the shorter step that takes it just there is
-    sought instead.
+    Where the edge would go further than its travel limit, or inside the process zone, the shorter step that
+    takes it just there is sought instead.
     """
 
     step: float
@@ -109,7 +107,7 @@ class TrialStep(StepStart):
         edge, limit = state.contact.edge, problem.scene.indenter.edge
         length, tolerance = problem.length_at(edge), self.settings.tolerance
         reach = state.travel_share * length / self.settings.divisions
-        low, high = max(edge - reach, 0.25 * edge), min(edge + reach, limit)
+        low, high = max(edge - reach, 0.25 * edge, problem.zone), min(edge + reach, limit)
         if edge == limit:
             resting = self._in_full_contact()
             if resting is not None:
@@ -148,7 +146,7 @@ class TrialStep(StepStart):
         if inward.residual > trial.residual:
             travel = abs(beyond.motion.new_edge - self.state.contact.edge)
             return FailedStep(StepFailure.UNSTABLE, receding, travel)
-        return Candidate(parameter, trial, 0.0, root.slope)
+        return Candidate(parameter, trial, self._error(trial, parameter - start), root.slope)
 
     def _in_full_contact(self) -> Candidate | None:
         """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""

@@ -26,7 +26,6 @@ from bem_solver.profiles import surface_profile
 from bem_solver.run_state import GradedState, StepSettings, StepStart
 from bem_solver.state_update import updated_state
 from bem_solver.step import (
-    EDGE_ACCURACY,
     Candidate,
     FailedStep,
     StepFailure,
@@ -35,9 +34,15 @@ from bem_solver.step import (
     limited_step,
 )
 from bem_solver.step_control import grown, shrunk
-from bem_solver.trial import Problem, TrialContact
+from bem_solver.trial import EDGE_ACCURACY, Problem, TrialContact
 from contact_scene import Outcome, OutcomeKind, RunMonitor
-from contact_scene.run_control import KeptState, LoadingCursor, budget_outcome, interruption
+from contact_scene.run_control import (
+    KeptState,
+    LoadingCursor,
+    below_zone_outcome,
+    budget_outcome,
+    interruption,
+)
 
 SOLVER = "bem"
 
@@ -143,9 +148,7 @@ class GradedRun:
         state.accepted.add(state.parameter, edge, free_load(interval, state.contact))
         state.travel_share = min(1.0, 2.0 * state.travel_share)
         if edge <= self.problem.zone:
-            record.event("pull-off", state.contact)
-            reason = "the contact has become as short as the process zone"
-            return Outcome(OutcomeKind.DETACHED, reason, state.contact.time)
+            return below_zone_outcome(record.forces, state.contact.time)
         if contact_lost(start):
             state.contact, state.energies = lift_off(start)
             record.event("pull-off", state.contact)

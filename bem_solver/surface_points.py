@@ -2,10 +2,12 @@
 
 A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside,
 then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
-sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, and a rest that is linear in
-time; the Voigt recursion is exact for both. A covered point meets the indenter at the moment the edge
-passes; a released one leaves it, glassy, at that moment. Displacement ``w``, load ``v`` and penetration are
-positive downwards.
+sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of the departure from a straight
+line that ``v`` has in time at the outermost point inside all the time, falling off as ``v``, and a rest
+that is linear in time; the recursions are exact for all. So both sides of an edge at rest change alike: a step
+between them would be read as a root by an edge that advances a little. A covered point meets the indenter at
+the moment the edge passes; a released one leaves it, glassy, at that moment. Displacement ``w``, load ``v`` and
+penetration are positive downwards.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ Array = NDArray[np.float64]
 class Motion:
     """One step: duration, edge and penetration at both ends, and the strength of the edge's square root.
 
-    ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step.
+    ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step;
+    ``innermost`` (1 point) the state there of the innermost radius the edge takes in the step, if any.
     """
 
     duration: float
@@ -33,6 +36,7 @@ class Motion:
     penetration: float
     new_penetration: float
     singular: float = 0.0
+    innermost: SurfacePoints | None = None
 
     def passing(self, radius: Array) -> Array:
         """Share of the step after which the edge passes radii between its two ends."""
@@ -96,6 +100,41 @@ def load_inside(chain: Chain, variables: Array, displacement: Array) -> Array:
     return chain.relaxed * displacement + chain.stress(variables)
 
 
+def bend(chain: Chain, points: SurfacePoints, motion: Motion, first: Array, last: Array) -> Array:
+    """Scaled lags at a share of the step beyond those under a load that is linear since an earlier share.
+
+    Parameters
+    ----------
+    chain : Chain
+    points : SurfacePoints (m)
+        Outside the innermost edge of the step.
+    motion : Motion
+    first, last : ndarray (m,) or (1,)
+        Shares of the step.
+
+    Returns
+    -------
+    ndarray (m, K)
+        Those of the innermost edge, where displacement is prescribed, times the share of its load that the
+        points have: in a hold all loads relax in proportion.
+    """
+    point = motion.innermost
+    if point is None or motion.duration == 0.0:
+        return np.zeros((len(points), len(chain)))
+    rise = motion.new_penetration - motion.penetration
+
+    def at(share: Array) -> tuple[Array, Array]:
+        variables = pressed(chain, point.variables, share * rise, share * motion.duration)
+        load = load_inside(chain, variables, point.displacement + share * rise)
+        return variables @ chain.rotation.T, load
+
+    (before, load), (after, new_load) = at(first), at(last)
+    y = ((last - first) * motion.duration)[:, None] / chain.retardation
+    lags = after - chain.decay(y) * before - chain.spread(y) * chain.lag_rate * (new_load - load)[:, None]
+    part = np.clip(points.load / point.load, 0.0, 1.0) if point.load[0] != 0.0 else np.zeros(len(points))
+    return part[:, None] * lags
+
+
 def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     """Variables of points that the advancing edge passes."""
     share = motion.passing(points.radius)
@@ -104,6 +143,7 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     rise = motion.singular * np.sqrt(points.radius - motion.edge)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
     lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
+    lags += bend(chain, points, motion, np.zeros_like(share), share)
     meeting = motion.penetration_at(share) - points.height
     # w = v/E0 - sum l at the moment of contact, with even * (v - v_n) still to come into l
     per_load = even @ chain.compliances
@@ -138,6 +178,7 @@ def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     lags = chain.decay(y) * (at_release @ chain.rotation.T)
     lags += even * chain.lag_rate * (new_load - load)[:, None]
     lags += (chain.spread_from_edge(y) - even) * chain.lag_rate * fall[:, None]
+    lags += bend(chain, points, motion, share, np.ones_like(share))
     return lags @ chain.rotation
 
 
@@ -164,6 +205,7 @@ def free(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -
     change = -motion.singular * (np.sqrt(after) - np.sqrt(before))
     weight = chain.spread_outside(np.broadcast_to(y, lags.shape), before[:, None], after[:, None])
     lags += (weight - even) * chain.lag_rate * change[:, None]
+    lags += bend(chain, points, motion, np.zeros(1), np.ones(1))
     return lags @ chain.rotation
 
 

@@ -22,6 +22,9 @@ from contact_scene import Counters, Scene
 
 Array = NDArray[np.float64]
 
+EDGE_ACCURACY = 4e-3
+"""Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -132,18 +135,22 @@ def evaluate(
     kinks = _kinks_inside(problem, state, duration, edge)
     radii = edge * annuli.radii
     points = points_at(problem, state, radii if kinks is None else np.append(radii, kinks.readings))
-    singular = state.surface.root_strength(abs(edge - state.edge)) if problem.viscoelastic else 0.0
+    singular, innermost = 0.0, None
+    if problem.viscoelastic:
+        singular = state.surface.root_strength(abs(edge - state.edge))
+        if state.edge > 0.0:
+            innermost = points_at(problem, state, np.array([min(edge, state.edge)]))
 
     def under(motion: Motion) -> ContactSurface:
         return ContactSurface.under(annuli, edge, _required_load(problem, points, motion), kinks)
 
     if control == "penetration":
-        motion = Motion(duration, state.edge, edge, state.penetration, value, singular)
+        motion = Motion(duration, state.edge, edge, state.penetration, value, singular, innermost)
         surface = under(motion)
     else:
         # everything is affine in the new penetration
         step = max(abs(state.penetration), 1e-3 * edge)
-        first = Motion(duration, state.edge, edge, state.penetration, state.penetration, singular)
+        first = Motion(duration, state.edge, edge, state.penetration, state.penetration, singular, innermost)
         one, two = under(first), under(replace(first, new_penetration=state.penetration + step))
         share = (value - one.force) / (two.force - one.force)
         motion = replace(first, new_penetration=state.penetration + share * step)
@@ -173,9 +180,10 @@ def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge
     if not history.direction <= 0 < state.edge < edge:
         return kinks
     still = 0.1 * float(problem.chain.relaxation[0])
-    reach = min(longest, (edge - state.edge) * still / (still + duration))
+    turning = state.edge if history.farthest is None else min(history.farthest, state.edge)
+    reach = min(longest, (edge - turning) * still / (still + duration))
     none = EdgeKinks(np.empty(0), np.empty(0))
-    return (kinks or none).and_at(state.edge, reach)
+    return (kinks or none).and_at(turning, reach)
 
 
 def _closure(problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface) -> float:

@@ -37,7 +37,14 @@ from contact_scene import (
     Trace,
     UnsupportedScene,
 )
-from contact_scene.run_control import KeptState, LoadingCursor, budget_outcome, interruption, kept_state
+from contact_scene.run_control import (
+    KeptState,
+    LoadingCursor,
+    below_zone_outcome,
+    budget_outcome,
+    interruption,
+    kept_state,
+)
 from contact_scene.scene import zone_too_long
 
 SOLVER = "bem, uniform annuli"
@@ -225,7 +232,8 @@ class _Run:
     def _step(self, interval: LoadingInterval, parameter: float) -> Outcome | None:
         """One step; an outcome if the run ends with it.
 
-        An edge that travels more than a process zone in a step is recorded as unstable.
+        An edge that travels more than a process zone in a step is recorded as unstable. A contact that would
+        become shorter than the zone ends with that length.
         """
         before, time, value = self.state.surface, interval.time(parameter), interval.prescribed(parameter)
         duration = 0.0 if interval.jump else time - before.time
@@ -237,8 +245,11 @@ class _Run:
             reason = "the contact spreads beyond the annuli"
             return Outcome(OutcomeKind.OUT_OF_RANGE, reason, before.time)
         lost = contact == 0 and before.contact > 0
+        below_zone = self.work > 0.0 and 0 < contact <= self.annuli.zone
+        if below_zone:
+            contact = self.annuli.zone
         jump = self.work > 0.0 and abs(contact - before.contact) > self.annuli.zone
-        if lost or jump:
+        if lost or (jump and not below_zone):
             self._event("snap-in" if contact > before.contact else "pull-off")
         if lost and self.work > 0.0:
             reason = f"no stable contact at {interval.control} {value:.6g}"
@@ -249,6 +260,8 @@ class _Run:
         energies = step_energies(self.chain, self.annuli, self.state.energies, before, surface)
         self._commit(surface, energies)
         self.counters.steps += 1
+        if below_zone:
+            return below_zone_outcome(self.state.record.forces, time)
         return Outcome(OutcomeKind.DETACHED, "the contact area fell to zero", time) if lost else None
 
     def _commit(self, surface: AnnuliState, energies: Energies) -> None:

@@ -138,12 +138,12 @@ def test_edge_that_turned_leaves_a_kink_once_it_is_far():
     before = SurfaceHistory(
         track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.2,)), 1, None
     )
-    kinks, direction, turning = updated_kinks(before, 0.2, 0.199, 0.01)
+    kinks, direction, turning, _ = updated_kinks(before, 0.2, 0.199, 0.01, 1e-6)
     assert (kinks, direction, turning) == ((), -1, 0.2)
     before = SurfaceHistory(
         track_to(0.199), NodalVariables(np.array([0.199, 1.0]), np.zeros((2, 1)), (0.199,)), -1, 0.2
     )
-    kinks, direction, turning = updated_kinks(before, 0.199, 0.18, 0.01)
+    kinks, direction, turning, _ = updated_kinks(before, 0.199, 0.18, 0.01, 1e-6)
     assert (kinks, direction, turning) == ((0.2,), -1, None)
 
 
@@ -151,7 +151,7 @@ def test_edge_at_rest_keeps_its_direction():
     before = SurfaceHistory(
         track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.2,)), 1, 0.15
     )
-    kinks, direction, turning = updated_kinks(before, 0.2, 0.2, 0.1)
+    kinks, direction, turning, _ = updated_kinks(before, 0.2, 0.2, 0.1, 1e-6)
     assert (kinks, direction, turning) == ((), 1, 0.15)
 
 
@@ -160,9 +160,9 @@ def test_kinks_near_the_edge_are_dropped_and_few_are_kept():
     before = SurfaceHistory(
         track_to(0.5), NodalVariables(np.array([0.5, 1.0]), np.zeros((2, 1)), (*many, 0.5)), 1, None
     )
-    kinks, _, _ = updated_kinks(before, 0.5, 0.51, 1e-4)
+    kinks, *_ = updated_kinks(before, 0.5, 0.51, 1e-4, 1e-6)
     assert len(kinks) <= 8
-    kinks, _, _ = updated_kinks(before, 0.5, 0.1501, 1e-3)
+    kinks, *_ = updated_kinks(before, 0.5, 0.1501, 1e-3, 1e-6)
     assert min(abs(k - 0.1501) for k in kinks) >= 1e-3
 
 
