@@ -99,6 +99,10 @@ class CondensedHistory:
         """Continue from a state."""
         self.state = state
 
+    def take_back(self, state: CondensedState) -> None:
+        """Return to the state before the last step."""
+        self.state = state
+
     def _loss(self, dt: float, change: Array) -> float:
         weights = self.shear.loss_weights(dt)
         displacement = self.operator.compliance @ change

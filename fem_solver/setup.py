@@ -25,8 +25,6 @@ _MARGIN = 1.2
 """Radius up to which surface nodes enter the surface compliance, relative to that the mesh is made for."""
 _TRAVEL_SHARE = 0.01
 """Edge travel per step without adhesion, relative to the radius the mesh is made for."""
-_ELASTIC_TRAVEL = 4.0
-"""Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +95,7 @@ class Setup:
     radii, height : ndarray, shape (n,)
         Radii of the surface nodes, and the indenter's height above its lowest point there.
     travel : float
-        Edge travel allowed per step, a length.
+        Edge travel allowed per step of a solid with a history, a length.
     shortest_time : float
         Shortest relaxation time; infinite for an elastic solid.
     """
@@ -112,6 +110,11 @@ class Setup:
     height: Array
     travel: float
     shortest_time: float
+
+    @property
+    def has_history(self) -> bool:
+        """Whether the solid relaxes: otherwise each state is an equilibrium by itself."""
+        return math.isfinite(self.shortest_time)
 
     def body(self, image: Array) -> Array:
         """Unknowns in the whole body for surface forces on a solid of unit shear modulus.
@@ -167,7 +170,7 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         law=law,
         radii=radii,
         height=scene.indenter.height(radii),
-        travel=_edge_travel(geometry, reach, options.resolution) * (1.0 if times.size else _ELASTIC_TRAVEL),
+        travel=_edge_travel(geometry, reach, options.resolution),
         shortest_time=float(times.min()) if times.size else math.inf,
     )
 

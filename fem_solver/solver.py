@@ -19,7 +19,7 @@ from fem_solver.profiles import profile
 from fem_solver.recorder import SOLVER, SurfaceRecorder
 from fem_solver.setup import Setup, set_up
 from fem_solver.step_control import SlopeErrorEstimator
-from fem_solver.stepping import NodeReleaseRun
+from fem_solver.stepping import ELASTIC_TOLERANCE, NodeReleaseRun
 
 Progress = Callable[[float], None]
 
@@ -91,12 +91,15 @@ def record(
     run = NodeReleaseRun(
         setup=setup,
         recorder=recorder,
-        estimator=SlopeErrorEstimator(options.tolerance or DEFAULT_TOLERANCE),
+        estimator=SlopeErrorEstimator(
+            (options.tolerance or DEFAULT_TOLERANCE) * (1.0 if setup.has_history else ELASTIC_TOLERANCE)
+        ),
         force_scale=_force_scale(scene, recorder),
         max_steps=options.max_steps,
         requested=options.requested_times,
         on_stop=observer.on_stop,
         on_commit=observer.on_commit,
+        on_take_back=observer.on_take_back,
         monitor=monitor,
         progress=progress,
     )
@@ -149,6 +152,10 @@ class _Observer:
     def on_commit(self, dt: float, forces: NDArray[Any]) -> None:
         if self.log is not None:
             self.log.accept(dt, forces)
+
+    def on_take_back(self) -> None:
+        if self.log is not None:
+            self.log.drop_last()
 
     def on_stop(self, time: float) -> None:
         setup, content = self._setup, self._recorder.content
