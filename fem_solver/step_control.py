@@ -58,7 +58,7 @@ class DyadicInterval:
     @property
     def shortest(self) -> bool:
         """Whether the step cannot be halved."""
-        return self._length(self.step // 2) < self._shortest(self.position)
+        return self._length(self.step) <= self._shortest(self.position)
 
     def limit(self, dt: float, shortest: float) -> None:
         """Start with steps of at most ``dt``; never go below ``shortest``."""
@@ -76,7 +76,7 @@ class DyadicInterval:
 
     def divisible(self, position: int) -> bool:
         """Whether the step that led here from an earlier position can be halved."""
-        return self._length((self.position - position) // 2) >= self._shortest(position)
+        return self._length(self.position - position) > self._shortest(position)
 
     def take_back(self, position: int) -> None:
         """Return to an earlier position, with half the step that led from there."""

@@ -62,7 +62,7 @@ _ELASTIC_TRAVEL = 4.0
 """Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
 _ELASTIC_SHARE = 0.1
 """Edge travel per step of an elastic solid, relative to the contact radius, where that is more."""
-ELASTIC_TOLERANCE = 0.1
+ELASTIC_TOLERANCE = 0.04
 """Allowed error of the rows of an elastic solid per that of others: steps are few, and of its work a small
 difference, the hysteresis of the jumps, is what counts."""
 _SAMPLES = (0.273, 0.618, 1.0)
