@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -127,22 +128,46 @@ class Setup:
         return self.factor.solve(load, self.factor.far_mix * float(self.weights @ image))
 
 
-def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
+class SetUpInterrupted(KeyboardInterrupt):
+    """The set-up was stopped from outside between two of its stages: nothing has been solved."""
+
+
+def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool] | None = None) -> Setup:
     """Assemble and factorise.
+
+    Parameters
+    ----------
+    scene, mesh, options
+        As of :func:`fem_solver.solve`.
+    proceed : callable() -> bool, optional
+        Asked after every stage (assembly, factorisation, surface compliance) whether to go on.
+
+    Returns
+    -------
+    Setup
 
     Raises
     ------
     UnsupportedScene
         If the chosen form or path does not apply to the scene.
+    SetUpInterrupted
+        If it was not to go on.
     """
+
+    def stage_done() -> None:
+        if proceed is not None and not proceed():
+            raise SetUpInterrupted
+
     material = moduli(scene.material)
     _check(material, options)
     space = HalfSpace(mesh, options.form == "mixed", options.far_field)
+    stage_done()
     reach = float(mesh.parameters.fine_to)
     count = _node_count(space.radii, _MARGIN * reach)
     history: CondensedHistory | QuadratureHistory
     if material.alike if options.path == "auto" else options.path == "condensed":
         factor = space.factorise(material.ratio)
+        stage_done()
         compliance, weights = factor.compliance(count)
         history = CondensedHistory(SurfaceOperator(compliance), material.shear)
         glassy = history.operator
@@ -150,6 +175,7 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         history = QuadratureHistory(space, material.shear, material.bulk, count)
         factor, weights = history.factor, history.weights
         glassy = history.instantaneous
+    stage_done()
     radii = space.radii[:count]
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
     # contact radii are those of the glassy response, in which the edge moves

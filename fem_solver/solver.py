@@ -9,7 +9,14 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from contact_scene import Outcome, RunMonitor, Scene, Trace
+from contact_scene import (
+    Counters,
+    Outcome,
+    OutcomeKind,
+    RunMonitor,
+    Scene,
+    Trace,
+)
 from contact_scene.run_control import kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, history_log
@@ -17,7 +24,7 @@ from fem_solver.fields.recording import Recording
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
 from fem_solver.recorder import SOLVER, SurfaceRecorder
-from fem_solver.setup import Setup, set_up
+from fem_solver.setup import Setup, SetUpInterrupted, set_up
 from fem_solver.step_control import SlopeErrorEstimator
 from fem_solver.stepping import ELASTIC_TOLERANCE, NodeReleaseRun
 
@@ -57,7 +64,12 @@ def solve(
     UnsupportedScene
         If the options exclude what the scene needs.
     """
-    return record(scene, mesh, options, progress, monitor).trace
+    began = clock.perf_counter()
+    try:
+        return record(scene, mesh, options, progress, monitor).trace
+    except SetUpInterrupted:
+        outcome = Outcome(OutcomeKind.INTERRUPTED, "stopped from outside during the set-up", 0.0)
+        return SurfaceRecorder(0.0).trace(outcome, Counters(), clock.perf_counter() - began)
 
 
 @single_threaded()
@@ -80,10 +92,16 @@ def record(
     Returns
     -------
     Recording
+
+    Raises
+    ------
+    SetUpInterrupted
+        If ``monitor`` stops it before there is anything to record.
     """
     began = clock.perf_counter()
     options = options or Options()
-    setup = set_up(scene, mesh, options)
+    proceed = None if monitor is None else monitor.continue_set_up
+    setup = set_up(scene, mesh, options, proceed)
     recorder = SurfaceRecorder(
         scene.adhesion.work if scene.adhesion else 0.0, [] if options.records else None
     )
