@@ -7,6 +7,7 @@ Penetration is positive downwards, force positive in compression.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from contact_scene import Counters
@@ -59,7 +60,7 @@ class ContactSolver:
         """Glassy or relaxed equilibrium, from the undeformed half-space."""
         dt = math.inf if relaxed else 0.0
         problem = self._problem(dt, "penetration", penetration)
-        return self._counted(ContactCandidate(dt, problem, self.setup.law.start(problem)))
+        return self._searched(dt, problem, lambda: self.setup.law.start(problem))
 
     def trial(
         self, dt: float, control: Control, value: float, start: float, limits: tuple[float, float]
@@ -84,15 +85,32 @@ class ContactSolver:
             In equilibrium, or with the limit at which the search ended.
         """
         problem = self._problem(dt, control, value)
-        return self._counted(ContactCandidate(dt, problem, self.setup.law.seek(problem, start, *limits)))
+        return self._searched(dt, problem, lambda: self.setup.law.seek(problem, start, *limits))
+
+    def held(self, dt: float, control: Control, value: float, edge: EdgePosition) -> ContactCandidate:
+        """State at the end of a step with the edge at a given position, in equilibrium or not.
+
+        Parameters
+        ----------
+        dt, control, value
+            As of :meth:`trial`.
+        edge : EdgePosition
+            What becomes the position of the candidate.
+
+        Returns
+        -------
+        ContactCandidate
+        """
+        self.counters.linear_solves += 1
+        return ContactCandidate(dt, self._problem(dt, control, value), edge)
 
     def extended(self, candidate: ContactCandidate) -> ContactCandidate:
         """The search of a candidate without equilibrium, continued to the end of the mesh."""
         edge, law = candidate.edge, self.setup.law
         advancing = edge.motion is EdgeMotion.ADVANCING
         limits = (edge.s, math.inf) if advancing else (law.lowest, edge.s)
-        further = law.seek(candidate.problem, edge.s, *limits)
-        return self._counted(ContactCandidate(candidate.dt, candidate.problem, further))
+        problem = candidate.problem
+        return self._searched(candidate.dt, problem, lambda: law.seek(problem, edge.s, *limits))
 
     def radius(self, candidate: ContactCandidate) -> float:
         """Contact radius."""
@@ -102,7 +120,12 @@ class ContactSolver:
         setup = self.setup
         return ContactProblem(setup.geometry, setup.history.respond(dt), setup.height, control, value)
 
-    def _counted(self, candidate: ContactCandidate) -> ContactCandidate:
-        self.counters.closure_evaluations += candidate.problem.evaluations
+    def _searched(
+        self, dt: float, problem: ContactProblem, search: Callable[[], EdgePosition]
+    ) -> ContactCandidate:
+        """The candidate that a search yields; its evaluations of the closure are counted once."""
+        before = problem.evaluations
+        edge = search()
+        self.counters.closure_evaluations += problem.evaluations - before
         self.counters.linear_solves += 1
-        return candidate
+        return ContactCandidate(dt, problem, edge)

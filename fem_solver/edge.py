@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
+import numpy as np
 from scipy.optimize import brentq
 
 from fem_solver.release import ContactProblem, EdgeGeometry
@@ -20,6 +21,8 @@ _NODE_TOLERANCE = 1e-10
 """Accuracy of the edge position, in node spacings."""
 _STRIDE, _NARROW_STRIDE = 0.25, 2.0**-12
 """First stride of a search, in node spacings: the usual one, and that next to the last root."""
+_WIDEST_STRIDE = 0.5
+"""Widest stride of a search, in process zones: the closure, a mean over a zone, hardly turns within it."""
 NO_CONTACT = -1.0
 """Edge position at which no node is in contact."""
 
@@ -78,6 +81,9 @@ class AdhesiveEdge:
         self.geometry, self.work = geometry, work
         # contact of less than one element cannot be distinguished from no contact
         self.lowest = 2.0
+        within = geometry.radii[: geometry.last + 1]
+        spacing = float(np.median(np.diff(within))) if len(within) > 1 else math.inf
+        self._widest = max(_WIDEST_STRIDE * (geometry.zone or 0.0) / spacing, _STRIDE)
 
     def _excess(self, problem: ContactProblem, s: float) -> float:
         value = problem.closure(s) / self.work - 1.0
@@ -137,7 +143,7 @@ class AdhesiveEdge:
                 return EdgePosition(
                     EdgeMotion.RESTING, self._root(problem, min(here, ahead), max(here, ahead))
                 )
-            here, stride = ahead, 2.0 * stride
+            here, stride = ahead, min(2.0 * stride, self._widest)
         if way > 0.0 and self.geometry.capped and limit == self.geometry.last:
             return EdgePosition(EdgeMotion.RESTING, limit)
         return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)

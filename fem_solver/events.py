@@ -1,22 +1,28 @@
-"""Instantaneous events: load jumps, and edge jumps where a run of stable states ends.
+"""Events: load jumps, edge jumps where a run of stable states ends, contact as short as its process zone.
 
-The half-space answers with its glassy modulus. Nothing is accepted here; see ``stepping``.
+Load jumps and edge jumps are instantaneous, the half-space answers with its glassy modulus. Nothing is
+accepted here; see ``stepping``.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+
+from scipy.optimize import brentq
 
 from contact_scene.loading import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
-from fem_solver.edge import EdgeMotion
+from fem_solver.edge import EdgeMotion, EdgePosition
 from fem_solver.recorder import SurfaceState
 
 _SHORTEST_PART = 2.0**-10
 """Least part of a load jump where the response is curved, relative to the jump."""
 _LAST_PART = 2.0**-24
 """Least part of a load jump before contact counts as lost, relative to the jump."""
+_SHARE_TOLERANCE = 1e-12
+"""Accuracy of the share of a step or load jump at which the contact is as short as its process zone."""
 
 
 @dataclass
@@ -72,9 +78,46 @@ class LoadJump:
         self.done += self.part
         self.part *= 2.0
 
+    def value(self, share: float) -> float:
+        """The controlled quantity at a share of the jump."""
+        return self.last if share == 1.0 else self.first + share * (self.last - self.first)
+
     def _at(self, solver: ContactSolver, state: SurfaceState, share: float) -> ContactCandidate:
-        value = self.last if share == 1.0 else self.first + share * (self.last - self.first)
-        return solver.trial(0.0, self.control, value, state.edge, (solver.setup.law.lowest, math.inf))
+        limits = (solver.setup.law.lowest, math.inf)
+        return solver.trial(0.0, self.control, self.value(share), state.edge, limits)
+
+
+def zone_reached(
+    solver: ContactSolver, work: float, load: Callable[[float], tuple[float, Control, float]]
+) -> ContactCandidate | None:
+    """The state within a step, or a part of a load jump, with contact as short as its process zone.
+
+    Parameters
+    ----------
+    solver : ContactSolver
+    work : float
+        Work of adhesion.
+    load : callable(float) -> (float, str, float)
+        Length of the step, controlled quantity and its value at a share of the step, 0 to 1; the contact is
+        longer than the zone at 0 and shorter at 1.
+
+    Returns
+    -------
+    ContactCandidate or None
+        ``None`` if the edge does not rest there on its way: it has passed the zone in a jump.
+    """
+    geometry = solver.setup.geometry
+    edge = EdgePosition(EdgeMotion.RESTING, geometry.position(geometry.zone or 0.0))
+
+    def excess(share: float) -> float:
+        closure = solver.held(*load(share), edge).problem.closure(edge.s)
+        solver.counters.closure_evaluations += 1
+        return max(closure / work, 0.0) - 1.0
+
+    if not excess(0.0) < 0.0 <= excess(1.0):
+        return None
+    share = float(brentq(excess, 0.0, 1.0, xtol=_SHARE_TOLERANCE))
+    return solver.held(*load(share), edge)
 
 
 def edge_jump(solver: ContactSolver, candidate: ContactCandidate) -> ContactCandidate:

@@ -15,6 +15,10 @@ On the far boundary the Boussinesq displacement of the load is prescribed (see `
 per unit amplitude and ``c_0`` that of the node at the axis. By Betti's theorem this is the weight with which
 a ring force excites that far field; it differs from one by the order of ``(r_i/R_far)^2``, and it makes the
 compliance ``C_ij = C^0_ij + c_i v_j`` symmetric.
+
+With the surface ordered behind the body, the last diagonal block of the factors ``L D L^T`` factorises the
+stiffness condensed to the surface (the Schur complement), and ``C^0 = L_ss^-T D_ss^-1 L_ss^-1``: a second
+elimination takes the place of a back-substitution for every node of the surface.
 """
 
 from __future__ import annotations
@@ -25,6 +29,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dlauum, dtrtri
 from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector, MeshTri
 
@@ -34,13 +39,15 @@ from fem_solver.farfield import boussinesq_shapes
 Array = NDArray[np.float64]
 _QUADRATURE_ORDER = 5
 """Polynomial order that the quadrature of the elements integrates exactly."""
-_COLUMNS = 16
-"""Right-hand sides solved at a time; bounds the memory of the compliance."""
+_BLOCK = 256
+"""Rows and columns that are symmetrised at a time; bounds the memory that takes."""
+_SYMMETRIC = {"SymmetricMode": True}
+"""Options of SuperLU for a symmetric matrix that needs no pivoting."""
 _LEAST_RATIO = 1e-7
 """Least ``G/K`` of the factorised mixed system.
 
 It keeps elimination without pivoting stable; smaller ratios, zero among them, are reached from there by one
-step of iterative refinement (error about its square).
+step of iterative refinement, or by extrapolation from it and its double (error about its square).
 """
 
 
@@ -123,8 +130,7 @@ class HalfSpace:
         refined = self.mixed and ratio < 10.0 * _LEAST_RATIO
         if refined:
             near = self.matrix(ratio + _LEAST_RATIO)[self.free][:, self.free].tocsc()
-        symmetric = {"SymmetricMode": True}
-        factor = splu(near, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
+        factor = splu(near, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=_SYMMETRIC)
         lifted = np.stack([-(rows @ shape) for shape in self.far_shapes])
         return Factorisation(self, ratio, factor, exact if refined else None, lifted)
 
@@ -180,14 +186,35 @@ class Factorisation:
         position = np.full(space.unknowns, -1)
         position[space.free] = np.arange(space.free.size)
         rows = position[space.surface_dofs[:count]]
-        clamped = np.empty((count, count))
-        for first in range(0, count, _COLUMNS):
-            last = min(first + _COLUMNS, count)
-            load = np.zeros((space.free.size, last - first))
-            load[rows[first:last], np.arange(last - first)] = 1.0
-            clamped[:, first:last] = self._invert(load)[rows]
-        self.solves += count + 1
+        if self.exact is None:
+            clamped = self._condensed(self.ratio, rows)
+        else:
+            clamped = self._condensed(self.ratio + _LEAST_RATIO, rows)
+            clamped *= 2.0
+            clamped -= self._condensed(self.ratio + 2.0 * _LEAST_RATIO, rows)
+        self.solves += 1
         return clamped, -self._invert(self.far_mix @ self.lifted)[rows]
+
+    def _condensed(self, ratio: float, rows: NDArray[np.integer]) -> Array:
+        """Displacements of the given unknowns per force on them, at a ratio of moduli; in Fortran's order."""
+        free = self.space.free
+        place = self.factor.perm_c.astype(np.int64)
+        place[rows] = free.size + np.arange(rows.size)
+        order = np.argsort(place)
+        matrix = self.space.matrix(ratio)[free[order]][:, free[order]].tocsc()
+        factor = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options=_SYMMETRIC)
+        last = factor.perm_c[free.size - rows.size :]
+        lower = np.asfortranarray(factor.L[last][:, last].toarray())
+        pivots = factor.U.diagonal()[last]
+        del factor, matrix
+        inverse = dtrtri(lower, lower=1, unitdiag=1, overwrite_c=1)[0]
+        inverse /= np.sqrt(pivots)[:, None]
+        whole = dlauum(inverse, lower=1, overwrite_c=1)[0]
+        for begin in range(0, rows.size, _BLOCK):
+            part = slice(begin, begin + _BLOCK)
+            whole[part, part] += np.tril(whole[part, part], -1).T
+            whole[:begin, part] = whole[part, :begin].T
+        return whole
 
     def compliance(self, count: int, weights: Array | None = None) -> tuple[Array, Array]:
         """Surface compliance with the far field of the load, and the weights of that far field.
@@ -204,8 +231,10 @@ class Factorisation:
         compliance : ndarray, shape (count, count)
         weights : ndarray, shape (count,)
         """
-        clamped, far = self.surface_response(count)
+        whole, far = self.surface_response(count)
         if weights is None:
             weights = far / far[0] if self.space.far_field else np.zeros(count)
-        whole = clamped + np.outer(far, weights)
-        return 0.5 * (whole + whole.T), weights
+        for begin in range(0, count, _BLOCK):
+            part = slice(begin, begin + _BLOCK)
+            whole[:, part] += 0.5 * (np.outer(far, weights[part]) + np.outer(weights, far[part]))
+        return whole, weights

@@ -165,6 +165,10 @@ class QuadratureHistory:
         for ratio, count in snapshot.solves.items():
             self._operator(ratio)[0].solves = count
 
+    def take_back(self, state: QuadratureState) -> None:
+        """Return to the state before the last step."""
+        self.state, self._past = state, None
+
     @property
     def factorisations(self) -> int:
         """Factorisations so far."""

@@ -73,8 +73,20 @@ class RecorderContent:
     external_work: float = 0.0
     surface_work: float = 0.0
     largest_force: float = 0.0
+    largest_tension: float = 0.0
     last: SurfaceState | None = None
     first: SurfaceState | None = None
+
+
+@dataclass(frozen=True)
+class RowBefore:
+    """The content of a recorder before its last row: the state then, the work and the largest forces."""
+
+    state: SurfaceState
+    external_work: float
+    surface_work: float
+    largest_force: float
+    largest_tension: float
 
 
 @dataclass
@@ -134,6 +146,28 @@ class SurfaceRecorder:
         if self.surfaces is not None:
             self.surfaces.append(state)
         content.largest_force = max(content.largest_force, abs(state.force))
+        content.largest_tension = max(content.largest_tension, -state.force)
+
+    def mark(self) -> RowBefore:
+        """What is needed to take the next row back."""
+        content = self.content
+        return RowBefore(
+            self.last,
+            content.external_work,
+            content.surface_work,
+            content.largest_force,
+            content.largest_tension,
+        )
+
+    def take_back(self, before: RowBefore) -> None:
+        """Drop the last row, which brought no event."""
+        content = self.content
+        content.rows.pop()
+        if self.surfaces is not None:
+            self.surfaces.pop()
+        content.last = before.state
+        content.external_work, content.surface_work = before.external_work, before.surface_work
+        content.largest_force, content.largest_tension = before.largest_force, before.largest_tension
 
     def event(self, kind: str) -> None:
         """An instability that starts from the last row."""

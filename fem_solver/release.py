@@ -176,7 +176,7 @@ class ContactProblem:
         forces = self.response.modulus * self.operator.last_forces(y, first)
         imposed = self.penetration(s) + self._base[top:beyond]
         gap = np.zeros(beyond - first)
-        gap[top - first :] = self.operator.rows[top:beyond, : top + 1] @ y - imposed
+        gap[top - first :] = self.operator.displacement_beyond(y, beyond) - imposed
         share = geometry.share[inside]
         shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
         zone = geometry.zone or np.nan

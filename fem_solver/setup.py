@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,8 +26,6 @@ _MARGIN = 1.2
 """Radius up to which surface nodes enter the surface compliance, relative to that the mesh is made for."""
 _TRAVEL_SHARE = 0.01
 """Edge travel per step without adhesion, relative to the radius the mesh is made for."""
-_ELASTIC_TRAVEL = 4.0
-"""Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ class Setup:
     radii, height : ndarray, shape (n,)
         Radii of the surface nodes, and the indenter's height above its lowest point there.
     travel : float
-        Edge travel allowed per step, a length.
+        Edge travel allowed per step of a solid with a history, a length.
     shortest_time : float
         Shortest relaxation time; infinite for an elastic solid.
     """
@@ -113,6 +112,11 @@ class Setup:
     travel: float
     shortest_time: float
 
+    @property
+    def has_history(self) -> bool:
+        """Whether the solid relaxes: otherwise each state is an equilibrium by itself."""
+        return math.isfinite(self.shortest_time)
+
     def body(self, image: Array) -> Array:
         """Unknowns in the whole body for surface forces on a solid of unit shear modulus.
 
@@ -124,22 +128,46 @@ class Setup:
         return self.factor.solve(load, self.factor.far_mix * float(self.weights @ image))
 
 
-def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
+class SetUpInterrupted(KeyboardInterrupt):
+    """The set-up was stopped from outside between two of its stages: nothing has been solved."""
+
+
+def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool] | None = None) -> Setup:
     """Assemble and factorise.
+
+    Parameters
+    ----------
+    scene, mesh, options
+        As of :func:`fem_solver.solve`.
+    proceed : callable() -> bool, optional
+        Asked after every stage (assembly, factorisation, surface compliance) whether to go on.
+
+    Returns
+    -------
+    Setup
 
     Raises
     ------
     UnsupportedScene
         If the chosen form or path does not apply to the scene.
+    SetUpInterrupted
+        If it was not to go on.
     """
+
+    def stage_done() -> None:
+        if proceed is not None and not proceed():
+            raise SetUpInterrupted
+
     material = moduli(scene.material)
     _check(material, options)
     space = HalfSpace(mesh, options.form == "mixed", options.far_field)
+    stage_done()
     reach = float(mesh.parameters.fine_to)
     count = _node_count(space.radii, _MARGIN * reach)
     history: CondensedHistory | QuadratureHistory
     if material.alike if options.path == "auto" else options.path == "condensed":
         factor = space.factorise(material.ratio)
+        stage_done()
         compliance, weights = factor.compliance(count)
         history = CondensedHistory(SurfaceOperator(compliance), material.shear)
         glassy = history.operator
@@ -147,6 +175,7 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         history = QuadratureHistory(space, material.shear, material.bulk, count)
         factor, weights = history.factor, history.weights
         glassy = history.instantaneous
+    stage_done()
     radii = space.radii[:count]
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
     # contact radii are those of the glassy response, in which the edge moves
@@ -167,7 +196,7 @@ def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
         law=law,
         radii=radii,
         height=scene.indenter.height(radii),
-        travel=_edge_travel(geometry, reach, options.resolution) * (1.0 if times.size else _ELASTIC_TRAVEL),
+        travel=_edge_travel(geometry, reach, options.resolution),
         shortest_time=float(times.min()) if times.size else math.inf,
     )
 

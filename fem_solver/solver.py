@@ -9,7 +9,14 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from contact_scene import Outcome, RunMonitor, Scene, Trace
+from contact_scene import (
+    Counters,
+    Outcome,
+    OutcomeKind,
+    RunMonitor,
+    Scene,
+    Trace,
+)
 from contact_scene.run_control import kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, history_log
@@ -17,9 +24,9 @@ from fem_solver.fields.recording import Recording
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
 from fem_solver.recorder import SOLVER, SurfaceRecorder
-from fem_solver.setup import Setup, set_up
+from fem_solver.setup import Setup, SetUpInterrupted, set_up
 from fem_solver.step_control import SlopeErrorEstimator
-from fem_solver.stepping import NodeReleaseRun
+from fem_solver.stepping import ELASTIC_TOLERANCE, NodeReleaseRun
 
 Progress = Callable[[float], None]
 
@@ -57,7 +64,12 @@ def solve(
     UnsupportedScene
         If the options exclude what the scene needs.
     """
-    return record(scene, mesh, options, progress, monitor).trace
+    began = clock.perf_counter()
+    try:
+        return record(scene, mesh, options, progress, monitor).trace
+    except SetUpInterrupted:
+        outcome = Outcome(OutcomeKind.INTERRUPTED, "stopped from outside during the set-up", 0.0)
+        return SurfaceRecorder(0.0).trace(outcome, Counters(), clock.perf_counter() - began)
 
 
 @single_threaded()
@@ -80,10 +92,16 @@ def record(
     Returns
     -------
     Recording
+
+    Raises
+    ------
+    SetUpInterrupted
+        If ``monitor`` stops it before there is anything to record.
     """
     began = clock.perf_counter()
     options = options or Options()
-    setup = set_up(scene, mesh, options)
+    proceed = None if monitor is None else monitor.continue_set_up
+    setup = set_up(scene, mesh, options, proceed)
     recorder = SurfaceRecorder(
         scene.adhesion.work if scene.adhesion else 0.0, [] if options.records else None
     )
@@ -91,12 +109,15 @@ def record(
     run = NodeReleaseRun(
         setup=setup,
         recorder=recorder,
-        estimator=SlopeErrorEstimator(options.tolerance or DEFAULT_TOLERANCE),
+        estimator=SlopeErrorEstimator(
+            (options.tolerance or DEFAULT_TOLERANCE) * (1.0 if setup.has_history else ELASTIC_TOLERANCE)
+        ),
         force_scale=_force_scale(scene, recorder),
         max_steps=options.max_steps,
         requested=options.requested_times,
         on_stop=observer.on_stop,
         on_commit=observer.on_commit,
+        on_take_back=observer.on_take_back,
         monitor=monitor,
         progress=progress,
     )
@@ -149,6 +170,10 @@ class _Observer:
     def on_commit(self, dt: float, forces: NDArray[Any]) -> None:
         if self.log is not None:
             self.log.accept(dt, forces)
+
+    def on_take_back(self) -> None:
+        if self.log is not None:
+            self.log.drop_last()
 
     def on_stop(self, time: float) -> None:
         setup, content = self._setup, self._recorder.content

@@ -13,21 +13,27 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-_LEVELS = 48
-"""Halvings of an interval that the position within it resolves."""
+_LEVELS = 448
+"""Halvings of an interval that the position within it resolves: from the longest time to the shortest."""
 _WHOLE = 1 << _LEVELS
 """The interval's length in units of its finest division."""
+_ROUNDING = 8.0
+"""Shortest step in units of the spacing of floats at the present time."""
 
 
 @dataclass
 class DyadicInterval:
-    """Position within an interval ``start..end`` and the present step, in units of ``2^-48`` of it."""
+    """Position within an interval ``start..end`` and the present step, in units of ``2^-448`` of it.
+
+    Steps are not shorter than ``floor``, nor than a few spacings of floats at the present time: what happens
+    at the begin of a long interval is resolved in its own time.
+    """
 
     start: float
     end: float
     position: int = 0
     step: int = _WHOLE
-    shortest_step: int = 1
+    floor: float = 0.0
 
     @property
     def time(self) -> float:
@@ -42,7 +48,7 @@ class DyadicInterval:
     @property
     def dt(self) -> float:
         """Length of the next trial step, the same number for every step of this size."""
-        return (self.end - self.start) * (self.step / _WHOLE)
+        return self._length(self.step)
 
     @property
     def done(self) -> bool:
@@ -52,21 +58,30 @@ class DyadicInterval:
     @property
     def shortest(self) -> bool:
         """Whether the step cannot be halved."""
-        return self.step <= self.shortest_step
+        return self._length(self.step) <= self._shortest(self.position)
 
     def limit(self, dt: float, shortest: float) -> None:
         """Start with steps of at most ``dt``; never go below ``shortest``."""
-        length = self.end - self.start
-        self.shortest_step = _power_below(shortest / length)
-        self.step = max(_power_below(dt / length), self.shortest_step)
+        self.floor = shortest
+        self.step = _power_below(max(dt, self._shortest(self.position)) / (self.end - self.start))
 
     def halve(self) -> None:
-        """Try again with half the step."""
-        self.step = max(self.step // 2, self.shortest_step)
+        """Try again with half the step, if it may be halved."""
+        if not self.shortest:
+            self.step //= 2
 
     def advance(self) -> None:
         """Accept the step."""
         self.position += self.step
+
+    def divisible(self, position: int) -> bool:
+        """Whether the step that led here from an earlier position can be halved."""
+        return self._length(self.position - position) > self._shortest(position)
+
+    def take_back(self, position: int) -> None:
+        """Return to an earlier position, with half the step that led from there."""
+        self.step, self.position = self.position - position, position
+        self.halve()
 
     def double(self) -> None:
         """Take twice the step from here, where that stays aligned."""
@@ -76,7 +91,13 @@ class DyadicInterval:
     def _at(self, position: int) -> float:
         if position >= _WHOLE:
             return self.end
-        return self.start + (self.end - self.start) * (position / _WHOLE)
+        return self.start + self._length(position)
+
+    def _length(self, units: int) -> float:
+        return (self.end - self.start) * (units / _WHOLE)
+
+    def _shortest(self, position: int) -> float:
+        return max(self.floor, _ROUNDING * math.ulp(self._at(position)))
 
 
 def _power_below(share: float) -> int:
@@ -84,6 +105,32 @@ def _power_below(share: float) -> int:
         return _WHOLE
     exponent = _LEVELS + math.floor(math.log2(max(share, 2.0**-_LEVELS)))
     return 1 << max(exponent, 0)
+
+
+def missed_peak(earlier: float, rise: float, fall: float, length: float) -> float:
+    """What may lie above the last row within the step to it, for a concave curve.
+
+    Above the chord lies at most the corner of the line that continues the step before and the line that
+    continues the step behind backwards.
+
+    Parameters
+    ----------
+    earlier, rise, fall : float
+        Slope of the step before, of this step, and downwards of the step behind; ``math.inf`` if unknown.
+    length : float
+        Of this step, in time.
+
+    Returns
+    -------
+    float
+    """
+    if earlier <= rise:
+        return 0.0
+    if math.isinf(earlier):
+        return fall * length
+    if math.isinf(fall):
+        return (earlier - rise) * length
+    return fall * (earlier - rise) / (earlier + fall) * length
 
 
 @dataclass

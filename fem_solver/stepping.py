@@ -25,15 +25,22 @@ from contact_scene import (
     RunMonitor,
     Segment,
 )
-from contact_scene.run_control import Stop, budget_outcome, interruption, stops_within
+from contact_scene.loading import Control
+from contact_scene.run_control import (
+    Stop,
+    below_zone_outcome,
+    budget_outcome,
+    interruption,
+    stops_within,
+)
 from fem_solver.condensed import CondensedState
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import EdgeMotion
-from fem_solver.events import LoadJump, edge_jump
-from fem_solver.quadrature import QuadratureSnapshot
-from fem_solver.recorder import SOLVER, RecorderContent, SurfaceRecorder, SurfaceState
+from fem_solver.events import LoadJump, edge_jump, zone_reached
+from fem_solver.quadrature import QuadratureSnapshot, QuadratureState
+from fem_solver.recorder import SOLVER, RecorderContent, RowBefore, SurfaceRecorder, SurfaceState
 from fem_solver.setup import Setup
-from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
+from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator, missed_peak
 
 Array = NDArray[np.float64]
 
@@ -41,12 +48,23 @@ _REJECT = 2.0
 """A step is rejected if its estimated error exceeds this multiple of the allowed one."""
 _SHORTEST = 1e-6
 """Shortest step, relative to the shortest relaxation time or the interval: below it the edge is unstable."""
+_MISSED_TENSION = 0.1
+"""Tension that rows may miss of its largest value, relative to the allowed error of the force."""
 _FIRST = 1.0 / 64.0
 """First step, relative to the interval; twice that relative to the shortest relaxation time."""
 _EVENT_TRAVEL = 4.0
 """An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
 _DEVIATION_PER_TOLERANCE = 10.0
 """Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its range."""
+_RADIUS_SCALE = 10.0
+"""Allowed error of the radius per that of the force, relative to their sizes: the travel bounds it closer."""
+_ELASTIC_TRAVEL = 4.0
+"""Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
+_ELASTIC_SHARE = 0.1
+"""Edge travel per step of an elastic solid, relative to the contact radius, where that is more."""
+ELASTIC_TOLERANCE = 0.04
+"""Allowed error of the rows of an elastic solid per that of others: steps are few, and of its work a small
+difference, the hysteresis of the jumps, is what counts."""
 _SAMPLES = (0.273, 0.618, 1.0)
 """Uneven shares of a step at which that deviation is sampled: an oscillation cannot vanish at all of them."""
 
@@ -57,6 +75,29 @@ class _RunEnded(Exception):
     def __init__(self, outcome: Outcome) -> None:
         super().__init__(outcome.reason)
         self.outcome = outcome
+
+
+@dataclass(frozen=True)
+class StepBefore:
+    """What it needs to take the last step back, which lies in the present interval and brought no event.
+
+    Parameters
+    ----------
+    time : float
+        At its begin.
+    position : int
+        There, within the interval.
+    slopes : dict of str to float
+        Of the step before it.
+    row : RowBefore
+    history : CondensedState or QuadratureState
+    """
+
+    time: float
+    position: int
+    slopes: dict[str, float]
+    row: RowBefore
+    history: CondensedState | QuadratureState
 
 
 @dataclass(frozen=True)
@@ -78,6 +119,7 @@ class NodeReleaseState:
         Of the last accepted step (see ``step_control``).
     recorded : RecorderContent
     history : CondensedState or QuadratureSnapshot
+    before : StepBefore or None
     """
 
     time: float
@@ -86,6 +128,7 @@ class NodeReleaseState:
     slopes: dict[str, float]
     recorded: RecorderContent
     history: CondensedState | QuadratureSnapshot
+    before: StepBefore | None
 
 
 @dataclass(frozen=True)
@@ -95,6 +138,15 @@ class StepCandidate:
     contact: ContactCandidate
     slopes: dict[str, float]
     error: float
+
+
+@dataclass(frozen=True)
+class TensionPeak:
+    """Rates at which the tension rises to the last row and falls behind it, and what rows may miss of it."""
+
+    rise: float
+    fall: float
+    allowed: float
 
 
 @dataclass
@@ -116,6 +168,8 @@ class NodeReleaseRun:
         Called at the start and at every stop.
     on_commit : callable(float, ndarray)
         Called after every accepted step with its length and nodal forces.
+    on_take_back : callable()
+        Called after the last step has been taken back.
     monitor : RunMonitor or None
     progress : callable(float) or None
     """
@@ -128,6 +182,7 @@ class NodeReleaseRun:
     requested: frozenset[float]
     on_stop: Callable[[float], None]
     on_commit: Callable[[float, Array], None]
+    on_take_back: Callable[[], None]
     monitor: RunMonitor | None = None
     progress: Callable[[float], None] | None = None
     cursor: LoadingCursor = field(default_factory=LoadingCursor)
@@ -135,6 +190,7 @@ class NodeReleaseRun:
     time: float = 0.0
     interval: DyadicInterval | None = None
     step: float | None = None
+    before: StepBefore | None = None
 
     def __post_init__(self) -> None:
         self.solver = ContactSolver(self.setup, self.counters)
@@ -153,6 +209,7 @@ class NodeReleaseRun:
             self.estimator.slopes,
             self.recorder.content,
             self.setup.history.snapshot(),
+            self.before,
         )
         return KeptState(SOLVER, self.cursor, self.counters, content)
 
@@ -163,7 +220,7 @@ class NodeReleaseRun:
         self.counters = self.solver.counters = kept.counters
         self.time, self.interval, self.step = content.time, content.interval, content.step
         self.estimator.slopes = content.slopes
-        self.recorder.content = content.recorded
+        self.recorder.content, self.before = content.recorded, content.before
         self.setup.history.restore(content.history)  # type: ignore[arg-type]
 
     def start(self, loading: Loading) -> Outcome | None:
@@ -213,7 +270,7 @@ class NodeReleaseRun:
     ) -> None:
         """From one stop to the next; ``span`` is the range of the prescribed value over the load step."""
         if self.interval is None:
-            self.interval = self._new_interval(start, stop.time)
+            self.interval, self.before = self._new_interval(start, stop.time), None
         while not self.interval.done:
             outcome = interruption(self.monitor, self.snapshot, self.time)
             if outcome is not None:
@@ -230,8 +287,7 @@ class NodeReleaseRun:
     def _new_interval(self, start: float, end: float) -> DyadicInterval:
         interval, length, relaxation = DyadicInterval(start, end), end - start, self.setup.shortest_time
         first = self.step or min(_FIRST * length, 2.0 * _FIRST * relaxation)
-        shortest = max(_SHORTEST * min(relaxation, length), 8.0 * np.spacing(abs(end)), length * 2.0**-40)
-        interval.limit(first, shortest)
+        interval.limit(first, _SHORTEST * min(relaxation, length))
         return interval
 
     def _advance(self, segment: Segment, interval: DyadicInterval, span: float) -> None:
@@ -244,17 +300,32 @@ class NodeReleaseRun:
             self._check_budget()
             candidate = self.trial_step(segment, interval.dt, interval.next_time)
             error = max(deviation, candidate.error)
-            if error <= _REJECT or interval.shortest:
+            if error > _REJECT and not interval.shortest:
+                self._reject(interval)
+                continue
+            peak = self._tension_peak(candidate)
+            if peak is not None and peak.rise * interval.dt > peak.allowed and not interval.shortest:
+                self._reject(interval)
+                continue
+            if peak is None or not self._divide_last_step(peak, interval):
                 break
-            self.counters.rejected_steps += 1
-            interval.halve()
         contact, slopes = candidate.contact, candidate.slopes
-        if not contact.in_equilibrium:
+        radius, travel, jumped = self.state.radius, self._travel(), not contact.in_equilibrium
+        if jumped:
             contact, slopes, error = self._edge_jump(contact), {}, 0.0
+        elif self._below_zone(contact):
+            self._end_in_step(segment, interval.dt)
+        before = StepBefore(
+            self.time,
+            interval.position,
+            self.estimator.slopes,
+            self.recorder.mark(),
+            self.setup.history.state,
+        )
         self.time = interval.next_time
         interval.advance()
-        radius, travel = self.state.radius, self.setup.travel
         self._commit(contact)
+        self.before = None if jumped else before
         self.estimator.accept(slopes)
         moved = abs(self.state.radius - radius)
         if error > 1.0 or moved > 0.9 * travel:
@@ -262,17 +333,52 @@ class NodeReleaseRun:
         elif error < 0.25 and moved < 0.4 * travel:
             interval.double()
 
+    def _reject(self, interval: DyadicInterval) -> None:
+        self.counters.rejected_steps += 1
+        interval.halve()
+
+    def _tension_peak(self, candidate: StepCandidate) -> TensionPeak | None:
+        """The turn of the tension at the last row, if it is the largest so far."""
+        tension = -self.state.force
+        rise, fall = -self.estimator.slopes.get("force", 0.0), candidate.slopes.get("force", math.inf)
+        allowed = _MISSED_TENSION * self.estimator.tolerance * self.force_scale(self.state.radius)
+        turns = rise > 0.0 and fall > 0.0 and tension + allowed > self.recorder.content.largest_tension
+        return TensionPeak(rise, fall, allowed) if turns else None
+
+    def _divide_last_step(self, peak: TensionPeak, interval: DyadicInterval) -> bool:
+        """Take the last step back if too much of the peak may lie within it; whether it is taken back."""
+        before = self.before
+        if before is None or not interval.divisible(before.position):
+            return False
+        earlier = -before.slopes["force"] if "force" in before.slopes else math.inf
+        if missed_peak(earlier, peak.rise, peak.fall, self.time - before.time) <= peak.allowed:
+            return False
+        self._take_back(before, interval)
+        return True
+
+    def _take_back(self, before: StepBefore, interval: DyadicInterval) -> None:
+        """Return to the begin of the last step, to take it in parts."""
+        self.time = before.time
+        self.estimator.accept(before.slopes)
+        self.recorder.take_back(before.row)
+        self.setup.history.take_back(before.history)  # type: ignore[arg-type]
+        self.on_take_back()
+        self.counters.steps -= 1
+        self.counters.rejected_steps += 1
+        self.before = None
+        interval.take_back(before.position)
+
     def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
         """A step of length ``dt`` that ends at the time ``end``, its edge within one step's travel."""
         now = self.state
-        contact = self.solver.trial(dt, segment.control, segment.value(end), now.edge, self._travel(now))
+        contact = self.solver.trial(dt, segment.control, segment.value(end), now.edge, self._reach(now))
         if not contact.in_equilibrium:
             return StepCandidate(contact, {}, math.inf)
         radius = self.solver.radius(contact)
         quantities = {
             "force": (contact.force, now.force, self.force_scale(radius)),
             "penetration": (contact.penetration, now.penetration, self.recorder.depth_scale()),
-            "radius": (radius, now.radius, 10.0 * radius),
+            "radius": (radius, now.radius, _RADIUS_SCALE * radius),
         }
         if segment.control == "penetration":
             del quantities["penetration"]
@@ -280,9 +386,20 @@ class NodeReleaseRun:
         scales = {name: scale for name, (_, _, scale) in quantities.items()}
         return StepCandidate(contact, slopes, self.estimator.error(slopes, scales, dt))
 
-    def _travel(self, now: SurfaceState) -> tuple[float, float]:
+    def _travel(self) -> float:
+        """Edge travel allowed in the present step.
+
+        Without a history each state is an equilibrium by itself, and the edge may pass many zones in a step;
+        the shortest step alone keeps to the travel of the others: what lies farther is reached in a jump.
+        """
+        travel, interval = self.setup.travel, self.interval
+        if self.setup.has_history or interval is None or interval.shortest:
+            return travel
+        return max(_ELASTIC_TRAVEL * travel, _ELASTIC_SHARE * self.state.radius)
+
+    def _reach(self, now: SurfaceState) -> tuple[float, float]:
         """Edge positions within one step's travel, at least one node either way."""
-        geometry, travel = self.setup.geometry, self.setup.travel
+        geometry, travel = self.setup.geometry, self._travel()
         low, high = geometry.position(now.radius - travel), geometry.position(now.radius + travel)
         return min(low, now.edge - 1.0), max(high, now.edge + 1.0)
 
@@ -312,13 +429,15 @@ class NodeReleaseRun:
                 continue
             if not candidate.in_equilibrium:
                 self._contact_lost(candidate)
+            if self._below_zone(candidate):
+                self._end_in_jump(jump)
             self._commit(candidate)
             jump.advance()
 
     def _edge_jump(self, candidate: ContactCandidate) -> ContactCandidate:
         """The state after an edge jump; it is an event if the edge jumps far."""
         landed = edge_jump(self.solver, candidate)
-        if not landed.in_equilibrium:
+        if not landed.in_equilibrium or self._below_zone(landed):
             self._contact_lost(landed)
         if abs(self.solver.radius(landed) - self.state.radius) > _EVENT_TRAVEL * self.setup.travel:
             advancing = candidate.edge.motion is EdgeMotion.ADVANCING
@@ -337,10 +456,42 @@ class NodeReleaseRun:
             reached = geometry.radius(candidate.edge.s)
             reason = f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
+        self._pulled_off()
+
+    def _pulled_off(self) -> NoReturn:
         self.recorder.event("pull-off")
-        shrunk = self.state.radius < (geometry.zone or 0.0)
-        remark = ", having shrunk below the process zone" if shrunk else ""
-        self._end(OutcomeKind.DETACHED, f"contact lost at penetration {self.state.penetration:.6g}{remark}")
+        self._end(OutcomeKind.DETACHED, f"contact lost at penetration {self.state.penetration:.6g}")
+
+    def _below_zone(self, candidate: ContactCandidate) -> bool:
+        zone = self.setup.geometry.zone
+        return zone is not None and self.solver.radius(candidate) < zone
+
+    def _end_in_step(self, segment: Segment, dt: float) -> NoReturn:
+        """The contact becomes shorter than its process zone within a step."""
+        start = self.time
+
+        def load(share: float) -> tuple[float, Control, float]:
+            return share * dt, segment.control, segment.value(start + share * dt)
+
+        self._end_at_zone(load)
+
+    def _end_in_jump(self, jump: LoadJump) -> NoReturn:
+        """The contact becomes shorter than its process zone within a part of a load jump."""
+
+        def load(share: float) -> tuple[float, Control, float]:
+            return 0.0, jump.control, jump.value(jump.done + share * jump.part)
+
+        self._end_at_zone(load)
+
+    def _end_at_zone(self, load: Callable[[float], tuple[float, Control, float]]) -> NoReturn:
+        """End with the row at which the contact is as short as its process zone (see ``zone_reached``)."""
+        reached = zone_reached(self.solver, self.recorder.work_of_adhesion, load)
+        if reached is None:
+            self._pulled_off()
+        self.time += reached.dt
+        self._commit(reached)
+        forces = [row[2] for row in self.recorder.content.rows]
+        raise _RunEnded(below_zone_outcome(forces, self.time))
 
     def _end(self, kind: OutcomeKind, reason: str) -> NoReturn:
         raise _RunEnded(Outcome(kind, reason, self.time))

@@ -21,40 +21,60 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky
-from scipy.linalg.lapack import dtrtrs
+from scipy.linalg.blas import dsymv
+from scipy.linalg.lapack import dpotrf, dtrtrs
 
 Array = NDArray[np.float64]
 
 
 class SurfaceOperator:
-    """Cholesky factor of the surface compliance for unit shear modulus.
+    """Surface compliance for unit shear modulus, and its Cholesky factor.
+
+    Both live in one matrix: the factor in its lower triangle with the diagonal, the compliance above it.
 
     Parameters
     ----------
     compliance : ndarray, shape (n, n)
-        Displacement per nodal force, nodes by rising radius; symmetric and positive definite.
+        Displacement per nodal force, nodes by rising radius; symmetric and positive definite. It is
+        overwritten if it is in Fortran's order.
     """
 
     def __init__(self, compliance: Array) -> None:
-        self.compliance = compliance
-        self.rows: Array = cholesky(compliance, lower=True)
-        self._columns = np.asfortranarray(self.rows)
+        diagonal = compliance.diagonal().copy()
+        self._matrix, failed = dpotrf(compliance, lower=1, clean=0, overwrite_a=1)
+        if failed:
+            raise ArithmeticError("the compliance of the surface is not positive definite")
+        self._excess = diagonal - self._matrix.diagonal()
         self.unit = self.transform(np.ones(len(compliance)))
         self.stiffness = np.cumsum(self.unit**2)
 
+    def displacement(self, forces: Array) -> Array:
+        """``C f``; shape (n,)."""
+        return dsymv(1.0, self._matrix, forces) + self._excess * forces
+
     def transform(self, displacement: Array) -> Array:
         """``y = L^-1 b``."""
-        return dtrtrs(self._columns, displacement, lower=1)[0]
+        return dtrtrs(self._matrix, displacement, lower=1)[0]
 
     def forces(self, y: Array) -> Array:
         """``L^-T y``; entries beyond the last non-zero of ``y`` are zero."""
-        return dtrtrs(self._columns, y, lower=1, trans=1)[0]
+        return dtrtrs(self._matrix, y, lower=1, trans=1)[0]
 
     def last_forces(self, y: Array, first: int) -> Array:
         """``L^-T y`` for the entries ``first..len(y)-1`` of a vector that ends there."""
-        block = self._columns[first : len(y), first : len(y)]
+        block = self._matrix[first : len(y), first : len(y)]
         return dtrtrs(block, y[first:], lower=1, trans=1)[0]
+
+    def displacement_beyond(self, y: Array, end: int) -> Array:
+        """``L y`` for the entries ``len(y)-1..end-1``: the displacement at the last node and beyond it."""
+        last = len(y) - 1
+        result = self._matrix[last:end, :last] @ y[:last]
+        result += self._matrix[last:end, last] * y[last]
+        return result
+
+    def root(self) -> Array:
+        """``L``; shape (n, n)."""
+        return np.tril(self._matrix)
 
     def effective_radii(self, plane_modulus: float) -> Array:
         """Radius of the flat punch as stiff as contact of the nodes ``0..m``, for every m.

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,10 @@ class SurfaceLog:
         """One more row, which the history has accepted."""
         self.steps.append((dt, self.history.state.image))
 
+    def drop_last(self) -> None:
+        """The last row is taken back."""
+        del self.steps[-1:]
+
     def store(self, row: int) -> None:
         """Nothing to do: all rows are stored."""
 
@@ -84,6 +89,7 @@ class VolumeLog:
         self._lowest_force = np.inf
         self._internal = history.state
         self._dissipated: Array | float = 0.0
+        self._before: tuple[Any, ...] | None = None
 
     @property
     def incompressible(self) -> bool:
@@ -93,6 +99,7 @@ class VolumeLog:
     def accept(self, dt: float, forces: Array) -> None:
         """One more row, which the history has accepted."""
         before, after = self._internal, self.history.state
+        self._before = before, self._dissipated, self.largest_tension, self._lowest_force
         lost = [_loss(dt, before.shear, after.shear, shear_form)]
         if not self.incompressible:
             lost.append(_loss(dt, before.volume, after.volume, volume_form(self.history.space)))
@@ -107,6 +114,15 @@ class VolumeLog:
         ):
             self.stored[self.rows] = state
         self.rows += 1
+
+    def drop_last(self) -> None:
+        """The last row is taken back; once only until the next one."""
+        if self._before is None:
+            return
+        self.rows -= 1
+        self.stored.pop(self.rows, None)
+        self._internal, self._dissipated, self.largest_tension, self._lowest_force = self._before
+        self._before = None
 
     def store(self, row: int) -> None:
         """Store the last row, whose number this is."""

@@ -62,7 +62,8 @@ class CondensedFields:
         self._setup, self._log, self._shear = setup, log, history.shear
         self._strain = forms.strain_operator(setup.space.basis)
         self._points = self._strain.shape[0] // 4
-        self._modes = [LossModes(history.operator.rows) for _ in history.shear.times]
+        root = history.operator.root()
+        self._modes = [LossModes(root) for _ in history.shear.times]
         self._lost = np.zeros((len(history.shear.times), self._points))
         self._row = -1
         self._image = np.zeros(len(history.operator.unit))

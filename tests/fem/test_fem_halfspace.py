@@ -104,12 +104,13 @@ def test_surface_compliance_is_symmetric_and_positive(nu):
 
 
 def test_leading_blocks_of_one_factor_serve_every_contact():
-    operator = SurfaceOperator(factors(0.3).compliance(41)[0])
+    compliance = factors(0.3).compliance(41)[0]
+    operator = SurfaceOperator(compliance.copy(order="F"))
     imposed = np.cos(3.0 * np.arange(41) / 41)
     y = operator.transform(imposed)
     for count in (5, 18, 41):
         cut = np.where(np.arange(41) < count, y, 0.0)
-        forces = np.linalg.solve(operator.compliance[:count, :count], imposed[:count])
+        forces = np.linalg.solve(compliance[:count, :count], imposed[:count])
         assert np.allclose(operator.forces(cut)[:count], forces, rtol=1e-9)
         assert np.allclose(operator.last_forces(y[:count], count - 3), forces[-3:], rtol=1e-9)
         assert operator.unit[:count] @ y[:count] == pytest.approx(forces.sum(), rel=1e-10)

@@ -344,7 +344,10 @@ def test_units_do_not_matter(scale):
 def test_relaxation_times_over_many_decades(times):
     material = Material(0.75, 0.5, tuple(Branch(3.0 / len(times), t) for t in times))
     trace = run(Ramp(0.022, 0.01), Ramp(-0.3, 0.01), material=material)
-    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.outcome.finished
+    # a fast solid creeps through the instability of its relaxed state, down to the process zone
+    fast = times == (1e-9,)
+    assert trace.outcome.kind is (OutcomeKind.BELOW_ZONE if fast else OutcomeKind.DETACHED)
     assert is_finite(trace)
     if len(times) == 1 and times[0] < 1.0:
         assert -trace.force.min() / JKR == pytest.approx(1.027, rel=3e-3)
@@ -373,7 +376,7 @@ def test_progress_and_recorded_states():
     # one back-substitution gives the body, whose surface is the one the run saw
     setup = recording.setup
     sinking = -setup.body(state.image)[setup.space.surface_dofs[: len(state.image)]]
-    assert np.allclose(sinking, setup.history.operator.compliance @ state.image, rtol=1e-7)
+    assert np.allclose(sinking, setup.history.operator.displacement(state.image), rtol=1e-7)
 
 
 def test_options_are_checked():

@@ -90,6 +90,11 @@ class CheckpointWriter:
                 print(f"crosscontact: the run cannot be saved: {error}", file=sys.stderr)
             self._failed = True
 
+    def continue_set_up(self) -> bool:
+        """Whether the run is to continue; there is nothing to write yet."""
+        self.stepping, self.stopped = True, self._stop()
+        return not self.stopped
+
     def remove(self) -> None:
         """The run is over and its results are written: the checkpoint has served."""
         self.path.unlink(missing_ok=True)

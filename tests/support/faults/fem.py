@@ -85,9 +85,7 @@ def _(true):
 @fault("energy without a branch", "condensed:CondensedHistory.stored_energy")
 def _(true):
     def stored(self):
-        lost = self.state.branches[:1]
-        form = np.einsum("kn,kn->k", lost, lost @ self.operator.compliance)
-        return true(self) - 0.5 * float((form / self.shear.moduli[:1]).sum())
+        return true(self) - 0.5 * float((self.state.forms[:1] / self.shear.moduli[:1]).sum())
 
     return stored
 
