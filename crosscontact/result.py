@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path
@@ -26,6 +26,7 @@ from contact_scene import (
     read_columns,
     read_scene,
 )
+from contact_scene.errors import shown
 from contact_scene.files import read_text
 from crosscontact.key_numbers import aligned, key_numbers, table
 from validation.drawing.curves import labels, of_trace
@@ -193,7 +194,7 @@ class Result:
             from matplotlib import pyplot
 
             axes = pyplot.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")[1]
-        left, right = axes
+        left, right = two_axes(axes)
         self._draw(left, right, curve_style(self.solver) | line)
         return left, right
 
@@ -224,6 +225,7 @@ class Result:
             axes.grid(True, color="#e2e2e2", linewidth=0.5)
             axes.set_axisbelow(True)
             axes.margins(0.06, 0.12)
+            axes.locator_params(axis="x", nbins=5)  # more labels run into each other
             axes.ticklabel_format(style="sci", scilimits=(-3, 4), useOffset=False)
         left.legend(frameon=False, fontsize="small")
 
@@ -257,7 +259,35 @@ class Result:
 
         Profiles are not written. :func:`load` reads the folder back.
         """
-        write_run(output_folder(folder, "folder"), self.scene, self.run)
+        write_run(output_folder(checked_path(folder), "folder"), self.scene, self.run)
+
+
+def two_axes(axes: Sequence[Axes]) -> tuple[Axes, Axes]:
+    """The two panels of a figure of runs.
+
+    Raises
+    ------
+    SceneError
+        If they are not two Axes of Matplotlib.
+    """
+    several = isinstance(axes, Collection) and not isinstance(axes, str)
+    panels = list(axes) if several else [axes]
+    if len(panels) != 2 or not all(hasattr(panel, "annotate") for panel in panels):
+        raise SceneError("axes", f"got {shown(axes)}", "two Axes, as pyplot.subplots(1, 2) gives them")
+    return panels[0], panels[1]
+
+
+def checked_path(folder: str | os.PathLike[str]) -> Path:
+    """The folder as a path.
+
+    Raises
+    ------
+    SceneError
+        If it is none.
+    """
+    if not isinstance(folder, (str, os.PathLike)):
+        raise SceneError("folder", f"got {shown(folder)}", "the path of a folder")
+    return Path(folder)
 
 
 def _unit(column: str) -> str:
@@ -277,7 +307,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
     SceneError
         One line, if a file is missing or damaged, or the run gave no answer.
     """
-    source = Path(folder)
+    source = checked_path(folder)
     for name in ("scene.toml", "summary.json"):
         if not (source / name).is_file():
             allowed = "a folder written by `crosscontact solve --out`"

@@ -15,6 +15,7 @@ from validation.execution.progress import Progress
 from validation.execution.run_folder import write_run
 from validation.execution.runs import Run
 from validation.execution.runs import run as run_solver
+from validation.measure.scaling import SCALES_IN_WORDS
 
 DOTS_PER_INCH = 110
 """Resolution of ``force.png``."""
@@ -99,7 +100,7 @@ def _print(case: cases.Case, result: Run, estimate: bool) -> None:
     for line in aligned([*rows, *((*entry, *filler) for entry in more)]):
         print(line)
     if result.errors:
-        print("  errors are relative: of penetrations to the largest of the run, else to the value")
+        print(f"  errors are relative: {SCALES_IN_WORDS}")
     elif result.finished:
         print(f"  no error estimate ({'the coarser run ends otherwise' if estimate else 'add --estimate'})")
 

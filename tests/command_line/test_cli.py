@@ -21,6 +21,7 @@ from crosscontact import registry
 from crosscontact.cli import main, parser
 from validation import solvers
 from validation.execution import files
+from validation.measure.scaling import SCALES_IN_WORDS
 from validation.scenes import SUITES, names
 
 CONTRACT = (
@@ -339,7 +340,7 @@ def test_solve_estimates_errors_where_asked(capsys, tmp_path, scene_file, fakes)
         assert code_of("solve", scene_file, "--solver", "bem", "--estimate", *more) == 0
         out = capsys.readouterr().out
         assert "error estimate" in out.splitlines()[1]
-        assert "errors are relative: of penetrations to the largest of the run, else to the value" in out
+        assert f"errors are relative: {SCALES_IN_WORDS}" in out
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["error_estimates"]["approach_force"] == 0.0  # a fake is the same at any resolution
 
