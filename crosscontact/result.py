@@ -48,6 +48,8 @@ _NO_MEASURES = (
     "outcome",
     "reason",
     "finished",
+    "past_extremum",
+    "warnings",
     "cpu_seconds",
     "estimate_seconds",
     "counters",
@@ -342,7 +344,7 @@ def _run(summary: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Ru
         columns["stored_energy"],
         columns["external_work"],
         columns["dissipated_energy"],
-        Outcome(OutcomeKind(summary["outcome"]), summary["reason"], end),
+        Outcome(OutcomeKind(summary["outcome"]), summary["reason"], end, summary["past_extremum"]),
         Counters(**summary["counters"]),
         extra={name: column for name, column in columns.items() if name not in COLUMNS},
         events=tuple(Event(**event) for event in summary["events"]),
@@ -359,4 +361,5 @@ def _run(summary: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Ru
         estimate_seconds=summary["estimate_seconds"],
         measures=measures,
         errors=summary["error_estimates"] or {},
+        warnings=tuple(summary["warnings"]),
     )

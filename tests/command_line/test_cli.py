@@ -18,7 +18,8 @@ from support.spring_solver import SCENE, FunctionSolver, fake, named
 import crosscontact
 from contact_scene import OutcomeKind, UnsupportedScene, read_scene
 from crosscontact import registry
-from crosscontact.cli import main, parser
+from crosscontact.arguments import parser
+from crosscontact.cli import main
 from validation import solvers
 from validation.execution import files
 from validation.measure.scaling import SCALES_IN_WORDS
@@ -249,7 +250,10 @@ def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
 
     fakes(bem=FunctionSolver(interrupt))
     assert code_of("solve", scene_file, "--solver", "bem") == 1
-    assert capsys.readouterr().err == "crosscontact: interrupted\n"
+    assert capsys.readouterr().err.splitlines() == [
+        "crosscontact: no step is done: there is nothing to keep",
+        "crosscontact: interrupted",
+    ]
 
 
 def test_compare_agrees_and_disagrees(capsys, tmp_path, scene_file, fakes):

@@ -50,6 +50,8 @@ class Run:
         Every scalar by name (see :func:`measure`).
     errors : dict
         Relative error estimates by observable and column (see ``error_estimate``); empty if not estimated.
+    warnings : tuple of str
+        Where the model comes to its limits in this run, one line each.
     """
 
     scene: str
@@ -63,6 +65,7 @@ class Run:
     estimate_seconds: float = 0.0
     measures: dict[str, float | None] = field(default_factory=dict)
     errors: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
     @property
     def finished(self) -> bool:
@@ -93,12 +96,14 @@ def run(
     progress: solvers.Progress | None = None,
     estimate: bool = False,
     monitor: RunMonitor | None = None,
+    max_steps: int | None = None,
+    estimate_monitor: RunMonitor | None = None,
 ) -> Run:
     """Run one solver; a refusal or a breakdown is part of the answer.
 
     Parameters
     ----------
-    case, solver, resolution, progress, estimate, monitor
+    case, solver, resolution, progress, estimate, monitor, max_steps, estimate_monitor
         As of :func:`run_or_raise`.
 
     Returns
@@ -107,7 +112,16 @@ def run(
     """
     begin, spent = time.perf_counter(), time.process_time()
     try:
-        return run_or_raise(case, solver, resolution, progress, estimate, monitor)
+        return run_or_raise(
+            case,
+            solver,
+            resolution,
+            progress,
+            estimate,
+            monitor,
+            max_steps=max_steps,
+            estimate_monitor=estimate_monitor,
+        )
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
@@ -130,6 +144,7 @@ def run_or_raise(
     monitor: RunMonitor | None = None,
     stop_times: Collection[float] = (),
     max_steps: int | None = None,
+    estimate_monitor: RunMonitor | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
@@ -150,6 +165,8 @@ def run_or_raise(
         Further times that are stepped onto.
     max_steps : int or None
         Largest number of steps, accepted and rejected together; ``None``: the solver's choice.
+    estimate_monitor : RunMonitor or None
+        May stop the coarser run; then there is no estimate.
 
     Returns
     -------
@@ -185,12 +202,33 @@ def run_or_raise(
     if not estimate or not result.finished:
         return result
     spent = time.process_time()
-    errors = _errors(case, result, method, resolution)
+    errors = _errors(case, result, method, resolution, estimate_monitor)
     return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
 
 
-def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | None) -> dict[str, float]:
-    """Error estimates of a finished run; none if the coarser run ends otherwise."""
+def _errors(
+    case: Case,
+    result: Run,
+    method: solvers.Solver,
+    resolution: int | None,
+    monitor: RunMonitor | None,
+) -> dict[str, float]:
+    """Error estimates of a finished run; none if the coarser run ends otherwise.
+
+    Parameters
+    ----------
+    case : Case
+    result : Run
+    method : Solver
+    resolution : int or None
+        Of the run.
+    monitor : RunMonitor or None
+        Of the coarser run.
+
+    Returns
+    -------
+    dict of str to float
+    """
     trace = result.trace
     if trace is None:
         return {}
@@ -198,7 +236,9 @@ def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | N
         return error_estimate.from_own(trace, result.measures)
     try:
         stops = cycle_times(case.scene.loading)
-        coarse = method.coarser(case.scene, resolution)(stop_times=stops, profile_times=case.profile_times)
+        coarse = method.coarser(case.scene, resolution)(
+            stop_times=stops, profile_times=case.profile_times, monitor=monitor
+        )
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
     if coarse.outcome.kind is not trace.outcome.kind:
@@ -233,6 +273,8 @@ def summary(result: Run) -> dict[str, Any]:
         "outcome": str(trace.outcome.kind) if trace else ("refused" if result.refused else "failed"),
         "reason": trace.outcome.reason if trace else result.failure,
         "finished": result.finished,
+        "past_extremum": trace.outcome.past_extremum if trace else None,
+        "warnings": list(result.warnings),
         **Observables().as_dict(),
         **{name: value for name, value in result.measures.items() if not name.startswith("counters.")},
         "wall_seconds": result.wall_seconds,
@@ -244,9 +286,10 @@ def summary(result: Run) -> dict[str, Any]:
     }
 
 
-def expected_seconds(case: Case, solver: str) -> float:
+def expected_seconds(case: Case, solver: str, resolution: int | None = None) -> float:
     """Rough run time (s), to start long runs first."""
-    return solvers.SOLVERS[solver].expected_seconds(case.scene) if solver in solvers.SOLVERS else 1.0
+    method = solvers.SOLVERS.get(solver)
+    return 1.0 if method is None else method.expected_cost(case.scene, resolution).seconds
 
 
 def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
@@ -267,7 +310,7 @@ def run_task(case: Case, solver: str, resolution: int | None = None, estimate: b
         f"{case.name} {solver}",
         run,
         (case, solver, resolution, None, estimate),
-        expected_seconds(case, solver),
+        expected_seconds(case, solver, resolution),
     )
 
 
