@@ -210,17 +210,24 @@ def _fields_arguments(command: argparse.ArgumentParser) -> None:
     _fresh(command, replaces=True)
     drawn = command.add_argument_group("figures", "sections are drawn at all moments; where asked for, also")
     drawn.add_argument("--strip", action="store_true", help="the key moments of the run side by side")
-    drawn.add_argument("--animate", action="store_true", help="the whole run as an animated GIF")
+    drawn.add_argument(
+        "--animate", action="store_true", help="the whole run as an animated GIF; no files for ParaView"
+    )
     drawn.add_argument("--revolve", action="store_true", help="the body in three dimensions")
     drawn.add_argument(
         "--show", action="store_true", help="the last moment in a window, where there is a screen"
+    )
+    drawn.add_argument(
+        "--alike",
+        action="store_true",
+        help="one magnification, view and range of colours for all sections of the run",
     )
     drawn.add_argument(
         "--quantity",
         nargs="+",
         choices=Names(_quantity_names),
         metavar="Q",
-        help="what to draw, of %(choices)s; default: von-mises stress-zz dissipation-rate",
+        help="what to draw, of %(choices)s; default: von_mises stress_zz dissipation_rate",
     )
     drawn.add_argument("--no-figures", action="store_true", help="files for ParaView only")
 

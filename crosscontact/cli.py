@@ -109,6 +109,8 @@ def _command(options: argparse.Namespace) -> int:
             options.resolution,
             options.out,
             of_options(options),
+            max_steps=options.max_steps,
+            fresh=options.fresh,
         )
     from crosscontact.commands import report
 

@@ -273,7 +273,7 @@ def two_axes(axes: Sequence[Axes]) -> tuple[Axes, Axes]:
         If they are not two Axes of Matplotlib.
     """
     several = isinstance(axes, Collection) and not isinstance(axes, str)
-    panels = list(axes) if several else [axes]
+    panels: list[Any] = list(axes) if several else [axes]
     if len(panels) != 2 or not all(hasattr(panel, "annotate") for panel in panels):
         raise SceneError("axes", f"got {shown(axes)}", "two Axes, as pyplot.subplots(1, 2) gives them")
     return panels[0], panels[1]

@@ -6,6 +6,7 @@ import sys
 
 from contact_scene import Scene, SceneError
 from validation import solvers
+from validation.execution.files import in_words
 from validation.execution.progress import duration
 from validation.solvers import Cost
 
@@ -44,14 +45,6 @@ def announce(cost: Cost | None, estimate: bool = False, more_seconds: float = 0.
     seconds = cost.seconds * (1.0 + ESTIMATE_SHARE * estimate) + more_seconds
     if seconds <= LONG and cost.bytes <= LARGE:
         return
-    parts = [f"about {cost.steps:.2g} steps", duration(seconds), f"{size(cost.bytes)} of memory"]
+    parts = [f"about {cost.steps:.2g} steps", duration(seconds), f"{in_words(cost.bytes)} of memory"]
     words = ", ".join([*parts, more] if more else parts).replace("e+0", "e")
     print(f"crosscontact: expected: {words}", file=sys.stderr)
-
-
-def size(count: float) -> str:
-    """A number of bytes in words."""
-    for unit, scale in (("GB", 1e9), ("MB", 1e6)):
-        if count >= scale:
-            return f"{count / scale:.2g} {unit}" if count < 100.0 * scale else f"{count / scale:.0f} {unit}"
-    return f"{count / 1e3:.0f} kB"

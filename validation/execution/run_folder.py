@@ -11,7 +11,6 @@ from contact_scene import Scene, SceneError, read_scene, write_scene, write_trac
 from validation.execution.files import move_whole, to_json, write_whole
 from validation.execution.runs import Run, summary
 
-
 OUTPUT = ("scene.toml", "trace.csv", "summary.json")
 """Files of a run."""
 

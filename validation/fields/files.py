@@ -1,7 +1,7 @@
 """Fields on disk: VTU and VTP files with time series that ParaView opens, and the numbers beside them.
 
-``body.pvd``, ``surface.pvd`` and ``indenter.pvd`` list the files of the folder of that name by time;
-``moments.json`` says what each moment is, what the densities add up to, and what all this cost. Each file
+``body.pvd``, ``surface.pvd`` and ``indenter.pvd`` list the files of the folder of that name by time, all of
+them in the deformed configuration (see ``grid``); ``moments.json`` says what each moment is, what the densities add up to, and what all this cost. Each file
 appears whole or not at all; the lists, and last the numbers, are written when all they name is there.
 """
 
@@ -28,33 +28,61 @@ PARTS = {"body": "vtu", "surface": "vtp", "indenter": "vtp"}
 NUMBERS = "moments.json"
 
 
-class ParaViewSeries:
-    """Writes states into a folder one by one."""
+Moment = dict[str, Any]
 
-    def __init__(self, folder: Path, scene: Scene) -> None:
+
+class ParaViewSeries:
+    """Writes states into a folder one by one.
+
+    Parameters
+    ----------
+    folder : Path
+    scene : Scene
+    keep : bool
+        Whether files of an interrupted command stay, to be taken over.
+    """
+
+    def __init__(self, folder: Path, scene: Scene, keep: bool = False) -> None:
         self._folder, self._scene = folder, scene
-        self._moments: list[dict[str, Any]] = []
+        self._moments: list[Moment] = []
         self._times: list[float] = []
+        self.bytes = 0
         for name, kind in PARTS.items():
             (folder / f"{name}.pvd").unlink(missing_ok=True)
             (folder / name).mkdir(exist_ok=True)
             for left_over in (folder / name).glob(f"{name}_[0-9]*.{kind}"):
-                left_over.unlink()
+                if not keep:
+                    left_over.unlink()
         (folder / NUMBERS).unlink(missing_ok=True)
 
-    def add(self, state: FieldState, balance: EnergySums) -> None:
-        """Write one state."""
+    def add(self, state: FieldState, balance: EnergySums) -> Moment:
+        """Write one state; returns its numbers."""
         from validation.fields.grid import grid, indenter, surface
 
-        index = len(self._times)
         sets = {"body": grid(state), "surface": surface(state), "indenter": indenter(state, self._scene)}
-        for name, data in sets.items():
-            save(data, self._folder / name / _file(name, index))
-        before = self._times[-1] if self._times else -math.inf
-        # a jump of the load is two states at one time; a reader of the list would show only one of them
-        self._times.append(state.time if state.time > before else math.nextafter(before, math.inf))
+        for data, path in zip(sets.values(), self._next_files(), strict=True):
+            save(data, path)
         about = ("row", "time", "label", "penetration", "force", "contact_radius")
-        self._moments.append({name: getattr(state, name) for name in about} | asdict(balance))
+        moment = {name: getattr(state, name) for name in about} | asdict(balance)
+        self._append(moment)
+        return moment
+
+    def take_over(self, moment: Moment) -> bool:
+        """List a state whose files and numbers an interrupted command has left; whether they are there."""
+        if not all(path.is_file() for path in self._next_files()):
+            return False
+        self._append(moment)
+        return True
+
+    def _next_files(self) -> list[Path]:
+        return [self._folder / name / _file(name, len(self._times)) for name in PARTS]
+
+    def _append(self, moment: Moment) -> None:
+        self.bytes += sum(path.stat().st_size for path in self._next_files())
+        time, before = moment["time"], self._times[-1] if self._times else -math.inf
+        # a jump of the load is two states at one time; a reader of the list would show only one of them
+        self._times.append(time if time > before else math.nextafter(before, math.inf))
+        self._moments.append(moment)
 
     def close(self, numbers: dict[str, Any]) -> list[Path]:
         """Write the lists and the numbers; returns what a reader would open."""
