@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contact_scene import Counters, SceneError, write_scene
 from crosscontact.commands.forecast import announce, expected_cost
@@ -22,7 +22,7 @@ from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused
 from validation.execution.store import FOLDER, Store
-from validation.fields.balance import balance
+from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import FigureSet
 from validation.fields.files import ParaViewSeries
 from validation.fields.request import FieldRequest, RecordedFields, check_times, record_fields
@@ -221,7 +221,7 @@ def _write(
     folder : Path
     command : FieldsCommand
     store : Store
-        Numbers of the moments whose files an interrupted command has left; those written are added.
+        Says which moments' files an interrupted command has left; those written are added.
     progress : Progress
     on_moment : callable(FieldState)
         Called with each state to be drawn; states recorded only as every n-th are too many.
@@ -232,23 +232,18 @@ def _write(
     """
     trace = recorded.recording.trace
     before, begin = asdict(trace.counters), time.process_time()
+    drawn = set() if command.figures is None else set(recorded.moments) - recorded.sampled
     keys = {row: fingerprint(command.key, row) for row in recorded.moments if row not in recorded.frames}
-    done = {row: moment for row, key in keys.items() if (moment := store.get(key)) is not None}
-    drawn = set(recorded.moments) - recorded.sampled if command.figures is not None else set()
-    needed = [row for row in recorded.moments if row in drawn or row not in done]
-    states = recorded.states(left_out=set(recorded.moments) - set(needed))
-    series = ParaViewSeries(folder, command.case.scene, keep=bool(done)) if keys else None
+    there = {row for row, key in keys.items() if store.get(key)}
+    series = ParaViewSeries(folder, command.case.scene, keep=bool(there)) if keys else None
     lines = [_HEAD] if keys else []
-    for count, row in enumerate(recorded.moments, 1):
-        state = next(states) if row in needed else None
-        if series is not None and row in keys:
-            moment = done.get(row)
-            if moment is None or not series.take_over(moment):
-                state = state or next(recorded.states(left_out=set(recorded.moments) - {row}))
-                moment = series.add(state, balance(state, trace))
-                store.put(keys[row], moment)
-            lines.append(_line(moment))
-        if state is not None and row in drawn:
+    for count, state in enumerate(recorded.states(), 1):
+        if series is not None and state.row in keys:
+            sums = balance(state, trace)
+            if not series.add(state, sums, state.row in there):
+                store.put(keys[state.row], True)
+            lines.append(_line(state, sums))
+        if state.row in drawn:
             on_moment(state)
         progress(count / len(recorded.moments), detail=f"{count} of {len(recorded.moments)} moments")
     cost = _difference(trace.counters, before)
@@ -273,13 +268,12 @@ _HEAD = (
 )
 
 
-def _line(moment: dict[str, Any]) -> str:
-    lost = moment["branch_dissipation"]
-    error = "-" if lost == 0.0 else f"{100.0 * (moment['dissipated'] / lost - 1.0):.3f} %"
+def _line(state: FieldState, sums: EnergySums) -> str:
+    error = "-" if sums.error is None else f"{100.0 * sums.error:.3f} %"
     return (
-        f"{moment['label'] or '-':<20}{moment['time']:12.6g}{moment['penetration']:13.5g}"
-        f"{moment['force']:12.5g}{moment['contact_radius']:11.5g}{moment['stored']:12.5g}"
-        f"{moment['dissipated']:14.6g}{lost:12.6g}{error:>12}"
+        f"{state.label or '-':<20}{state.time:12.6g}{state.penetration:13.5g}{state.force:12.5g}"
+        f"{state.contact_radius:11.5g}{sums.stored:12.5g}{sums.dissipated:14.6g}"
+        f"{sums.branch_dissipation:12.6g}{error:>12}"
     )
 
 

@@ -1,4 +1,4 @@
-"""Runs that are stopped, end early or find another's files: what there is, is said and kept; the rest is null."""
+"""Runs that are stopped, end early or find another's files: what there is, is said and kept."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def put(monkeypatch, function, cost=None):
     monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", method))
 
 
-def stopped_at_row(row: int, whole=spring()):
+def stopped_at_row(row: int):
     """A solver that is sent SIGINT before a row, as by Ctrl-C, and asks its monitor at every row."""
 
     def solve(scene, resolution=None, *, monitor=None, **options):
-        trace = whole(scene, resolution, **options)
+        trace = spring()(scene, resolution, **options)
         for index in range(len(trace)):
             if index == row:
                 os.kill(os.getpid(), signal.SIGINT)

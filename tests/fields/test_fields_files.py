@@ -12,6 +12,7 @@ import pytest
 import pyvista
 from support.paper_scenes import STICKY as ADHESION
 from support.paper_scenes import WORK
+from support.scene_text import DOWN_AND_UP as TEXT
 
 from contact_scene import (
     Adhesion,
@@ -38,30 +39,6 @@ from validation.fields.request import FieldRequest, check_times, ending, record_
 from validation.fields.section_mesh import surface_nodes
 
 MATERIAL = Material(0.75, 0.4, (Branch(2.0, 0.3),))
-TEXT = """
-title = "Down and up"
-[material]
-modulus = 0.75
-poisson = 0.4
-branches = [{ modulus = 2.0, time = 0.3 }]
-[indenter]
-shape = "sphere"
-radius = 1.0
-[adhesion]
-work = 5.026548e-4
-zone = 0.03
-[loading]
-start = "jump-in"
-penetration = 0.012
-[[loading.steps]]
-kind = "ramp"
-to = 0.015
-rate = 0.05
-[[loading.steps]]
-kind = "ramp"
-to = -0.5
-rate = 0.5
-"""
 
 
 @pytest.fixture(scope="module")

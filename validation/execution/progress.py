@@ -74,7 +74,8 @@ class Progress:
 
     def __call__(self, fraction: float, text: str = "", detail: str = "") -> None:
         with self._lock:
-            self._fraction, self._detail = min(max(fraction, 0.0), 1.0), detail
+            self._fraction = min(max(fraction, 0.0), 1.0)
+            self._detail = detail or (time_left(self._fraction, self._began) if self._phase else "")
             now = time.monotonic()
             if self._terminal:
                 if text or now - self._shown >= REDRAW:

@@ -1,8 +1,9 @@
 """Fields on disk: VTU and VTP files with time series that ParaView opens, and the numbers beside them.
 
 ``body.pvd``, ``surface.pvd`` and ``indenter.pvd`` list the files of the folder of that name by time, all of
-them in the deformed configuration (see ``grid``); ``moments.json`` says what each moment is, what the densities add up to, and what all this cost. Each file
-appears whole or not at all; the lists, and last the numbers, are written when all they name is there.
+them in the deformed configuration (see ``grid``); ``moments.json`` says what each moment is, what the
+densities add up to, and what all this cost. Each file appears whole or not at all; the lists, and last the
+numbers, are written when all they name is there.
 """
 
 from __future__ import annotations
@@ -28,9 +29,6 @@ PARTS = {"body": "vtu", "surface": "vtp", "indenter": "vtp"}
 NUMBERS = "moments.json"
 
 
-Moment = dict[str, Any]
-
-
 class ParaViewSeries:
     """Writes states into a folder one by one.
 
@@ -44,7 +42,7 @@ class ParaViewSeries:
 
     def __init__(self, folder: Path, scene: Scene, keep: bool = False) -> None:
         self._folder, self._scene = folder, scene
-        self._moments: list[Moment] = []
+        self._moments: list[dict[str, Any]] = []
         self._times: list[float] = []
         self.bytes = 0
         for name, kind in PARTS.items():
@@ -55,34 +53,24 @@ class ParaViewSeries:
                     left_over.unlink()
         (folder / NUMBERS).unlink(missing_ok=True)
 
-    def add(self, state: FieldState, balance: EnergySums) -> Moment:
-        """Write one state; returns its numbers."""
+    def add(self, state: FieldState, balance: EnergySums, there: bool = False) -> bool:
+        """Write one state, unless its files are ``there``; whether they were taken over."""
         from validation.fields.grid import grid, indenter, surface
 
-        sets = {"body": grid(state), "surface": surface(state), "indenter": indenter(state, self._scene)}
-        for data, path in zip(sets.values(), self._next_files(), strict=True):
-            save(data, path)
-        about = ("row", "time", "label", "penetration", "force", "contact_radius")
-        moment = {name: getattr(state, name) for name in about} | asdict(balance)
-        self._append(moment)
-        return moment
-
-    def take_over(self, moment: Moment) -> bool:
-        """List a state whose files and numbers an interrupted command has left; whether they are there."""
-        if not all(path.is_file() for path in self._next_files()):
-            return False
-        self._append(moment)
-        return True
-
-    def _next_files(self) -> list[Path]:
-        return [self._folder / name / _file(name, len(self._times)) for name in PARTS]
-
-    def _append(self, moment: Moment) -> None:
-        self.bytes += sum(path.stat().st_size for path in self._next_files())
-        time, before = moment["time"], self._times[-1] if self._times else -math.inf
+        index = len(self._times)
+        paths = [self._folder / name / _file(name, index) for name in PARTS]
+        taken_over = there and all(path.is_file() for path in paths)
+        if not taken_over:
+            sets = grid(state), surface(state), indenter(state, self._scene)
+            for data, path in zip(sets, paths, strict=True):
+                save(data, path)
+        self.bytes += sum(path.stat().st_size for path in paths)
+        before = self._times[-1] if self._times else -math.inf
         # a jump of the load is two states at one time; a reader of the list would show only one of them
-        self._times.append(time if time > before else math.nextafter(before, math.inf))
-        self._moments.append(moment)
+        self._times.append(state.time if state.time > before else math.nextafter(before, math.inf))
+        about = ("row", "time", "label", "penetration", "force", "contact_radius")
+        self._moments.append({name: getattr(state, name) for name in about} | asdict(balance))
+        return taken_over
 
     def close(self, numbers: dict[str, Any]) -> list[Path]:
         """Write the lists and the numbers; returns what a reader would open."""

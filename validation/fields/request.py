@@ -9,7 +9,7 @@ so rows picked from the trace take a second run, which is the same to the bit.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -72,12 +72,11 @@ class RecordedFields:
     frames: frozenset[int] = frozenset()
     never_pulls: bool = False
 
-    def states(self, left_out: Collection[int] = ()) -> Iterator[FieldState]:
-        """The fields of all rows but some, computed one after the other in the order of time."""
+    def states(self) -> Iterator[FieldState]:
+        """The fields, computed one after the other in the order of time."""
         from fem_solver import field_states
 
-        rows = {row: label for row, label in self.moments.items() if row not in left_out}
-        return field_states(self.recording, rows)
+        return field_states(self.recording, self.moments)
 
 
 def record_fields(
