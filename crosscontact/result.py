@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import json
 import os
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, fields
@@ -11,29 +10,18 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from contact_scene import (
-    COLUMNS,
-    Counters,
-    Event,
     Outcome,
-    OutcomeKind,
     Scene,
     SceneError,
-    Trace,
-    read_columns,
-    read_scene,
 )
 from contact_scene.errors import shown
-from contact_scene.files import read_text
 from crosscontact.key_numbers import aligned, key_numbers, table
 from validation.drawing.curves import labels, of_trace
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
 from validation.execution.files import output_folder
-from validation.execution.run_folder import write_run
+from validation.execution.run_folder import read_run, write_run
 from validation.execution.runs import Run
 
 if TYPE_CHECKING:
@@ -42,21 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_NO_MEASURES = (
-    "solver",
-    "scene",
-    "outcome",
-    "reason",
-    "finished",
-    "past_extremum",
-    "warnings",
-    "cpu_seconds",
-    "estimate_seconds",
-    "counters",
-    "error_estimates",
-    "events",
-)
-"""Keys of ``summary.json`` that are no measures."""
 _UNITS = {
     "time": "time",
     "penetration": "length",
@@ -309,57 +282,4 @@ def load(folder: str | os.PathLike[str]) -> Result:
     SceneError
         One line, if a file is missing or damaged, or the run gave no answer.
     """
-    source = checked_path(folder)
-    for name in ("scene.toml", "summary.json"):
-        if not (source / name).is_file():
-            allowed = "a folder written by `crosscontact solve --out`"
-            raise SceneError("", f"has no {name}", allowed, str(source))
-    scene = read_scene(source / "scene.toml")
-    file = str(source / "summary.json")
-    try:
-        summary = json.loads(read_text(Path(file)))
-        if summary["outcome"] in ("failed", "refused"):
-            problem = f"{summary['solver']} gave no answer: {summary['reason']}"
-            raise SceneError("outcome", problem, "a run with a trace", file)
-        run = _run(summary, read_columns(source / "trace.csv"))
-    except SceneError:
-        raise
-    except OSError as error:
-        problem = f"cannot be read: {error.strerror or error}"
-        raise SceneError("trace.csv", problem, "the trace of the run", str(source)) from None
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
-    return Result(scene, run)
-
-
-def _run(summary: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run:
-    """The run that a folder holds; its outcome is dated by the last row of the trace."""
-    end = float(columns["time"][-1]) if columns["time"].size else 0.0
-    trace = Trace(
-        summary["solver"],
-        columns["time"],
-        columns["penetration"],
-        columns["force"],
-        columns["contact_radius"],
-        columns["stored_energy"],
-        columns["external_work"],
-        columns["dissipated_energy"],
-        Outcome(OutcomeKind(summary["outcome"]), summary["reason"], end, summary["past_extremum"]),
-        Counters(**summary["counters"]),
-        extra={name: column for name, column in columns.items() if name not in COLUMNS},
-        events=tuple(Event(**event) for event in summary["events"]),
-        wall_seconds=summary["wall_seconds"],
-    )
-    measures = {name: value for name, value in summary.items() if name not in _NO_MEASURES}
-    measures |= {f"counters.{name}": float(count) for name, count in summary["counters"].items()}
-    return Run(
-        summary["scene"],
-        summary["solver"],
-        trace,
-        wall_seconds=summary["wall_seconds"],
-        cpu_seconds=summary["cpu_seconds"],
-        estimate_seconds=summary["estimate_seconds"],
-        measures=measures,
-        errors=summary["error_estimates"] or {},
-        warnings=tuple(summary["warnings"]),
-    )
+    return Result(*read_run(checked_path(folder)))

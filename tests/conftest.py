@@ -1,6 +1,7 @@
 """Settings of every test: floating-point errors raise, random examples are the same in every run.
 
-Tests run in parallel, one process a core; in each the linear algebra takes one thread.
+Tests run in parallel, one process a core; in each the linear algebra takes one thread, unless the environment
+names another number.
 """
 
 from __future__ import annotations
@@ -8,7 +9,8 @@ from __future__ import annotations
 import os
 import signal
 
-os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")  # read as NumPy loads
+for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):  # read as NumPy loads
+    os.environ.setdefault(_variable, "1")
 
 import numpy as np
 import pytest

@@ -79,7 +79,8 @@ def verdict(study: Study) -> str:
     """How many levels there are, and how many failed."""
     levels = sum(len(entry.runs) for scene in study.scenes for entry in scene.ladders)
     failed = sum(len(scene.failed) for scene in study.scenes)
-    return f"{counted(len(study.scenes), 'scene')}, {counted(levels, 'level')}, {failed} failed, {study.wall_seconds:.0f} s."
+    size = f"{counted(len(study.scenes), 'scene')}, {counted(levels, 'level')}"
+    return f"{size}, {failed} failed, {study.wall_seconds:.0f} s."
 
 
 def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
