@@ -9,8 +9,9 @@ from __future__ import annotations
 import os
 import signal
 
-for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):  # read as NumPy loads
-    os.environ.setdefault(_variable, "1")
+os.environ.update(  # read as NumPy loads
+    {f"{name}_NUM_THREADS": os.environ.get(f"{name}_NUM_THREADS", "1") for name in ("OMP", "OPENBLAS", "MKL")}
+)
 
 import numpy as np
 import pytest
