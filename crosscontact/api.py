@@ -14,7 +14,7 @@ from contact_scene.run_control import whole_number
 from crosscontact import registry
 from crosscontact.key_numbers import aligned
 from crosscontact.limits import SMALLEST_RESOLUTION
-from crosscontact.result import Result
+from crosscontact.result import Result, two_axes
 from validation import cases
 from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
@@ -92,6 +92,8 @@ def solve(
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
     if max_steps is not None:
         max_steps = whole_number(max_steps, "max_steps", 1)
+    if progress is not None and not callable(progress):
+        raise SceneError("progress", f"got {shown(progress)}", "a function of the share that is done")
     if profile_times is not None:
         case = replace(case, profile_times=_times(profile_times, "profile_times"))
     run = runs.run_or_raise(
@@ -174,7 +176,7 @@ class SolverComparison:
             from matplotlib import pyplot
 
             axes = pyplot.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")[1]
-        left, right = axes
+        left, right = two_axes(axes)
         for result in sorted(self.results.values(), key=lambda result: result.solver != registry.REFERENCE):
             result.plot((left, right))
         return left, right

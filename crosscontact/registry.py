@@ -23,13 +23,10 @@ def chosen(solvers: Collection[str], key: str) -> tuple[str, ...]:
     SceneError
         If there is no such solver, the reference is not among them, or nothing else is.
     """
-    unknown = [name for name in solvers if name not in names()]
-    if unknown or isinstance(solvers, str):
-        raise SceneError(
-            key,
-            f"got {shown(solvers if isinstance(solvers, str) else unknown[0])}",
-            f"several of {', '.join(names())}",
-        )
+    several = isinstance(solvers, Collection) and not isinstance(solvers, str)
+    unknown = [name for name in solvers if name not in names()] if several else [solvers]
+    if unknown:
+        raise SceneError(key, f"got {shown(unknown[0])}", f"several of {', '.join(names())}")
     if REFERENCE not in solvers or len(set(solvers)) < 2:
         allowed = f"{REFERENCE}, with which the others are compared, and at least one other"
         raise SceneError(key, f"got {', '.join(map(str, solvers)) or 'none'}", allowed)

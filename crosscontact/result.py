@@ -3,36 +3,25 @@
 from __future__ import annotations
 
 import base64
-import json
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from contact_scene import (
-    COLUMNS,
-    Counters,
-    Event,
     Outcome,
-    OutcomeKind,
     Scene,
     SceneError,
-    Trace,
-    read_columns,
-    read_scene,
 )
-from contact_scene.files import read_text
+from contact_scene.errors import shown
 from crosscontact.key_numbers import aligned, key_numbers, table
 from validation.drawing.curves import labels, of_trace
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
 from validation.execution.files import output_folder
-from validation.execution.run_folder import write_run
+from validation.execution.run_folder import read_run, write_run
 from validation.execution.runs import Run
 
 if TYPE_CHECKING:
@@ -41,19 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_NO_MEASURES = (
-    "solver",
-    "scene",
-    "outcome",
-    "reason",
-    "finished",
-    "cpu_seconds",
-    "estimate_seconds",
-    "counters",
-    "error_estimates",
-    "events",
-)
-"""Keys of ``summary.json`` that are no measures."""
 _UNITS = {
     "time": "time",
     "penetration": "length",
@@ -193,7 +169,7 @@ class Result:
             from matplotlib import pyplot
 
             axes = pyplot.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")[1]
-        left, right = axes
+        left, right = two_axes(axes)
         self._draw(left, right, curve_style(self.solver) | line)
         return left, right
 
@@ -224,6 +200,7 @@ class Result:
             axes.grid(True, color="#e2e2e2", linewidth=0.5)
             axes.set_axisbelow(True)
             axes.margins(0.06, 0.12)
+            axes.locator_params(axis="x", nbins=5)  # more labels run into each other
             axes.ticklabel_format(style="sci", scilimits=(-3, 4), useOffset=False)
         left.legend(frameon=False, fontsize="small")
 
@@ -257,7 +234,35 @@ class Result:
 
         Profiles are not written. :func:`load` reads the folder back.
         """
-        write_run(output_folder(folder, "folder"), self.scene, self.run)
+        write_run(output_folder(checked_path(folder), "folder"), self.scene, self.run)
+
+
+def two_axes(axes: Sequence[Axes]) -> tuple[Axes, Axes]:
+    """The two panels of a figure of runs.
+
+    Raises
+    ------
+    SceneError
+        If they are not two Axes of Matplotlib.
+    """
+    several = isinstance(axes, Collection) and not isinstance(axes, str)
+    panels: list[Any] = list(axes) if several else [axes]
+    if len(panels) != 2 or not all(hasattr(panel, "annotate") for panel in panels):
+        raise SceneError("axes", f"got {shown(axes)}", "two Axes, as pyplot.subplots(1, 2) gives them")
+    return panels[0], panels[1]
+
+
+def checked_path(folder: str | os.PathLike[str]) -> Path:
+    """The folder as a path.
+
+    Raises
+    ------
+    SceneError
+        If it is none.
+    """
+    if not isinstance(folder, (str, os.PathLike)):
+        raise SceneError("folder", f"got {shown(folder)}", "the path of a folder")
+    return Path(folder)
 
 
 def _unit(column: str) -> str:
@@ -277,56 +282,4 @@ def load(folder: str | os.PathLike[str]) -> Result:
     SceneError
         One line, if a file is missing or damaged, or the run gave no answer.
     """
-    source = Path(folder)
-    for name in ("scene.toml", "summary.json"):
-        if not (source / name).is_file():
-            allowed = "a folder written by `crosscontact solve --out`"
-            raise SceneError("", f"has no {name}", allowed, str(source))
-    scene = read_scene(source / "scene.toml")
-    file = str(source / "summary.json")
-    try:
-        summary = json.loads(read_text(Path(file)))
-        if summary["outcome"] in ("failed", "refused"):
-            problem = f"{summary['solver']} gave no answer: {summary['reason']}"
-            raise SceneError("outcome", problem, "a run with a trace", file)
-        run = _run(summary, read_columns(source / "trace.csv"))
-    except SceneError:
-        raise
-    except OSError as error:
-        problem = f"cannot be read: {error.strerror or error}"
-        raise SceneError("trace.csv", problem, "the trace of the run", str(source)) from None
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
-    return Result(scene, run)
-
-
-def _run(summary: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run:
-    """The run that a folder holds; its outcome is dated by the last row of the trace."""
-    end = float(columns["time"][-1]) if columns["time"].size else 0.0
-    trace = Trace(
-        summary["solver"],
-        columns["time"],
-        columns["penetration"],
-        columns["force"],
-        columns["contact_radius"],
-        columns["stored_energy"],
-        columns["external_work"],
-        columns["dissipated_energy"],
-        Outcome(OutcomeKind(summary["outcome"]), summary["reason"], end),
-        Counters(**summary["counters"]),
-        extra={name: column for name, column in columns.items() if name not in COLUMNS},
-        events=tuple(Event(**event) for event in summary["events"]),
-        wall_seconds=summary["wall_seconds"],
-    )
-    measures = {name: value for name, value in summary.items() if name not in _NO_MEASURES}
-    measures |= {f"counters.{name}": float(count) for name, count in summary["counters"].items()}
-    return Run(
-        summary["scene"],
-        summary["solver"],
-        trace,
-        wall_seconds=summary["wall_seconds"],
-        cpu_seconds=summary["cpu_seconds"],
-        estimate_seconds=summary["estimate_seconds"],
-        measures=measures,
-        errors=summary["error_estimates"] or {},
-    )
+    return Result(*read_run(checked_path(folder)))

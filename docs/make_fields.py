@@ -21,7 +21,7 @@ def draw() -> Figure:
     """Four panels."""
     scene = load("cycle-v0.002").scene
     recorded = record_fields(scene, FieldRequest(picked=key_moments))
-    return moment_panels.figure(list(recorded.states()), scene, QUANTITIES["stress-zz"])
+    return moment_panels.figure(list(recorded.states()), scene, QUANTITIES["stress_zz"])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Settings of every test: floating-point errors raise, random examples are the same in every run.
 
-Tests run in parallel, one process a core; in each the linear algebra takes one thread.
+Tests run in parallel, one process a core; in each the linear algebra takes one thread, unless the environment
+names another number.
 """
 
 from __future__ import annotations
@@ -9,7 +10,9 @@ import gc
 import os
 import signal
 
-os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")  # read as NumPy loads
+os.environ.update(  # read as NumPy loads
+    {f"{name}_NUM_THREADS": os.environ.get(f"{name}_NUM_THREADS", "1") for name in ("OMP", "OPENBLAS", "MKL")}
+)
 
 import numpy as np
 import pytest

@@ -49,7 +49,7 @@ HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "PIL", "pand
 HEAVY |= {"dask", "distributed"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
-LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.cli"}
+LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments", "crosscontact.cli"}
 # Single imports of that kind. scipy.interpolate takes 0.6 s, contact_scene without it 0.3 s; only scenes with
 # a tabulated indenter need it.
 DEFERRED = {("contact_scene.indenter", "scipy.interpolate")}

@@ -1,26 +1,91 @@
-"""``crosscontact fields``: run, compute the fields in the body at the requested moments, write, sum up."""
+"""``crosscontact fields``: run, compute the fields in the body at the requested moments, write, sum up.
+
+An interrupted command leaves its pictures and files for ParaView; the same one goes on with them, after a run
+that is the same to the bit.
+"""
 
 from __future__ import annotations
 
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contact_scene import Counters, Scene, SceneError
+from contact_scene import Counters, SceneError, write_scene
+from crosscontact.commands.forecast import announce, expected_cost
 from validation import cases
-from validation.execution.files import output_folder
+from validation.execution.files import in_words, output_folder
+from validation.execution.fingerprints import fingerprint
 from validation.execution.folder_lock import locked_folder
-from validation.execution.progress import Progress
+from validation.execution.progress import Progress, StepProgress
+from validation.execution.run_folder import check_unused
+from validation.execution.store import FOLDER, Store
 from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import FigureSet
 from validation.fields.files import ParaViewSeries
 from validation.fields.request import FieldRequest, RecordedFields, check_times, record_fields
+from validation.solvers import Cost
 
 if TYPE_CHECKING:
     from fem_solver import FieldState
+
+SECONDS_PER_MOMENT = 0.4
+"""To compute and write the fields at one moment (s), on a mesh of some ten thousand nodes; measured."""
+SECONDS_PER_PICTURE = 1.0
+"""To draw a section or a frame (s); measured."""
+MEGABYTES_PER_MOMENT = 2.0
+"""Size of the files for ParaView of one moment on such a mesh; measured."""
+
+
+@dataclass(frozen=True)
+class FieldsCommand:
+    """What ``crosscontact fields`` is to do.
+
+    Parameters
+    ----------
+    case : Case
+    request : FieldRequest
+        Moments.
+    figures : FigureSet or None
+        What is drawn, at moments of its own beside the requested ones.
+    resolution : int or None
+        Divisions per process zone; ``None``: the solver's choice.
+    max_steps : int or None
+        Largest number of steps; ``None``: the solver's choice.
+    fresh : bool
+        Whether what an interrupted command left is ignored, and the results of another scene are replaced.
+    """
+
+    case: cases.Case
+    request: FieldRequest
+    figures: FigureSet | None
+    resolution: int | None
+    max_steps: int | None
+    fresh: bool
+
+    @property
+    def key(self) -> str:
+        """Fingerprint of the moments' fields, which do not depend on what else is requested."""
+        request, figures = self.request, self.figures
+        rows = None if figures is None else (figures.moments, figures.animate, figures.frames, figures.alike)
+        asked = (request.times, request.pull_off, request.every, rows)
+        return fingerprint("fields", self.case.scene, self.resolution, self.max_steps, asked)
+
+    def announce(self, cost: Cost | None) -> None:
+        """Say what this will cost, where that is much."""
+        request, figures, steps = self.request, self.figures, 0.0 if cost is None else cost.steps
+        moments = len(request.times) + request.pull_off
+        frames = 0
+        if figures is not None:
+            moments += 4 * figures.moments
+            frames = figures.frames * figures.animate
+        pictures = frames + (0 if figures is None else moments * (len(figures.quantities) + figures.revolve))
+        moments += round(steps / request.every) if request.every else 0
+        seconds = SECONDS_PER_MOMENT * (moments + frames) + SECONDS_PER_PICTURE * pictures
+        files = f"{moments} moments of {MEGABYTES_PER_MOMENT:g} MB for ParaView, {pictures} pictures"
+        announce(cost, more_seconds=seconds, more=files)
 
 
 def run(
@@ -31,6 +96,9 @@ def run(
     resolution: int | None,
     out: str | None,
     figures: FigureSet | None = None,
+    *,
+    max_steps: int | None = None,
+    fresh: bool = False,
 ) -> int:
     """Run the finite elements; write files for ParaView, print energies, draw.
 
@@ -48,8 +116,8 @@ def run(
         Divisions per process zone; ``None``: the solver's choice.
     out : str or None
         Folder; ``None``: ``out/fields/SCENE``.
-    figures : FigureSet or None
-        What is drawn, at moments of its own beside the requested ones.
+    figures, max_steps, fresh
+        As of :class:`FieldsCommand`.
 
     Returns
     -------
@@ -59,7 +127,8 @@ def run(
     Raises
     ------
     SceneError
-        If no moment is requested, or a time cannot lie within the loading.
+        If no moment is requested, a time cannot lie within the loading, or the folder holds the results of
+        another scene.
     NoRendering
         If a requested figure cannot be drawn here.
     """
@@ -69,69 +138,128 @@ def run(
         raise SceneError("fields", "no moment asked for", allowed)
     check_times(times, case.scene.loading)  # before anything is made
     request = FieldRequest(tuple(times), pull_off, every, None if figures is None else figures.rows)
+    command = FieldsCommand(case, request, figures, resolution, max_steps, fresh)
     if out is not None:
-        return _into(output_folder(out), case, request, resolution, figures)
+        return _into(output_folder(out), command)
     with locked_folder(f"out/fields/{case.name}") as folder:
-        return _into(folder, case, request, resolution, figures)
+        return _into(folder, command)
 
 
-def _into(
-    folder: Path, case: cases.Case, request: FieldRequest, resolution: int | None, figures: FigureSet | None
-) -> int:
-    progress = Progress(f"{case.name} fields")
-    share = 0.5 if figures is None else 0.25  # of run and of fields in the whole time, roughly
+def _into(folder: Path, command: FieldsCommand) -> int:
+    scene = command.case.scene
+    if not command.fresh:
+        check_unused(folder, scene)
+    store = Store(folder, command.fresh)
+    cost = expected_cost(scene, "fem", command.resolution)
+    command.announce(cost)
     states: list[FieldState] = []  # to be drawn
+    figures = command.figures
     try:
-        recorded = record_fields(case.scene, request, resolution, lambda done: progress(share * done))
-        on_moment = None if figures is None else states.append
-        lines = _write(recorded, folder, case.scene, lambda done: progress(share * (1.0 + done)), on_moment)
-        if figures is not None and states:
-            trace, requested = recorded.recording.trace, recorded.recording.rows.values()
-            lines += figures.draw(
-                folder, states, trace, case.scene, lambda done: progress(0.5 + 0.5 * done), requested
-            )
-    finally:
-        progress.close()
+        with Progress(f"{command.case.name} fields") as progress:
+            progress.phase("set-up")
+            steps = StepProgress(progress, 1.0 if cost is None else cost.steps, "computing and writing")
+            recorded = record_fields(scene, command.request, command.resolution, steps, command.max_steps)
+            write_scene(scene, folder / "scene.toml")
+            lines = _write(recorded, folder, command, store, progress, states.append)
+            if figures is not None and states:
+                progress.phase("drawing")
+                lines += figures.draw(
+                    folder,
+                    states,
+                    recorded.recording.trace,
+                    scene,
+                    progress,
+                    recorded.recording.rows.values(),
+                    _Pictures(command.key, store),
+                )
+    except KeyboardInterrupt:
+        there = (folder / FOLDER).is_dir()
+        kept = f"{folder} holds what is done: the same command goes on with it"
+        print(f"crosscontact: {kept if there else 'no moment is done: nothing to keep'}", file=sys.stderr)
+        raise
+    store.clear()
     for line in lines:
         print(line)
     return _exit_code(recorded)
 
 
+class _Pictures:
+    """Pictures by name, drawn unless an interrupted command has left them.
+
+    Parameters
+    ----------
+    key : str
+        Fingerprint of the states they show.
+    store : Store
+    """
+
+    def __init__(self, key: str, store: Store) -> None:
+        self._key, self._store = key, store
+
+    def __call__(self, name: str, draw: Callable[[], bytes]) -> bytes:
+        key = fingerprint(self._key, name)
+        data = self._store.get(key)
+        if data is None:
+            data = draw()
+            self._store.put(key, data)
+        return bytes(data)
+
+
 def _write(
     recorded: RecordedFields,
     folder: Path,
-    scene: Scene,
-    progress: Callable[[float], None],
-    on_moment: Callable[[FieldState], None] | None,
+    command: FieldsCommand,
+    store: Store,
+    progress: Progress,
+    on_moment: Callable[[FieldState], None],
 ) -> list[str]:
     """Compute and write all states; returns lines for a reader.
 
-    ``on_moment`` is called with the state of each moment; states recorded only as every n-th are too many to
-    be drawn.
+    Parameters
+    ----------
+    recorded : RecordedFields
+    folder : Path
+    command : FieldsCommand
+    store : Store
+        Says which moments' files an interrupted command has left; those written are added.
+    progress : Progress
+    on_moment : callable(FieldState)
+        Called with each state to be drawn; states recorded only as every n-th are too many.
+
+    Returns
+    -------
+    list of str
     """
     trace = recorded.recording.trace
     before, begin = asdict(trace.counters), time.process_time()
-    series = ParaViewSeries(folder, scene)
-    lines = [_HEAD]
-    for index, state in enumerate(recorded.states(), 1):
-        sums = balance(state, trace)
-        series.add(state, sums)
-        lines.append(_line(state, sums))
-        if on_moment is not None and state.row not in recorded.sampled:
+    drawn = set() if command.figures is None else set(recorded.moments) - recorded.sampled
+    keys = {row: fingerprint(command.key, row) for row in recorded.moments if row not in recorded.frames}
+    there = {row for row, key in keys.items() if store.get(key)}
+    series = ParaViewSeries(folder, command.case.scene, keep=bool(there)) if keys else None
+    lines = [_HEAD] if keys else []
+    for count, state in enumerate(recorded.states(), 1):
+        if series is not None and state.row in keys:
+            sums = balance(state, trace)
+            if not series.add(state, sums, state.row in there):
+                store.put(keys[state.row], True)
+            lines.append(_line(state, sums))
+        if state.row in drawn:
             on_moment(state)
-        progress(index / len(recorded.moments))
+        progress(count / len(recorded.moments), detail=f"{count} of {len(recorded.moments)} moments")
     cost = _difference(trace.counters, before)
-    files = series.close(
-        {
-            "outcome": str(trace.outcome.kind),
-            "reason": trace.outcome.reason,
-            "run": before,
-            "fields": cost,
-            "processor_seconds": time.process_time() - begin,
-        }
-    )
     spent = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in cost.items() if count)
-    return [*lines, f"cost of the fields: {spent or 'none'}", *(f"written to {file}" for file in files)]
+    lines.append(f"cost of the fields: {spent or 'none'}")
+    if series is None:
+        return lines
+    numbers = {
+        "outcome": str(trace.outcome.kind),
+        "reason": trace.outcome.reason,
+        "run": before,
+        "fields": cost,
+        "processor_seconds": time.process_time() - begin,
+    }
+    lists = series.close(numbers)
+    return [*lines, *(f"written to {file}" for file in lists), f"for ParaView: {in_words(series.bytes)}"]
 
 
 _HEAD = (

@@ -16,6 +16,7 @@ from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.fields import cycle_fields
 from validation.report.build import build
+from validation.report.document import counted
 from validation.report.json_data import of_report
 from validation.report.write import write
 
@@ -66,10 +67,12 @@ def run(
         result = replace(result, baseline=regression.compare(baseline, old, of_report(result), loaded))
     write(result, folder)
     store.clear()
-    print(f"{len(result.checks)} checks, {len(result.failures)} failed: {folder / 'index.html'}")
+    print(f"{counted(len(result.checks), 'check')}, {len(result.failures)} failed: {folder / 'index.html'}")
     code = exit_code(result.failures)
     if result.baseline is None:
         return code
+    for change in result.baseline.changes:
+        print(f"changed: {change}")
     print(result.baseline.verdict)
     for move in result.baseline.beyond:
         print(

@@ -5,16 +5,18 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from contact_scene import OutcomeKind
+from crosscontact.commands.forecast import announce, expected_cost
 from crosscontact.key_numbers import aligned, key_numbers, table
 from crosscontact.result import Result
 from validation import cases
 from validation.drawing.export import png, svg_file
-from validation.execution.checkpoints import run_with_checkpoints
+from validation.execution.checkpoints import CHECKPOINT, CheckpointWriter, run_with_checkpoints
 from validation.execution.files import output_folder, write_whole
-from validation.execution.progress import Progress
-from validation.execution.run_folder import write_run
+from validation.execution.progress import Progress, StepProgress
+from validation.execution.run_folder import check_unused, write_run
 from validation.execution.runs import Run
-from validation.execution.runs import run as run_solver
+from validation.measure.scaling import SCALES_IN_WORDS
 
 DOTS_PER_INCH = 110
 """Resolution of ``force.png``."""
@@ -29,6 +31,7 @@ def run(
     fresh: bool = False,
     estimate: bool = False,
     plot: bool = False,
+    max_steps: int | None = None,
 ) -> int:
     """Run a solver, print the key numbers, write what is asked for.
 
@@ -44,46 +47,85 @@ def run(
     out : str or None
         Folder of the run, if it is to be written.
     fresh : bool
-        Whether an interrupted run found there is ignored.
+        Whether an interrupted run found there is ignored, and the results of another scene are replaced.
     estimate : bool
         Whether the errors are estimated.
     plot : bool
         Whether ``force.png`` and ``force.svg`` are drawn, into ``out`` or the current folder.
+    max_steps : int or None
+        Largest number of steps, accepted and rejected together; ``None``: the solver's choice.
 
     Returns
     -------
     int
         2 if the solver refuses the scene, 1 if the run does not finish, else 0.
+
+    Raises
+    ------
+    SceneError
+        If the folder holds the results of another scene.
+    KeyboardInterrupt
+        If the run was interrupted; what there is, is written and said before.
     """
     case = cases.load(name)
     folder = None if out is None else output_folder(out)
+    if folder is not None and not fresh:
+        check_unused(folder, case.scene)
     drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
-    progress = Progress(f"{case.name} {solver}")
-    try:
-        if folder is None:
-            result, writer = run_solver(case, solver, resolution, progress, estimate), None
-        else:
-            result, writer = run_with_checkpoints(case, solver, resolution, progress, folder, fresh, estimate)
-    finally:
-        progress.close()
+    cost = expected_cost(case.scene, solver, resolution)
+    announce(cost, estimate)
+    with Progress(f"{case.name} {solver}") as progress:
+        progress.phase("set-up")
+        after = "estimating the errors" if estimate else "measuring"
+        steps = StepProgress(progress, 1.0 if cost is None else cost.steps, after)
+        try:
+            result, writer = run_with_checkpoints(
+                case, solver, resolution, steps, folder, fresh, estimate, max_steps
+            )
+        except KeyboardInterrupt:
+            _say_what_is_kept(folder)
+            raise
     if result.refused:
         print(f"crosscontact: error: {result.failure}", file=sys.stderr)
         return 2
     if folder is not None:
         write_run(folder, case.scene, result)
     _print(case, result, estimate)
+    for warning in result.warnings:
+        print(f"crosscontact: warning: {warning}", file=sys.stderr)
     if drawn is not None and result.trace is not None:
         _draw(Result(case.scene, result), drawn)
     if folder is not None:
         print(f"written to {folder}")
-    if writer is not None and writer.stopped:
-        print(f"crosscontact: saved in {writer.path}: the same command continues it", file=sys.stderr)
+    return _ending(result, writer, estimate)
+
+
+def _say_what_is_kept(folder: Path | None) -> None:
+    """After an interruption between two checkpoints."""
+    path = None if folder is None else folder / CHECKPOINT
+    if path is not None and path.exists():
+        print(f"crosscontact: {path} stands: the same command continues it", file=sys.stderr)
+    else:
+        print("crosscontact: no step is done: there is nothing to keep", file=sys.stderr)
+
+
+def _ending(result: Run, writer: CheckpointWriter, estimate: bool) -> int:
+    """Say what is unfinished, keep the checkpoint that helps to finish it; the exit code."""
+    if writer.stopped and not result.finished:
+        kept = "without --out DIR nothing is kept" if writer.path is None else f"saved in {writer.path}"
+        goes_on = "" if writer.path is None else ": the same command continues it"
+        print(f"crosscontact: {kept}{goes_on}", file=sys.stderr)
         raise KeyboardInterrupt
-    if writer is not None and result.trace is not None:  # a breakdown may come of the machine: go on later
+    out_of_steps = result.trace is not None and result.trace.outcome.kind is OutcomeKind.STEP_BUDGET
+    if result.trace is not None and not out_of_steps:  # a breakdown may come of the machine: go on later
         writer.remove()
     if not result.finished:
-        print(f"crosscontact: not finished: {result.ending}", file=sys.stderr)
+        hint = "; --max-steps N allows more" if out_of_steps else ""
+        print(f"crosscontact: not finished: {result.ending}{hint}", file=sys.stderr)
         return 1
+    if writer.stopped and estimate and not result.errors:
+        print("crosscontact: the run is whole, its errors are not estimated", file=sys.stderr)
+        raise KeyboardInterrupt
     return 0
 
 
@@ -99,7 +141,7 @@ def _print(case: cases.Case, result: Run, estimate: bool) -> None:
     for line in aligned([*rows, *((*entry, *filler) for entry in more)]):
         print(line)
     if result.errors:
-        print("  errors are relative: of penetrations to the largest of the run, else to the value")
+        print(f"  errors are relative: {SCALES_IN_WORDS}")
     elif result.finished:
         print(f"  no error estimate ({'the coarser run ends otherwise' if estimate else 'add --estimate'})")
 

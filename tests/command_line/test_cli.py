@@ -18,9 +18,11 @@ from support.spring_solver import SCENE, FunctionSolver, fake, named
 import crosscontact
 from contact_scene import OutcomeKind, UnsupportedScene, read_scene
 from crosscontact import registry
-from crosscontact.cli import main, parser
+from crosscontact.arguments import parser
+from crosscontact.cli import main
 from validation import solvers
 from validation.execution import files
+from validation.measure.scaling import SCALES_IN_WORDS
 from validation.scenes import SUITES, names
 
 CONTRACT = (
@@ -248,7 +250,10 @@ def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
 
     fakes(bem=FunctionSolver(interrupt))
     assert code_of("solve", scene_file, "--solver", "bem") == 1
-    assert capsys.readouterr().err == "crosscontact: interrupted\n"
+    assert capsys.readouterr().err.splitlines() == [
+        "crosscontact: no step is done: there is nothing to keep",
+        "crosscontact: interrupted",
+    ]
 
 
 def test_compare_agrees_and_disagrees(capsys, tmp_path, scene_file, fakes):
@@ -339,7 +344,7 @@ def test_solve_estimates_errors_where_asked(capsys, tmp_path, scene_file, fakes)
         assert code_of("solve", scene_file, "--solver", "bem", "--estimate", *more) == 0
         out = capsys.readouterr().out
         assert "error estimate" in out.splitlines()[1]
-        assert "errors are relative: of penetrations to the largest of the run, else to the value" in out
+        assert f"errors are relative: {SCALES_IN_WORDS}" in out
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["error_estimates"]["approach_force"] == 0.0  # a fake is the same at any resolution
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from contact_scene import scene_from_dict
-from crosscontact.cli import parser
+from crosscontact.arguments import parser
 from validation.execution import progress
 
 README = Path("README.md").read_text("utf-8")

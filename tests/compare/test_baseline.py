@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import xml.etree.ElementTree as tree
 
 import pytest
 from support.spring_solver import fake, named
@@ -64,6 +65,55 @@ def test_a_move_beyond_tolerance_is_named_and_exits_1(reported, capsys):
         assert "Since the baseline" in text
         assert "BEYOND" in text
         assert "+2.0e-02" in text
+
+
+def test_other_premises_are_said_first(reported, monkeypatch, capsys):
+    _, first = reported("first")
+    old = json.loads((first / "report.json").read_text())
+    old["program"] = "another"
+    old["environment"]["packages"]["numpy"] = "0.1"
+    old["scenes"][0]["premises"]["input"]["adhesion"] = "another"
+    old["scenes"][0]["premises"]["tolerances"]["bem"]["values"] = 0.25
+    del old["scenes"][0]["premises"]["tolerances"]["fem"]
+    (first / "report.json").write_text(json.dumps(old))
+    capsys.readouterr()
+    code, second = reported("second", "--baseline", str(first / "report.json"))
+    assert code == 0
+    lines = capsys.readouterr().out.splitlines()
+    verdict = next(index for index, line in enumerate(lines) if "moved since" in line)
+    said = lines[verdict - 3 : verdict]
+    assert said[0].startswith("changed: another version of the program or its packages: commit ")
+    assert "numpy 0.1 -> " in said[0]
+    assert said[1] == f"changed: {NAME}: another input: adhesion"
+    now = load(NAME).tolerance("bem", "values")
+    assert said[2] == f"changed: {NAME}: other tolerances of bem: values 0.25 -> {now}"
+    changed = json.loads((second / "report.json").read_text())["baseline"]["changes"]
+    assert [f"changed: {line}" for line in changed] == said
+    for form in ("summary.md", "index.html"):
+        text = (second / form).read_text()
+        assert text.index("another input: adhesion") < text.index("Nothing moved since")
+
+
+def test_an_earlier_report_without_premises_is_said(data):
+    old = copy.deepcopy(data)
+    del old["scenes"][0]["premises"], old["program"], old["environment"]
+    changes = regression.compare("old", old, data, [load(NAME)]).changes
+    assert "commit unknown -> " in changes[0]
+    assert changes[1] == f"{NAME}: input and tolerances: the earlier report does not say"
+
+
+def test_junit_holds_the_verdicts(reported):
+    _, first = reported("first")
+    _, second = reported("second", "--baseline", str(first / "report.json"), bem=fake(1.02))
+    root = tree.parse(second / "junit.xml").getroot()
+    (suite,) = [suite for suite in root.iter("testsuite") if suite.get("name") == "baseline"]
+    cases = {(case.get("classname"), case.get("name").split(" ", 1)[1]): case for case in suite}
+    failed = {name for (_, name), case in cases.items() if case.find("failure") is not None}
+    source = f"(baseline {first / 'report.json'})"
+    assert f"pull_off_force {source}" in failed
+    assert {classname for classname, _ in cases} == {f"{NAME}.{name}" for name in registry.names()}
+    assert (f"{NAME}.reference", f"all values {source}") in cases
+    assert suite.get("failures") == str(len(failed))
 
 
 def test_a_small_move_is_listed_but_harmless(reported, capsys):

@@ -6,11 +6,16 @@ import dataclasses
 import json
 import subprocess
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from support.spring_solver import spring
 
 import crosscontact as cc
+from validation.execution.runs import Run
+
+ENERGIES = ("stored_energy", "external_work", "dissipated_energy")
 
 SCENE = cc.Scene(
     cc.Material(0.75, 0.5, (cc.Branch(6.75, 1.0),)),
@@ -167,6 +172,37 @@ def test_axes_in_axes_out(result, axes_free):
     assert len(colours) == 2
     assert len(given[0].texts) == 1  # said once
     assert [text.get_text() for text in given[0].get_legend().get_texts()] == ["reference", "bem"]
+
+
+@pytest.mark.parametrize("many", [1, 3, (2, 2)])
+def test_other_than_two_axes_are_refused_in_one_line(result, axes_free, many):
+    from matplotlib.figure import Figure
+
+    shape = many if isinstance(many, tuple) else (1, many)
+    for draw in (result.plot, cc.SolverComparison(SCENE, {}, {}, ()).plot):
+        with pytest.raises(cc.SceneError, match=r"axes: got .*; allowed: two Axes"):
+            draw(Figure().subplots(*shape))
+
+
+def test_a_result_is_saved_to_a_path(result):
+    with pytest.raises(cc.SceneError, match="folder: got 3"):
+        result.save(3)
+
+
+def test_labels_of_ticks_do_not_overlap(axes_free):
+    """Forces on a punch that take five characters each."""
+    punch = dataclasses.replace(CONE, indenter=cc.FlatPunch(1.0))
+    columns = {"time": (0.0, 1.0), "force": (0.001, -0.061), "penetration": (0.001, -0.061)}
+    columns |= dict.fromkeys(("contact_radius", *ENERGIES), (0.0, 0.0))
+    arrays = {name: np.array(values) for name, values in columns.items()}
+    trace = dataclasses.replace(spring()(punch), **arrays)
+    figure = cc.Result(punch, Run("punch", "bem", trace)).figure()
+    figure.canvas.draw()
+    for axes in figure.axes:
+        low, high = axes.get_xlim()
+        labels = [label for label in axes.get_xticklabels() if low <= label.get_position()[0] <= high]
+        boxes = [label.get_window_extent() for label in labels]
+        assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
 
 
 def test_other_shapes_are_drawn_in_units_of_the_scene(axes_free):

@@ -126,7 +126,11 @@ def test_compare_finds_agreement_and_names_what_failed():
         (lambda: cc.compare(SPHERE, resolution=1), "resolution"),
         (lambda: cc.builtin("cycle"), "no built-in scene 'cycle'"),
         (lambda: cc.builtin(3), "no built-in scene 3"),
+        (lambda: cc.compare(SPHERE, solvers=3), "solvers: got 3; allowed: several of"),
+        (lambda: cc.solve(SPHERE, progress=3), "progress: got 3"),
         (lambda: cc.load("nowhere"), "nowhere: has no scene.toml"),
+        (lambda: cc.load(3), "folder: got 3; allowed: the path of a folder"),
+        (lambda: cc.load(None), "folder: got None"),
         (lambda: cc.Sphere(-1.0), "radius"),
     ],
 )

@@ -131,13 +131,13 @@ def test_quantities_read_the_state_they_name():
         assert quantity.values(one).shape == (len(one.points),), quantity.name
         assert "(" in quantity.label
         assert "$" not in quantity.plain
-    np.testing.assert_array_equal(QUANTITIES["stress-zz"].values(one), one.stress[1])
-    np.testing.assert_array_equal(QUANTITIES["principal-1"].values(one), one.principal[0])
-    np.testing.assert_array_equal(QUANTITIES["dissipation-rate"].values(one), one.dissipation_rate[0])
-    assert QUANTITIES["stress-tt"].plain == "stress σθθ (force/length²)"
+    np.testing.assert_array_equal(QUANTITIES["stress_zz"].values(one), one.stress[1])
+    np.testing.assert_array_equal(QUANTITIES["principal_1"].values(one), one.principal[0])
+    np.testing.assert_array_equal(QUANTITIES["dissipation_rate"].values(one), one.dissipation_rate[0])
+    assert QUANTITIES["stress_tt"].plain == "stress σθθ (force/length²)"
     signed = {name for name, one in QUANTITIES.items() if one.kind is ValueKind.SIGNED}
-    assert {"stress-rz", "hydrostatic", "strain-tt", "displacement-z", "principal-3"} <= signed
-    assert not {"von-mises", "max-shear", "dissipated"} & signed
+    assert {"stress_rz", "hydrostatic", "strain_tt", "displacement_z", "principal_3"} <= signed
+    assert not {"von_mises", "max_shear", "dissipated_energy"} & signed
 
 
 def test_key_moments_of_a_cycle():
@@ -260,7 +260,7 @@ def test_fig3_refuses_what_does_not_belong_together():
 def test_one_section_states_its_scale(monkeypatch):
     monkeypatch.setattr(rendering, "picture", lambda fill, size: np.zeros((size[1], size[0], 3), np.uint8))
     one = state(label="pull-off")
-    drawn = figure_set.single_section(one, SCENE, QUANTITIES["stress-zz"])
+    drawn = figure_set.single_section(one, SCENE, QUANTITIES["stress_zz"])
     scale = geometry.magnification(float(np.abs(one.displacement).max()), RADIUS)
     whole, edge = drawn.axes[:2]
     assert f"displacements drawn {scale:g} times as large" in whole.get_title()

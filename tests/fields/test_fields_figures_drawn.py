@@ -22,7 +22,7 @@ from validation.fields.figures.moments import key_moments
 from validation.fields.figures.quantities import QUANTITIES
 
 ROOT = Path(__file__).parents[2]
-STRESS, MISES = QUANTITIES["stress-zz"], QUANTITIES["von-mises"]
+STRESS, MISES = QUANTITIES["stress_zz"], QUANTITIES["von_mises"]
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -157,7 +157,7 @@ def test_body_of_revolution(cut, view, shown):
 def test_figures_are_written_as_reported(tmp_path, monkeypatch):
     blank = np.zeros((60, 100, 3), np.uint8)
     monkeypatch.setattr(rendering, "picture", lambda fill, size: blank)
-    figures = FigureSet(("von-mises",), moments=True, animate=True, revolve=True, frames=2)
+    figures = FigureSet(("von_mises",), moments=True, animate=True, revolve=True, frames=2)
     assert list(figures.rows(trace(), SCENE)) == [0, 3, 7, 8, 9]
     done: list[float] = []
     some = states({0: "", 8: "pull-off", 9: ""})
@@ -229,7 +229,7 @@ def test_a_machine_without_opengl_is_told_so(tmp_path):
 def test_key_moments_of_the_papers_cycle_from_the_command_line(tmp_path, capsys):
     from crosscontact.cli import main
 
-    arguments = ["fields", "cycle-v0.002", "--resolution", "4", "--strip", "--quantity", "stress-zz"]
+    arguments = ["fields", "cycle-v0.002", "--resolution", "4", "--strip", "--quantity", "stress_zz"]
     assert main([*arguments, "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     for name in ("jump-in", "end of approach", "start of detachment", "pull-off"):

@@ -64,9 +64,9 @@ def section():
 def test_section_holds_strips_edge_body_and_film(section, monkeypatch):
     names = [picture.name for picture in section.images]
     assert [name for name in names if "strip" in name] == [
-        f"fields-strip-{quantity}.png" for quantity in ("von-mises", "stress-zz", "dissipation-rate")
+        f"fields-strip-{quantity}.png" for quantity in ("von_mises", "stress_zz", "dissipation_rate")
     ]
-    assert {"fields-section-von-mises.png", "fields-revolution.png", "fields-cycle.gif"} <= set(names)
+    assert {"fields-section-von_mises.png", "fields-revolution.png", "fields-cycle.gif"} <= set(names)
     for picture in section.images:
         assert picture.data.startswith(b"GIF89a" if picture.name.endswith(".gif") else b"\x89PNG")
     assert section.images[1].caption == "Key moments: stress σzz (force/length²)"

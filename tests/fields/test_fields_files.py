@@ -12,6 +12,7 @@ import pytest
 import pyvista
 from support.paper_scenes import STICKY as ADHESION
 from support.paper_scenes import WORK
+from support.scene_text import DOWN_AND_UP as TEXT
 
 from contact_scene import (
     Adhesion,
@@ -35,32 +36,9 @@ from validation.fields import files, request
 from validation.fields.balance import balance
 from validation.fields.grid import cell_data, grid, indenter, point_data, surface, triangle_volumes
 from validation.fields.request import FieldRequest, check_times, ending, record_fields
+from validation.fields.section_mesh import surface_nodes
 
 MATERIAL = Material(0.75, 0.4, (Branch(2.0, 0.3),))
-TEXT = """
-title = "Down and up"
-[material]
-modulus = 0.75
-poisson = 0.4
-branches = [{ modulus = 2.0, time = 0.3 }]
-[indenter]
-shape = "sphere"
-radius = 1.0
-[adhesion]
-work = 5.026548e-4
-zone = 0.03
-[loading]
-start = "jump-in"
-penetration = 0.012
-[[loading.steps]]
-kind = "ramp"
-to = 0.015
-rate = 0.05
-[[loading.steps]]
-kind = "ramp"
-to = -0.5
-rate = 0.5
-"""
 
 
 @pytest.fixture(scope="module")
@@ -88,33 +66,58 @@ def test_data_sets_hold_every_field_with_its_unit(looked_into):
     names += [f"strain_{part} [1]" for part in ("rr", "zz", "tt", "rz")]
     names += [f"principal_{k} [force/length^2]" for k in (1, 2, 3)]
     names += [f"{name} [force/length^2]" for name in ("von_mises", "max_shear", "hydrostatic")]
-    names += ["displacement [length]", "stored_energy [energy/length^3]"]
-    names += ["dissipation_rate tau=0.3 [energy/(length^3 time)]", "dissipated tau=0.3 [energy/length^3]"]
+    names += ["displacement_applied [length]", "stored_energy [energy/length^3]"]
+    for part in ("", " tau=0.3"):
+        names += [
+            f"dissipation_rate{part} [energy/(length^3 time)]",
+            f"dissipated_energy{part} [energy/length^3]",
+        ]
     assert set(body.point_data.keys()) == set(names)
     assert np.array_equal(body.point_data["stress_zz [force/length^2]"], state.stress[1])
-    assert np.array_equal(body.points[:, :2], state.points)
+    total = body.point_data["dissipation_rate [energy/(length^3 time)]"]
+    assert np.array_equal(total, state.dissipation_rate.sum(axis=0))
     assert body.field_data["TimeValue"] == [state.time]
     top = surface(state)
     assert np.array_equal(top.point_data["pressure [force/length^2]"], state.surface.pressure)
-    assert np.allclose(top.points[:, 1], -state.surface.displacement)
+    assert np.allclose(top.points[:, 2], -state.surface.displacement)
     outline = indenter(state, scene).points
-    assert outline[0, 1] == -state.penetration
+    assert outline[0, 2] == -state.penetration
     # where they touch, the surface lies on the indenter
     inside = state.surface.radius < 0.9 * state.contact_radius
     height = scene.indenter.height(state.surface.radius[inside]) - state.penetration
-    assert np.allclose(top.points[inside, 1], height, atol=1e-9)
+    assert np.allclose(top.points[inside, 2], height, atol=1e-9)
+
+
+def test_all_parts_are_deformed_in_the_plane_of_r_and_z(looked_into):
+    scene, _, states = looked_into
+    state = states[1]
+    body, top, outline = grid(state), surface(state), indenter(state, scene)
+    for part in (body, top, outline):
+        assert np.all(part.points[:, 1] == 0.0)
+        assert part.point_data["displacement_applied [length]"].shape == part.points.shape
+    undeformed = body.points - body.point_data["displacement_applied [length]"]
+    assert np.allclose(undeformed[:, [0, 2]], state.points, atol=1e-12)
+    assert np.allclose((top.points - top.point_data["displacement_applied [length]"])[:, 2], 0.0, atol=1e-12)
+    above = outline.points - outline.point_data["displacement_applied [length]"]
+    assert np.allclose(above[:, 2], scene.indenter.height(above[:, 0]), atol=1e-12)
+    # the body's own surface is the surface
+    nodes = surface_nodes(state)
+    along = body.points[nodes]
+    assert np.allclose(np.interp(top.points[:, 0], along[:, 0], along[:, 2]), top.points[:, 2], atol=1e-9)
 
 
 def test_cells_sum_to_integrals(looked_into):
     _, trace, states = looked_into
     state = states[1]
     cells, sums = cell_data(state), balance(state, trace)
-    volumes = cells["volume [length^3]"]
+    volumes = cells["undeformed_volume [length^3]"]
     assert volumes.sum() == pytest.approx(state.element_volumes.sum(), rel=1e-12)
     quarters = volumes.reshape(4, -1).sum(axis=0)
     assert np.allclose(quarters, state.element_volumes, rtol=1e-9)
     assert volumes @ cells["stored_energy [energy/length^3]"] == pytest.approx(sums.stored, rel=1e-9)
-    assert volumes @ cells["dissipated tau=0.3 [energy/length^3]"] == pytest.approx(sums.dissipated, rel=1e-9)
+    assert volumes @ cells["dissipated_energy tau=0.3 [energy/length^3]"] == pytest.approx(
+        sums.dissipated, rel=1e-9
+    )
     assert (triangle_volumes(state) > 0.0).all()
 
 
@@ -123,7 +126,7 @@ def test_a_punch_has_its_side(looked_into):
     scene = Scene(MATERIAL, FlatPunch(0.1), Loading("jump-in", 0.015), ADHESION)
     outline = indenter(states[0], scene).points
     assert outline[-1, 0] == outline[-2, 0] == 0.1
-    assert outline[-1, 1] > outline[-2, 1] == -states[0].penetration
+    assert outline[-1, 2] > outline[-2, 2] == -states[0].penetration
 
 
 def test_series_is_read_back(looked_into, tmp_path):

@@ -9,6 +9,9 @@ than round-off, and it moved *beyond tolerance* if
 - a run ends in another way, a check that passed no longer does or is missing;
 - a scene or a solver is missing from a report of the same suite.
 
+Changes of input, tolerances or version are said first (see :mod:`validation.compare.premises`); by themselves
+they move nothing.
+
 Exit code rule of ``crosscontact report --baseline``: 1 if anything moved beyond tolerance or a check fails.
 Run times are not compared: they belong to the machine.
 """
@@ -24,6 +27,8 @@ from typing import Any, TypeGuard
 
 from contact_scene.errors import SceneError
 from validation.cases import Case
+from validation.compare.premises import changes
+from validation.measure.check import Check
 from validation.measure.scaling import Magnitudes
 
 ROUND_OFF = 1e-10
@@ -64,10 +69,24 @@ class Move:
 
 @dataclass(frozen=True)
 class ReportComparison:
-    """All differences from an earlier report, those that count first."""
+    """All differences from an earlier report.
+
+    Parameters
+    ----------
+    path : str
+        Of the earlier report.
+    moves : tuple of Move
+        Those that count first.
+    compared : tuple of (str, str)
+        Scenes and solvers that both reports hold.
+    changes : tuple of str
+        Other input, tolerances or version, one line each.
+    """
 
     path: str
     moves: tuple[Move, ...]
+    compared: tuple[tuple[str, str], ...] = ()
+    changes: tuple[str, ...] = ()
 
     @property
     def beyond(self) -> list[Move]:
@@ -75,12 +94,29 @@ class ReportComparison:
         return [move for move in self.moves if move.beyond]
 
     @property
+    def checks(self) -> list[Check]:
+        """A failed check for each difference that counts; a passed one for each run without."""
+        source = f"baseline {self.path}"
+        failed = [
+            Check(move.scene, move.solver, move.what, source, move.before, move.after, False)
+            for move in self.beyond
+        ]
+        moved = {(move.scene, move.solver) for move in self.beyond}
+        passed = [
+            Check(scene, solver, "all values", source, "within tolerance", "within tolerance", True)
+            for scene, solver in self.compared
+            if (scene, solver) not in moved
+        ]
+        return failed + passed
+
+    @property
     def verdict(self) -> str:
         """In one sentence."""
         if not self.moves:
             return f"Nothing moved since {self.path}."
         return (
-            f"{len(self.moves)} values moved since {self.path}, {len(self.beyond)} of them beyond tolerance."
+            f"{len(self.moves)} value{'' if len(self.moves) == 1 else 's'} moved since {self.path}, "
+            f"{len(self.beyond)} of them beyond tolerance."
         )
 
 
@@ -140,8 +176,16 @@ def compare(path: str, old: Mapping[str, Any], new: Mapping[str, Any], cases: li
         moves += _verdicts(name, before[name]["checks"], scene["checks"])
     if old.get("suite") == new.get("suite"):
         moves += [Move(name, "", "scene", "there", None) for name in before if name not in after]
+    compared = [
+        (name, solver)
+        for name, scene in after.items()
+        if name in before
+        for solver in scene["runs"]
+        if solver in before[name]["runs"]
+    ]
     size = {id(move): abs(move.change) if move.change is not None else math.inf for move in moves}
-    return ReportComparison(path, tuple(sorted(moves, key=lambda move: (not move.beyond, -size[id(move)]))))
+    ordered = sorted(moves, key=lambda move: (not move.beyond, -size[id(move)]))
+    return ReportComparison(path, tuple(ordered), tuple(compared), changes(old, new))
 
 
 def _runs(case: Case, before: Mapping[str, Run], after: Mapping[str, Run]) -> Iterator[Move]:

@@ -48,6 +48,12 @@ def json_value(value: Any) -> Any:
     return float(value) if math.isfinite(value) else None
 
 
+def in_words(count: float) -> str:
+    """A number of bytes, in kB, MB or GB."""
+    unit, scale = next(((u, s) for u, s in (("GB", 1e9), ("MB", 1e6)) if count >= s), ("kB", 1e3))
+    return f"{count / scale:.0f} {unit}" if count >= 9.95 * scale else f"{count / scale:.1f} {unit}"
+
+
 def output_folder(path: str | os.PathLike[str], key: str = "--out") -> Path:
     """Make the folder (and its parents) and try to write into it.
 

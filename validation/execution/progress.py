@@ -1,9 +1,15 @@
-"""Progress of long work: a bar on a terminal, plain lines elsewhere. Always on stderr."""
+"""Progress of long work: a bar on a terminal, plain lines elsewhere. Always on stderr.
+
+Work has phases (set-up, solving, drawing, writing), each with a bar of its own. While a phase says nothing,
+a thread tells that it goes on, and for how long it has.
+"""
 
 from __future__ import annotations
 
 import sys
+import threading
 import time
+from types import TracebackType
 from typing import TextIO
 
 from rich.console import Console
@@ -12,15 +18,24 @@ from rich.progress import Progress as RichProgress
 
 WIDTH = 30
 """Characters of a full bar."""
+TEXT = 60
+"""Characters of the text beside the bar, at most."""
 REDRAW = 0.1
 """Seconds between two drawings of the bar where there is no new text."""
+SILENCE = 10.0
+"""Seconds without a line after which a phase is said to go on, where there is no terminal."""
+SILENT_SHARE = 0.1
+"""The same over the time since the phase began, so that the log of a long run stays short."""
+AFTER = 1.0
+"""Seconds of a phase before which a rate says nothing."""
 
 
 class Progress:
     """Call it with a fraction in 0..1 and, if there is something to report, a line of text.
 
     On a terminal one line is redrawn; elsewhere a line is written for every text, and without texts at most
-    one for every tenth and every second, so that a log stays short.
+    one for every tenth and every second, so that a log stays short. ``detail`` goes with the fraction and
+    is no line of its own.
     """
 
     def __init__(self, label: str, stream: TextIO | None = None) -> None:
@@ -28,8 +43,9 @@ class Progress:
         self._label = label
         console = Console(file=self._stream, highlight=False)
         self._terminal = console.is_terminal and not console.is_dumb_terminal
-        self._shown = time.monotonic()
+        self._shown = self._began = time.monotonic()
         self._tenth = 0
+        self._fraction, self._detail = 0.0, ""
         columns = (TextColumn("{task.description}", markup=False), BarColumn(WIDTH), TaskProgressColumn())
         self._bar = RichProgress(
             *columns,
@@ -41,26 +57,143 @@ class Progress:
             redirect_stderr=False,
         )
         self._task = self._bar.add_task(label, total=1.0, text="")
+        self._phase = ""
+        self._lock = threading.RLock()
+        self._closed = threading.Event()
+        self._watch: threading.Thread | None = None
 
-    def __call__(self, fraction: float, text: str = "") -> None:
-        fraction = min(max(fraction, 0.0), 1.0)
-        now = time.monotonic()
-        if self._terminal:
-            if text or now - self._shown >= REDRAW:
-                self._bar.start()
-                self._bar.update(self._task, completed=fraction, text=text[:40], refresh=True)
-                self._shown = now
-        elif text:
-            self._write(text)
-        elif int(10 * fraction) > self._tenth and now - self._shown >= 1.0:
-            self._tenth, self._shown = int(10 * fraction), now
-            self._write(f"{100 * fraction:.0f} %")
+    def phase(self, name: str) -> None:
+        """Begin a phase of the work, at a fraction of zero."""
+        with self._lock:
+            self._phase, self._tenth, self._fraction, self._detail = name, 0, 0.0, ""
+            self._began = self._shown = time.monotonic()
+            self._bar.update(self._task, description=self._name, completed=0.0, text="")
+        if self._watch is None:
+            self._watch = threading.Thread(target=self._keep_telling, daemon=True)
+            self._watch.start()
+
+    def __call__(self, fraction: float, text: str = "", detail: str = "") -> None:
+        with self._lock:
+            self._fraction = min(max(fraction, 0.0), 1.0)
+            self._detail = detail or (time_left(self._fraction, self._began) if self._phase else "")
+            now = time.monotonic()
+            if self._terminal:
+                if text or now - self._shown >= REDRAW:
+                    self._redraw(text or detail, now)
+            elif text:
+                self._write(text, now)
+            elif int(10 * self._fraction) > self._tenth and now - self._shown >= 1.0:
+                self._tenth = int(10 * self._fraction)
+                self._write(self._state, now)
+
+    def tell(self) -> None:
+        """Say that the phase goes on, if nothing was said for a while."""
+        with self._lock:
+            now = time.monotonic()
+            lasted = now - self._began
+            if self._terminal:
+                if now - self._shown >= 1.0:
+                    self._redraw(self._detail or f"{lasted:.0f} s", now)
+            elif now - self._shown >= max(SILENCE, SILENT_SHARE * lasted):
+                self._write(f"{self._state}, after {duration(lasted)}", now)
 
     def close(self) -> None:
         """Remove the bar."""
-        if self._terminal:
-            self._bar.stop()
+        self._closed.set()
+        with self._lock:
+            if self._terminal:
+                self._bar.stop()
 
-    def _write(self, text: str) -> None:
-        self._stream.write(f"{self._label}: {text}\n")
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def _name(self) -> str:
+        return f"{self._label}: {self._phase}" if self._phase else self._label
+
+    @property
+    def _state(self) -> str:
+        percent = f"{100 * self._fraction:.0f} %"
+        return f"{percent}: {self._detail}" if self._detail else percent
+
+    def _keep_telling(self) -> None:
+        while not self._closed.wait(1.0):
+            self.tell()
+
+    def _redraw(self, text: str, now: float) -> None:
+        self._bar.start()
+        self._bar.update(self._task, completed=self._fraction, text=text[:TEXT], refresh=True)
+        self._shown = now
+
+    def _write(self, text: str, now: float) -> None:
+        self._stream.write(f"{self._name}: {text}\n")
         self._stream.flush()
+        self._shown = now
+
+
+class StepProgress:
+    """Progress of a run by the steps it has taken: what a solver calls after every step.
+
+    The share of the prescribed loading says little about the work ahead: a cycle may lose contact half-way.
+    The steps ahead are those of the forecast that are not taken yet, and at most the forecast's over the part
+    of the loading that is left. Beyond the forecast no time left is given.
+
+    Parameters
+    ----------
+    progress : Progress
+    steps : float
+        Forecast for the whole run.
+    after : str
+        Phase that begins with the end of the run.
+    """
+
+    def __init__(self, progress: Progress, steps: float, after: str) -> None:
+        self._progress, self._forecast, self._after = progress, max(steps, 1.0), after
+        self._steps, self._fraction = 0, 0.0
+        self._began: float | None = None
+
+    def __call__(self, share: float) -> None:
+        if self._began is None:
+            self._progress.phase("solving")
+            self._began = time.monotonic()
+        self._steps += 1
+        if share >= 1.0:
+            self._progress(1.0, detail=f"{self._steps} steps")
+            self._progress.phase(self._after)
+            return
+        ahead = min(self._forecast - self._steps, self._forecast * (1.0 - share))
+        if ahead > 0.0:
+            self._fraction = max(self._fraction, self._steps / (self._steps + ahead))
+        self._progress(min(self._fraction, 0.99), detail=self._words(ahead))
+
+    def _words(self, ahead: float) -> str:
+        lasted = time.monotonic() - (self._began or 0.0)
+        text = f"{self._steps} steps"
+        if lasted < AFTER:
+            return text
+        rate = self._steps / lasted
+        left = f"about {duration(ahead / rate)} left" if ahead > 0.0 else "more than expected"
+        return f"{text}, {rate:.3g} a second, {left}"
+
+
+def time_left(done: float, began: float) -> str:
+    """About how long work that began at a time of the clock still takes, a share of it being done, in words.
+
+    Empty while that share, or the time it took, is too small to tell.
+    """
+    lasted = time.monotonic() - began
+    if lasted < AFTER or not 0.0 < done < 1.0:
+        return ""
+    return f"about {duration(lasted * (1.0 - done) / done)} left"
+
+
+def duration(seconds: float) -> str:
+    """Seconds in words: seconds, minutes or hours."""
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5970.0 else f"{seconds / 3600.0:.1f} h"

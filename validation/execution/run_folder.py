@@ -1,14 +1,84 @@
-"""The folder of one run: ``scene.toml``, ``trace.csv`` and ``summary.json``."""
+"""The folder of one run, written and read back: ``scene.toml``, ``trace.csv`` and ``summary.json``."""
 
 from __future__ import annotations
 
+import json
 import shutil
 import tempfile
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from contact_scene import Scene, write_scene, write_trace
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import (
+    COLUMNS,
+    Counters,
+    Event,
+    Outcome,
+    OutcomeKind,
+    Scene,
+    SceneError,
+    Trace,
+    read_columns,
+    read_scene,
+    write_scene,
+    write_trace,
+)
+from contact_scene.files import read_text
 from validation.execution.files import move_whole, to_json, write_whole
 from validation.execution.runs import Run, summary
+
+OUTPUT = ("scene.toml", "trace.csv", "summary.json")
+"""Files of a run."""
+
+
+def check_unused(folder: Path, scene: Scene, key: str = "--out") -> None:
+    """Refuse a folder whose files belong to another scene, or to another program.
+
+    Parameters
+    ----------
+    folder : Path
+        That a run is to be written to.
+    scene : Scene
+        Of that run.
+    key : str
+        What named the folder.
+
+    Raises
+    ------
+    SceneError
+    """
+    there = [name for name in OUTPUT if (folder / name).exists()]
+    if not there:
+        return
+    try:
+        other = read_scene(folder / "scene.toml")
+    except (SceneError, OSError):
+        problem = f"{folder} holds a {there[-1]} that is not of a run of this program"
+    else:
+        if replace(other, title=scene.title) == scene:
+            return
+        problem = f"{folder} holds the results of another scene{f', {other.title!r}' if other.title else ''}"
+    raise SceneError(key, problem, "another folder, or --fresh to replace what it holds")
+
+
+_NO_MEASURES = (
+    "solver",
+    "scene",
+    "outcome",
+    "reason",
+    "finished",
+    "past_extremum",
+    "warnings",
+    "cpu_seconds",
+    "estimate_seconds",
+    "counters",
+    "error_estimates",
+    "events",
+)
+"""Keys of ``summary.json`` that are no measures."""
 
 
 def write_run(folder: Path, scene: Scene, result: Run) -> None:
@@ -25,3 +95,66 @@ def write_run(folder: Path, scene: Scene, result: Run) -> None:
             (folder / "trace.csv").unlink(missing_ok=True)
         move_whole(Path(stage), folder)
     write_whole(folder / "summary.json", to_json(summary(result)))
+
+
+def read_run(source: Path) -> tuple[Scene, Run]:
+    """Read a folder back, bit for bit; profiles were not written.
+
+    Raises
+    ------
+    SceneError
+        One line, if a file is missing or damaged, or the run gave no answer.
+    """
+    for name in ("scene.toml", "summary.json"):
+        if not (source / name).is_file():
+            allowed = "a folder written by `crosscontact solve --out`"
+            raise SceneError("", f"has no {name}", allowed, str(source))
+    scene = read_scene(source / "scene.toml")
+    file = str(source / "summary.json")
+    try:
+        summary = json.loads(read_text(Path(file)))
+        if summary["outcome"] in ("failed", "refused"):
+            problem = f"{summary['solver']} gave no answer: {summary['reason']}"
+            raise SceneError("outcome", problem, "a run with a trace", file)
+        run = _run(summary, read_columns(source / "trace.csv"))
+    except SceneError:
+        raise
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror or error}"
+        raise SceneError("trace.csv", problem, "the trace of the run", str(source)) from None
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
+    return scene, run
+
+
+def _run(summary: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run:
+    """The run that a folder holds; its outcome is dated by the last row of the trace."""
+    end = float(columns["time"][-1]) if columns["time"].size else 0.0
+    trace = Trace(
+        summary["solver"],
+        columns["time"],
+        columns["penetration"],
+        columns["force"],
+        columns["contact_radius"],
+        columns["stored_energy"],
+        columns["external_work"],
+        columns["dissipated_energy"],
+        Outcome(OutcomeKind(summary["outcome"]), summary["reason"], end, summary["past_extremum"]),
+        Counters(**summary["counters"]),
+        extra={name: column for name, column in columns.items() if name not in COLUMNS},
+        events=tuple(Event(**event) for event in summary["events"]),
+        wall_seconds=summary["wall_seconds"],
+    )
+    measures = {name: value for name, value in summary.items() if name not in _NO_MEASURES}
+    measures |= {f"counters.{name}": float(count) for name, count in summary["counters"].items()}
+    return Run(
+        summary["scene"],
+        summary["solver"],
+        trace,
+        wall_seconds=summary["wall_seconds"],
+        cpu_seconds=summary["cpu_seconds"],
+        estimate_seconds=summary["estimate_seconds"],
+        measures=measures,
+        errors=summary["error_estimates"] or {},
+        warnings=tuple(summary["warnings"]),
+    )

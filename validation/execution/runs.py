@@ -50,6 +50,8 @@ class Run:
         Every scalar by name (see :func:`measure`).
     errors : dict
         Relative error estimates by observable and column (see ``error_estimate``); empty if not estimated.
+    warnings : tuple of str
+        Where the model comes to its limits in this run, one line each.
     """
 
     scene: str
@@ -63,6 +65,7 @@ class Run:
     estimate_seconds: float = 0.0
     measures: dict[str, float | None] = field(default_factory=dict)
     errors: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
     @property
     def finished(self) -> bool:
@@ -93,12 +96,14 @@ def run(
     progress: solvers.Progress | None = None,
     estimate: bool = False,
     monitor: RunMonitor | None = None,
+    max_steps: int | None = None,
+    estimate_monitor: RunMonitor | None = None,
 ) -> Run:
     """Run one solver; a refusal or a breakdown is part of the answer.
 
     Parameters
     ----------
-    case, solver, resolution, progress, estimate, monitor
+    case, solver, resolution, progress, estimate, monitor, max_steps, estimate_monitor
         As of :func:`run_or_raise`.
 
     Returns
@@ -107,7 +112,16 @@ def run(
     """
     begin, spent = time.perf_counter(), time.process_time()
     try:
-        return run_or_raise(case, solver, resolution, progress, estimate, monitor)
+        return run_or_raise(
+            case,
+            solver,
+            resolution,
+            progress,
+            estimate,
+            monitor,
+            max_steps=max_steps,
+            estimate_monitor=estimate_monitor,
+        )
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
@@ -130,6 +144,7 @@ def run_or_raise(
     monitor: RunMonitor | None = None,
     stop_times: Collection[float] = (),
     max_steps: int | None = None,
+    estimate_monitor: RunMonitor | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
@@ -150,6 +165,8 @@ def run_or_raise(
         Further times that are stepped onto.
     max_steps : int or None
         Largest number of steps, accepted and rejected together; ``None``: the solver's choice.
+    estimate_monitor : RunMonitor or None
+        May stop the coarser run; then there is no estimate.
 
     Returns
     -------
@@ -185,12 +202,33 @@ def run_or_raise(
     if not estimate or not result.finished:
         return result
     spent = time.process_time()
-    errors = _errors(case, result, method, resolution)
+    errors = _errors(case, result, method, resolution, estimate_monitor)
     return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
 
 
-def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | None) -> dict[str, float]:
-    """Error estimates of a finished run; none if the second run ends otherwise."""
+def _errors(
+    case: Case,
+    result: Run,
+    method: solvers.Solver,
+    resolution: int | None,
+    monitor: RunMonitor | None,
+) -> dict[str, float]:
+    """Error estimates of a finished run; none if the second run ends otherwise.
+
+    Parameters
+    ----------
+    case : Case
+    result : Run
+    method : Solver
+    resolution : int or None
+        Of the run.
+    monitor : RunMonitor or None
+        Of the second run.
+
+    Returns
+    -------
+    dict of str to float
+    """
     trace = result.trace
     if trace is None:
         return {}
@@ -198,7 +236,8 @@ def _errors(case: Case, result: Run, method: solvers.Solver, resolution: int | N
         return error_estimate.from_own(trace, result.measures, case.scene.loading)
     second = method.comparison_run(case.scene, resolution)
     try:
-        other = second.solve(stop_times=cycle_times(case.scene.loading), profile_times=case.profile_times)
+        stops = cycle_times(case.scene.loading)
+        other = second.solve(stop_times=stops, profile_times=case.profile_times, monitor=monitor)
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
     if other.outcome.kind is not trace.outcome.kind:
@@ -236,6 +275,8 @@ def summary(result: Run) -> dict[str, Any]:
         "outcome": str(trace.outcome.kind) if trace else ("refused" if result.refused else "failed"),
         "reason": trace.outcome.reason if trace else result.failure,
         "finished": result.finished,
+        "past_extremum": trace.outcome.past_extremum if trace else None,
+        "warnings": list(result.warnings),
         **Observables().as_dict(),
         **{name: value for name, value in result.measures.items() if not name.startswith("counters.")},
         "wall_seconds": result.wall_seconds,

@@ -9,13 +9,14 @@ from __future__ import annotations
 import signal
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
 from validation.execution.processes import WorkerProcesses
+from validation.execution.progress import time_left
 from validation.execution.store import Store
 
 
@@ -116,11 +117,13 @@ def run_tasks(
     store, tasks = store or Store(), list(tasks)
     total = done_before + len(tasks) if total is None else total
     results: dict[int, TaskResult] = {}
+    began = time.monotonic()
 
     def show(text: str) -> None:
         done = done_before + len(results)
         if progress is not None:
-            progress(done / total, f"{done}/{total} {text}")
+            left = time_left(_share_done(tasks, results), began) if total == len(tasks) else ""
+            progress(done / total, f"{done}/{total} {text}{', ' if left else ''}{left}")
 
     for index, task in enumerate(tasks):
         value = store.get(task.key)
@@ -140,6 +143,17 @@ def run_tasks(
             on_result(result)
         show(f"{result.task.label}: {breakdown or f'{result.seconds:.1f} s'}")
     return [results[index] for index in range(len(tasks))]
+
+
+def _share_done(tasks: Sequence[Task], results: Mapping[int, TaskResult]) -> float:
+    """Share of the work, by the forecast of each task, that is done; answers from the store are no work."""
+    work = {
+        index: task.expected_seconds
+        for index, task in enumerate(tasks)
+        if index not in results or not results[index].stored
+    }
+    done = sum(seconds for index, seconds in work.items() if index in results)
+    return done / (sum(work.values()) or 1.0)
 
 
 def _carried_out(tasks: dict[int, Task], executor: Executor | None) -> Iterator[tuple[int, TaskResult]]:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from fem_solver import FieldState
 
 SCENE = "cycle-v0.002"
-DRAWN = ("von-mises", "stress-zz", "dissipation-rate")
+DRAWN = ("von_mises", "stress_zz", "dissipation_rate")
 """Quantities; sections at the largest tension show the first two, the animation the first."""
 FRAMES = 40
 """Of the animation."""

@@ -1,8 +1,9 @@
 """Fields on disk: VTU and VTP files with time series that ParaView opens, and the numbers beside them.
 
-``body.pvd``, ``surface.pvd`` and ``indenter.pvd`` list the files of the folder of that name by time;
-``moments.json`` says what each moment is, what the densities add up to, and what all this cost. Each file
-appears whole or not at all; the lists, and last the numbers, are written when all they name is there.
+``body.pvd``, ``surface.pvd`` and ``indenter.pvd`` list the files of the folder of that name by time, all of
+them in the deformed configuration (see ``grid``); ``moments.json`` says what each moment is, what the
+densities add up to, and what all this cost. Each file appears whole or not at all; the lists, and last the
+numbers, are written when all they name is there.
 """
 
 from __future__ import annotations
@@ -29,32 +30,47 @@ NUMBERS = "moments.json"
 
 
 class ParaViewSeries:
-    """Writes states into a folder one by one."""
+    """Writes states into a folder one by one.
 
-    def __init__(self, folder: Path, scene: Scene) -> None:
+    Parameters
+    ----------
+    folder : Path
+    scene : Scene
+    keep : bool
+        Whether files of an interrupted command stay, to be taken over.
+    """
+
+    def __init__(self, folder: Path, scene: Scene, keep: bool = False) -> None:
         self._folder, self._scene = folder, scene
         self._moments: list[dict[str, Any]] = []
         self._times: list[float] = []
+        self.bytes = 0
         for name, kind in PARTS.items():
             (folder / f"{name}.pvd").unlink(missing_ok=True)
             (folder / name).mkdir(exist_ok=True)
             for left_over in (folder / name).glob(f"{name}_[0-9]*.{kind}"):
-                left_over.unlink()
+                if not keep:
+                    left_over.unlink()
         (folder / NUMBERS).unlink(missing_ok=True)
 
-    def add(self, state: FieldState, balance: EnergySums) -> None:
-        """Write one state."""
+    def add(self, state: FieldState, balance: EnergySums, there: bool = False) -> bool:
+        """Write one state, unless its files are ``there``; whether they were taken over."""
         from validation.fields.grid import grid, indenter, surface
 
         index = len(self._times)
-        sets = {"body": grid(state), "surface": surface(state), "indenter": indenter(state, self._scene)}
-        for name, data in sets.items():
-            save(data, self._folder / name / _file(name, index))
+        paths = [self._folder / name / _file(name, index) for name in PARTS]
+        taken_over = there and all(path.is_file() for path in paths)
+        if not taken_over:
+            sets = grid(state), surface(state), indenter(state, self._scene)
+            for data, path in zip(sets, paths, strict=True):
+                save(data, path)
+        self.bytes += sum(path.stat().st_size for path in paths)
         before = self._times[-1] if self._times else -math.inf
         # a jump of the load is two states at one time; a reader of the list would show only one of them
         self._times.append(state.time if state.time > before else math.nextafter(before, math.inf))
         about = ("row", "time", "label", "penetration", "force", "contact_radius")
         self._moments.append({name: getattr(state, name) for name in about} | asdict(balance))
+        return taken_over
 
     def close(self, numbers: dict[str, Any]) -> list[Path]:
         """Write the lists and the numbers; returns what a reader would open."""

@@ -1,9 +1,11 @@
-"""Fields as PyVista data sets: the section through the axis, the deformed surface and the indenter.
+"""Fields as PyVista data sets: the section through the axis, the surface and the indenter, all deformed.
 
-Axes: ``x = r``, ``y = z`` (upwards, the body below 0), third coordinate 0. Arrays are named with what they
-measure in units of the scene, ``stress_zz [force/length^2]``; warping by ``displacement [length]`` gives the
-deformed body. Cells are the finite elements cut in four; cell data are means over whole elements, so summed
-with ``volume [length^3]`` (of revolution) they give integrals over the mesh.
+Points are where the body is under load: ``x = r``, ``y = 0``, ``z`` upwards with the undeformed surface at 0,
+as in the components ``rr, zz, tt, rz``. ``displacement_applied [length]`` is the vector that has led there:
+to warp by it again magnifies the deformation, to warp by -1 times it takes it away. Arrays are named with
+what they measure, as on the command line, in units of the scene. Cells are the finite elements cut in four;
+cell data are means over whole elements, so summed with ``undeformed_volume [length^3]`` (of revolution) they
+give integrals over the mesh.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene
-from fem_solver.fields.states import COMPONENTS, FieldState
+from fem_solver.fields.states import FieldState
+from validation.fields.figures.quantities import DENSITY, QUANTITIES, RATE, STRESS
 from validation.fields.section_mesh import surface_nodes, triangle_areas
 
 if TYPE_CHECKING:
@@ -23,18 +26,17 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-STRESS, DENSITY, RATE = "force/length^2", "energy/length^3", "energy/(length^3 time)"
-DISPLACEMENT = "displacement [length]"
+DISPLACEMENT = "displacement_applied [length]"
 _OUTLINE = 400
 """Points of the indenter's outline."""
 
 
 def grid(state: FieldState) -> pyvista.UnstructuredGrid:
-    """The undeformed section ``r >= 0, z <= 0`` with all fields at its nodes and in its cells."""
+    """The deformed section ``r >= 0`` with all fields at its nodes and in its cells."""
     import pyvista
 
     cells = {pyvista.CellType.TRIANGLE: state.triangles}
-    result = pyvista.UnstructuredGrid(cells, _in_plane(state.points))
+    result = pyvista.UnstructuredGrid(cells, _in_space(state.points + state.displacement))
     for name, values in point_data(state).items():
         result.point_data[name] = values
     for name, values in cell_data(state).items():
@@ -45,32 +47,29 @@ def grid(state: FieldState) -> pyvista.UnstructuredGrid:
 
 def point_data(state: FieldState) -> dict[str, Array]:
     """Nodal fields by their names in a file; shape (n,), the displacement (n, 3)."""
-    data = {DISPLACEMENT: _in_plane(state.displacement)}
-    for index, part in enumerate(COMPONENTS):
-        data[f"stress_{part} [{STRESS}]"] = state.stress[index]
-    for index, values in enumerate(state.principal, 1):
-        data[f"principal_{index} [{STRESS}]"] = values
-    data[f"von_mises [{STRESS}]"] = state.von_mises
-    data[f"max_shear [{STRESS}]"] = state.max_shear
-    data[f"hydrostatic [{STRESS}]"] = state.hydrostatic
-    for index, part in enumerate(COMPONENTS):
-        data[f"strain_{part} [1]"] = state.strain[index]
-    data[f"stored_energy [{DENSITY}]"] = state.stored_energy_density
+    data = {DISPLACEMENT: _in_space(state.displacement)}
+    for quantity in QUANTITIES.values():
+        if not quantity.name.startswith("displacement"):
+            data[quantity.array] = quantity.values(state)
     for branch, rate, lost in zip(state.branches, state.dissipation_rate, state.dissipated, strict=True):
         data[f"dissipation_rate {branch} [{RATE}]"] = rate
-        data[f"dissipated {branch} [{DENSITY}]"] = lost
+        data[f"dissipated_energy {branch} [{DENSITY}]"] = lost
     return data
 
 
 def cell_data(state: FieldState) -> dict[str, Array]:
     """Means over the finite elements, by their names in a file; shape (4 m,)."""
-    volumes, quarters = triangle_volumes(state), 4
-    data = {"volume [length^3]": volumes}
-    data[f"stored_energy [{DENSITY}]"] = np.tile(state.element_stored, quarters)
+    quarters = 4
+    means = {
+        f"stored_energy [{DENSITY}]": state.element_stored,
+        f"dissipation_rate [{RATE}]": state.element_rate.sum(axis=0),
+        f"dissipated_energy [{DENSITY}]": state.element_dissipated.sum(axis=0),
+    }
     for branch, rate, lost in zip(state.branches, state.element_rate, state.element_dissipated, strict=True):
-        data[f"dissipation_rate {branch} [{RATE}]"] = np.tile(rate, quarters)
-        data[f"dissipated {branch} [{DENSITY}]"] = np.tile(lost, quarters)
-    return data
+        means[f"dissipation_rate {branch} [{RATE}]"] = rate
+        means[f"dissipated_energy {branch} [{DENSITY}]"] = lost
+    volumes = {"undeformed_volume [length^3]": triangle_volumes(state)}
+    return volumes | {name: np.tile(values, quarters) for name, values in means.items()}
 
 
 def triangle_volumes(state: FieldState) -> Array:
@@ -88,7 +87,7 @@ def surface(state: FieldState) -> pyvista.PolyData:
     sideways = np.interp(profile.radius, state.points[on_top, 0], state.displacement[on_top, 0])
     moved = np.column_stack([sideways, -profile.displacement])
     result = _line(np.column_stack([profile.radius, np.zeros_like(profile.radius)]) + moved)
-    result.point_data[DISPLACEMENT] = _in_plane(moved)
+    result.point_data[DISPLACEMENT] = _in_space(moved)
     result.point_data[f"pressure [{STRESS}]"] = profile.pressure
     result.point_data["gap [length]"] = profile.gap
     _attach_scalars(result, state)
@@ -103,6 +102,7 @@ def indenter(state: FieldState, scene: Scene) -> pyvista.PolyData:
     if math.isfinite(edge) and edge < reach:
         outline = np.vstack([outline, [edge, outline[-1, 1] + reach]])
     result = _line(outline)
+    result.point_data[DISPLACEMENT] = _in_space(np.tile([0.0, -state.penetration], (len(outline), 1)))
     _attach_scalars(result, state)
     return result
 
@@ -110,11 +110,12 @@ def indenter(state: FieldState, scene: Scene) -> pyvista.PolyData:
 def _line(points: Array) -> pyvista.PolyData:
     import pyvista
 
-    return pyvista.PolyData(_in_plane(points), lines=[len(points), *range(len(points))])
+    return pyvista.PolyData(_in_space(points), lines=[len(points), *range(len(points))])
 
 
-def _in_plane(vectors: Array) -> Array:
-    return np.column_stack([vectors, np.zeros(len(vectors))])
+def _in_space(vectors: Array) -> Array:
+    """Components (r, z) along x and z; shape (n, 3)."""
+    return np.column_stack([vectors[:, 0], np.zeros(len(vectors)), vectors[:, 1]])
 
 
 def _attach_scalars(data: pyvista.DataSet, state: FieldState) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from contact_scene import Loading, Scene, SceneError, Trace
 from validation.measure.observables import ROUND_OFF, largest_tension
+from validation.solvers.base import specified
 from validation.solvers.finite_elements import mesh_for
 
 if TYPE_CHECKING:
@@ -49,14 +50,26 @@ class FieldRequest:
 class RecordedFields:
     """A run and the requested rows.
 
-    ``missing`` are times it did not reach, ``sampled`` rows requested only as every n-th; ``never_pulls``: a
-    pull-off was requested and there is none.
+    Parameters
+    ----------
+    recording : Recording
+    moments : dict of int to str
+        Labels by row, in order of time.
+    missing : tuple of float
+        Times that the run did not reach.
+    sampled : frozenset of int
+        Rows requested only as every n-th.
+    frames : frozenset of int
+        Rows without a label that figures need and nothing else requests.
+    never_pulls : bool
+        A pull-off was requested and there is none.
     """
 
     recording: Recording
     moments: dict[int, str]
     missing: tuple[float, ...] = ()
     sampled: frozenset[int] = frozenset()
+    frames: frozenset[int] = frozenset()
     never_pulls: bool = False
 
     def states(self) -> Iterator[FieldState]:
@@ -67,7 +80,11 @@ class RecordedFields:
 
 
 def record_fields(
-    scene: Scene, request: FieldRequest, resolution: int | None = None, progress: Progress | None = None
+    scene: Scene,
+    request: FieldRequest,
+    resolution: int | None = None,
+    progress: Progress | None = None,
+    max_steps: int | None = None,
 ) -> RecordedFields:
     """Run the finite elements and select the rows.
 
@@ -78,6 +95,8 @@ def record_fields(
     resolution : int, optional
         Divisions per process zone; default: the solver's choice.
     progress : callable(float), optional
+    max_steps : int, optional
+        Largest number of steps, accepted and rejected together; default: the solver's choice.
 
     Returns
     -------
@@ -99,6 +118,7 @@ def record_fields(
         record_times=request.times,
         record_every=request.every,
         record_pull_off=True,
+        **specified(max_steps=max_steps),
     )
     recording = record(scene, mesh, options, progress)
     picked = {}
@@ -110,7 +130,7 @@ def record_fields(
 
 
 def _select(recording: Recording, request: FieldRequest, picked: dict[int, str]) -> RecordedFields:
-    trace, moments = recording.trace, dict(picked)
+    trace, moments = recording.trace, {row: label for row, label in picked.items() if label}
     for time in request.times:
         if time in recording.rows:
             moments.setdefault(recording.rows[time], "")
@@ -119,9 +139,10 @@ def _select(recording: Recording, request: FieldRequest, picked: dict[int, str])
         moments[pull] = moments.get(pull) or PULL_OFF
     rows = range(0, len(trace), request.every) if request.every else range(0)
     sampled = frozenset(rows) - set(moments)
+    frames = frozenset(picked) - set(moments) - sampled
     missing = tuple(time for time in request.times if time not in recording.rows)
-    moments = dict(sorted((moments | dict.fromkeys(sampled, "")).items()))
-    return RecordedFields(recording, moments, missing, sampled, request.pull_off and pull is None)
+    moments = dict(sorted((moments | dict.fromkeys(sampled | frames, "")).items()))
+    return RecordedFields(recording, moments, missing, sampled, frames, request.pull_off and pull is None)
 
 
 def pull_off(recording: Recording) -> int | None:

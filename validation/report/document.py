@@ -175,6 +175,11 @@ def number(value: object, digits: int = 6) -> str:
     return format(value, f".{digits}g") if isinstance(value, float) else str(value)
 
 
+def counted(count: int, name: str) -> str:
+    """A number of things, whose plural ends in s."""
+    return f"{count} {name}{'' if count == 1 else 's'}"
+
+
 def formatted(value: float | None, specification: str) -> str:
     """A number in the given format, ``ABSENT`` for ``None``."""
     return ABSENT if value is None else format(value, specification)

@@ -10,7 +10,9 @@ from dataclasses import asdict
 from typing import Any
 
 from validation.claims.claim import Finding
+from validation.compare.premises import of_case
 from validation.compare.suite import SceneComparison
+from validation.execution.fingerprints import version
 from validation.execution.runs import Run, summary
 from validation.report.report import Report
 from validation.report.sections.costs import spent
@@ -39,6 +41,7 @@ def of_report(report: Report) -> Data:
         "wall_seconds": report.wall_seconds,
         "cpu_seconds": sum(map(spent, report.runs)),
         "environment": report.environment,
+        "program": version(),
         "scenes": [_scene(scene) for scene in report.scenes],
     }
     if report.claims is not None:
@@ -47,7 +50,8 @@ def of_report(report: Report) -> Data:
         whole["stability"] = _matrix(report.stability, True)
     if report.baseline is not None:
         moves = [asdict(move) for move in report.baseline.moves]
-        whole["baseline"] = {"path": report.baseline.path, "moves": moves}
+        changes = list(report.baseline.changes)
+        whole["baseline"] = {"path": report.baseline.path, "changes": changes, "moves": moves}
     return whole
 
 
@@ -57,6 +61,7 @@ def _scene(scene: SceneComparison) -> Data:
         "title": scene.case.scene.title,
         "figure": scene.case.figure,
         "statement": scene.case.statement,
+        "premises": of_case(scene.case),
         "left_out": skipped_work(scene),
         "passed": scene.passed,
         "runs": {

@@ -63,6 +63,8 @@ def suites(report: Report) -> list[junit.CheckSuite]:
     if report.claims is not None:
         findings = report.claims.findings
         made.append(junit.CheckSuite("claims", claim_checks(findings), outputs=claims.outputs(findings)))
+    if report.baseline is not None:
+        made.append(junit.CheckSuite("baseline", report.baseline.checks))
     if report.stability is not None:
         matrix = report.stability
         made.append(junit.CheckSuite("stability", stability_checks(matrix.cells), matrix.wall_seconds))

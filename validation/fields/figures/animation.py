@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,8 @@ import numpy as np
 from contact_scene import Scene, Trace
 from validation.drawing.styles import APPROACH, RETRACTION
 from validation.fields.figures import sections
+from validation.fields.figures.colours import ColourRange
+from validation.fields.figures.geometry import BodySection, View
 from validation.fields.figures.moment_panels import caption, sections_alike
 from validation.fields.figures.quantities import Quantity
 from validation.fields.figures.sections import INDENTER, LENGTH_UNIT, MARK, SMALL, ZONE
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
 
     from fem_solver.fields.states import FieldState
 
+Keep = Callable[[str, Callable[[], bytes]], bytes]
 FRAME, LAST = 120, 1500
 """Durations of a frame and of the last one, milliseconds."""
 DOTS = 90
@@ -39,6 +43,7 @@ def film(
     scene: Scene,
     quantity: Quantity,
     progress: Callable[[float], None] = lambda done: None,
+    kept: Keep = lambda name, draw: draw(),
 ) -> bytes:
     """Draw all states as an animation.
 
@@ -50,6 +55,8 @@ def film(
     scene : Scene
     quantity : Quantity
     progress : callable(float)
+    kept : callable(str, callable() -> bytes) -> bytes
+        Gives the picture of a name, drawn by a function unless an interrupted command has left it.
 
     Returns
     -------
@@ -64,10 +71,9 @@ def film(
     from PIL import Image as New
 
     pictures: list[Image] = []
-    for count, frame in enumerate(frames(states, trace, scene, quantity), 1):
-        stream = io.BytesIO()
-        frame.savefig(stream, format="png", dpi=DOTS, facecolor="white")
-        pictures.append(New.open(stream).convert("RGB"))
+    for count, (state, draw) in enumerate(_drawings(states, trace, scene, quantity), 1):
+        data = kept(f"frame_{quantity.name}_{state.row:06d}", partial(_png, draw))
+        pictures.append(New.open(io.BytesIO(data)).convert("RGB"))
         progress(count / len(states))
     table = palette(quantity.kind.value)
     flat = [picture.quantize(palette=table, dither=New.Dither.NONE) for picture in pictures]
@@ -89,25 +95,56 @@ def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Q
     ------
     Figure
     """
+    return (draw() for _, draw in _drawings(states, trace, scene, quantity))
+
+
+def _drawings(
+    states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Quantity
+) -> list[tuple[FieldState, Callable[[], Figure]]]:
+    """Each state, and a function that draws its frame."""
+    cut, view, colour_range = sections_alike(states, scene, quantity)
+    return [(section.state, partial(_frame, section, view, quantity, colour_range, trace)) for section in cut]
+
+
+def _frame(
+    section: BodySection, view: View, quantity: Quantity, colour_range: ColourRange, trace: Trace
+) -> Figure:
+    """The section of one state, and where on the force curve it stands.
+
+    Parameters
+    ----------
+    section : BodySection
+    view : View
+    quantity : Quantity
+    colour_range : ColourRange
+    trace : Trace
+
+    Returns
+    -------
+    Figure
+    """
     from matplotlib.figure import Figure as New
 
-    cut, view, colour_range = sections_alike(states, scene, quantity)
-    turn = end_of_approach(trace)
-    for section in cut:
-        frame = New(figsize=(9.6, 3.7), layout="constrained")
-        engine: Any = frame.get_layout_engine()
-        engine.set(w_pad=0.1)  # inches, between the colour bar and the curve
-        left, right = frame.subplots(1, 2, width_ratios=(2.3, 1.0))
-        sections.draw(left, section, view, quantity, colour_range)
-        left.set_title(
-            f"{caption(section.state)}\ndisplacements {sections.times(section.scale)}", fontsize=SMALL + 1
-        )
-        left.set_xlabel(f"x {LENGTH_UNIT}", fontsize=SMALL + 1)
-        left.set_ylabel(f"y {LENGTH_UNIT}", fontsize=SMALL + 1)
-        sections.key(left, section)
-        sections.bar(frame, [left], quantity, colour_range, shrink=0.8)
-        _curve(right, trace, turn, section.state)
-        yield frame
+    frame = New(figsize=(9.6, 3.7), layout="constrained")
+    engine: Any = frame.get_layout_engine()
+    engine.set(w_pad=0.1)  # inches, between the colour bar and the curve
+    left, right = frame.subplots(1, 2, width_ratios=(2.3, 1.0))
+    sections.draw(left, section, view, quantity, colour_range)
+    left.set_title(
+        f"{caption(section.state)}\ndisplacements {sections.times(section.scale)}", fontsize=SMALL + 1
+    )
+    left.set_xlabel(f"r, mirrored {LENGTH_UNIT}", fontsize=SMALL + 1)
+    left.set_ylabel(f"z {LENGTH_UNIT}", fontsize=SMALL + 1)
+    sections.key(left, section)
+    sections.bar(frame, [left], quantity, colour_range, shrink=0.8)
+    _curve(right, trace, end_of_approach(trace), section.state)
+    return frame
+
+
+def _png(draw: Callable[[], Figure]) -> bytes:
+    stream = io.BytesIO()
+    draw().savefig(stream, format="png", dpi=DOTS, facecolor="white")
+    return stream.getvalue()
 
 
 def _curve(axes: Axes, trace: Trace, turn: int, state: FieldState) -> None:

@@ -17,9 +17,10 @@ import numpy as np
 
 from contact_scene import Scene, SceneError, Trace
 from validation.drawing.export import png
-from validation.execution.files import write_whole
+from validation.execution.files import in_words, write_whole
 from validation.fields.figures import animation, moment_panels, moments, revolution, sections
-from validation.fields.figures.geometry import magnification, section
+from validation.fields.figures.animation import Keep
+from validation.fields.figures.geometry import magnification, near_edge, section
 from validation.fields.figures.quantities import QUANTITIES, Quantity
 from validation.fields.figures.rendering import NoRendering
 
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
     from fem_solver.fields.states import FieldState
 
-USUAL = ("von-mises", "stress-zz", "dissipation-rate")
+USUAL = ("von_mises", "stress_zz", "dissipation_rate")
 """Quantities drawn where none is named."""
 FRAMES = 60
 """Of an animation."""
@@ -51,6 +52,8 @@ class FigureSet:
         The body in three dimensions, of every state that gets a section.
     show : bool
         The last state in a window, where there is a screen.
+    alike : bool
+        One magnification, view and range of colours for all sections and bodies of revolution of the run.
     frames : int
         Of the animation.
     """
@@ -60,6 +63,7 @@ class FigureSet:
     animate: bool = False
     revolve: bool = False
     show: bool = False
+    alike: bool = False
     frames: int = FRAMES
 
     def __post_init__(self) -> None:
@@ -86,6 +90,7 @@ class FigureSet:
         scene: Scene,
         progress: Progress,
         requested: Collection[int] = (),
+        kept: Keep = lambda name, draw: draw(),
     ) -> list[str]:
         """Draw, and report what was drawn, or why not.
 
@@ -99,6 +104,8 @@ class FigureSet:
         progress : callable(float)
         requested : collection of int
             Rows of the trace that get a section although the animation shows them.
+        kept : callable(str, callable() -> bytes) -> bytes
+            Gives the picture of a name, drawn by a function unless an interrupted command has left it.
 
         Returns
         -------
@@ -111,8 +118,8 @@ class FigureSet:
             If VTK cannot draw here, and more was requested than the sections drawn by default.
         """
         try:
-            written = self._write(folder, states, trace, scene, progress, requested)
-            lines = [f"drawn: {path}" for path in written]
+            written = self._write(folder, states, trace, scene, progress, requested, kept)
+            lines = [f"drawn: {path} ({in_words(path.stat().st_size)})" for path in written]
             if (
                 self.show
                 and states
@@ -133,24 +140,39 @@ class FigureSet:
         scene: Scene,
         progress: Progress,
         requested: Collection[int],
+        kept: Keep,
     ) -> list[Path]:
         """Draw everything but the window; states in contact only.
 
         Frames of the animation get a section only if labelled or requested.
+
+        Parameters
+        ----------
+        folder, states, trace, scene, progress, requested, kept
+            As of :meth:`draw`.
+
+        Returns
+        -------
+        list of Path
+            What was written.
         """
         touching, key, first = _touching(states), moments.key_moments(trace, scene), self._chosen[0]
         moving = set(moments.in_contact(trace, self.frames)) if self.animate else set()
         single = [
             state for state in touching if state.label or state.row in requested or state.row not in moving
         ]
+        common = {
+            one.name: alike(single, scene, one) if self.alike and single else None for one in self._chosen
+        }
         drawings: list[tuple[str, Callable[[], Figure]]] = []
         for state in single:
             for one in self._chosen:
                 name = f"sections/{one.name}_{state.row:06d}.png"
-                drawings.append((name, partial(single_section, state, scene, one)))
+                drawings.append((name, partial(single_section, state, scene, one, common[one.name])))
             if self.revolve:
                 name = f"revolution/{first.name}_{state.row:06d}.png"
-                drawings.append((name, partial(revolution.figure, state, scene, first)))
+                shared = common[first.name]
+                drawings.append((name, partial(revolution.figure, state, scene, first, shared)))
         named = [state for state in touching if state.row in key] if self.moments else []
         if named:
             drawings += [
@@ -163,14 +185,14 @@ class FigureSet:
         for count, (name, draw) in enumerate(drawings, 1):
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(path, png(draw()))
+            write_whole(path, kept(name, partial(_png, draw)))
             written.append(path)
             progress(count / total)
         if frames:
             path = folder / f"cycle_{first.name}.gif"
             begun = len(drawings) / total
             rest = partial(_rest, progress, begun)
-            write_whole(path, animation.film(frames, trace, scene, first, rest))
+            write_whole(path, animation.film(frames, trace, scene, first, rest, kept))
             written.append(path)
         return written
 
@@ -188,11 +210,18 @@ def of_options(options: argparse.Namespace) -> FigureSet | None:
         If a quantity has no such name, or figures are both requested and excluded.
     """
     if options.no_figures:
-        if options.quantity or options.strip or options.animate or options.revolve or options.show:
+        if (
+            options.quantity
+            or options.strip
+            or options.animate
+            or options.revolve
+            or options.show
+            or options.alike
+        ):
             raise SceneError("--no-figures", "figures are asked for beside it", "one or the other")
         return None
     quantities = tuple(dict.fromkeys(options.quantity or USUAL))
-    return FigureSet(quantities, options.strip, options.animate, options.revolve, options.show)
+    return FigureSet(quantities, options.strip, options.animate, options.revolve, options.show, options.alike)
 
 
 def _rest(progress: Progress, begun: float, done: float) -> None:
@@ -203,8 +232,36 @@ def _touching(states: Sequence[FieldState]) -> list[FieldState]:
     return [state for state in states if state.contact_radius > 0.0]
 
 
-def single_section(state: FieldState, scene: Scene, quantity: Quantity) -> Figure:
-    """The section of one state, with caption and a magnification of its own."""
+def _png(draw: Callable[[], Figure]) -> bytes:
+    return png(draw())
+
+
+def single_section(
+    state: FieldState, scene: Scene, quantity: Quantity, common: sections.Alike | None = None
+) -> Figure:
+    """The section of one state, with caption.
+
+    Parameters
+    ----------
+    state : FieldState
+    scene : Scene
+    quantity : Quantity
+    common : Alike or None
+        Magnification, view and colours of all sections; ``None``: of its own.
+
+    Returns
+    -------
+    Figure
+    """
     scale = magnification(float(np.abs(state.displacement).max()), state.contact_radius)
+    cut = section(state, scene, scale if common is None else common.scale)
     length = moments.zone(scene, state.contact_radius)
-    return sections.figure(section(state, scene, scale), quantity, length, moment_panels.caption(state))
+    return sections.figure(cut, quantity, length, moment_panels.caption(state), common)
+
+
+def alike(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> sections.Alike:
+    """One magnification, view and range of colours for sections of several states."""
+    cut, view, colour_range = moment_panels.sections_alike(states, scene, quantity)
+    edges = [near_edge(one, moments.zone(scene, one.state.contact_radius)) for one in cut]
+    at_edge = sections.shared_colours(quantity, cut, edges)
+    return sections.Alike(cut[0].scale, view, colour_range, at_edge)

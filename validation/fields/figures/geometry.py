@@ -1,8 +1,9 @@
 """What a section shows and where: the body mirrored about the axis, deformed, with indenter and contact edge.
 
-Axes of a section: x across with the axis of symmetry at 0, y upwards with the undeformed surface at 0, in the
-length of the scene. Displacements are magnified by a stated scale; the indenter is magnified alike in height,
-so that it touches where the surface does. Numbers only; nothing is drawn here.
+Axes of a section: r across with the axis of symmetry at 0, mirrored to negative values; z upwards with the
+undeformed surface at 0, in the length of the scene. Displacements are magnified by a stated scale; the
+indenter is magnified alike in height, so that it touches where the surface does. Numbers only; nothing is
+drawn here.
 """
 
 from __future__ import annotations

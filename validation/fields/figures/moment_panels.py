@@ -51,9 +51,9 @@ def figure(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> Fi
     for axes in panels.flat[len(cut) :]:
         axes.set_axis_off()
     for axes in panels[-1]:
-        axes.set_xlabel(f"x {LENGTH_UNIT}", fontsize=SMALL + 1)
+        axes.set_xlabel(f"r, mirrored {LENGTH_UNIT}", fontsize=SMALL + 1)
     for axes in panels[:, 0]:
-        axes.set_ylabel(f"y {LENGTH_UNIT}", fontsize=SMALL + 1)
+        axes.set_ylabel(f"z {LENGTH_UNIT}", fontsize=SMALL + 1)
     sections.key(panels[0, 0], cut[-1])
     panel_figure.suptitle(f"displacements {sections.times(cut[0].scale)}", fontsize=SMALL + 1)
     sections.bar(panel_figure, list(panels.flat), quantity, colour_range)

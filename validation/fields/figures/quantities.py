@@ -1,4 +1,4 @@
-"""The fields that can be drawn: what each is called, in which unit, and how it is read from a state.
+"""The fields of a state: what each is called, in which unit, and how it is read from the state.
 
 Units are the scene's. Components are cylindrical and positive in tension, also left of the axis.
 """
@@ -20,17 +20,41 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-STRESS, DENSITY, RATE, LENGTH = "force/length²", "energy/length³", "energy/(length³ time)", "length"
+STRESS, DENSITY, RATE, LENGTH = "force/length^2", "energy/length^3", "energy/(length^3 time)", "length"
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A field: ``name`` for commands and files, ``label`` for colour bars, ``values(state)`` at the nodes."""
+    """A field.
+
+    Parameters
+    ----------
+    name : str
+        On the command line and in the names of files and of their arrays.
+    text : str
+        For colour bars.
+    unit : str
+        In plain letters.
+    kind : ValueKind
+    values : callable(FieldState) -> (n,) array
+        At the nodes.
+    """
 
     name: str
-    label: str
+    text: str
+    unit: str
     kind: ValueKind
     values: Callable[[FieldState], Array]
+
+    @property
+    def label(self) -> str:
+        """For colour bars, with the unit."""
+        return f"{self.text} ({self.unit.replace('^2', '²').replace('^3', '³')})"
+
+    @property
+    def array(self) -> str:
+        """The name of its array in a file, with the unit."""
+        return f"{self.name} [{self.unit}]"
 
     @property
     def plain(self) -> str:
@@ -47,52 +71,50 @@ def _component(name: str, symbol: str, unit: str, row: int) -> Quantity:
     def values(state: FieldState) -> Array:
         return np.asarray(getattr(state, name))[row]
 
-    return Quantity(f"{name}-{file}", rf"{name} ${symbol}_{{{part}}}$ ({unit})", ValueKind.SIGNED, values)
+    return Quantity(f"{name}_{file}", rf"{name} ${symbol}_{{{part}}}$", unit, ValueKind.SIGNED, values)
 
 
 QUANTITIES = {
     one.name: one
     for one in (
-        Quantity("von-mises", f"von Mises stress ({STRESS})", ValueKind.POSITIVE, lambda s: s.von_mises),
-        Quantity("max-shear", f"largest shear stress ({STRESS})", ValueKind.POSITIVE, lambda s: s.max_shear),
-        Quantity("hydrostatic", f"mean stress ({STRESS})", ValueKind.SIGNED, lambda s: s.hydrostatic),
+        Quantity("von_mises", "von Mises stress", STRESS, ValueKind.POSITIVE, lambda s: s.von_mises),
+        Quantity("max_shear", "largest shear stress", STRESS, ValueKind.POSITIVE, lambda s: s.max_shear),
+        Quantity("hydrostatic", "mean stress", STRESS, ValueKind.SIGNED, lambda s: s.hydrostatic),
         *(
             Quantity(
-                f"principal-{k + 1}",
-                f"principal stress {k + 1} ({STRESS})",
+                f"principal_{k + 1}",
+                f"principal stress {k + 1}",
+                STRESS,
                 ValueKind.SIGNED,
                 lambda s, k=k: s.principal[k],  # type: ignore[misc]
             )
             for k in range(3)
         ),
         *(_component("stress", r"\sigma", STRESS, row) for row in range(4)),
-        *(_component("strain", r"\varepsilon", "length/length", row) for row in range(4)),
+        *(_component("strain", r"\varepsilon", "1", row) for row in range(4)),
         Quantity(
-            "displacement-r",
-            f"displacement $u_r$ ({LENGTH})",
-            ValueKind.SIGNED,
-            lambda s: s.displacement[:, 0],
+            "displacement_r", "displacement $u_r$", LENGTH, ValueKind.SIGNED, lambda s: s.displacement[:, 0]
         ),
         Quantity(
-            "displacement-z",
-            f"displacement $u_z$ ({LENGTH})",
-            ValueKind.SIGNED,
-            lambda s: s.displacement[:, 1],
+            "displacement_z", "displacement $u_z$", LENGTH, ValueKind.SIGNED, lambda s: s.displacement[:, 1]
         ),
         Quantity(
-            "stored", f"stored energy ({DENSITY})", ValueKind.DECADES, lambda s: s.stored_energy_density
+            "stored_energy", "stored energy", DENSITY, ValueKind.DECADES, lambda s: s.stored_energy_density
         ),
         Quantity(
-            "dissipation-rate",
-            f"dissipation rate ({RATE})",
+            "dissipation_rate",
+            "dissipation rate",
+            RATE,
             ValueKind.DECADES,
             lambda s: s.dissipation_rate.sum(axis=0),
         ),
         Quantity(
-            "dissipated",
-            f"energy dissipated ({DENSITY})",
+            "dissipated_energy",
+            "energy dissipated",
+            DENSITY,
             ValueKind.DECADES,
             lambda s: s.dissipated.sum(axis=0),
         ),
     )
 }
+"""All fields by name: what can be drawn, and what the files hold, the displacement there as a vector."""

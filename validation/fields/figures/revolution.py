@@ -37,8 +37,18 @@ SIZE = (1200, 840)
 VIEW_DIRECTION = (-1.0, 0.0, 0.55)
 
 
-def figure(state: FieldState, scene: Scene, quantity: Quantity) -> Figure:
+def figure(
+    state: FieldState, scene: Scene, quantity: Quantity, common: sections.Alike | None = None
+) -> Figure:
     """The body seen from above, with colour bar and caption.
+
+    Parameters
+    ----------
+    state : FieldState
+    scene : Scene
+    quantity : Quantity
+    common : Alike or None
+        Magnification, view and colours of all pictures; ``None``: of its own.
 
     Raises
     ------
@@ -47,7 +57,10 @@ def figure(state: FieldState, scene: Scene, quantity: Quantity) -> Figure:
     """
     from matplotlib.figure import Figure as New
 
-    cut, view, colour_range = prepared(state, scene, quantity)
+    if common is None:
+        cut, view, colour_range = prepared(state, scene, quantity)
+    else:
+        cut, view, colour_range = section(state, scene, common.scale), common.view, common.colours
     panel_figure = New(figsize=(8.0, 5.0), layout="constrained")
     axes = panel_figure.subplots()
     axes.imshow(rendering.picture(lambda plotter: add(plotter, cut, view, quantity, colour_range), SIZE))

@@ -6,6 +6,7 @@ its colour bar come from one table.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,26 @@ SMALL = 8.0
 """Size of the smallest text, points."""
 
 
+@dataclass(frozen=True)
+class Alike:
+    """What sections of several states have in common.
+
+    Parameters
+    ----------
+    scale : float
+        Magnification of displacements.
+    view : View
+        Of the contact as a whole.
+    colours, edge_colours : ColourRange
+        In that view, and close to the edge.
+    """
+
+    scale: float
+    view: View
+    colours: ColourRange
+    edge_colours: ColourRange
+
+
 def shared_colours(quantity: Quantity, sections: list[BodySection], views: list[View]) -> ColourRange:
     """One range of colours for all sections, from the values in view."""
     values, weights = [], []
@@ -41,7 +62,9 @@ def shared_colours(quantity: Quantity, sections: list[BodySection], views: list[
     return colours(quantity.kind, values, weights)
 
 
-def figure(section: BodySection, quantity: Quantity, zone: float, title: str) -> Figure:
+def figure(
+    section: BodySection, quantity: Quantity, zone: float, title: str, common: Alike | None = None
+) -> Figure:
     """The contact as a whole, and beside it its right-hand edge with colours of its own.
 
     Parameters
@@ -51,6 +74,8 @@ def figure(section: BodySection, quantity: Quantity, zone: float, title: str) ->
     zone : float
         Process-zone length, or the length that takes its place; the width of the second view follows it.
     title : str
+    common : Alike or None
+        View and colours of all sections of a run; ``None``: of this one.
 
     Returns
     -------
@@ -63,15 +88,17 @@ def figure(section: BodySection, quantity: Quantity, zone: float, title: str) ->
     """
     from matplotlib.figure import Figure as New
 
-    views = [whole(section.state.contact_radius), near_edge(section, zone)]
+    views = [whole(section.state.contact_radius) if common is None else common.view, near_edge(section, zone)]
+    ranges = [shared_colours(quantity, [section], [view]) for view in views]
+    if common is not None:
+        ranges = [common.colours, common.edge_colours]
     panel_figure = New(figsize=(10.6, 3.9), layout="compressed")
     panels = panel_figure.subplots(1, 2, width_ratios=(views[0].aspect, views[1].aspect))
-    for axes, view in zip(panels, views, strict=True):
-        colour_range = shared_colours(quantity, [section], [view])
+    for axes, view, colour_range in zip(panels, views, ranges, strict=True):
         draw(axes, section, view, quantity, colour_range)
-        axes.set_xlabel(f"x {LENGTH_UNIT}", fontsize=SMALL + 1)
+        axes.set_xlabel(f"r, mirrored {LENGTH_UNIT}", fontsize=SMALL + 1)
         bar(panel_figure, [axes], quantity, colour_range, label=axes is panels[1])
-    panels[0].set_ylabel(f"y {LENGTH_UNIT}", fontsize=SMALL + 1)
+    panels[0].set_ylabel(f"z {LENGTH_UNIT}", fontsize=SMALL + 1)
     panels[0].set_title(f"{title}\ndisplacements {times(section.scale)}", fontsize=SMALL + 1)
     panels[1].set_title("at the contact edge", fontsize=SMALL + 1)
     panels[0].add_patch(_frame(views[1]))

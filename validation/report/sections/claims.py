@@ -6,7 +6,16 @@ from collections.abc import Sequence
 
 from validation.claims.claim import Finding, Verdict
 from validation.drawing import export
-from validation.report.document import DataTable, Figure, Figures, Paragraph, Record, Section, VerdictCell
+from validation.report.document import (
+    DataTable,
+    Figure,
+    Figures,
+    Paragraph,
+    Record,
+    Section,
+    VerdictCell,
+    counted,
+)
 from validation.report.figures.paper_figures import FIGURES, draw_figure
 from validation.report.pictures import with_drawing
 from validation.report.report import Claims
@@ -43,7 +52,7 @@ def in_words(findings: Sequence[Finding]) -> str:
     verdicts = ", ".join(f"{count} {text}" for count, text in counts if count)
     changed = sum(one.changed for one in findings)
     changes = f"{changed or 'no'} verdict{'s' if changed > 1 else ''}"
-    return f"{len(findings)} statements: {verdicts}; {changes} changed."
+    return f"{counted(len(findings), 'statement')}: {verdicts}; {changes} changed."
 
 
 def outputs(findings: Sequence[Finding]) -> list[str]:

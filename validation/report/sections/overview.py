@@ -15,6 +15,7 @@ from validation.report.document import (
     Part,
     Record,
     Section,
+    counted,
     number,
     passed_or_not,
     plain,
@@ -40,7 +41,10 @@ def lead(report: Report) -> Paragraph:
     """How many checks, and how many not passed."""
     failed = len(report.failures)
     verdict = f"{failed} not passed" if failed else "all passed"
-    return Paragraph(f"{len(report.checks)} checks on {len(report.scenes)} scenes: {verdict}.", not failed)
+    return Paragraph(
+        f"{counted(len(report.checks), 'check')} on {counted(len(report.scenes), 'scene')}: {verdict}.",
+        not failed,
+    )
 
 
 def section(report: Report) -> Section:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from validation.compare.regression import Move, ReportComparison
 from validation.report.document import (
     ABSENT,
+    Bullets,
     DataTable,
     Paragraph,
     Record,
@@ -20,7 +21,7 @@ MOST = 20  # moves a summary lists, unless more are beyond tolerance
 
 def section(baseline: ReportComparison) -> Section:
     """All moves."""
-    return Section("Since the baseline", (Paragraph(baseline.verdict), *_listed(baseline.moves)))
+    return Section("Since the baseline", (*_heading(baseline), *_listed(baseline.moves)))
 
 
 def summary(baseline: ReportComparison) -> Section:
@@ -28,7 +29,12 @@ def summary(baseline: ReportComparison) -> Section:
     shown = baseline.moves[: max(len(baseline.beyond), MOST)]
     more = len(baseline.moves) - len(shown)
     rest = (Paragraph(f"{more} smaller moves are in report.json."),) if more else ()
-    return Section("Since the baseline", (Paragraph(baseline.verdict), *_listed(shown), *rest))
+    return Section("Since the baseline", (*_heading(baseline), *_listed(shown), *rest))
+
+
+def _heading(baseline: ReportComparison) -> tuple[Bullets | Paragraph, ...]:
+    changes = (Bullets(baseline.changes),) if baseline.changes else ()
+    return (*changes, Paragraph(baseline.verdict))
 
 
 def _listed(moves: tuple[Move, ...]) -> tuple[DataTable, ...]:

@@ -16,6 +16,7 @@ from validation.report.document import (
     Record,
     Section,
     VerdictCell,
+    counted,
 )
 from validation.report.figures import stability_map
 from validation.report.pictures import with_drawing
@@ -63,7 +64,7 @@ def lead(matrix: StabilityMatrix) -> Paragraph:
     """How many cells, and how many at fault."""
     faults = len(matrix.faults)
     verdict = f"{faults} at fault" if faults else "no fault"
-    return Paragraph(f"{len(matrix.cells)} cells: {verdict}.", not faults)
+    return Paragraph(f"{counted(len(matrix.cells), 'cell')}: {verdict}.", not faults)
 
 
 def numbers(cells: Sequence[judged.Cell]) -> dict[tuple[str, str], int]:

@@ -20,6 +20,7 @@ from validation.report.document import (
     Record,
     Section,
     VerdictCell,
+    counted,
     formatted,
     number,
     plain,
@@ -78,7 +79,8 @@ def verdict(study: Study) -> str:
     """How many levels there are, and how many failed."""
     levels = sum(len(entry.runs) for scene in study.scenes for entry in scene.ladders)
     failed = sum(len(scene.failed) for scene in study.scenes)
-    return f"{len(study.scenes)} scenes, {levels} levels, {failed} failed, {study.wall_seconds:.0f} s."
+    size = f"{counted(len(study.scenes), 'scene')}, {counted(levels, 'level')}"
+    return f"{size}, {failed} failed, {study.wall_seconds:.0f} s."
 
 
 def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:

@@ -1,0 +1,50 @@
+"""What a run is expected to cost, said before it where that is much."""
+
+from __future__ import annotations
+
+import sys
+
+from contact_scene import Scene, SceneError
+from validation import solvers
+from validation.execution.files import in_words
+from validation.execution.progress import duration
+from validation.solvers import Cost
+
+LONG = 10.0
+"""Seconds of processor time from which an expected cost is said: what a user waits for without a word."""
+LARGE = 1e9
+"""Bytes of memory from which it is said however short the run: what other programs of a machine may lack."""
+ESTIMATE_SHARE = 0.5
+"""Time of the coarser run from which errors are estimated, relative to the run."""
+
+
+def expected_cost(scene: Scene, solver: str, resolution: int | None) -> Cost | None:
+    """The solver's forecast; ``None`` for a scene that it refuses, as its run will say."""
+    try:
+        return solvers.solver(solver).expected_cost(scene, resolution)
+    except SceneError:
+        return None
+
+
+def announce(cost: Cost | None, estimate: bool = False, more_seconds: float = 0.0, more: str = "") -> None:
+    """Say on stderr what a run is expected to cost, if it is long or takes much memory.
+
+    Parameters
+    ----------
+    cost : Cost or None
+        Of the run.
+    estimate : bool
+        Whether a coarser run follows.
+    more_seconds : float
+        Of work after the run (s).
+    more : str
+        What that work makes, in words.
+    """
+    if cost is None:
+        return
+    seconds = cost.seconds * (1.0 + ESTIMATE_SHARE * estimate) + more_seconds
+    if seconds <= LONG and cost.bytes <= LARGE:
+        return
+    parts = [f"about {cost.steps:.2g} steps", duration(seconds), f"{in_words(cost.bytes)} of memory"]
+    words = ", ".join([*parts, more] if more else parts).replace("e+0", "e")
+    print(f"crosscontact: expected: {words}", file=sys.stderr)

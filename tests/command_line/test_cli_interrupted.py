@@ -1,0 +1,212 @@
+"""Runs that are stopped, end early or find another's files: what there is, is said and kept."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import signal
+
+import numpy as np
+import pytest
+from support.spring_solver import SCENE, FunctionSolver, named, spring
+
+import crosscontact as cc
+from contact_scene import KeptState, LoadingCursor, OutcomeKind
+from crosscontact.cli import main
+from crosscontact.commands import forecast
+from validation import solvers
+from validation.solvers import Cost
+
+COST = Cost(1234.0, 34.0, 2.5e6)
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    file = tmp_path / "small.toml"
+    file.write_text(SCENE)
+    return str(file)
+
+
+def put(monkeypatch, function, cost=None):
+    method = FunctionSolver(function, "bem")
+    if cost is not None:
+        monkeypatch.setattr(FunctionSolver, "expected_cost", lambda self, scene, resolution=None: cost)
+    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", method))
+
+
+def stopped_at_row(row: int):
+    """A solver that is sent SIGINT before a row, as by Ctrl-C, and asks its monitor at every row."""
+
+    def solve(scene, resolution=None, *, monitor=None, **options):
+        trace = spring()(scene, resolution, **options)
+        for index in range(len(trace)):
+            if index == row:
+                os.kill(os.getpid(), signal.SIGINT)
+            state = KeptState("bem", LoadingCursor(), trace.counters, index)
+            if monitor is not None and not monitor.continue_run(lambda state=state: state):
+                part = {name: column[:index] for name, column in trace.columns().items()}
+                outcome = cc.Outcome(
+                    OutcomeKind.INTERRUPTED, "stopped from outside", float(trace.time[index])
+                )
+                return dataclasses.replace(trace, **part, outcome=outcome)
+        return trace
+
+    return solve
+
+
+def test_interrupted_without_a_folder_what_there_is_is_printed(capsys, scene_file, monkeypatch):
+    put(monkeypatch, stopped_at_row(5))
+    assert main(["solve", scene_file, "--solver", "bem"]) == 1
+    out, err = capsys.readouterr()
+    assert "small by bem: interrupted: stopped from outside" in out
+    assert "approach_force" in out
+    assert err.splitlines()[-2:] == [
+        "crosscontact: without --out DIR nothing is kept",
+        "crosscontact: interrupted",
+    ]
+
+
+def test_interrupted_what_is_not_known_is_null(capsys, tmp_path, scene_file, monkeypatch):
+    put(monkeypatch, stopped_at_row(5))
+    out = tmp_path / "out"
+    assert main(["solve", scene_file, "--solver", "bem", "--out", str(out)]) == 1
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["outcome"] == "interrupted"
+    assert summary["pull_off_force"] is None
+    assert summary["detachment_time"] is None
+    shown = capsys.readouterr().out
+    assert [line.split() for line in shown.splitlines() if "pull_off" in line] == [
+        ["pull_off_force", "-"],
+        ["pull_off_penetration", "-"],
+        ["pull_off_radius", "-"],
+    ]
+    assert "nan" not in shown
+
+
+def test_interrupted_in_the_error_estimate_the_run_stands(capsys, tmp_path, scene_file, monkeypatch):
+    runs = []
+
+    def second_is_stopped(*given, **options):
+        runs.append(options)
+        return stopped_at_row(5 if len(runs) == 2 else -1)(*given, **options)
+
+    put(monkeypatch, second_is_stopped)
+    out = tmp_path / "out"
+    assert main(["solve", scene_file, "--solver", "bem", "--estimate", "--out", str(out)]) == 1
+    assert len(runs) == 2
+    summary = json.loads((out / "summary.json").read_text())
+    assert (summary["outcome"], summary["finished"], summary["error_estimates"]) == ("detached", True, {})
+    assert not (out / "checkpoint").exists()
+    assert "the run is whole, its errors are not estimated" in capsys.readouterr().err
+
+
+def test_a_budget_that_ends_a_run_is_said(capsys, tmp_path, scene_file, monkeypatch):
+    given = ["solve", "relaxed-equilibrium", "--solver", "bem", "--out", str(tmp_path), "--max-steps"]
+    seen = []
+
+    def note(scene, resolution=None, *, max_steps=None, **options):
+        seen.append(max_steps)
+        return spring(kind=OutcomeKind.STEP_BUDGET)(scene, resolution, **options)
+
+    put(monkeypatch, note)
+    assert main([*given, "7"]) == 1
+    assert seen == [7]
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last == "crosscontact: not finished: step budget exhausted: as told; --max-steps N allows more"
+    with pytest.raises(SystemExit) as refused:
+        main([*given, "0"])
+    assert refused.value.code == 2
+
+
+def test_a_run_out_of_steps_is_continued_with_more(tmp_path, scene_file):
+    def columns(folder):
+        return cc.load(folder).trace.columns()
+
+    given = ["solve", scene_file, "--solver", "bem", "--resolution", "4", "--out"]
+    whole, parts = str(tmp_path / "whole"), str(tmp_path / "parts")
+    assert main([*given, whole]) == 0
+    with pytest.MonkeyPatch.context() as often:
+        often.setattr("validation.execution.checkpoints.INTERVAL", 0.0)
+        often.setattr("validation.execution.checkpoints.INTERVAL_PER_WRITE", 0.0)
+        assert main([*given, parts, "--max-steps", "30"]) == 1
+    assert os.path.exists(f"{parts}/checkpoint")
+    assert main([*given, parts]) == 0
+    assert not os.path.exists(f"{parts}/checkpoint")
+    for name, column in columns(whole).items():
+        assert np.array_equal(column, columns(parts)[name]), name
+
+
+@pytest.mark.parametrize("content", ["scene", "trace", "damaged"])
+def test_a_folder_of_something_else_is_refused(capsys, tmp_path, scene_file, monkeypatch, content):
+    put(monkeypatch, spring())
+    given = ["solve", scene_file, "--solver", "bem", "--out", str(tmp_path / "out")]
+    (tmp_path / "out").mkdir()
+    before = tmp_path / "out/trace.csv"
+    if content == "scene":
+        other = tmp_path / "other.toml"
+        other.write_text(SCENE.replace("0.75", "0.76").replace("A small scene", "Another one"))
+        assert main(["solve", str(other), *given[2:]]) == 0
+    else:
+        before.write_text("mine")
+        if content == "damaged":
+            (tmp_path / "out/scene.toml").write_text("mine too")
+    kept = before.read_bytes()
+    capsys.readouterr()
+    assert main(given) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--out" in line
+    assert "--fresh" in line
+    assert ("'Another one'" in line) == (content == "scene")
+    assert before.read_bytes() == kept
+    assert main([*given, "--fresh"]) == 0
+    assert main(given) == 0  # its own
+
+
+def test_a_scene_of_another_title_is_the_same_scene(tmp_path, scene_file, monkeypatch):
+    put(monkeypatch, spring())
+    renamed = tmp_path / "renamed.toml"
+    renamed.write_text(SCENE.replace("A small scene", "Another title"))
+    for file in (scene_file, str(renamed)):
+        assert main(["solve", file, "--solver", "bem", "--out", str(tmp_path / "out")]) == 0
+
+
+@pytest.mark.parametrize(
+    ("cost", "said"),
+    [
+        (COST, "about 1.2e3 steps, 34 s, 2.5 MB of memory"),
+        (Cost(20.0, 1.0, 5.2e9), "about 20 steps, 1 s, 5.2 GB of memory"),
+        (Cost(20.0, 9.0, 1e6), ""),
+    ],
+)
+def test_long_and_large_runs_are_announced(capsys, scene_file, monkeypatch, cost, said):
+    put(monkeypatch, spring(), cost)
+    assert main(["solve", scene_file, "--solver", "bem"]) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if "expected" in line]
+    assert lines == ([f"crosscontact: expected: {said}"] if said else [])
+
+
+def test_a_refused_scene_costs_nothing(capsys):
+    forecast.announce(None)
+    assert capsys.readouterr().err == ""
+
+
+def test_an_outcome_below_the_zone_is_read_back_as_it_was(tmp_path, scene_file, monkeypatch):
+    def shrinks(past):
+        def solve(scene, resolution=None, **options):
+            trace = spring()(scene, resolution, **options)
+            reason = "the contact has shrunk to its process zone"
+            outcome = cc.Outcome(OutcomeKind.BELOW_ZONE, reason, float(trace.time[-1]), past)
+            return dataclasses.replace(trace, outcome=outcome)
+
+        return solve
+
+    for past in (True, False):
+        put(monkeypatch, shrinks(past))
+        out = tmp_path / str(past)
+        assert main(["solve", scene_file, "--solver", "bem", "--out", str(out)]) == (0 if past else 1)
+        loaded = cc.load(out)
+        assert loaded.outcome.past_extremum == past
+        assert loaded.outcome.finished == past
+        summary = json.loads((out / "summary.json").read_text())
+        assert (summary["outcome"], summary["past_extremum"]) == ("out of the model's range", past)

@@ -1,0 +1,135 @@
+"""A ``fields`` command that is interrupted and given again does only what is missing, to the same files."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from matplotlib.figure import Figure
+from support.scene_text import DOWN_AND_UP
+
+from crosscontact.cli import main
+from crosscontact.commands import fields
+from validation.execution import store
+from validation.fields import files
+from validation.fields.figures import figure_set
+from validation.fields.request import record_fields
+
+WORK = ("processor_seconds", "fields", "run")
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    """One run for all commands: it is the same to the bit each time."""
+    runs = {}
+
+    def once(scene, request, *rest):
+        key = request.times, request.every
+        if key not in runs:
+            runs[key] = record_fields(scene, request, *rest)
+        return runs[key]
+
+    return once
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    path = tmp_path / "down-and-up.toml"
+    path.write_text(DOWN_AND_UP, encoding="utf-8")
+    return str(path)
+
+
+def interrupt_at(monkeypatch, owner, name, count):
+    """The n-th call of a function is interrupted; all calls are counted."""
+    calls, function = [], getattr(owner, name)
+
+    def call(*given):
+        calls.append(given)
+        if len(calls) == count:
+            raise KeyboardInterrupt
+        return function(*given)
+
+    monkeypatch.setattr(owner, name, call)
+    return calls
+
+
+def contents(folder):
+    found = {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*.*") if path.is_file()}
+    numbers = json.loads(found.pop(folder.joinpath("moments.json").relative_to(folder)))
+    return found, {name: value for name, value in numbers.items() if name not in WORK}
+
+
+def test_files_that_are_there_are_taken_over(scene_file, tmp_path, monkeypatch, recorded, capsys):
+    monkeypatch.setattr(fields, "record_fields", recorded)
+    given = ["fields", scene_file, "--at", "0.06", "--every", "100", "--resolution", "4", "--no-figures"]
+    once, twice = tmp_path / "once", tmp_path / "twice"
+    assert main([*given, "--out", str(once)]) == 0
+    whole = capsys.readouterr().out
+    moments = len(list((once / "body").iterdir()))
+    assert moments >= 3
+    with monkeypatch.context() as stopped:
+        interrupt_at(stopped, files, "save", 7)
+        assert main([*given, "--out", str(twice)]) == 1
+    assert "the same command goes on with it" in capsys.readouterr().err
+    assert not (twice / "body.pvd").exists()
+    written = interrupt_at(monkeypatch, files, "save", None)
+    assert main([*given, "--out", str(twice)]) == 0
+    assert len(written) == 3 * (moments - 2)
+    assert not (twice / store.FOLDER).exists()
+    assert contents(twice) == contents(once)
+    table = [line for line in capsys.readouterr().out.splitlines() if line[:20].strip() == "-"]
+    assert table == [line for line in whole.splitlines() if line[:20].strip() == "-"]
+
+
+def test_pictures_that_are_there_are_taken_over(scene_file, tmp_path, monkeypatch, recorded, capsys):
+    def small(state, scene, quantity, common):
+        return Figure(figsize=(0.2, 0.2))
+
+    monkeypatch.setattr(fields, "record_fields", recorded)
+    monkeypatch.setattr(figure_set, "single_section", small)
+    given = ["fields", scene_file, "--at", "0.06", "--resolution", "4", "--out", str(tmp_path / "out")]
+    with monkeypatch.context() as stopped:
+        interrupt_at(stopped, figure_set, "single_section", 2)
+        assert main(given) == 1
+    drawn = interrupt_at(monkeypatch, figure_set, "single_section", None)
+    assert main(given) == 0
+    assert [call[2].name for call in drawn] == ["stress_zz", "dissipation_rate"]
+    assert len(list((tmp_path / "out/sections").glob("*.png"))) == 3
+
+
+def test_interrupted_in_the_run(scene_file, tmp_path, monkeypatch, capsys):
+    def stop(*given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(fields, "record_fields", stop)
+    assert main(["fields", scene_file, "--at", "0", "--out", str(tmp_path / "out")]) == 1
+    assert capsys.readouterr().err.splitlines() == [
+        "crosscontact: no moment is done: nothing to keep",
+        "crosscontact: interrupted",
+    ]
+    assert not (tmp_path / "out").exists()
+
+
+def test_another_scenes_fields_are_refused(scene_file, tmp_path, monkeypatch, recorded, capsys):
+    monkeypatch.setattr(fields, "record_fields", recorded)
+    out = str(tmp_path / "out")
+    given = ["--at", "0.06", "--resolution", "4", "--no-figures", "--out", out]
+    assert main(["fields", scene_file, *given]) == 0
+    other = tmp_path / "other.toml"
+    other.write_text(DOWN_AND_UP.replace("poisson = 0.4", "poisson = 0.3"), encoding="utf-8")
+    capsys.readouterr()
+    assert main(["fields", str(other), *given]) == 2
+    assert "results of another scene" in capsys.readouterr().err
+    assert main(["fields", str(other), *given, "--fresh"]) == 0
+
+
+def test_an_animation_alone_writes_no_files_for_paraview(scene_file, tmp_path, monkeypatch, recorded, capsys):
+    monkeypatch.setattr(fields, "record_fields", record_fields)
+    monkeypatch.setattr(figure_set.animation, "film", lambda *given: b"GIF" * 700)
+    out = tmp_path / "out"
+    given = ["fields", scene_file, "--animate", "--resolution", "4", "--out", str(out)]
+    assert main(given) == 0
+    assert {path.name for path in out.rglob("*") if path.is_file()} == {"scene.toml", "cycle_von_mises.gif"}
+    said = capsys.readouterr().out
+    assert "cycle_von_mises.gif (2.1 kB)" in said
+    assert "ParaView" not in said
