@@ -5,6 +5,7 @@ A built-in scene is a pair of files in ``validation/scenes``: ``NAME.toml``, an 
 
 - ``figure``, ``statement``: where in the paper it belongs, what it shows;
 - ``suites``: the report suites it belongs to; ``outcome``: how a run should end;
+- ``refused_by``: solvers that do not take the scene and have to say so, none if left out;
 - ``profile_times``: times at which the state of the surface is kept, none if left out;
 - ``[tolerances]``: per solver, the largest difference from the reference, relative: ``values`` for scalars,
   a scalar's own name where it differs (the loss of the balance takes that of ``loop_energy``), ``curves``
@@ -54,6 +55,7 @@ class Case:
     expected: tuple[Expected, ...] = ()
     tolerances: dict[str, dict[str, float]] = field(default_factory=dict)
     profile_times: tuple[float, ...] = ()
+    refused_by: tuple[str, ...] = ()
 
     def tolerance(self, solver: str, quantity: str) -> float | None:
         """Largest relative difference of ``solver`` from the reference in a scalar, ``curves``, ``movement``.
@@ -100,6 +102,7 @@ def load(name: str) -> Case:
             expected=tuple(Expected(**entry) for entry in known.get("checks", [])),
             tolerances=known["tolerances"],
             profile_times=tuple(known.get("profile_times", ())),
+            refused_by=tuple(known.get("refused_by", ())),
         )
     path = Path(name)
     if name and "\0" not in name and (path.exists() or path.suffix == ".toml" or len(path.parts) > 1):

@@ -36,13 +36,14 @@ def test_scene_reads_and_its_checks_make_sense(name):
     assert case.outcome in ("completed", "detached")
     assert set(case.suites) <= set(SUITES)
     assert "full" in case.suites
-    assert set(case.tolerances) == {"bem", "fem"}
+    compared = {"bem", "fem", "reference"} - set(case.refused_by)
+    assert set(case.tolerances) == compared - {"reference"}
     for expected in case.expected:
         assert expected.unit in unit_sizes(case.scene)
         assert expected.source
         assert sum(x is not None for x in (expected.value, expected.at_most, expected.at_least)) == 1
         if expected.value is not None:
-            assert set(expected.tolerance) == {"bem", "fem", "reference"}
+            assert set(expected.tolerance) == compared
             assert all(0 < tolerance <= 0.1 for tolerance in expected.tolerance.values())
 
 
@@ -172,6 +173,7 @@ def test_check_values_of_elastic_scenes_are_those_of_the_finite_zone(name):
     )
     start = exact.at_penetration(scene.loading.penetration)
     lost = exact.pull_off_penetration_control().contact_radius
+    least = exact.pull_off_penetration_control().penetration
 
     def surplus(a):
         return (exact.energy_release_rate(a) - scene.adhesion.work) * 2.0 * np.pi * a
@@ -181,12 +183,15 @@ def test_check_values_of_elastic_scenes_are_those_of_the_finite_zone(name):
         "start_radius": start.contact_radius,
         "start_force": start.force,
         "pull_off_force": -exact.pull_off_force_control().force,
+        "detachment_radius": lost,
+        "detachment_penetration": least,
     }
     stated = [e for e in case.expected if e.source.startswith("exact elastic field")]
     assert stated
     for expected in stated:
         size = unit_sizes(scene)[expected.unit]
-        assert expected.value * size == pytest.approx(found[expected.observable], rel=2e-6)
+        flat = 1e-5 if expected.observable == "detachment_radius" else 2e-6  # the place of a minimum
+        assert expected.value * size == pytest.approx(found[expected.observable], rel=flat)
 
 
 def test_check_values_of_the_adhesionless_scene_are_those_of_lee_radok_and_ting():

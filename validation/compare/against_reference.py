@@ -53,9 +53,9 @@ def check_case(case: Case, runs: dict[str, Run]) -> list[Check]:
     """All checks of the runs of one scene, which are keyed by solver."""
     checks = [check for result in runs.values() for check in check_run(case, result)]
     base = runs.get(REFERENCE)
-    if base is not None:
+    if base is not None and REFERENCE not in case.refused_by:
         for solver, result in runs.items():
-            if solver != REFERENCE:
+            if solver != REFERENCE and solver not in case.refused_by:
                 checks += against_reference(case, result, base)
     return checks
 

@@ -8,12 +8,15 @@ from validation.cases import Case, Expected
 from validation.execution.runs import Run
 from validation.measure.check import Check
 from validation.measure.dimensionless import unit_sizes
+from validation.measure.observables import ROUND_OFF
 from validation.measure.row_interpolation import RowCurve
 
 
 def check_run(case: Case, result: Run) -> list[Check]:
     """The ending of a run, and every check value stated for its scene and solver."""
     checks = [_ending(case, result)]
+    if result.solver in case.refused_by:
+        return checks
     for expected in case.expected:
         if expected.value is None or result.solver in expected.tolerance:
             checks.append(_value(case, result, expected))
@@ -23,11 +26,13 @@ def check_run(case: Case, result: Run) -> list[Check]:
 def _ending(case: Case, result: Run) -> Check:
     expected = case.outcome or "completed or detached"
     outcome = str(result.trace.outcome.kind) if result.trace else ("refused" if result.refused else "failed")
-    passed = result.finished and (not case.outcome or outcome == case.outcome)
+    if result.solver in case.refused_by:
+        source, expected, passed = "a scene the method does not take", "refused", result.refused
+    else:
+        source = "the run reaches its end"
+        passed = result.finished and (not case.outcome or outcome == case.outcome)
     note = "" if passed else result.ending
-    return Check(
-        case.name, result.solver, "outcome", "the run reaches its end", expected, outcome, passed, note=note
-    )
+    return Check(case.name, result.solver, "outcome", source, expected, outcome, passed, note=note)
 
 
 def _value(case: Case, result: Run, expected: Expected) -> Check:
@@ -75,9 +80,12 @@ def _limit(case: Case, result: Run, expected: Expected, name: str, shown: float 
 
 
 def _at_time(result: Run, column: str, time: float) -> float | None:
-    """A column between rows; ``None`` if the run does not reach that time or has no such column."""
+    """A column between rows; ``None`` if the run has none, or ends before by more than rounding."""
     trace = result.trace
     values = None if trace is None else trace.columns().get(column)
-    if trace is None or values is None or len(trace) < 2 or not trace.time[0] <= time <= trace.time[-1]:
+    if trace is None or values is None or len(trace) < 2:
+        return None
+    slack = ROUND_OFF * (trace.time[-1] - trace.time[0])
+    if not trace.time[0] - slack <= time <= trace.time[-1] + slack:
         return None
     return RowCurve(trace.time, values).at(time)
