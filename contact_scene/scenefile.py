@@ -21,8 +21,11 @@ from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import STARTS, STEPS, Loading, Step, Table
 from contact_scene.material import Branch, BulkRelaxation, Material
-from contact_scene.pyvisco import read_pyvisco
+from contact_scene.material_file import read_material
+from contact_scene.material_models import MODELS
+from contact_scene.readers import FORMATS, read_shift_factors
 from contact_scene.scene import Scene
+from contact_scene.temperature_shift import SHIFTS, WLF, Arrhenius, ShiftTable, at_temperature
 
 _SHAPES: dict[str, type[Indenter]] = {
     kind.shape: kind for kind in (Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile)
@@ -158,7 +161,12 @@ def _branch_tuple(entries: Any, key: str) -> tuple[Branch, ...]:
 
 
 def _material(data: dict[str, Any], where: Path) -> Material:
-    _known(data, "", ("modulus", "poisson", "branches", "bulk", "file", "format"))
+    common = ("model", "poisson", "bulk", "temperature", "shift")
+    model = one_of(data.get("model", "prony"), "model", ("prony", *MODELS))
+    own: tuple[str, ...] = ("modulus", "branches", "file", "format")
+    if model in MODELS:
+        own = tuple(f.name for f in fields(MODELS[model]))
+    _known(data, "", (*own, *common))
     poisson = _require(data, "poisson", "0 <= nu <= 0.5")
     bulk = data.get("bulk")
     if isinstance(bulk, dict):
@@ -168,17 +176,48 @@ def _material(data: dict[str, Any], where: Path) -> Material:
         bulk = _under("bulk", lambda: BulkRelaxation(table.get("modulus"), branches))
     elif bulk is not None and bulk != "elastic":
         raise SceneError("bulk", f"got {shown(bulk)}", '"elastic" or a table { modulus, branches }')
+    modulus, prony = _series(model, {key: data[key] for key in own if key in data}, poisson, where)
+    return _at_temperature(Material(modulus, poisson, prony, bulk), data, where)
+
+
+def _series(model: str, data: dict[str, Any], poisson: Any, where: Path) -> tuple[Any, tuple[Branch, ...]]:
+    """Relaxed modulus and branches, as given, from a file or of a model."""
+    if model in MODELS:
+        return _build(MODELS[model], data).series()
     if "file" in data:
         if "branches" in data:
             raise SceneError("branches", "given beside file", "either branches or file")
-        one_of(data.get("format", "pyvisco"), "format", ("pyvisco",))
-        path = _beside(where, data["file"])
-        modulus, prony = read_pyvisco(read_text(path), str(path), data.get("modulus"), poisson)
-        return Material(modulus, poisson, prony, bulk)
+        form = one_of(data.get("format", "pyvisco"), "format", FORMATS)
+        material = read_material(_beside(where, data["file"]), poisson, data.get("modulus"), form)
+        return material.modulus, material.branches
     if "format" in data:
         raise SceneError("format", "given without file", "file and format together")
     modulus = _require(data, "modulus", POSITIVE)
-    return Material(modulus, poisson, _branch_tuple(data.get("branches", []), "branches"), bulk)
+    return modulus, _branch_tuple(data.get("branches", []), "branches")
+
+
+def _at_temperature(material: Material, data: dict[str, Any], where: Path) -> Material:
+    """The material at ``temperature``, where the scene gives one, and ``shift`` with it."""
+    if "temperature" not in data and "shift" not in data:
+        return material
+    allowed = "temperature and shift together"
+    for key, other in (("shift", "temperature"), ("temperature", "shift")):
+        if key not in data:
+            raise SceneError(key, f"is missing beside {other}", allowed)
+    entry, kinds = data["shift"], (*SHIFTS, ShiftTable.model)
+    if not isinstance(entry, dict):
+        raise SceneError("shift", f"got {shown(entry)}", f"a table with a model: {', '.join(kinds)}")
+    shift = _under("shift", partial(_shift, entry, where))
+    return at_temperature(material, shift, data["temperature"])
+
+
+def _shift(entry: dict[str, Any], where: Path) -> WLF | Arrhenius | ShiftTable:
+    default = ShiftTable.model if "file" in entry else None
+    model = one_of(entry.get("model", default), "model", (*SHIFTS, ShiftTable.model))
+    if model in SHIFTS:
+        return _build(SHIFTS[model], entry, "model")
+    _known(entry, "", ("model", "file"))
+    return read_shift_factors(_beside(where, _require(entry, "file", "a table of T and a_T or log_aT")))
 
 
 def _indenter(data: dict[str, Any], where: Path) -> Indenter:

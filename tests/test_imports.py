@@ -50,9 +50,13 @@ HEAVY |= {"dask", "distributed"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
 LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments", "crosscontact.cli"}
-# Single imports of that kind. scipy.interpolate takes 0.6 s, contact_scene without it 0.3 s; only scenes with
-# a tabulated indenter need it.
-DEFERRED = {("contact_scene.indenter", "scipy.interpolate")}
+# Single imports of that kind, each about as long as the rest of contact_scene: only scenes with a tabulated
+# indenter, a power-law material or measured moduli need them.
+DEFERRED = {
+    ("contact_scene.indenter", "scipy.interpolate"),
+    ("contact_scene.material_models", "scipy.special"),
+    ("contact_scene.prony", "scipy.optimize"),
+}
 
 
 @cache

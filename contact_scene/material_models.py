@@ -1,0 +1,195 @@
+"""Relaxation laws of few parameters, expanded into a relaxed modulus and Maxwell branches.
+
+Standard linear solid: one branch, exact. Power law: ``E(t) = relaxed + modulus (t/time)^-n``, from Euler's
+integral (DLMF 5.2.1 with ``s = e^u``)
+
+    (t/time)^-n = 1/Gamma(n) int_-inf^inf (time e^u)^n exp(-t e^u) du
+
+by the trapezoidal rule: a branch of time ``e^-u`` at every multiple of the spacing ``h``. Three errors, each
+relative to the power law and each bounded from above, make up the stated one:
+
+- spacing: by Poisson's summation formula the rule is off by ``2 sum_m |Gamma(n + 2 pi i m/h)|/Gamma(n)`` at
+  most, for every ``t`` alike (half of the stated error);
+- branches faster than the range are left out: at its start they hold at most the regularised incomplete
+  gamma function ``Q(n, t_min/tau)`` of the fastest one kept (a quarter);
+- branches slower than the range are taken as relaxed: an error ``1 - exp(-x) <= x`` at its end (a quarter).
+
+Outside the range the expansion levels off: at the glassy modulus before it, at the relaxed modulus after it.
+The complex modulus at ``w`` feels both ends: branches left out take ``(w tau)^(1-n) sin(pi n)/(pi (1-n))`` of
+it at most, ``tau`` the fastest time kept, and the relaxed ones ``(w tau)^-(1+n) sin(pi n)/(pi (1+n))``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contact_scene.errors import LARGEST, SMALLEST, SceneError, not_negative, number, positive, shown
+from contact_scene.material import Branch
+
+WIDEST_SPACING = math.log(10.0)
+"""In log time: at least one branch a decade. Wider spacings may still keep ``E(t)`` to the stated error, but
+the loss modulus would show a peak for each branch (a Debye peak is 1.14 decades wide at half its height)."""
+
+
+@dataclass(frozen=True)
+class StandardLinearSolid:
+    """``E(t) = relaxed + (glassy - relaxed) exp(-t/time)``.
+
+    Parameters
+    ----------
+    relaxed, glassy : float
+        Young's modulus at rest, > 0, and at once, > ``relaxed``.
+    time : float
+        *Relaxation* time, > 0.
+    """
+
+    model: ClassVar[str] = "standard-linear"
+    relaxed: float
+    glassy: float
+    time: float
+
+    def __post_init__(self) -> None:
+        for name in ("relaxed", "glassy", "time"):
+            object.__setattr__(self, name, positive(getattr(self, name), name))
+        if self.glassy <= self.relaxed:
+            raise SceneError("glassy", f"got {self.glassy!r}", f"a modulus above relaxed, {self.relaxed!r}")
+
+    def series(self) -> tuple[float, tuple[Branch, ...]]:
+        """Relaxed modulus and the one branch."""
+        return self.relaxed, (Branch(self.glassy - self.relaxed, self.time),)
+
+
+@dataclass(frozen=True)
+class PowerLawRelaxation:
+    """``E(t) = relaxed + modulus (t/time)^-exponent`` for ``t`` in ``range``, to ``error``.
+
+    Parameters
+    ----------
+    exponent : float
+        0 < n < 1.
+    modulus : float
+        Young's modulus that the power law has at ``time``, > 0.
+    time : float
+        > 0.
+    range : pair of float
+        Times between which the law holds, 0 < first < last.
+    error : float
+        Largest relative error of the power law within ``range``, from 1e-12 to 0.1.
+    relaxed : float
+        Young's modulus added to the power law, >= 0.
+    """
+
+    model: ClassVar[str] = "power-law"
+    exponent: float
+    modulus: float
+    time: float
+    range: tuple[float, float]
+    error: float = 1e-4
+    relaxed: float = 0.0
+
+    def __post_init__(self) -> None:
+        exponent = number(
+            self.exponent, "exponent", "0 < exponent < 1", low=0.0, high=1.0, open_low=True, open_high=True
+        )
+        error = number(self.error, "error", "1e-12 <= error <= 0.1", low=1e-12, high=0.1)
+        object.__setattr__(self, "exponent", exponent)
+        object.__setattr__(self, "error", error)
+        object.__setattr__(self, "modulus", positive(self.modulus, "modulus"))
+        object.__setattr__(self, "time", positive(self.time, "time"))
+        object.__setattr__(self, "relaxed", not_negative(self.relaxed, "relaxed"))
+        object.__setattr__(self, "range", _range(self.range))
+
+    def series(self) -> tuple[float, tuple[Branch, ...]]:
+        """Relaxed modulus and branches, ascending in time.
+
+        Raises
+        ------
+        SceneError
+            If a modulus or a time comes out larger or smaller than a scene may hold.
+        """
+        n, first, last = self.exponent, *self.range
+        spacing = spacing_of(n, 0.5 * self.error)
+        fastest = first / _fastest_rate(n, 0.25 * self.error)
+        slowest = last / _slowest_rate(n, spacing, 0.25 * self.error)
+        count = math.ceil(math.log(slowest / fastest) / spacing) + 1
+        log_times = math.log(fastest) + spacing * np.arange(count)
+        allowed = f"times and moduli from {SMALLEST:g} to {LARGEST:g}"
+        if not (math.log(SMALLEST) <= log_times[0] and log_times[-1] <= math.log(LARGEST)):
+            reached = f"{_power(float(log_times[0]))} to {_power(float(log_times[-1]))}"
+            raise SceneError("range", f"needs relaxation times from {reached}", allowed)
+        log_moduli = (
+            math.log(self.modulus)
+            + math.log(spacing)
+            - math.lgamma(n)
+            + n * (math.log(self.time) - log_times)
+        )
+        # all slower branches, which are taken as relaxed: a geometric series
+        log_rest = float(log_moduli[-1]) - math.log(math.expm1(n * spacing))
+        if max(float(log_moduli[0]), log_rest) > math.log(LARGEST) or log_rest < math.log(SMALLEST):
+            raise SceneError(
+                "modulus",
+                f"the branches would have moduli from {_power(log_rest)} to {_power(float(log_moduli[0]))}",
+                allowed,
+            )
+        branches = tuple(
+            Branch(float(modulus), float(time))
+            for modulus, time in zip(np.exp(log_moduli), np.exp(log_times), strict=True)
+        )
+        return self.relaxed + math.exp(log_rest), branches
+
+
+MODELS: dict[str, type[StandardLinearSolid] | type[PowerLawRelaxation]] = {
+    kind.model: kind for kind in (PowerLawRelaxation, StandardLinearSolid)
+}
+
+
+def spacing_error(exponent: float, spacing: float) -> float:
+    """Largest relative error of the trapezoidal rule with ``spacing`` in log time, for any ``t``.
+
+    ``2 sum_m |Gamma(n + 2 pi i m/h)|/Gamma(n)``; the terms fall faster than geometrically with ``m``.
+    """
+    from scipy.special import loggamma
+
+    m = np.arange(1, 40)
+    log_terms = loggamma(exponent + 2j * math.pi * m / spacing).real - math.lgamma(exponent)
+    return 2.0 * float(np.exp(np.maximum(log_terms, -700.0)).sum())
+
+
+def spacing_of(exponent: float, error: float) -> float:
+    """Widest spacing in log time, to within 1 %, with a :func:`spacing_error` of at most ``error``."""
+    spacing = WIDEST_SPACING
+    while spacing_error(exponent, spacing) > error:
+        spacing /= 1.01
+    return spacing
+
+
+def _fastest_rate(n: float, error: float) -> float:
+    """Smallest ``t_min/tau`` with ``Q(n, t_min/tau) <= error``; at least ``n``, where the bound begins."""
+    from scipy.special import gammainccinv
+
+    return max(float(gammainccinv(n, error)), n)
+
+
+def _slowest_rate(n: float, spacing: float, error: float) -> float:
+    """Largest ``t_max/tau`` of the slowest branch kept with which all slower ones may be taken as relaxed."""
+    log_sum = math.log(error) + math.lgamma(n) + math.log(math.expm1((n + 1.0) * spacing) / spacing)
+    return math.exp(log_sum / (n + 1.0))
+
+
+def _range(value: Any) -> tuple[float, float]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
+        raise SceneError("range", f"got {shown(value)}", "two times, first < last")
+    first, last = (positive(value[index], f"range[{index}]") for index in (0, 1))
+    if first >= last:
+        raise SceneError("range", f"got {shown([first, last])}", "two times, first < last")
+    return first, last
+
+
+def _power(log: float) -> str:
+    """``e^log`` as a power of ten, which may lie outside the floating-point numbers."""
+    return f"1e{log / math.log(10.0):.0f}"

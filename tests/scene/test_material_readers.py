@@ -1,0 +1,292 @@
+"""Files of Prony series and of measured moduli: what each format means, one clear error for what is wrong."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from contact_scene import Branch, Material, SceneError, read_scene, scene_from_dict, write_scene
+from contact_scene.material_file import read_material
+from contact_scene.readers import DynamicData, RelaxationData, format_of, measured_data, read_measured
+
+# As "Save Modes" of RepTate 1.0 writes it; moduli are shear moduli.
+REPTATE = """# Maxwell modes
+# Generated with RepTate v1.0.0 20200330
+# At 12:58:24 on Mon May 11, 2020
+
+#number of modes
+3
+
+#   i\t          tau_i\t            G_i
+    1\t      0.0013869\t    1.42029e+08
+    2\t      0.0344828\t    1.06538e+07
+    3\t        21.3164\t              0
+
+#end"""
+PAIRS = [(3 * 1.42029e8, 0.0013869), (3 * 1.06538e7, 0.0344828), (0.0, 21.3164)]
+OTHERS = {
+    "indenter": {"shape": "sphere", "radius": 1.0},
+    "loading": {"start": "relaxed", "penetration": 0.0},
+}
+KNOWN = Material(1.0, 0.5, (Branch(5.0, 0.01), Branch(2.0, 1.0)))
+TIMES = np.geomspace(1e-3, 30.0, 25)
+
+
+def in_scene(folder, text, **keys):
+    (folder / "x.txt").write_text(text, encoding="utf-8")
+    table = {"file": "x.txt", "poisson": 0.5} | keys
+    return scene_from_dict({"material": table} | OTHERS, folder).material
+
+
+def pairs(material):
+    return [(branch.modulus, branch.time) for branch in material.branches]
+
+
+def rows(*columns):
+    return "\n".join(" ".join(map(repr, map(float, row))) for row in zip(*columns, strict=True)) + "\n"
+
+
+def test_modes_of_reptate(tmp_path):
+    read = in_scene(tmp_path, REPTATE, format="reptate", modulus=6e5)
+    assert read.modulus == 6e5
+    np.testing.assert_allclose(pairs(read), PAIRS, rtol=1e-14)
+    compressible = in_scene(tmp_path, REPTATE, format="reptate", modulus=6e5, poisson=0.25)
+    assert compressible.branches[0].modulus == pytest.approx(2.5 * 1.42029e8, rel=1e-14)
+    assert read_material(tmp_path / "x.txt", modulus=6e5) == read
+    by_hand = "3\n1 0.0013869 1.42029e8\n2 .0344828 1.06538e7 # slow\n3 21.3164 0\n"
+    assert in_scene(tmp_path, by_hand, format="reptate", modulus=6e5) == read
+    assert format_of(by_hand, "") == "reptate"
+    assert in_scene(tmp_path, by_hand[2:], format="reptate", modulus=6e5) == read
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "tau,E\n0.01,5\n1,2\n",
+        "0.01 5\n1 2\n",
+        "# tau E_i\n1e-2\t5.0\n1.0\t2.0\n",
+        "\ufefftau [s]; E [MPa]\r\n.01;5\r\n1;2\r\n",
+        "relaxation_time,modulus\ns,Pa\n0.01,5\n1,2\n",
+        "i tau_i E_i\n1 0.01 5\n2 1 2\n".replace("i tau", "tau").replace("\n1 ", "\n").replace("\n2 ", "\n"),
+    ],
+)
+def test_plain_tables_of_branches(tmp_path, text):
+    assert in_scene(tmp_path, text, format="branches", modulus=1.0) == KNOWN
+
+
+def test_shear_moduli_by_their_name(tmp_path):
+    read = in_scene(tmp_path, "tau,G\n0.01,5\n1,2\n", format="branches", modulus=1.0)
+    assert pairs(read) == [(15.0, 0.01), (6.0, 1.0)]
+
+
+def test_a_relaxed_modulus_is_asked_for(tmp_path):
+    for text, form in ((REPTATE, "reptate"), ("tau,E\n1,2\n", "branches")):
+        with pytest.raises(SceneError, match=r"^material\.modulus: .*no relaxed modulus; allowed: .*> 0"):
+            in_scene(tmp_path, text, format=form)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "",
+        "t,E\n",
+        "time [s], E(t) [MPa]\n",
+        "t,E_relax\ns,MPa\n",
+        "# t E\n",
+        "a preamble of the instrument\n",
+    ],
+)
+def test_measured_relaxation(tmp_path, header):
+    text = header + rows(TIMES, KNOWN.relaxation_modulus(TIMES))
+    read = in_scene(tmp_path, text, format="relaxation")
+    np.testing.assert_allclose(pairs(read), pairs(KNOWN), rtol=1e-9)
+    assert read.modulus == pytest.approx(1.0, rel=1e-9)
+    assert read_material(tmp_path / "x.txt") == read
+
+
+def test_measured_storage_and_loss(tmp_path):
+    w = 1.0 / TIMES
+    parts = KNOWN.storage_modulus(w), KNOWN.loss_modulus(w)
+    for header, frequency, scale in [
+        ("", w, 1.0),
+        ("T=140;Mw=116000;Mn=37000\n", w, 1.0),  # RepTate .tts
+        ("w,E',E''\nrad/s,MPa,MPa\n", w, 1.0),
+        ("omega [rad/s], E' [MPa], E'' [MPa]\n", w, 1.0),
+        ('angular_frequency,storage,"loss"\n', w, 1.0),
+        ("f,E_stor,E_loss\nHz,MPa,MPa\n", w / (2 * np.pi), 1.0),  # pyvisco
+        ("frequency storage_modulus loss_modulus\n", w / (2 * np.pi), 1.0),
+        ("w G' G\"\n", w, 3.0),
+    ]:
+        text = header + rows(frequency, *parts)
+        read = in_scene(tmp_path, text, format="dynamic")
+        expected = [(scale * modulus, time) for modulus, time in pairs(KNOWN)]
+        np.testing.assert_allclose(pairs(read), expected, rtol=1e-9, err_msg=header)
+        assert read_material(tmp_path / "x.txt") == read
+
+
+def test_columns_come_in_any_order_and_rows_too(tmp_path):
+    moduli = KNOWN.relaxation_modulus(TIMES)
+    data = measured_data("E t\n" + rows(moduli[::-1], TIMES[::-1]), "x", "relaxation")
+    assert (data.times == TIMES).all()
+    assert (data.moduli == moduli).all()
+
+
+def test_the_relaxed_modulus_may_be_given_beside_data(tmp_path):
+    text = "t,G\n" + rows(TIMES, KNOWN.relaxation_modulus(TIMES))
+    read = in_scene(tmp_path, text, format="relaxation", modulus=3.0)
+    assert read.modulus == 3.0
+    np.testing.assert_allclose(pairs(read), [(15.0, 0.01), (6.0, 1.0)], rtol=1e-6)
+
+
+def test_a_melt_has_no_relaxed_modulus(tmp_path):
+    melt = "t,E\n" + rows(TIMES, 5.0 * np.exp(-TIMES / 5.0))
+    with pytest.raises(SceneError, match=r"material\.modulus: the data show no relaxed modulus; allowed: "):
+        in_scene(tmp_path, melt, format="relaxation")
+    read = in_scene(tmp_path, melt, format="relaxation", modulus=1e-9)
+    np.testing.assert_allclose(pairs(read), [(5.0, 5.0)], rtol=1e-6)
+
+
+def test_data_that_no_series_meets_are_refused(tmp_path):
+    text = "t,E\n" + rows(TIMES, 2.0 + np.sin(3.0 * np.log(TIMES)))
+    with pytest.raises(SceneError, match=r"x\.txt: no Prony series meets the data: misfit .* at most 0\.05"):
+        in_scene(tmp_path, text, format="relaxation")
+
+
+def test_a_scene_read_from_a_file_is_written_as_branches(tmp_path):
+    (tmp_path / "modes.txt").write_text(REPTATE)
+    (tmp_path / "scene.toml").write_text(
+        '[material]\nfile = "modes.txt"\nformat = "reptate"\nmodulus = 6e5\npoisson = 0.5\n'
+        "temperature = 350.0\n"
+        'shift = { model = "WLF", c1 = 17.44, c2 = 51.6, reference_temperature = 373.15 }\n'
+        '[indenter]\nshape = "sphere"\nradius = 1.0\n[loading]\nstart = "relaxed"\npenetration = 0.0\n'
+    )
+    scene = read_scene(tmp_path / "scene.toml")
+    write_scene(scene, tmp_path / "again.toml")
+    assert read_scene(tmp_path / "again.toml") == scene
+
+
+@pytest.mark.parametrize(
+    ("text", "form", "where"),
+    [
+        ("", "reptate", "the file is empty"),
+        ("# only\n", "reptate", "the file is empty"),
+        ("3\n", "reptate", "tau_i"),
+        ("-3\n1 1 1\n", "reptate", "line 1"),
+        ("99999999\n1 1 1\n", "reptate", "line 1"),
+        (REPTATE.replace("\n3\n", "\n4\n"), "reptate", "number of modes: is 4, but there are 3"),
+        (REPTATE.replace("1.06538e+07", ""), "reptate", "line 10: 2 cells"),
+        (REPTATE.replace("0.0344828", "0"), "reptate", "tau_i, line 10"),
+        (REPTATE.replace("0.0344828", "-1"), "reptate", "tau_i, line 10"),
+        (REPTATE.replace("1.06538e+07", "-1"), "reptate", "G_i, line 10"),
+        (REPTATE.replace("1.06538e+07", "nan"), "reptate", "G_i, line 10"),
+        (REPTATE.replace("1.06538e+07", "soft"), "reptate", "line 10: got 'soft'"),
+        ("", "branches", "the file is empty"),
+        ("tau,E\n", "branches", "no rows of numbers"),
+        ("t,E\n1,2\n", "branches", "columns: got 't,E'"),
+        ("1,2,3\n", "branches", "columns: got '3 columns without names'"),
+        ("tau,E,G\n1,2,3\n", "branches", "columns"),
+        ("tau,E,remark\n1,2,3\n", "branches", "columns"),
+        ("tau,E\n0,2\n", "branches", "tau, line 2"),
+        ("tau,E\n1,-2\n", "branches", "E, line 2"),
+        ("tau,E\n1,2\n1,2,3\n", "branches", "line 3: 3 cells"),
+        ("1,2\nx,3\n", "branches", "line 2: got 'x'"),
+        ("1;2,5\n", "branches", "line 1: got '2,5'"),
+        ('1,2\n"3,4\n', "branches", "line 2: not CSV"),
+        ("tau,E\n1,1e70\n", "branches", "E, line 2"),
+        ("T,E\n1,2\n2,1\n3,1\n", "relaxation", "columns: got 'T,E'"),  # temperature
+        ("t,E\n1,2\n2,0\n3,1\n", "relaxation", "E, line 3"),
+        ("t,E\n0,2\n2,1\n3,1\n", "relaxation", "t, line 2"),
+        ("t,E\n1,2\n2,1\n", "relaxation", "2 rows of data"),
+        ("t,E,T,Set\n1,2,3,4\n", "relaxation", "columns"),  # raw data of pyvisco, no master curve
+        ("f,E',G''\n1,2,3\n", "dynamic", "columns: got"),
+        ("f,E',E''\nrad/s,Pa,Pa\n1,2,3\n", "dynamic", "columns: a frequency f in rad/s"),
+        ("f,E',E'\n1,2,3\n", "dynamic", "columns"),
+        ("1,2\n", "dynamic", "columns"),
+        ("w,E',E''\n1,2,3\n2,3,0\n", "dynamic", "E'', line 3"),
+    ],
+)
+def test_bad_files(tmp_path, text, form, where):
+    with pytest.raises(SceneError) as caught:
+        in_scene(tmp_path, text, format=form, modulus=1.0)
+    line = str(caught.value)
+    assert line.startswith(f"{tmp_path / 'x.txt'}: {where}")
+    assert "; allowed: " in line
+    assert line.isprintable()
+
+
+def test_only_regular_text_files_of_some_size(tmp_path):
+    (tmp_path / "large").write_bytes(b"#" * 10_000_001)
+    (tmp_path / "binary").write_bytes(bytes(range(128, 256)))
+    os.mkfifo(tmp_path / "pipe")
+    for name, wrong in [
+        ("large", "larger than 10 MB"),
+        ("binary", "no UTF-8"),
+        ("pipe", "not a regular file"),
+        (".", "not a regular file"),
+        ("missing", "No such file"),
+    ]:
+        for read in (read_material, read_measured):
+            with pytest.raises(SceneError, match=wrong):
+                read(tmp_path / name)
+
+
+def test_formats_are_told_apart():
+    for text, kind in {
+        "i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,MPa\n1,0.01,0.5,20.0,10.0\n": "pyvisco",
+        "tau_i,E_0,E_i\n1,2,3\n": "pyvisco",
+        REPTATE: "reptate",
+        "tau,E\n1,2\n": "branches",
+        "1,2\n": "relaxation",
+        "1 2 3\n": "dynamic",
+        "f,G_stor,G_loss\n1,2,3\n": "dynamic",
+    }.items():
+        assert format_of(text, "x") == kind
+    for text in ("a,b\n1,2\n", "1 2 3 4\n", "T,log_aT\n1,2\n"):
+        with pytest.raises(SceneError, match=r"allowed: tau, E \| t, E"):
+            format_of(text, "x")
+    with pytest.raises(SceneError, match="format"):
+        read_material(__file__, format="excel")
+
+
+def test_measured_data_are_not_a_series(tmp_path):
+    (tmp_path / "x").write_text(REPTATE)
+    with pytest.raises(SceneError, match=r"x: holds a Prony series \(reptate\), not measured data"):
+        read_measured(tmp_path / "x")
+
+
+def test_columns_in_python_are_checked():
+    for times, moduli in [([1, 2], [1]), ([], []), ([2, 1], [1, 1]), ([0, 1], [1, 1]), ([1, 2], [1, np.nan])]:
+        with pytest.raises(SceneError):
+            RelaxationData(np.array(times), np.array(moduli))
+    with pytest.raises(SceneError, match="loss"):
+        DynamicData(np.array([1.0]), np.array([1.0]), np.array([-1.0]))
+
+
+names = ["t", "T", "f", "w", "tau", "tau_i", "alpha_i", "E_0", "E", "G", "E'", "G''", "a_T", "log_aT"]
+names += ["modulus", "#", "T=3;E", "nan", "1e400", "-1", "0", "1_0"]
+cells = st.sampled_from(names) | st.floats().map(repr) | st.floats(1e-3, 1e3).map(repr) | st.text(max_size=3)
+files = st.lists(st.lists(cells, max_size=4).map(st.just), max_size=6).flatmap(
+    lambda lines: st.tuples(*lines, st.sampled_from([",", ";", " ", "\t", ", "]))
+)
+
+
+@given(files, st.sampled_from(["pyvisco", "reptate", "branches", "relaxation", "dynamic", None]))
+@example(([], ","), None)
+def test_any_text_is_a_material_or_one_line(tmp_path_factory, file, form):
+    *lines, separator = file
+    path = tmp_path_factory.getbasetemp() / "any.txt"
+    path.write_text("\n".join(separator.join(line) for line in lines), encoding="utf-8")
+    try:
+        material = read_material(path, modulus=1.0, format=form)
+    except SceneError as error:
+        refusal = str(error)
+    else:
+        refusal = "a line; allowed: anything"
+        assert material.modulus == 1.0
+        assert np.isfinite(material.relaxation_modulus([0.0, 1.0])).all()
+    assert refusal.isprintable()
+    assert "; allowed: " in refusal
