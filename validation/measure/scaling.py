@@ -7,8 +7,8 @@ A difference in a quantity is divided by
   term of the energy balance that it is the remainder of (stored energy, external work, surface energy);
 - a force, contact radius or time: its magnitude, but at least a twentieth of the largest magnitude of that
   column in the run, so that a value that nearly vanishes is not divided by itself;
-- the work done over the run (loop energy): its magnitude, but at least a twentieth of the largest magnitude of
-  the external work in the run, for the same reason; that over a cycle: at least a twentieth of the largest
+- the work done over the run (loop energy): its magnitude, but at least a twentieth of the largest magnitude
+  of the external work in the run, for the same reason; that over a cycle: at least a twentieth of the largest
   stored energy;
 - any frequency: its magnitude.
 """
