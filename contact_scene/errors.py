@@ -17,6 +17,8 @@ FINITE = f"a finite number, at most {LARGEST:g} in magnitude"
 POSITIVE = f"a finite number > 0, from {SMALLEST:g} to {LARGEST:g}"
 NOT_NEGATIVE = f"a finite number >= 0, at most {LARGEST:g}"
 
+A_COLUMN = "finite numbers, one a row"
+
 _LONGEST_PART = 200
 """Characters of a key, a file name or a reason in an error message."""
 
@@ -122,6 +124,14 @@ def not_negative(value: Any, key: str) -> float:
 def finite(value: Any, key: str) -> float:
     """A finite number (up to ``LARGEST`` in magnitude)."""
     return number(value, key, FINITE)
+
+
+def as_tuple(value: Any, key: str, allowed: str) -> tuple[Any, ...]:
+    """The entries of a list, tuple or other iterable."""
+    try:
+        return tuple(value)
+    except TypeError:
+        raise SceneError(key, f"got {shown(value)}", allowed) from None
 
 
 def one_of(value: Any, key: str, choices: Sequence[str]) -> str:

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.errors import NOT_NEGATIVE, SMALLEST, SceneError, finite, number, positive
+from contact_scene.errors import A_COLUMN, NOT_NEGATIVE, SMALLEST, SceneError, as_tuple, finite, number, positive
 
 Array = NDArray[np.float64]
 
@@ -184,8 +184,9 @@ def _checked_profile(
     radii: Sequence[float], heights: Sequence[float]
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The table as floats, its first height subtracted, or the first thing that is wrong with it."""
-    r = tuple(number(x, f"radius, row {row}", NOT_NEGATIVE, low=0.0) for row, x in enumerate(radii, 1))
-    h = tuple(finite(x, f"height, row {row}") for row, x in enumerate(heights, 1))
+    given = as_tuple(radii, "radius", A_COLUMN), as_tuple(heights, "height", A_COLUMN)
+    r = tuple(number(x, f"radius, row {row}", NOT_NEGATIVE, low=0.0) for row, x in enumerate(given[0], 1))
+    h = tuple(finite(x, f"height, row {row}") for row, x in enumerate(given[1], 1))
     if len(r) != len(h):
         raise SceneError("height", f"{len(r)} radii but {len(h)} heights", "one height for each radius")
     if len(r) < 3:

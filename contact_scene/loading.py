@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import ClassVar, Literal
 
-from contact_scene.errors import SceneError, finite, not_negative, one_of, positive, shown
+from contact_scene.errors import A_COLUMN, SceneError, as_tuple, finite, not_negative, one_of, positive, shown
 
 Control = Literal["penetration", "force"]
 STARTS = ("jump-in", "relaxed")
@@ -201,8 +201,9 @@ class Table(Step):
     kind: ClassVar[str] = "table"
 
     def __post_init__(self) -> None:
-        times = tuple(finite(t, f"time, row {row}") for row, t in enumerate(self.times, 1))
-        values = tuple(finite(p, f"penetration, row {row}") for row, p in enumerate(self.penetrations, 1))
+        given = as_tuple(self.times, "time", A_COLUMN), as_tuple(self.penetrations, "penetration", A_COLUMN)
+        times = tuple(finite(t, f"time, row {row}") for row, t in enumerate(given[0], 1))
+        values = tuple(finite(p, f"penetration, row {row}") for row, p in enumerate(given[1], 1))
         if len(times) != len(values):
             raise SceneError(
                 "penetration", f"{len(times)} times but {len(values)} penetrations", "one for each"
@@ -269,7 +270,7 @@ class Loading:
     def __post_init__(self) -> None:
         one_of(self.start, "start", STARTS)
         object.__setattr__(self, "penetration", finite(self.penetration, "penetration"))
-        object.__setattr__(self, "steps", tuple(self.steps))
+        object.__setattr__(self, "steps", as_tuple(self.steps, "steps", "a tuple of loading steps"))
         for index, step in enumerate(self.steps):
             if not isinstance(step, Step):
                 raise SceneError(f"steps[{index}]", f"got {shown(step)}", "a loading step")

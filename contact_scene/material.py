@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.errors import LARGEST, SceneError, not_negative, number, positive, shown
+from contact_scene.errors import LARGEST, SceneError, as_tuple, not_negative, number, positive, shown
 
 NEGLIGIBLE = 1e-31
 """Branches below this fraction of the relaxed modulus are left out of the spectrum: eps^2, never visible."""
@@ -157,7 +157,7 @@ class Material:
 
 
 def _branches(given: Sequence[Branch]) -> tuple[Branch, ...]:
-    branches = tuple(given)
+    branches = as_tuple(given, "branches", "a tuple of branches")
     for index, branch in enumerate(branches):
         if not isinstance(branch, Branch):
             raise SceneError(f"branches[{index}]", f"got {shown(branch)}", "a table with modulus and time")

@@ -41,6 +41,8 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
     SceneError
         One line: file, key, what is wrong, what is allowed.
     """
+    if not isinstance(path, (str, os.PathLike)):
+        raise SceneError("", f"got {shown(path)}", "the name of a scene file")
     file = Path(path)
     text = read_text(file)
     try:

@@ -151,7 +151,8 @@ def test_windows_are_the_run_its_load_steps_and_its_whole_cycles():
 
 def test_the_state_in_which_a_load_step_begins_is_that_of_the_run():
     """Under force control the penetration is found by the run: 0.5 when the ramp to 2 begins."""
-    loading = Loading("relaxed", 0.0, (Force(1.0, 1.0), ForceRamp(3.0, 2.0), Ramp(2.0, 1.0)))
-    base = run([0.0, 1.0, 2.0, 3.5], [1.0, 1.0, 3.0, 9.0], penetration=[0.0, 0.25, 0.5, 2.0])
-    spans = [(0.0, 3.5), (0.0, 1.0), (1.0, 2.0), (2.0, 3.5)]
+    steps = Force(1.0, 1.0), ForceRamp(3.0, 2.0), Ramp(2.0, 1.0), Hold(1.0)
+    loading = Loading("relaxed", 0.0, steps)
+    base = run([0.0, 1.0, 2.0, 3.5, 4.5], [1.0, 1.0, 3.0, 9.0, 8.0], penetration=[0.0, 0.25, 0.5, 2.0, 2.0])
+    spans = [(0.0, 4.5), (0.0, 1.0), (1.0, 2.0), (2.0, 3.5), (3.5, 4.5)]
     assert windows(loading, base) == pytest.approx(np.array(spans))

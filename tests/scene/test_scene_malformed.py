@@ -9,7 +9,18 @@ from pathlib import Path
 import pytest
 from support.scene_text import GOOD
 
-from contact_scene import SceneError, read_scene
+from contact_scene import (
+    Branch,
+    BulkRelaxation,
+    Loading,
+    Material,
+    Ramp,
+    SceneError,
+    Table,
+    TabulatedProfile,
+    read_scene,
+)
+from contact_scene.files import TOO_LARGE
 
 POSITIVE = "> 0"
 STEP = '[[loading.steps]]\nkind = "hold"\nduration = 1\n'
@@ -272,6 +283,26 @@ def test_not_a_file(tmp_path):
     assert "regular file" in refuse("/dev/zero")
 
 
+OTHER_FILES = {
+    "loading.steps[1]": swap(STEP, '[[loading.steps]]\nkind = "table"\nfile = "FILE"\n'),
+    "indenter": swap('shape = "sphere"\nradius = 1.0', 'shape = "profile"\nfile = "FILE"'),
+    "material": swap("modulus = 0.75\n", 'file = "FILE"\n'),
+}
+
+
+@pytest.mark.parametrize("key", OTHER_FILES)
+@pytest.mark.parametrize("file", ["/dev/zero", "/dev/tty", "pipe", ".", "large.csv"])
+def test_files_named_in_a_scene_are_regular_and_end(tmp_path, key, file):
+    os.mkfifo(tmp_path / "pipe")
+    with (tmp_path / "large.csv").open("wb") as large:
+        large.truncate(TOO_LARGE + 1)
+    text = OTHER_FILES[key].replace("FILE", file)
+    (tmp_path / "scene.toml").write_text(text.split("branches")[0] + text[text.index("[indenter]") :])
+    said = refuse(tmp_path / "scene.toml")
+    assert ("10 MB" if file == "large.csv" else "regular file") in said
+    assert said.startswith(str(tmp_path / file)) or said.startswith(file)
+
+
 def test_no_permission(tmp_path, monkeypatch):
     path = tmp_path / "secret.toml"
     path.write_text(GOOD)
@@ -313,3 +344,30 @@ def test_bad_loading_table(tmp_path, rows, where):
     if rows is not None:
         (tmp_path / "path.csv").write_bytes(rows)
     assert refuse(tmp_path / "bad.toml").startswith(f"{tmp_path / 'path.csv'}: {where}")
+
+
+@pytest.mark.parametrize(
+    ("build", "key"),
+    [
+        (lambda: Loading("relaxed", 0.0, Ramp), "steps"),
+        (lambda: Loading("relaxed", 0.0, Ramp(1.0, 1.0)), "steps"),
+        (lambda: Loading("relaxed", 0.0, (Ramp,)), "steps[0]"),
+        (lambda: Material(1.0, 0.5, Branch), "branches"),
+        (lambda: Material(1.0, 0.5, Branch(1.0, 1.0)), "branches"),
+        (lambda: Material(1.0, 0.5, (Branch,)), "branches[0]"),
+        (lambda: BulkRelaxation(1.0, Branch), "branches"),
+        (lambda: Table(3.0, (1.0, 2.0)), "time"),
+        (lambda: Table((1.0, 2.0), None), "penetration"),
+        (lambda: TabulatedProfile(3.0, (1.0, 2.0)), "radius"),
+        (lambda: TabulatedProfile((0.0, 1.0, 2.0), 7), "height"),
+        (lambda: read_scene(3), ""),
+        (lambda: read_scene(None), ""),
+    ],
+)
+def test_classes_and_numbers_in_place_of_entries(build, key):
+    with pytest.raises(SceneError) as error:
+        build()
+    assert error.value.key == key
+    assert "got" in str(error.value)
+    assert error.value.allowed
+    assert "\n" not in str(error.value)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from validation.measure.observables import ROUND_OFF
@@ -94,8 +93,6 @@ def disagreement(
     """
     if difference is None:
         return "the run does not give it"
-    if not math.isfinite(difference):
-        return "the difference is not finite"
     for whose, error in (("the run", estimate), ("the reference", base_estimate)):
         if error is not None and not 0.0 <= error <= SEVERAL * tolerance:
             return f"{whose} estimates its own error at {error:.2g}: the tolerance is {tolerance:.2g}"

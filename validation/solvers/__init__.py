@@ -3,6 +3,7 @@
 from validation.solvers.base import Progress, RunOptions, Solver
 from validation.solvers.cost import Cost
 from validation.solvers.front_tracking import REFERENCE
+from validation.solvers.model_range import out_of_range, scene_warnings, trace_warnings
 from validation.solvers.registry import SOLVERS, register, solver, solvers, unregister
 
 __all__ = [
@@ -12,8 +13,11 @@ __all__ = [
     "Progress",
     "RunOptions",
     "Solver",
+    "out_of_range",
     "register",
+    "scene_warnings",
     "solver",
     "solvers",
+    "trace_warnings",
     "unregister",
 ]

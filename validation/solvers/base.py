@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 from contact_scene import RunMonitor, Scene, Trace, UnsupportedScene
 from validation.solvers.cost import Cost, CostModel, SceneWork, forecast, scene_work
+from validation.solvers.model_range import out_of_range
 
 Progress = Callable[[float], None]
 
@@ -152,9 +153,9 @@ class Solver(ABC):
         Raises
         ------
         SceneError
-            If the solver does not take the scene or an option.
+            If no solver can compute the scene, or this one does not take it or an option.
         """
-        unsupported = self.refusal(scene)
+        unsupported = out_of_range(scene) or self.refusal(scene)
         if unsupported is not None:
             raise unsupported
         return self._solve(scene, resolution, RunOptions(**options))

@@ -7,22 +7,41 @@ hence the largest area) at the largest penetration, or under the largest force, 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from contact_scene import ForceRamp, Scene, SceneError, Step
+from contact_scene import ForceRamp, Indenter, Scene, SceneError, Step, TabulatedProfile
 from validation.reference import sneddon
 
 SPARE = 1.02
 """Factor on the largest contact radius of a sharp edge, which a finite process zone exceeds by less."""
-DECADES = np.geomspace(1e-18, 1e18, 1441)
+DECADES = np.geomspace(1e-62, 1e62, 4961)
 """Radii between which the largest contact radius is searched, in any unit of length."""
+LARGEST_FLOAT = float(np.finfo(float).max)
+TABLE_RANGE = 1e-9, 1e6
+"""The same for a tabulated profile, whose transform takes long, relative to its last radius."""
 
 
+def _finite(spare: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A load that is spare, where the resistance of a large contact leaves the range of floats."""
+    return np.nan_to_num(spare, nan=-LARGEST_FLOAT, posinf=LARGEST_FLOAT, neginf=-LARGEST_FLOAT)
+
+
+def _searched(indenter: Indenter) -> NDArray[np.float64]:
+    """Radii between which a contact radius is searched."""
+    if not isinstance(indenter, TabulatedProfile):
+        return DECADES
+    least, most = TABLE_RANGE[0] * indenter.radii[-1], TABLE_RANGE[1] * indenter.radii[-1]
+    return DECADES[(least < DECADES) & (most > DECADES)]
+
+
+@lru_cache(maxsize=64)
+@np.errstate(over="ignore", invalid="ignore", under="ignore")
 def largest_contact_radius(scene: Scene) -> float:
-    """Upper estimate of the contact radius over the whole loading."""
+    """Upper estimate of the contact radius over the whole loading; at most the largest that is searched."""
     if math.isfinite(scene.indenter.edge):
         return scene.indenter.edge
     depth, force = _largest_load(scene)
@@ -35,16 +54,45 @@ def largest_contact_radius(scene: Scene) -> float:
         pull = np.sqrt(2.0 * np.pi * (a + reach) * work / stiffness)
         by_depth = depth - (sneddon.depth(scene.indenter, a) - pull)
         resisting = sneddon.force(scene.indenter, a, stiffness) - 2.0 * stiffness * a * pull
-        return np.maximum(by_depth, (force - resisting) / (2.0 * stiffness * a))
+        by_force = (force - resisting) / (2.0 * stiffness * a)
+        return _finite(np.fmax(by_depth, by_force))
 
+    radii = _searched(scene.indenter)
     zone = scene.adhesion.zone if scene.adhesion is not None else 0.0
     for reach in (0.0, zone):  # a process zone may hold a contact that a sharp edge does not
-        with np.errstate(over="ignore"):
-            held = np.flatnonzero(spare_load(DECADES, reach) > 0.0)
-        if held.size and held[-1] + 1 < DECADES.size:
-            ends = DECADES[held[-1]], DECADES[held[-1] + 1]
+        held = np.flatnonzero(spare_load(radii, reach) > 0.0)
+        if held.size and held[-1] + 1 == radii.size:
+            return SPARE * float(radii[-1])
+        if held.size:
+            ends = radii[held[-1]], radii[held[-1] + 1]
             return SPARE * float(brentq(spare_load, *ends, (reach,), xtol=1e-300, rtol=1e-13))
     raise SceneError("loading", "never brings a contact about", "a penetration or force that touches")
+
+
+@lru_cache(maxsize=64)
+@np.errstate(over="ignore", invalid="ignore", under="ignore")
+def start_radius(scene: Scene) -> float:
+    """Contact radius of the start state, by the modulus with which it starts; 0 without contact.
+
+    That of a sharp edge: the outermost radius at which the penetration is that of the start and rises.
+    """
+    if math.isfinite(scene.indenter.edge):
+        return scene.indenter.edge
+    material, work = scene.material, scene.adhesion.work if scene.adhesion is not None else 0.0
+    relaxed = scene.loading.start == "relaxed"
+    stiffness = material.relaxed_plane_modulus if relaxed else material.glassy_plane_modulus
+
+    def excess(radius: ArrayLike) -> NDArray[np.float64]:
+        a = np.asarray(radius, float)
+        pull = np.sqrt(2.0 * np.pi * a * work / stiffness)
+        return -_finite(scene.loading.penetration - (sneddon.depth(scene.indenter, a) - pull))
+
+    radii = _searched(scene.indenter)
+    below = np.flatnonzero(excess(radii) <= 0.0)
+    if below.size == 0 or below[-1] + 1 == radii.size:
+        return 0.0
+    ends = radii[below[-1]], radii[below[-1] + 1]
+    return float(brentq(excess, *ends, xtol=1e-300, rtol=1e-13))
 
 
 def _largest_load(scene: Scene) -> tuple[float, float]:

@@ -169,15 +169,15 @@ def forecast(model: CostModel, work: SceneWork, resolution: int, unknowns: float
     )
 
 
+@np.errstate(over="ignore", invalid="ignore", under="ignore")
 def _edge_travel(scene: Scene, largest: float) -> tuple[float, float]:
     """Length of the path of the edge of the relaxed contact, and intervals of the load; both upper bounds."""
     stiffness = scene.material.relaxed_plane_modulus
     work = scene.adhesion.work if scene.adhesion is not None else 0.0
     radii = largest * RADII
     pull = np.sqrt(2.0 * np.pi * radii * work / stiffness)
-    with np.errstate(over="ignore"):
-        depths = sneddon.depth(scene.indenter, radii) - pull
-        forces = sneddon.force(scene.indenter, radii, stiffness) - 2.0 * stiffness * radii * pull
+    depths = sneddon.depth(scene.indenter, radii) - pull
+    forces = sneddon.force(scene.indenter, radii, stiffness) - 2.0 * stiffness * radii * pull
     edge = scene.indenter.edge
 
     def radius(control: str, value: float) -> float:

@@ -1,0 +1,240 @@
+"""What is refused or warned of before anything is solved, at both sides of every limit."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support.scene_strategies import scenes
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    BulkRelaxation,
+    Cone,
+    Counters,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    Outcome,
+    OutcomeKind,
+    PowerLaw,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+    Sweep,
+    Table,
+    TabulatedProfile,
+    Trace,
+    scene_from_dict,
+)
+from validation.reference.jkr import JKR
+from validation.solvers import SOLVERS, out_of_range, scene_warnings, trace_warnings
+from validation.solvers.contact_range import start_radius
+
+MATERIAL = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+PULL = Ramp(-0.1, 0.01)
+
+
+def scene(
+    *steps, material=MATERIAL, indenter=None, work=1e-3, zone=0.01, start="relaxed", depth=0.02
+) -> Scene:
+    loading = Loading(start, depth, steps or (PULL,))
+    return Scene(material, indenter or Sphere(1.0), loading, Adhesion(work, zone) if work else None)
+
+
+def rows(count: int) -> Table:
+    return Table(tuple(range(count)), (0.0,) * count)
+
+
+TABLE = TabulatedProfile((0.0, 0.1, 0.2, 0.4), (0.0, 0.005, 0.02, 0.08))
+JUST_IN = {
+    "a million cycles": scene(Oscillate(1e-3, 2.0 * math.pi, 1e6 - 1.0), work=0),
+    "a hundred thousand rows": scene(rows(100_000), work=0),
+    "a contrast of 1e12": scene(material=Material(1.0, 0.5, (Branch(0.99e12, 1.0),)), work=0),
+    "ten thousand branches": scene(material=Material(1.0, 0.5, (Branch(1.0, 1.0),) * 10_000)),
+    "a short step after a long one": scene(Hold(1e11), Hold(1.0)),
+    "no duration after a long step": scene(Hold(1e17), Hold(0.0)),
+    "a contact of 999 indenters": scene(indenter=Sphere(1e-3), depth=900.0, work=0),
+    "a hold of 1e17": scene(Hold(1e17)),
+    "never in contact": scene(Ramp(-1.0, 1.0), work=0, depth=-0.5),
+    "no units like these": scene(material=Material(1e50, 0.5), indenter=Sphere(1e-20), depth=1e-22, work=0),
+}
+REFUSED = {
+    "cycles": (scene(Oscillate(1e-3, 1.0, 1e12), work=0), "loading.steps", "1e+06"),
+    "cycles of a sweep": (scene(Sweep(1e-3, 1.0, 1e12), work=0), "loading.steps", "1e+06"),
+    "rows": (scene(rows(60_000), rows(60_000), work=0), "loading.steps", "100000"),
+    "contrast": (scene(material=Material(1e-13, 0.5, (Branch(1.0, 1.0),))), "material.branches", "1e+12"),
+    "branches": (
+        scene(material=Material(1.0, 0.4, (Branch(1.0, 1.0),) * 10_001)), "material.branches", "10000",
+    ),
+    "branches of the bulk": (
+        scene(material=Material(1.0, 0.4, bulk=BulkRelaxation(None, (Branch(1.0, 1.0),) * 10_001))),
+        "material.branches",
+        "10000",
+    ),
+    "a step lost after a long one": (scene(Hold(1e17), Hold(1.0)), "loading.steps[1]", "1e-12"),
+    "pressed beyond the indenter": (scene(depth=1e9), "loading", "1000 times"),
+    "drawn beyond the indenter": (scene(work=1e12), "adhesion.work", "1000 times"),
+    "beyond the table": (scene(indenter=TABLE, depth=1e9), "loading", "1000 times"),
+    "zone of 1e9": (scene(zone=1e9), "adhesion.zone", "shorter"),
+    "zone of a cone": (scene(indenter=Cone(80.0), zone=1e9), "adhesion.zone", "shorter"),
+    "zone of nothing": (scene(zone=1e-12), "adhesion.zone", "1e+09"),
+    "energies": (
+        scene(material=Material(1e60, 0.5), indenter=Sphere(1e30), depth=1e20), "adhesion.zone", "1e+09",
+    ),
+    "energies without adhesion": (
+        scene(material=Material(1e60, 0.5), indenter=Sphere(1e30), depth=1e20, work=0),
+        "material.modulus",
+        "units",
+    ),
+    "no energies": (
+        scene(material=Material(1e-60, 0.5), indenter=Sphere(1e-30), depth=1e-32, work=0),
+        "material.modulus",
+        "units",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", JUST_IN)
+def test_what_can_be_computed_is_not_refused(name):
+    assert out_of_range(JUST_IN[name]) is None
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_no_solver_can_compute_is_refused_in_one_line(name):
+    asked, key, allowed = REFUSED[name]
+    error = out_of_range(asked)
+    assert error.key == key
+    assert allowed in error.allowed
+    for solver in SOLVERS.values():
+        with pytest.raises(SceneError, match=key.replace("[", r"\[").replace("]", r"\]")):
+            solver.solve(asked)
+
+
+def trace(start: float, largest: float) -> Trace:
+    radius = np.array([start, largest, start])
+    zero = np.zeros(3)
+    outcome = Outcome(OutcomeKind.COMPLETED, "by hand", 2.0)
+    return Trace("bem", np.arange(3.0), zero, zero, radius, zero, zero, zero, outcome, Counters())
+
+
+@pytest.mark.parametrize(("zone", "warned"), [(0.19, False), (0.21, True)])
+def test_a_zone_that_is_no_small_part_of_the_contact_is_warned_of(zone, warned):
+    """JKR: the start radius of an elastic contact at the penetration of the relaxed one of radius 0.2."""
+    elastic = JKR(Sphere(1.0), MATERIAL.relaxed_plane_modulus, 1e-3)
+    asked = scene(zone=zone * 0.2, depth=float(elastic.penetration(0.2)))
+    assert start_radius(asked) == pytest.approx(0.2, rel=1e-9)
+    assert any("process zone" in text for text in scene_warnings(asked)) is warned
+    assert any("process zone" in text for text in trace_warnings(asked, trace(0.2, 0.2))) is warned
+    assert not any("zone" in text for text in scene_warnings(dataclasses.replace(asked, adhesion=None)))
+
+
+def test_the_start_radius_is_that_of_the_modulus_it_starts_with():
+    for start, modulus in (("relaxed", 1.0), ("jump-in", 10.0)):
+        elastic = JKR(Sphere(1.0), modulus, 1e-3)
+        assert elastic.penetration(start_radius(scene(start=start))) == pytest.approx(0.02)
+    assert start_radius(scene(depth=-1.0)) == 0.0
+    assert start_radius(scene(indenter=FlatPunch(0.3))) == 0.3
+
+
+def test_a_contact_that_outgrows_the_half_space_is_warned_of():
+    """Hertz, D = a^2/R: at half the radius of the sphere."""
+    for depth, warned in ((0.24, False), (0.26, True)):
+        assert bool(scene_warnings(scene(Hold(1.0), work=0, depth=depth))) is warned
+    for radius, warned in ((0.49, False), (0.51, True)):
+        found = trace_warnings(scene(work=0), trace(0.1, radius))
+        assert bool(found) is warned
+        assert not warned or "t = 1" in found[0]
+    assert scene_warnings(scene(indenter=Cone(70.0), work=0)) == ()
+    assert "slope" in scene_warnings(scene(indenter=Cone(30.0), work=0))[0]
+    assert "last row" in trace_warnings(scene(indenter=TABLE, work=0), trace(0.1, 0.41))[0]
+    assert trace_warnings(scene(indenter=TABLE, work=0), trace(0.1, 0.39)) == ()
+    assert trace_warnings(scene(indenter=FlatPunch(1.0), work=0), trace(1.0, 1.0)) == ()
+
+
+def preflight(asked: Scene) -> None:
+    """All that is told without solving."""
+    out_of_range(asked)
+    scene_warnings(asked)
+    for solver in SOLVERS.values():
+        cost = solver.expected_cost(asked)
+        assert cost.steps >= 0.0
+        assert cost.seconds >= 0.0
+
+
+@settings(max_examples=20)
+@given(scenes.filter(lambda asked: not isinstance(asked.indenter, TabulatedProfile)))
+def test_telling_never_fails_and_never_warns(asked):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        preflight(asked)
+
+
+ends = st.sampled_from([1e-60, 1e-59, 1e-31, 1e-30, 1e-12, 1e-3, 1.0, 1e3, 1e9, 1e12, 1e30, 1e31, 1e59, 1e60])
+steps = st.sampled_from(["ramp", "hold", "force", "force-ramp", "oscillate", "sweep"])
+shapes = st.sampled_from(["sphere", "cone", "flat-punch", "power-law"])
+KEYS = {
+    "ramp": ("to", "rate"),
+    "hold": ("duration",),
+    "force": ("value", "duration"),
+    "force-ramp": ("to", "rate"),
+    "oscillate": ("amplitude", "angular_frequency", "duration"),
+    "sweep": ("amplitude", "chirp", "duration"),
+    "sphere": ("radius",),
+    "cone": ("half_angle",),
+    "flat-punch": ("radius",),
+    "power-law": ("exponent", "coefficient"),
+}
+
+
+@given(st.data(), shapes, st.lists(steps, max_size=3), st.booleans())
+def test_numbers_at_the_ends_of_their_ranges(data, shape, kinds, relaxed):
+    def table(name, key):
+        numbers = {key: data.draw(ends) for key in KEYS[name]}
+        if name == "cone":
+            numbers = {"half_angle": data.draw(st.sampled_from([1e-6, 45.0, 89.99999]))}
+        if name == "power-law":
+            numbers["exponent"] = data.draw(st.sampled_from([1.0, 2.5, 100.0]))
+        return {key: name, **numbers}
+
+    branches = [
+        {"modulus": data.draw(ends), "time": data.draw(ends)} for _ in range(data.draw(st.integers(0, 2)))
+    ]
+    asked = {
+        "material": {"modulus": data.draw(ends), "poisson": 0.3, "branches": branches},
+        "indenter": table(shape, "shape"),
+        "adhesion": {"work": data.draw(ends), "zone": data.draw(ends)},
+        "loading": {
+            "start": "relaxed" if relaxed else "jump-in",
+            "penetration": data.draw(ends) * data.draw(st.sampled_from([-1.0, 0.0, 1.0])),
+            "steps": [table(kind, "kind") for kind in kinds],
+        },
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            read = scene_from_dict(asked)
+        except SceneError:
+            return
+        preflight(read)
+
+
+@pytest.mark.parametrize(
+    "indenter", [PowerLaw(100.0, 1e-300), PowerLaw(100.0, 1e300), PowerLaw(1.0, 1e-300), Cone(1e-6)]
+)
+@pytest.mark.parametrize("step", [Ramp(1e60, 1e-60), Force(1e60, 1.0), ForceRamp(-1e60, 1e60), Hold(1e60)])
+def test_powers_that_overflow(indenter, step):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        preflight(scene(step, indenter=indenter))

@@ -1,0 +1,177 @@
+"""Whether a scene lies within the range of the model and of the solvers, told without solving it.
+
+What no solver can compute is refused: counts beyond any budget of steps, sizes whose ratio is lost in
+round-off, products that leave the range of floats. What can be computed, but means little, is a warning: a
+process zone that is no small part of the contact, and a contact that outgrows the half-space.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from contact_scene import Scene, SceneError, Sphere, TabulatedProfile, Trace
+from contact_scene.scene import zone_too_long
+from validation.solvers.contact_range import largest_contact_radius, start_radius
+from validation.solvers.cost import cycle_count
+
+MOST_CYCLES = 1e6
+"""Cycles of a loading. A cycle has ten rows or more: ten million of them are what a trace can hold."""
+MOST_STEPS = 100_000
+"""Load steps and rows of loading tables; each takes a time step at least."""
+MOST_BRANCHES = 10_000
+"""Branches of a material; each is carried by every point of the surface."""
+LARGEST_CONTRAST = 1e12
+"""Glassy over relaxed modulus: beyond, the relaxed response is lost in the round-off of the glassy one."""
+LARGEST_IN_ZONES = 1e9
+"""Largest contact radius over the process zone: beyond, the position of the edge within its zone has less
+than seven digits left."""
+LARGEST_GROWTH = 1e3
+"""Largest contact radius over the length of the indenter (radius of a sphere, extent of a table): beyond,
+there is nothing of the indenter left in the answer."""
+SHORTEST_STEP = 1e-12
+"""Duration of a load step over the time at which it begins: below, it is lost in the round-off of time."""
+SMALLEST_PRODUCT, LARGEST_PRODUCT = 1e-90, 1e90
+"""Forces and energies of the contact: their squares and products with a further quantity fit into a float."""
+LARGEST_ZONE = 0.2
+"""Process zone over contact radius beyond which the zone is no small region at the edge: its length enters
+the force at first order, a few percent there."""
+LARGEST_SLOPE = 0.5
+"""Slope of the indenter at the contact edge beyond which the half-space, a theory of small slopes, is poor:
+for a sphere at half its radius, where the paraboloid is 7 % lower than the sphere."""
+
+
+def out_of_range(scene: Scene) -> SceneError | None:
+    """Why no solver can compute a scene, with its key and what is allowed; ``None`` if they can."""
+    return next(_reasons(scene), None)
+
+
+def _reasons(scene: Scene) -> Iterator[SceneError]:
+    material, steps = scene.material, scene.loading.steps
+    branches = len(material.branches) + len(getattr(material.bulk, "branches", ()))
+    if branches > MOST_BRANCHES:
+        yield SceneError("material.branches", f"got {branches} branches", f"at most {MOST_BRANCHES}")
+    contrast = material.glassy_modulus / material.modulus
+    if contrast > LARGEST_CONTRAST:
+        problem = f"the glassy modulus is {contrast:.3g} times the relaxed one"
+        yield SceneError("material.branches", problem, f"at most {LARGEST_CONTRAST:g} times")
+    rows = sum(len(getattr(step, "times", ())) or 1 for step in steps)
+    if rows > MOST_STEPS:
+        yield SceneError("loading.steps", f"got {rows} steps and rows of tables", f"at most {MOST_STEPS}")
+    cycles = cycle_count(scene)
+    if cycles > MOST_CYCLES:
+        problem = f"the oscillations have {cycles:.3g} cycles"
+        yield SceneError("loading.steps", problem, f"at most {MOST_CYCLES:g}")
+    yield from _lost_steps(scene)
+    yield from _sizes(scene)
+
+
+def _lost_steps(scene: Scene) -> Iterator[SceneError]:
+    """Load steps that are too short to advance the time at which they begin."""
+    begin = 0.0
+    for index, (_, segment) in enumerate(scene.loading.segments(own_time=True)):
+        duration = segment.end
+        if 0.0 < duration < SHORTEST_STEP * begin:
+            problem = f"lasts {duration:.3g} from t = {begin:.3g} on, less than the time can resolve"
+            allowed = f"at least {SHORTEST_STEP:g} of the time before it, or no duration"
+            yield SceneError(f"loading.steps[{index}]", problem, allowed)
+        begin += duration
+
+
+def _sizes(scene: Scene) -> Iterator[SceneError]:
+    """Ratios and products of lengths and moduli; of a loading that never touches, none."""
+    try:
+        largest = largest_contact_radius(scene)
+    except SceneError:
+        return
+    length = _length(scene)
+    if largest > LARGEST_GROWTH * length:
+        times = f"{largest:.3g}, {largest / length:.3g} times the indenter's {length:.3g}"
+        allowed = f"a contact of at most {LARGEST_GROWTH:g} times the indenter"
+        yield SceneError(_growing_by(scene, length), f"the contact radius grows to {times}", allowed)
+    if scene.adhesion is not None and scene.is_adhesive:
+        zone, least = scene.adhesion.zone, largest / LARGEST_IN_ZONES
+        if zone >= min(length, largest):
+            yield zone_too_long(zone, min(length, largest))
+        if zone < least:
+            problem = f"the contact radius grows to {largest / zone:.3g} process zones"
+            yield SceneError("adhesion.zone", problem, f"at most {LARGEST_IN_ZONES:g}: a zone >= {least:.3g}")
+    for modulus in (scene.material.relaxed_plane_modulus, scene.material.glassy_plane_modulus):
+        exponents = [math.log10(modulus) + power * math.log10(largest) for power in (2, 3)]
+        if min(exponents) < math.log10(SMALLEST_PRODUCT) or max(exponents) > math.log10(LARGEST_PRODUCT):
+            problem = f"with a contact radius of {largest:.3g}, {modulus:.3g} leaves the range of energies"
+            allowed = f"products from {SMALLEST_PRODUCT:g} to {LARGEST_PRODUCT:g}; choose other units"
+            yield SceneError("material.modulus", problem, allowed)
+
+
+def _growing_by(scene: Scene, length: float) -> str:
+    """Key of what makes the contact outgrow the indenter: the adhesion, if it does not without."""
+    try:
+        pressed = largest_contact_radius(replace(scene, adhesion=None))
+    except SceneError:
+        return "adhesion.work"
+    return "loading" if pressed > LARGEST_GROWTH * length else "adhesion.work"
+
+
+def _length(scene: Scene) -> float:
+    """The indenter's own length; infinite if it has none or ends there."""
+    indenter = scene.indenter
+    if isinstance(indenter, Sphere):
+        return indenter.radius
+    return indenter.radii[-1] if isinstance(indenter, TabulatedProfile) else math.inf
+
+
+@np.errstate(over="ignore", under="ignore")
+def scene_warnings(scene: Scene) -> tuple[str, ...]:
+    """What makes the answer to a scene doubtful, known before it is solved; one sentence each."""
+    found = []
+    start = start_radius(scene)
+    if scene.adhesion is not None and scene.is_adhesive and start > 0.0:
+        share = scene.adhesion.zone / start
+        if share > LARGEST_ZONE:
+            found.append(_zone_warning(share))
+    try:
+        largest = largest_contact_radius(scene)
+    except SceneError:
+        return tuple(found)
+    return (*found, *_outgrown(scene, largest, "would grow"))
+
+
+def trace_warnings(scene: Scene, trace: Trace) -> tuple[str, ...]:
+    """What makes an answer doubtful, from its rows; one sentence each."""
+    if len(trace) == 0:
+        return ()
+    found = []
+    start = float(trace.contact_radius[0])
+    if scene.adhesion is not None and scene.is_adhesive and start > 0.0:
+        share = scene.adhesion.zone / start
+        if share > LARGEST_ZONE:
+            found.append(_zone_warning(share))
+    row = int(np.argmax(trace.contact_radius))
+    largest, when = float(trace.contact_radius[row]), f"grows by t = {trace.time[row]:.4g}"
+    return (*found, *_outgrown(scene, largest, when))
+
+
+def _zone_warning(share: float) -> str:
+    return (
+        f"the process zone is {share:.2g} of the contact radius at the start; above {LARGEST_ZONE:g} it is "
+        "no small region at the edge"
+    )
+
+
+def _outgrown(scene: Scene, radius: float, grows: str) -> Iterator[str]:
+    """Sentences on a contact radius that is too large for the indenter or for the half-space."""
+    if math.isfinite(scene.indenter.edge):
+        return
+    length = _length(scene)
+    if isinstance(scene.indenter, TabulatedProfile) and radius > length:
+        end = f"the last row of the profile at {length:.3g}"
+        yield f"the contact radius {grows} to {radius:.3g}, beyond {end}: it is continued straight from there"
+    slope = float(scene.indenter.slope(radius))
+    if slope > LARGEST_SLOPE:
+        steep = f"where the slope of the indenter is {slope:.2g}"
+        poor = f"above {LARGEST_SLOPE:g} a half-space is a poor model"
+        yield f"the contact radius {grows} to {radius:.3g}, {steep}: {poor}"
