@@ -31,8 +31,8 @@ EXTRA_COLUMNS = ("stress_intensity_factor", "energy_release_rate", "branch_dissi
 """Columns beside those of every solver."""
 DEPTH = 1
 """Column of the penetration in interpolated values, which lack the time."""
-FORCE_OF_ROW = 2
-"""Place of the force in a recorded row."""
+FORCE_OF_ROW, RADIUS_OF_ROW = 2, 3
+"""Places of force and radius in a recorded row."""
 
 
 @dataclass

@@ -28,8 +28,8 @@ from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.options import Fineness, Options
-from validation.reference.tracking.problem import FrontProblem, front_problem
-from validation.reference.tracking.recorder import EXTRA_COLUMNS
+from validation.reference.tracking.problem import FrontProblem, front_problem, with_elastic_travel
+from validation.reference.tracking.recorder import EXTRA_COLUMNS, RADIUS_OF_ROW
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step import RowTolerances
 from validation.reference.tracking.stepping import NAME, FrontStepper, beyond_floating_point
@@ -159,12 +159,15 @@ def _stepper(
     """A run at its start, or where it was kept; its outcome if there is no state to start from."""
     kept = kept_state(monitor, NAME)
     if kept is not None:
-        return FrontStepper(problem, options, row_tolerances, kept.content, kept.cursor, progress, monitor)
+        state = kept.content
+        problem = with_elastic_travel(problem, state.recorded.rows[0][RADIUS_OF_ROW])
+        return FrontStepper(problem, options, row_tolerances, state, kept.cursor, progress, monitor)
     scene = problem.scene
     surface = start_surface(scene, problem.body, problem.condition)
     if surface is None:
         reason = f"no stable contact at penetration {scene.loading.penetration:g}"
         return Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0)
+    problem = with_elastic_travel(problem, surface.radius)
     state = FrontState(
         surface,
         force=surface.force(problem.body),
