@@ -28,8 +28,12 @@ from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
 
-_TIP_SHARE = 0.5
-"""Share of ``int dp dv`` belonging to the moving tip above which a step counts as short."""
+_SHORT, _LONG = 0.5, 2.0
+"""Steps, in retardation times, up to which a step is short and from which it is long; a mixture between, so that
+energies depend continuously on the step."""
+_LITTLE_TIP, _MOSTLY_TIP = 0.25, 0.75
+"""Shares of ``int dp dv`` belonging to the moving tip, up to which it leaves a long step long and from which that
+counts as short; a mixture between."""
 
 
 @dataclass(frozen=True)
@@ -140,16 +144,24 @@ def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, d
 
     Notes
     -----
-    A step is short, too, if most of what changes in it changes at the tip: all of that is in the states.
+    A step counts as short, too, if most of what changes in it changes at the tip: all of that is in the states.
     """
     y = duration / chain.retardation
-    total = increment.load_work + before.load_work - 2.0 * increment.across
-    short = (y < 1.0) | (increment.tip > _TIP_SHARE * total)
-    ways = _short(chain, before, increment, y), _long(chain, before, increment, y)
-    energy, lost = (np.where(short, one, other) for one, other in zip(*ways, strict=True))
+    long = _share_of_long(y, increment, before)
+    ways = _short(chain, before, increment, np.minimum(y, _LONG)), _long(chain, before, increment, y)
+    energy, lost = ((1.0 - long) * one + long * other for one, other in zip(*ways, strict=True))
     return Energies(
         increment.load_work, increment.branch_work, energy, before.dissipated + float(np.sum(lost))
     )
+
+
+def _share_of_long(y: Array, increment: WorkIncrement, before: Energies) -> Array:
+    """Weight of the long step's energies, 0 to 1 (K,)."""
+    steps = np.log(np.maximum(y, _SHORT) / _SHORT) / np.log(_LONG / _SHORT)
+    total = increment.load_work + before.load_work - 2.0 * increment.across
+    tip = increment.tip / max(total, increment.tip) if increment.tip > 0.0 else 0.0
+    rest = (_MOSTLY_TIP - tip) / (_MOSTLY_TIP - _LITTLE_TIP)
+    return np.minimum(steps, 1.0) * min(max(rest, 0.0), 1.0)
 
 
 def _short(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array]:

@@ -115,6 +115,19 @@ class NodalVariables:
         close = self.radius[i + 1] - self.radius[i - 1] <= spacing[i]
         keep = np.ones(len(self.radius), bool)
         keep[i[(change <= tolerance) & close & ~np.isin(self.radius[i], self.kinks)]] = False
+        return self._thinned(keep, tolerance)
+
+    def _thinned(self, keep: NDArray[np.bool_], tolerance: float) -> NodalVariables:
+        """The nodes kept, and those that the cubics through them miss by more than a tolerance.
+
+        Where a short interval borders on one that the removal makes long, its slope overshoots there.
+        """
+        removed = np.flatnonzero(~keep)
+        rest = NodalVariables(self.radius[keep], self.values[keep], self.kinks)
+        missed = np.abs(rest.at(self.radius[removed]) - self.values[removed]).max(axis=1) > tolerance
+        if not missed.any():
+            return rest
+        keep[removed[missed]] = True
         return NodalVariables(self.radius[keep], self.values[keep], self.kinks)
 
 

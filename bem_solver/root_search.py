@@ -17,9 +17,6 @@ class HasResidual(Protocol):
 
 _ITERATIONS = 200
 """Evaluations before the search is given up; bisection alone would need about 60."""
-_FIRST = 1e-3
-"""Share of the tolerances within which the first trial is a root already by the estimated slope: it may be wrong
-by the inverse."""
 _ROUNDING = 4e-16
 """Relative width of a bracket that holds no further floating-point number."""
 
@@ -93,8 +90,7 @@ def rising_root(
             if x <= low:
                 return RootSearchResult("below", x, trial, wide)
             positive = x if positive is None else min(positive, x)
-        sure = 1.0 if iteration > 0 else _FIRST
-        if abs(r) <= sure * min(slope * accuracy, wide * accuracy, residual):
+        if r == 0.0 or (iteration > 0 and abs(r) <= min(slope * accuracy, wide * accuracy, residual)):
             return RootSearchResult("converged", x, trial, wide)
         left = low if negative is None else negative
         right = high if positive is None else positive

@@ -1,0 +1,92 @@
+"""What rounding does to an answer: numbers of the scene changed in the last digit, other kernels of the BLAS.
+
+Force and radius of two such runs, relative to what they do in the run, differ by less than 1e-9, or, where a
+decision of the solver falls differently, by less than a tenth of what a run half as fine says of the error.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import subprocess
+import sys
+from functools import cache
+
+import numpy as np
+import pytest
+from support.paper_scenes import THREE, cycle, scene
+
+from contact_scene import Adhesion, Branch, Force, Hold, Loading, Material, Oscillate, Ramp, Scene, Sphere, Trace
+from validation.measure.error_estimate import SAFETY
+from validation.solvers import solver
+
+ROUNDING = 1e-15
+"""Relative change of every number of a scene: a few units in the last place."""
+ALIKE = 1e-9
+"""Difference relative to the excursion that rounding may cause where no decision falls differently."""
+SHARE = 0.1
+"""Share of the error estimate that rounding may cause where one does."""
+COLUMNS = ("force", "contact_radius")
+RESOLUTION = 8  # of the run half as fine: 4, the coarsest
+SMALL = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
+SCENES = {
+    "cycle": cycle(0.02),
+    "hold": scene(Hold(1.0), Ramp(0.02, 0.01), at=0.01, adhesion=None, material=THREE),
+    "oscillation": Scene(
+        SMALL, Sphere(1e-3), Loading("relaxed", 2e-6, (Oscillate(1e-6, 62.8, 0.15),)), Adhesion(0.05, 1e-6)
+    ),
+    "steps": scene(Ramp(0.01, 0.1), Hold(0.1), Force(-5e-4, 0.05), Ramp(-0.5, 0.3), material=THREE),
+}
+SOLVERS = ("reference", "bem", "fem")
+KERNELS = ({"OPENBLAS_CORETYPE": "Haswell"}, {"OPENBLAS_NUM_THREADS": "2"})
+
+
+def perturbed(value, generator: np.random.Generator):
+    """A scene with every number changed by rounding."""
+    if isinstance(value, float) and value != 0.0:
+        changed = value * (1.0 + ROUNDING * generator.choice((-1.0, 1.0)))
+        return min(changed, value) if value == 0.5 else changed  # the largest Poisson's ratio
+    if isinstance(value, tuple):
+        return tuple(perturbed(item, generator) for item in value)
+    if dataclasses.is_dataclass(value):
+        kept = {f.name: getattr(value, f.name) for f in dataclasses.fields(value) if f.init}
+        return type(value)(**{name: perturbed(item, generator) for name, item in kept.items()})
+    return value
+
+
+@cache
+def run(name: str, case: str, resolution: int = RESOLUTION) -> Trace:
+    """A run of the scene as it stands."""
+    return solver(name).solve(SCENES[case], resolution)
+
+
+def apart(one: Trace, other: Trace, column: str) -> float:
+    """Root mean square of the difference over the common time, relative to the excursion in the second run."""
+    times = np.linspace(0.0, min(one.time[-1], other.time[-1]), 2001)[:-1]
+    first, second = (np.interp(times, trace.time, trace.columns()[column]) for trace in (one, other))
+    return float(np.sqrt(np.mean((first - second) ** 2)) / np.ptp(second))
+
+
+def assert_alike(name: str, case: str, rows: dict[str, list[float]] | Trace) -> None:
+    """A run differs from that of the scene as it stands by no more than rounding may."""
+    whole = run(name, case)
+    other = rows if isinstance(rows, Trace) else dataclasses.replace(whole, **as_arrays(whole, rows))
+    for column in COLUMNS:
+        difference = apart(other, whole, column)
+        if difference > ALIKE:
+            coarse = apart(run(name, case, RESOLUTION // 2), whole, column)
+            estimate = SAFETY * coarse / (2.0 ** solver(name).order - 1.0)
+            assert difference < SHARE * estimate, (column, difference, estimate)
+
+
+def as_arrays(whole: Trace, rows: dict[str, list[float]]) -> dict[str, np.ndarray]:
+    """Time, force and radius of a run told by another process, in place of the columns of a trace."""
+    return {key: np.array(values) for key, values in rows.items()}
+
+
+@pytest.mark.parametrize("case", SCENES)
+@pytest.mark.parametrize("name", SOLVERS)
+def test_last_digits_of_a_scene(name, case):
+    generator = np.random.default_rng(1)
+    assert_alike(name, case, solver(name).solve(perturbed(SCENES[case], generator), RESOLUTION))

@@ -1,0 +1,121 @@
+"""An edge that rests or nearly rests: it neither freezes nor jitters, whatever the step or the resolution.
+
+Errors are relative to what the radius does in the run, not to the radius.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.bem_runs import bem, front
+from support.paper_scenes import scene
+
+from bem_solver.creep import Chain
+from bem_solver.history import NodalVariables
+from bem_solver.root_search import rising_root
+from bem_solver.surface_points import Motion, SurfacePoints, advanced, load_inside, pressed
+from contact_scene import Adhesion, Branch, Hold, Loading, Material, Oscillate, Ramp, Scene, Sphere
+
+
+@dataclass(frozen=True)
+class Trial:
+    residual: float
+
+
+def test_root_beyond_a_vertical_tangent():
+    """A slope known from next to the tangent is no reason to stay there."""
+    accuracy = 1e-3
+
+    def trial(x):
+        return Trial(np.copysign(abs(x) ** 0.5, x) - 0.05**0.5)
+
+    for slope in (0.0, 1.0, accuracy**-0.5):
+        for guess in (0.0, 1e-12, 1e-4, 0.04):
+            found = rising_root(trial, guess, slope, -1.0, 1.0, accuracy)
+            assert found.position == "converged"
+            assert abs(found.x - 0.05) <= accuracy
+            assert found.slope <= accuracy**-0.5  # over the accuracy, it cannot be steeper
+
+
+@pytest.mark.parametrize("duration", [1e-3, 0.1, 1.0, 10.0])
+def test_both_sides_of_an_edge_change_alike(duration):
+    """Just outside, covered at once or left outside, a point goes through what the edge does."""
+    chain = Chain(Material(1.0, 0.5, (Branch(3.0, 0.1), Branch(2.0, 1.0))))
+    edge, rise = 0.2, 0.01
+    height = np.array([0.02])
+    stressed = np.array([[0.3, -0.1]])
+    at_edge = SurfacePoints(
+        np.array([edge]), height, stressed, load_inside(chain, stressed, 0.1 - height), 0.1 - height
+    )
+    beyond = SurfacePoints(
+        np.array([edge * (1.0 + 1e-13)]), height, stressed, at_edge.load, at_edge.displacement
+    )
+    expected = pressed(chain, stressed, np.array([rise]), duration)
+    load = load_inside(chain, expected, at_edge.displacement + rise)
+    for new_edge in (edge, edge * (1.0 + 1e-12)):
+        motion = Motion(duration, edge, new_edge, 0.1, 0.1 + rise, 0.0, at_edge)
+        assert_allclose(advanced(chain, beyond, motion, load), expected, rtol=1e-9)
+
+
+def test_coarsening_leaves_no_overshoot_beside_a_short_interval():
+    """A steep short interval sets the slope at its end: the neighbour must not become long."""
+    radius = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.001, 1.002, 1.003])
+    values = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1e-3, 1e-3, 1e-3])[:, None]
+    nodes = NodalVariables(radius, values)
+    wide = np.full(len(radius), 10.0)
+    between = np.linspace(0.0, 1.0, 201)
+    for parity in (0, 1):
+        coarse = nodes.coarsened(2e-3, wide, parity)
+        assert np.abs(coarse.at(radius) - values).max() <= 2e-3
+        assert np.abs(coarse.at(between)).max() < 0.1
+
+
+@pytest.mark.parametrize("resolution", [4, 8])
+@pytest.mark.parametrize("time", [1e-2, 1e-4])
+def test_edge_rests_in_a_hold_and_follows_a_ramp(time, resolution):
+    """Ting: without adhesion the radius is that of the penetration, ``sqrt(R D)``, as long as it does not fall."""
+    rubber = Material(0.75, 0.5, (Branch(6.75, time),))
+    trace = bem(
+        scene(Hold(1.0), Ramp(0.02, 0.01), at=0.01, adhesion=None, material=rubber), resolution=resolution
+    )
+    travel = np.ptp(np.sqrt(trace.penetration))
+    holding = trace.time <= 1.0
+    assert_allclose(trace.contact_radius[holding], 0.1, atol=2e-3 * travel)
+    assert_allclose(trace.contact_radius[-1], np.sqrt(0.02), atol=0.01 * travel)
+
+
+SMALL = Scene(
+    Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0))),
+    Sphere(1e-3),
+    Loading("relaxed", 2e-6, (Oscillate(1e-6, 62.8, 1.0),)),
+    Adhesion(0.05, 1e-6),
+)
+ENDS = tuple(2.0 * np.pi / 62.8 * k for k in range(1, 10))
+
+
+def oscillating(duration):
+    """The small oscillation, and the times at which its cycles end."""
+    steps = (Oscillate(1e-6, 62.8, duration),)
+    return Scene(SMALL.material, SMALL.indenter, Loading("relaxed", 2e-6, steps), SMALL.adhesion), tuple(
+        t for t in ENDS if t < duration
+    )
+
+
+@pytest.mark.parametrize(
+    ("resolution", "duration", "share"),
+    [
+        (4, 0.21, 0.01),
+        pytest.param(5, 1.0, 0.01, marks=pytest.mark.slow),
+        pytest.param(8, 1.0, 0.02, marks=pytest.mark.slow),
+        pytest.param(12, 1.0, 0.01, marks=pytest.mark.slow),
+    ],
+)
+def test_small_oscillation_with_stops_at_the_ends_of_cycles(resolution, duration, share):
+    question, stops = oscillating(duration)
+    exact = front(question, 10)
+    for times in ((), stops):
+        trace = bem(question, resolution=resolution, stop_times=times)
+        error = np.abs(trace.contact_radius - np.interp(trace.time, exact.time, exact.contact_radius))
+        assert error.max() < share * np.ptp(exact.contact_radius)
+        assert not np.any(np.diff(trace.contact_radius) == 0.0)
