@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -10,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import BulkRelaxation, Material, Scene, UnsupportedScene
+from contact_scene import BulkRelaxation, Material, Scene, SceneError, UnsupportedScene
 from fem_solver.condensed import CondensedHistory
+from fem_solver.cost import run_cost
 from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
 from fem_solver.halfspace import Factorisation, HalfSpace
 from fem_solver.options import Options
@@ -150,6 +152,8 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     ------
     UnsupportedScene
         If the chosen form or path does not apply to the scene.
+    SceneError
+        If the mesh is too large for the memory of the machine.
     SetUpInterrupted
         If it was not to go on.
     """
@@ -160,6 +164,7 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
 
     material = moduli(scene.material)
     _check(material, options)
+    _check_memory(mesh, len(material.shear.times), not material.alike)
     space = HalfSpace(mesh, options.form == "mixed", options.far_field)
     stage_done()
     reach = float(mesh.parameters.fine_to)
@@ -208,6 +213,19 @@ def _check(material: Moduli, options: Options) -> None:
         )
     if options.path == "condensed" and not material.alike:
         raise UnsupportedScene("material.bulk", "separate relaxation is not condensable", "path quadrature")
+
+
+def _check_memory(mesh: Any, branches: int, apart: bool) -> None:
+    """Refuse a mesh too large for the memory of the machine, before anything is assembled."""
+    if not hasattr(os, "sysconf") or "SC_PHYS_PAGES" not in os.sysconf_names:
+        return
+    installed = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    radii = mesh.points[0][mesh.points[1] == 0.0]
+    intervals = int(np.count_nonzero(radii <= _MARGIN * float(mesh.parameters.fine_to))) - 1
+    needed = run_cost(intervals, mesh.points.shape[1], branches, apart).bytes_of_setup
+    if needed > installed:
+        problem = f"takes about {1e-9 * needed:.3g} GB of memory, {1e-9 * installed:.3g} GB are installed"
+        raise SceneError("mesh", problem, "a coarser mesh, or a contact of fewer process zones")
 
 
 def _edge_travel(geometry: EdgeGeometry, reach: float, resolution: int | None) -> float:

@@ -256,6 +256,7 @@ class NodeReleaseRun:
         if not cursor.jump_done:
             self._load_jump(segment)
             cursor.jump_done, self.step = True, None
+        self._check_clock(segment)
         span = _range(segment)
         stops = stops_within(segment, self.requested)
         while cursor.stops_reached < len(stops):
@@ -443,6 +444,14 @@ class NodeReleaseRun:
             advancing = candidate.edge.motion is EdgeMotion.ADVANCING
             self.recorder.event("snap-in" if advancing else "pull-off")
         return landed
+
+    def _check_clock(self, segment: Segment) -> None:
+        """End where a load step is so short that its times are not told apart at the time when it begins."""
+        length = segment.end - segment.start
+        moves = segment.value(segment.end) != segment.value(segment.start)
+        if moves and 0.0 < self.estimator.tolerance * length < math.ulp(segment.end):
+            reason = f"a load step of {length:.6g} cannot be resolved after a time of {segment.start:.6g}"
+            self._end(OutcomeKind.STEP_UNDERFLOW, reason)
 
     def _check_budget(self) -> None:
         outcome = budget_outcome(self.counters, self.max_steps, self.time)

@@ -1,8 +1,10 @@
 """Dyadic steps and their error estimates."""
 
+import math
+
 import pytest
 
-from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
+from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator, missed_peak
 
 
 def test_interval_meets_the_end_exactly_with_few_distinct_steps():
@@ -33,6 +35,43 @@ def test_interval_never_goes_below_its_floor():
         interval.halve()
     assert interval.shortest
     assert 0.005 < interval.dt <= 0.01
+
+
+def test_the_begin_of_a_long_hold_is_resolved_in_its_own_time():
+    interval = DyadicInterval(2.0, 1e17)
+    interval.limit(1.0 / 32.0, 1e-6)
+    assert 1.0 / 64.0 < interval.dt <= 1.0 / 32.0
+    steps = 0
+    while not interval.done:
+        assert interval.next_time > interval.time
+        interval.advance()
+        interval.double()
+        steps += 1
+    assert interval.time == 1e17
+    assert steps < 70
+
+
+def test_a_step_taken_back_is_taken_in_halves():
+    interval = DyadicInterval(0.0, 1.0)
+    interval.limit(0.25, 1e-3)
+    interval.advance()
+    first = interval.position
+    interval.advance()
+    assert interval.divisible(first)
+    interval.take_back(first)
+    assert (interval.time, interval.dt) == (0.25, 0.125)
+    interval.limit(0.25, 0.25)
+    interval.advance()
+    assert not interval.divisible(first)
+
+
+def test_missed_peak_is_the_corner_above_the_chord():
+    # up at slope 2 for a time of 0.3, then down at slope 4: the row at 1 misses the corner
+    level = 0.6 - 4.0 * 0.7
+    assert missed_peak(2.0, level, 4.0, 1.0) == pytest.approx(0.6 - level)
+    assert missed_peak(math.inf, 1.0, 3.0, 0.5) == 1.5
+    assert missed_peak(3.0, 1.0, math.inf, 0.5) == 1.0
+    assert missed_peak(1.0, 2.0, 3.0, 1.0) == 0.0  # convex: no corner above the chord
 
 
 def test_estimator_sees_curvature_relative_to_its_scale_and_resets_at_kinks():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from support.paper_scenes import ONE, STICKY, WORK, ZONE
 
+import meshes
 from contact_scene import (
     Adhesion,
     Cone,
@@ -26,7 +27,7 @@ from contact_scene import (
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 from validation.solvers.contact_range import SPARE, largest_contact_radius
-from validation.solvers.finite_elements import mesh_for
+from validation.solvers.finite_elements import LEAST_DIVISIONS, FiniteElements, mesh_for
 
 
 def scene(*steps, indenter=None, adhesion=None, depth=0.0):
@@ -104,8 +105,32 @@ def test_mesh_resolves_the_zone_and_refuses_the_absurd():
     mesh = mesh_for(sticky, 4)
     assert mesh.parameters.fine_size == pytest.approx(0.005)
     assert mesh.parameters.fine_to > largest_contact_radius(sticky)
-    with pytest.raises(SceneError, match="coarser"):
+    with pytest.raises(SceneError, match="allowed: a longer process zone"):
         mesh_for(scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 1e-9)), None)
+
+
+@pytest.mark.parametrize("zone", [1e-4, 2e-4])
+def test_a_refused_mesh_advises_the_finest_one_that_is_not(zone, monkeypatch):
+    sticky = scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, zone))
+    with pytest.raises(SceneError, match="coarser resolution, at most") as refused:
+        mesh_for(sticky, 1000)
+    advised = int(refused.value.allowed.split()[-1])
+    monkeypatch.setattr(meshes, "cached", lambda parameters: parameters)
+    assert mesh_for(sticky, advised).fine_size == pytest.approx(zone / advised)
+    with pytest.raises(SceneError):
+        mesh_for(sticky, advised + 1)
+
+
+def test_resolutions_mean_finer_meshes_from_the_coarsest_offered_on(monkeypatch):
+    """With and without adhesion; the default is among those a user may choose."""
+    monkeypatch.setattr(meshes, "cached", lambda parameters: parameters)
+    for adhesion in (None, Adhesion(5e-4, 0.013)):
+        asked = scene(Ramp(0.03, 1.0), adhesion=adhesion)
+        sizes = [mesh_for(asked, resolution).fine_size for resolution in range(LEAST_DIVISIONS, 40)]
+        assert np.all(np.diff(sizes) < 0.0)
+        default = FiniteElements().default_resolution(asked)
+        assert default >= LEAST_DIVISIONS
+        assert mesh_for(asked, None).fine_size == sizes[default - LEAST_DIVISIONS]
 
 
 def test_a_process_zone_holds_on_where_a_sharp_edge_has_let_go():

@@ -15,8 +15,13 @@ from validation.solvers.contact_range import largest_contact_radius
 
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""
-ADHESIONLESS_DIVISIONS = 2
-"""Elements per hundredth of the largest contact radius, without adhesion and with no resolution specified."""
+ADHESIONLESS_DIVISIONS = 4
+"""Nodes per hundredth of the largest contact radius, without adhesion and with no resolution specified.
+
+Without adhesion the edge rests on nodes, mid-side nodes among them: two divisions are an element.
+"""
+LEAST_DIVISIONS = 4
+"""Smallest resolution that a user may choose; coarser meshes serve estimates of the error alone."""
 GRADING = 0.2
 """Growth of the element size with the distance from the contact edge, where none is specified."""
 
@@ -92,12 +97,12 @@ class FiniteElements(Solver):
         import fem_solver  # noqa: F401
 
     def default_resolution(self, scene: Scene) -> int:
-        """Elements per process zone, or per hundredth of the largest contact radius."""
+        """Elements per process zone, or nodes per hundredth of the largest contact radius."""
         return DIVISIONS if scene.is_adhesive else ADHESIONLESS_DIVISIONS
 
     def coarse_resolution(self, adhesive: bool) -> int:
-        """Four; without adhesion one."""
-        return 4 if adhesive else 1
+        """Four; without adhesion two."""
+        return 4 if adhesive else 2
 
     def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
         """Half the resolution, twice the grading, four times the step tolerance; or the reverse."""
@@ -119,13 +124,13 @@ def mesh_for(
 ) -> meshes.HalfSpaceMesh:
     """A graded half-space fitted to the scene, at a number of elements per process zone.
 
-    Without adhesion a hundredth of the largest contact radius takes the place of the process zone.
+    Without adhesion the nodes per hundredth of the largest contact radius take their place.
 
     Parameters
     ----------
     scene : Scene
     resolution : int, optional
-        Elements per process zone.
+        Elements per process zone, or nodes per hundredth of the largest contact radius.
     grading, domain_ratio : float, optional
         Growth of the element size with the distance from the edge; domain radius over the largest contact
         radius.
@@ -146,10 +151,31 @@ def mesh_for(
     if scene.adhesion is not None and scene.is_adhesive:
         zone, divisions = scene.adhesion.zone, resolution or DIVISIONS
     else:
-        zone, divisions = 0.01 * largest, resolution or ADHESIONLESS_DIVISIONS
+        zone, divisions = 0.02 * largest, resolution or ADHESIONLESS_DIVISIONS
     sizes = {"grading": grading or GRADING, **specified(domain_ratio=domain_ratio)}
+    if not scene.is_adhesive:
+        sizes["margin"] = 1.0
+
+    def fitted(count: int) -> meshes.MeshParameters:
+        return meshes.fit(edge or 0.0, largest, zone, count, edge=edge, **sizes)
+
     try:
-        parameters = meshes.fit(edge or 0.0, largest, zone, divisions, edge=edge, **sizes)
-        return meshes.cached(parameters) if cached else meshes.half_space(parameters)
+        parameters = fitted(divisions)
     except ValueError as error:
-        raise SceneError("", f"no mesh for this scene: {error}", "a coarser resolution") from None
+        raise SceneError("", f"no mesh for this scene: {error}", _advice(fitted, divisions)) from None
+    return meshes.cached(parameters) if cached else meshes.half_space(parameters)
+
+
+def _advice(fitted: Callable[[int], meshes.MeshParameters], refused: int) -> str:
+    """The finest resolution below a refused one of which a mesh can be made, if a user may choose one."""
+    low, high = LEAST_DIVISIONS - 1, max(refused, LEAST_DIVISIONS)
+    while high - low > 1:
+        middle = (low + high) // 2
+        try:
+            fitted(middle)
+            low = middle
+        except ValueError:
+            high = middle
+    if low < LEAST_DIVISIONS:
+        return "a longer process zone, a smaller contact, or another solver"
+    return f"a coarser resolution, at most {low}"

@@ -1,0 +1,181 @@
+"""How runs of the finite elements end, what their rows hit, what they cost, and where they can be stopped."""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+
+import numpy as np
+import pytest
+from support.paper_scenes import ELASTIC, ONE, WORK, ZONE
+from support.paper_scenes import scene as scene_of
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Force,
+    ForceRamp,
+    Hold,
+    Material,
+    OutcomeKind,
+    Ramp,
+    SceneError,
+)
+from fem_solver import Options, record, run_cost, solve
+from fem_solver.release import ContactProblem
+from fem_solver.setup import SetUpInterrupted
+from meshes import expected_vertices, fit, structured_half_space
+
+LONG = 0.08
+WEAK = Adhesion(0.1 * WORK, LONG)
+
+
+@cache
+def mesh(zone=ZONE, divisions=2, reach=0.26):
+    return structured_half_space(fit(0.0, reach, zone, divisions))
+
+
+def weak(*steps, **options):
+    scene = scene_of(*steps, start="relaxed", at=0.02, adhesion=WEAK)
+    return solve(scene, mesh(LONG, 6), Options(**options))
+
+
+@cache
+def shrinking(tolerance=None):
+    return weak(Ramp(0.022, 0.01), Ramp(-0.3, 0.01), tolerance=tolerance)
+
+
+def test_contact_that_shrinks_to_its_zone_ends_with_the_state_there():
+    trace = shrinking()
+    assert trace.outcome.kind is OutcomeKind.BELOW_ZONE
+    assert trace.outcome.finished
+    assert trace.outcome.past_extremum
+    assert trace.events == ()
+    assert trace.contact_radius[-1] == pytest.approx(LONG, rel=1e-12)
+    assert trace.contact_radius[:-1].min() > LONG
+    assert trace.outcome.time == trace.time[-1]
+    # located to the accuracy of the rows: the speed there is finite
+    finer = shrinking(1e-4)
+    assert trace.time[-1] == pytest.approx(finer.time[-1], rel=2e-4)
+    assert trace.force[-1] == pytest.approx(finer.force[-1], rel=2e-3)
+
+
+@pytest.mark.parametrize("step", [Force(-0.0055, 1.0), ForceRamp(-0.1, 1e-3)])
+def test_zone_is_reached_under_a_force_before_the_tension_has_its_maximum(step):
+    trace = weak(step)
+    assert trace.outcome.kind in (OutcomeKind.BELOW_ZONE, OutcomeKind.DETACHED)
+    if trace.outcome.kind is OutcomeKind.BELOW_ZONE:
+        assert not trace.outcome.past_extremum
+        assert trace.contact_radius[-1] == pytest.approx(LONG, rel=1e-12)
+
+
+def test_largest_tension_is_a_row_where_a_frozen_edge_lets_go():
+    scene = scene_of(Ramp(-0.5, 10.0), start="relaxed", at=0.032)
+    coarse, fine = (solve(scene, mesh(), Options(tolerance=t)) for t in (1e-3, 1e-5))
+    assert coarse.force.min() == pytest.approx(fine.force.min(), rel=2e-4)
+    row = int(np.argmin(coarse.force))
+    slopes = np.diff(coarse.force) / np.diff(coarse.time)
+    assert slopes[row - 2] < -2.0 * slopes[row + 1] < 0.0  # a corner, not a smooth maximum
+    assert coarse.counters.steps == len(coarse) - 1
+    assert coarse.counters.history_updates == len(coarse)
+
+
+def test_fields_forget_a_row_that_was_taken_back():
+    scene = scene_of(Ramp(-0.5, 10.0), start="relaxed", at=0.032)
+    recording = record(scene, mesh(divisions=1), Options(record_every=1))
+    assert recording.log.rows == len(recording.trace)
+
+
+def test_an_elastic_contact_passes_many_zones_in_a_step():
+    rows = []
+    for divisions in (1, 8):
+        scene = scene_of(Ramp(0.02, 0.1), start="relaxed", at=0.01, material=ELASTIC)
+        rows.append(len(solve(scene, mesh(divisions=divisions))))
+    assert rows[1] < 1.2 * rows[0] < 120
+
+
+def test_a_load_step_that_the_clock_cannot_resolve_is_told():
+    trace = weak(Hold(1e17), Ramp(0.0, 1e-3))
+    assert trace.outcome.kind is OutcomeKind.STEP_UNDERFLOW
+    assert trace.time[-1] == 1e17
+    assert trace.force[-1] == pytest.approx(weak(Hold(1e3)).force[-1], rel=1e-6)
+
+
+def test_evaluations_of_the_closure_are_counted_once(monkeypatch):
+    calls, closure = [], ContactProblem.closure
+
+    def counted(self, s):
+        calls.append(s)
+        return closure(self, s)
+
+    monkeypatch.setattr(ContactProblem, "closure", counted)
+    for scene, own in (
+        (scene_of(Ramp(-0.5, 10.0), start="relaxed", at=0.032), mesh(divisions=1)),
+        (scene_of(Ramp(-0.5, 1.0), start="relaxed", at=0.02, adhesion=WEAK), mesh(LONG, 6)),
+    ):
+        calls.clear()
+        trace = solve(scene, own)
+        assert trace.outcome.finished
+        assert trace.counters.closure_evaluations == len(calls)
+
+
+def test_many_branches_cost_little_and_their_energies_are_those_of_their_variables():
+    times = np.geomspace(1e-4, 1e4, 100)
+    material = Material(0.75, 0.5, tuple(Branch(0.0675, time) for time in times))
+    scene = scene_of(Ramp(0.022, 0.01), Hold(3.0), start="relaxed", at=0.02, material=material)
+    recording = record(scene, mesh(divisions=1), Options(record_times=(0.2,)))
+    history, state = recording.setup.history, recording.setup.history.state
+    forms = [branch @ history.operator.displacement(branch) for branch in state.branches]
+    assert np.allclose(state.forms, forms, rtol=1e-9, atol=1e-12 * max(forms))
+
+
+class Monitor:
+    """Stops a set-up at its ``after``-th stage."""
+
+    start_state = None
+
+    def __init__(self, after):
+        self.stages, self._after = 0, after
+
+    def continue_set_up(self):
+        self.stages += 1
+        return self.stages < self._after
+
+    def continue_run(self, state):
+        raise AssertionError("the run has begun")
+
+
+@pytest.mark.parametrize("material", [ONE, Material(0.75, 0.3, (Branch(6.75, 1.0),), bulk="elastic")])
+def test_a_set_up_is_stopped_between_its_stages(material):
+    scene = scene_of(Ramp(0.03, 0.1), material=material)
+    for after in (1, 2):
+        monitor = Monitor(after)
+        trace = solve(scene, mesh(divisions=1), monitor=monitor)
+        assert monitor.stages == after
+        assert trace.outcome.kind is OutcomeKind.INTERRUPTED
+        assert len(trace) == 0
+        with pytest.raises(SetUpInterrupted):
+            record(scene, mesh(divisions=1), monitor=Monitor(after))
+
+
+def test_cost_is_forecast_from_the_size_of_the_mesh(monkeypatch):
+    parameters = fit(0.0, 0.26, ZONE, 4)
+    grid = structured_half_space(parameters)
+    assert expected_vertices(parameters) == grid.points.shape[1]
+    scene = scene_of()
+    recording = record(scene, grid)
+    intervals = 1.2 * parameters.fine_to / parameters.fine_size
+    cost = run_cost(intervals, expected_vertices(parameters), 1)
+    assert cost.nodes == pytest.approx(len(recording.setup.radii), rel=0.25)
+    assert cost.unknowns == pytest.approx(recording.setup.space.unknowns, rel=0.1)
+    finer, apart = run_cost(2.0 * intervals, 2.0 * grid.points.shape[1], 1), run_cost(intervals, 1e3, 1, True)
+    assert finer.bytes_of_setup > 2.0 * cost.bytes_of_setup
+    assert apart.seconds_of_setup > 5.0 * run_cost(intervals, 1e3, 1).seconds_of_setup
+    pages = os.sysconf
+
+    def small(name):
+        return 1000 if name == "SC_PHYS_PAGES" else pages(name)
+
+    monkeypatch.setattr(os, "sysconf", small)
+    with pytest.raises(SceneError, match="GB are installed"):
+        solve(scene, grid)
