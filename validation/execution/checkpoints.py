@@ -94,6 +94,11 @@ class CheckpointWriter:
                 print(f"crosscontact: the run cannot be saved: {error}", file=sys.stderr)
             self._failed = True
 
+    def continue_set_up(self) -> bool:
+        """Whether the run is to continue; there is nothing to write yet."""
+        self.stepping, self.stopped = True, self._stop()
+        return not self.stopped
+
     def remove(self) -> None:
         """The run is over and its results are written: the checkpoint has served."""
         if self.path is not None:
@@ -113,6 +118,10 @@ class StopMonitor:
 
     stop: Callable[[], bool]
     start_state: None = None
+
+    def continue_set_up(self) -> bool:
+        """Whether the run is to continue."""
+        return not self.stop()
 
     def continue_run(self, state: Callable[[], Any]) -> bool:
         """Whether the run is to continue."""
