@@ -142,7 +142,7 @@ def steps(clock, work, shares, expected, rate=10.0):
 def test_a_run_tells_rate_and_time_left_from_its_steps(clock, work):
     told = steps(clock, work, [0.5 * n / 200 for n in range(200)] + [1.0], 200)  # contact is lost half-way
     assert told[0] == "work: solving: 10 %: 20 steps, 10 a second, about 18 s left"
-    assert [line.split("%")[0].split()[-1] for line in told] == [str(10 * n) for n in range(1, 10)]
+    assert [line.split("%")[0].split()[-1] for line in told] == [str(10 * n) for n in range(1, 11)]
 
 
 def test_steps_beyond_the_forecast_have_no_time_left(clock, work):
