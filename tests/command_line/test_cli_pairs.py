@@ -6,6 +6,8 @@ with every option. The slow tests repeat the table with the solvers themselves.
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from support.scene_pairs import COMMANDS, SEPARATE, VALUES, Row, all_pairs, pairs_of, table
@@ -22,6 +24,7 @@ from validation.drawing import export
 from validation.execution import checkpoints, tasks
 from validation.fields import files
 from validation.report import pictures
+from validation.studies import schemes
 
 TABLE = table()
 SOLVED = [row for row in TABLE if row.command.startswith("solve") or row.command == "python"]
@@ -40,6 +43,9 @@ def test_the_table_holds_every_pair():
 def _stand_ins(monkeypatch):
     for name in registry.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, StudiedSolver(resumable(spring()))))
+    for name, scheme in schemes.SCHEMES.items():
+        stand_in = dataclasses.replace(scheme, solver=StudiedSolver(resumable(spring())))
+        monkeypatch.setitem(schemes.SCHEMES, name, stand_in)
 
 
 @pytest.fixture
