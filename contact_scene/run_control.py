@@ -31,13 +31,18 @@ _EQUAL_TENSION = 1e-9
 class RunMonitor(Protocol):
     """Monitors a run from outside: saves its state, stops it, has it continued.
 
-    It is called between two trial steps, where nothing is half done. It never changes a number, and a run
-    continued from a saved state gives the bits it would have given without the stop.
+    It is called between two trial steps, and between the stages of a long set-up, where nothing is half done.
+    It never changes a number, and a run continued from a saved state gives the bits it would have given
+    without the stop.
     """
 
     @property
     def start_state(self) -> KeptState | None:
         """State to continue from, of the same scene, options and code; ``None`` to start at the beginning."""
+        ...
+
+    def continue_set_up(self) -> bool:
+        """Whether the run is to continue, between stages of a set-up, where there is no state to keep."""
         ...
 
     def continue_run(self, state: Callable[[], KeptState]) -> bool:

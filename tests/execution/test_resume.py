@@ -69,6 +69,9 @@ def test_looking_changes_nothing():
     class Curious:
         start_state = None
 
+        def continue_set_up(self):
+            return True
+
         def continue_run(self, state):
             state()
             return True

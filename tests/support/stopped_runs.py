@@ -19,6 +19,9 @@ class Stop:
         self._after = after
         self.start_state = None if data is None else checked_pickle.loads(data)
 
+    def continue_set_up(self) -> bool:
+        return True
+
     def continue_run(self, state: Callable[[], object]) -> bool:
         self.looks += 1
         if self.looks != self._after:

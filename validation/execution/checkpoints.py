@@ -106,6 +106,14 @@ class CheckpointWriter:
             remove_partial(self.path)
 
 
+class RecordedRunWriter(CheckpointWriter):
+    """The same for a run that is recorded: its set-up, of which nothing is kept, is interrupted at once."""
+
+    def continue_set_up(self) -> bool:
+        """Whether the run is to continue."""
+        return True
+
+
 @dataclass(frozen=True)
 class StopMonitor:
     """Stops a run whose state is not kept.
