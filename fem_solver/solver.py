@@ -19,7 +19,8 @@ from contact_scene import (
 )
 from contact_scene.run_control import kept_state, single_threaded
 from contact_scene.scene import zone_too_long
-from fem_solver.fields.history import HistoryLog, history_log
+from fem_solver.fields.history import HistoryLog, SurfaceLog, history_log
+from fem_solver.fields.kept_recording import RecordingMonitor
 from fem_solver.fields.recording import Recording
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
@@ -82,7 +83,8 @@ def record(
 ) -> Recording:
     """As :func:`solve`, with the history where the options record it.
 
-    A run that is continued by ``monitor`` has the history from there on.
+    A run that is continued by ``monitor`` has its whole history where Poisson's ratio is constant, else the
+    history from there on.
 
     Parameters
     ----------
@@ -106,6 +108,8 @@ def record(
         scene.adhesion.work if scene.adhesion else 0.0, [] if options.records else None
     )
     observer = _Observer(options, setup, recorder)
+    if monitor is not None and recorder.surfaces is not None and isinstance(observer.log, SurfaceLog):
+        monitor = RecordingMonitor(monitor, observer.log, recorder.surfaces, observer.states, observer.rows)
     run = NodeReleaseRun(
         setup=setup,
         recorder=recorder,

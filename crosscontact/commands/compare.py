@@ -39,11 +39,15 @@ def run(names: Sequence[str], solvers: Sequence[str], out: str | None, jobs: int
     loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
     store = Store(folder, fresh)
-    result = build("compare", loaded, jobs, Progress("compare"), store=store, solvers=solvers)
+    progress = Progress("compare")
+    progress.phase("runs")
+    result = build("compare", loaded, jobs, progress, store=store, solvers=solvers)
     for scene in result.scenes:
         print(terminal.text(verdicts(scene)))
     if folder is not None:
-        write(result, folder)
+        with Progress("compare") as writing:
+            writing.phase("drawing and writing")
+            write(result, folder)
         store.clear()
         print(f"written to {folder / 'index.html'}")
     return exit_code(result.failures)

@@ -1,7 +1,7 @@
 """``crosscontact fields``: run, compute the fields in the body at the requested moments, write, sum up.
 
-An interrupted command leaves its pictures and files for ParaView; the same one goes on with them, after a run
-that is the same to the bit.
+An interrupted command leaves its run with the history (where Poisson's ratio is constant), files for ParaView
+and pictures; the same one goes on with them.
 """
 
 from __future__ import annotations
@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING
 from contact_scene import Counters, SceneError, write_scene
 from crosscontact.commands.forecast import announce, expected_cost
 from validation import cases
+from validation.execution.checkpoints import CHECKPOINT, RecordedRunWriter
 from validation.execution.files import in_words, output_folder
 from validation.execution.fingerprints import fingerprint
 from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused
+from validation.execution.signals import GracefulStop
 from validation.execution.store import FOLDER, Store
 from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import FigureSet
@@ -150,6 +152,12 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     if not command.fresh:
         check_unused(folder, scene)
     store = Store(folder, command.fresh)
+    stop = GracefulStop()
+    kept = folder / CHECKPOINT if scene.material.bulk is None else None
+    writer = RecordedRunWriter(kept, command.key, lambda: stop.requested, command.fresh)
+    stop.possible = lambda: writer.stepping
+    if writer.message:
+        print(f"crosscontact: {writer.message}", file=sys.stderr)
     cost = expected_cost(scene, "fem", command.resolution)
     command.announce(cost)
     states: list[FieldState] = []  # to be drawn
@@ -158,7 +166,12 @@ def _into(folder: Path, command: FieldsCommand) -> int:
         with Progress(f"{command.case.name} fields") as progress:
             progress.phase("set-up")
             steps = StepProgress(progress, 1.0 if cost is None else cost.steps, "computing and writing")
-            recorded = record_fields(scene, command.request, command.resolution, steps, command.max_steps)
+            with stop.handling_signals():
+                recorded = record_fields(
+                    scene, command.request, command.resolution, steps, command.max_steps, writer
+                )
+            if writer.stopped:
+                raise KeyboardInterrupt
             write_scene(scene, folder / "scene.toml")
             lines = _write(recorded, folder, command, store, progress, states.append)
             if figures is not None and states:
@@ -173,11 +186,13 @@ def _into(folder: Path, command: FieldsCommand) -> int:
                     _Pictures(command.key, store),
                 )
     except KeyboardInterrupt:
-        there = (folder / FOLDER).is_dir()
-        kept = f"{folder} holds what is done: the same command goes on with it"
-        print(f"crosscontact: {kept if there else 'no moment is done: nothing to keep'}", file=sys.stderr)
+        there = (folder / FOLDER).is_dir() or (folder / CHECKPOINT).exists()
+        done = f"{folder} holds what is done: the same command goes on with it"
+        none = "no step is kept: there is nothing to go on with"
+        print(f"crosscontact: {done if there else none}", file=sys.stderr)
         raise
     store.clear()
+    writer.remove()
     for line in lines:
         print(line)
     return _exit_code(recorded)

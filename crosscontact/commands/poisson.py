@@ -44,6 +44,7 @@ def run(
     with processes(jobs) as executor:
         for case in loaded:
             progress = Progress(f"{case.name} poisson")
+            progress.phase("runs")
             try:
                 comparisons = compare_ratios(case, ratios or RATIOS, resolution, executor, progress)
             finally:

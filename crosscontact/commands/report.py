@@ -58,14 +58,18 @@ def run(
     folder = output_folder(out)
     loaded = cases.load_all(scenes.suite(suite))
     store, claims = Store(folder, fresh), suite != "quick"
-    result = build(suite, loaded, jobs, Progress("report"), estimate, claims, store)
+    progress = Progress("report")
+    progress.phase("runs")
+    result = build(suite, loaded, jobs, progress, estimate, claims, store)
     if suite == "full":
         result = replace(result, stability=stability.compute(jobs, store))
     if fields:
         result = replace(result, fields=_fields(result.scenes))
     if baseline is not None and old is not None:
         result = replace(result, baseline=regression.compare(baseline, old, of_report(result), loaded))
-    write(result, folder)
+    with Progress("report") as writing:
+        writing.phase("drawing and writing")
+        write(result, folder)
     store.clear()
     print(f"{counted(len(result.checks), 'check')}, {len(result.failures)} failed: {folder / 'index.html'}")
     code = exit_code(result.failures)
@@ -84,7 +88,8 @@ def run(
 
 def _fields(comparisons: Sequence[SceneComparison]) -> cycle_fields.CycleFields:
     """Fields in the body for the report's section, with progress."""
-    progress = Progress("fields")
+    progress = Progress("report")
+    progress.phase("fields in the body")
     runs = next((one.runs for one in comparisons if one.case.name == cycle_fields.SCENE), {})
     try:
         return cycle_fields.compute(runs, progress)

@@ -83,7 +83,7 @@ def run(
                 case, solver, resolution, steps, folder, fresh, estimate, max_steps
             )
         except KeyboardInterrupt:
-            _say_what_is_kept(folder)
+            _say_what_is_kept(None if folder is None else folder / CHECKPOINT)
             raise
     if result.refused:
         print(f"crosscontact: error: {result.failure}", file=sys.stderr)
@@ -100,11 +100,15 @@ def run(
     return _ending(result, writer, estimate)
 
 
-def _say_what_is_kept(folder: Path | None) -> None:
-    """After an interruption between two checkpoints."""
-    path = None if folder is None else folder / CHECKPOINT
-    if path is not None and path.exists():
-        print(f"crosscontact: {path} stands: the same command continues it", file=sys.stderr)
+def _say_what_is_kept(checkpoint: Path | None, steps: int = 0) -> None:
+    """After an interruption: what the same command finds, if anything.
+
+    ``steps`` are those of the run, which a command without a folder does not keep.
+    """
+    if checkpoint is not None and checkpoint.exists():
+        print(f"crosscontact: saved in {checkpoint}: the same command continues it", file=sys.stderr)
+    elif steps > 0:
+        print("crosscontact: without --out DIR nothing is kept", file=sys.stderr)
     else:
         print("crosscontact: no step is done: there is nothing to keep", file=sys.stderr)
 
@@ -112,9 +116,7 @@ def _say_what_is_kept(folder: Path | None) -> None:
 def _ending(result: Run, writer: CheckpointWriter, estimate: bool) -> int:
     """Say what is unfinished, keep the checkpoint that helps to finish it; the exit code."""
     if writer.stopped and not result.finished:
-        kept = "without --out DIR nothing is kept" if writer.path is None else f"saved in {writer.path}"
-        goes_on = "" if writer.path is None else ": the same command continues it"
-        print(f"crosscontact: {kept}{goes_on}", file=sys.stderr)
+        _say_what_is_kept(writer.path, 0 if result.trace is None else len(result.trace))
         raise KeyboardInterrupt
     out_of_steps = result.trace is not None and result.trace.outcome.kind is OutcomeKind.STEP_BUDGET
     if result.trace is not None and not out_of_steps:  # a breakdown may come of the machine: go on later

@@ -49,7 +49,9 @@ def run(out: str | None, jobs: int, solver: str | None, only: str | None, fresh:
     for line in limits(matrix.cells):
         print(line)
     if folder is not None:
-        write_matrix(matrix, folder)
+        with Progress("stability") as writing:
+            writing.phase("drawing and writing")
+            write_matrix(matrix, folder)
         store.clear()
         print(f"written to {folder / 'index.html'}")
     for cell in matrix.faults:
@@ -85,6 +87,7 @@ def compute(
     """
     selected = cases(only)
     progress, due = Progress("stability"), time.monotonic()
+    progress.phase("runs")
     total = len(selected) * len(solvers)
 
     def on_cell(cell: Cell, cells: list[Cell]) -> None:

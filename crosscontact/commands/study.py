@@ -37,10 +37,14 @@ def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -
     loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
     store = Store(folder, fresh)
-    result = study(loaded, jobs, Progress("study"), store)
+    progress = Progress("study")
+    progress.phase("runs")
+    result = study(loaded, jobs, progress, store)
     print(terminal.text(short(result)))
     if folder is not None:
-        write_study(result, folder)
+        with Progress("study") as writing:
+            writing.phase("drawing and writing")
+            write_study(result, folder)
         store.clear()
         print(f"written to {folder / 'index.html'}")
     for scene in result.scenes:

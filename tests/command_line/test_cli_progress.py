@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import shlex
+import threading
 import tomllib
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import pytest
 
 from contact_scene import scene_from_dict
 from crosscontact.arguments import parser
-from validation.execution import progress
+from validation.execution import progress, tasks
 
 README = Path("README.md").read_text("utf-8")
 
@@ -91,6 +92,90 @@ def test_bar_without_unicode(clock):
     show(1.0, "end")
     assert "-" * progress.WIDTH in stream.getvalue()
     assert stream.getvalue().isascii()
+
+
+@pytest.fixture
+def work(clock, monkeypatch):
+    """Progress without its thread, and its lines."""
+    monkeypatch.setattr(progress.Progress, "_keep_telling", lambda self: None)
+    stream = io.StringIO()
+    return progress.Progress("work", stream), lambda: stream.getvalue().splitlines()
+
+
+def test_a_silent_phase_is_told_to_go_on(clock, work):
+    show, lines = work
+    show.phase("set-up")
+    for second in range(1, 301):
+        clock[0] = float(second)
+        show.tell()
+    told = lines()
+    assert told[0] == "work: set-up: 0 %, after 10 s"
+    assert told[-1].startswith("work: set-up: 0 %, after 5 min")
+    assert 12 < len(told) < 25  # ever less often
+    show.phase("drawing")
+    clock[0] += 5.0
+    show(0.4)
+    assert lines()[-1] == "work: drawing: 40 %: about 8 s left"
+
+
+def test_the_thread_tells_by_itself(monkeypatch):
+    for name in ("SILENCE", "SILENT_SHARE"):
+        monkeypatch.setattr(progress, name, 0.0)
+    told = threading.Event()
+    monkeypatch.setattr(progress.Progress, "tell", lambda self: told.set())
+    with progress.Progress("work", io.StringIO()) as show:
+        show.phase("set-up")
+        assert told.wait(10.0)
+    assert show._closed.is_set()
+
+
+def steps(clock, work, shares, expected, rate=10.0):
+    """The lines of a run whose steps end at the given shares of the loading."""
+    show, lines = work
+    count = progress.StepProgress(show, expected, "measuring")
+    for share in shares:
+        clock[0] += 1.0 / rate
+        count(share)
+    return lines()
+
+
+def test_a_run_tells_rate_and_time_left_from_its_steps(clock, work):
+    told = steps(clock, work, [0.5 * n / 200 for n in range(200)] + [1.0], 200)  # contact is lost half-way
+    assert told[0] == "work: solving: 10 %: 20 steps, 10 a second, about 18 s left"
+    assert [line.split("%")[0].split()[-1] for line in told] == [str(10 * n) for n in range(1, 11)]
+
+
+def test_steps_beyond_the_forecast_have_no_time_left(clock, work):
+    told = steps(clock, work, [n / 400 for n in range(400)], 100)
+    assert not any(" left" in line and int(line.split()[4]) > 100 for line in told)
+    show, lines = work
+    clock[0] += 100.0
+    show.tell()
+    assert "400 steps, 10 a second, more than expected" in lines()[-1]
+
+
+def test_a_forecast_far_too_large_is_bounded_by_the_loading(clock, work):
+    told = steps(clock, work, [n / 100 for n in range(100)], 100_000)
+    assert told == [] or "%: " in told[-1]
+    show, lines = work
+    clock[0] += 100.0
+    show.tell()
+    assert "100 steps" in lines()[-1]
+
+
+def test_tasks_tell_the_time_left_by_their_forecasts(clock, monkeypatch):
+    monkeypatch.setattr(tasks.time, "monotonic", lambda: clock[0])
+
+    def work():
+        clock[0] += 3.0
+
+    told = []
+    made = [
+        tasks.Task(str(n), f"task {n}", work, (), expected_seconds=seconds)
+        for n, seconds in enumerate((3, 1, 2))
+    ]
+    tasks.run_tasks(made, progress=lambda done, text: told.append(text))
+    assert [text.partition(", ")[2] for text in told] == ["about 3 s left", "about 3 s left", ""]
 
 
 def test_scene_in_the_readme_is_a_scene():

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 
 import pytest
 from matplotlib.figure import Figure
@@ -10,7 +12,7 @@ from support.scene_text import DOWN_AND_UP
 
 from crosscontact.cli import main
 from crosscontact.commands import fields
-from validation.execution import store
+from validation.execution import checkpoints, store
 from validation.fields import files
 from validation.fields.figures import figure_set
 from validation.fields.request import record_fields
@@ -104,10 +106,32 @@ def test_interrupted_in_the_run(scene_file, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(fields, "record_fields", stop)
     assert main(["fields", scene_file, "--at", "0", "--out", str(tmp_path / "out")]) == 1
     assert capsys.readouterr().err.splitlines() == [
-        "crosscontact: no moment is done: nothing to keep",
+        "crosscontact: no step is kept: there is nothing to go on with",
         "crosscontact: interrupted",
     ]
     assert not (tmp_path / "out").exists()
+
+
+def test_an_interrupted_run_goes_on_with_its_history(scene_file, tmp_path, monkeypatch, capsys):
+    given = ["fields", scene_file, "--at", "0", "0.09", "--resolution", "4", "--no-figures", "--out"]
+    once, twice = tmp_path / "once", tmp_path / "twice"
+    assert main([*given, str(once)]) == 0
+    with monkeypatch.context() as stopping:
+        looks, look = iter(range(40)), checkpoints.CheckpointWriter.continue_run
+
+        def stop_later(writer, state):
+            if next(looks, None) is None:
+                os.kill(os.getpid(), signal.SIGINT)
+            return look(writer, state)
+
+        stopping.setattr(checkpoints.CheckpointWriter, "continue_run", stop_later)
+        assert main([*given, str(twice)]) == 1
+    assert {path.name for path in twice.iterdir()} == {"checkpoint"}
+    assert "the same command goes on with it" in capsys.readouterr().err
+    assert main([*given, str(twice)]) == 0
+    assert "continuing the run saved in" in capsys.readouterr().err
+    assert contents(twice) == contents(once)
+    assert not (twice / "checkpoint").exists()
 
 
 def test_another_scenes_fields_are_refused(scene_file, tmp_path, monkeypatch, recorded, capsys):

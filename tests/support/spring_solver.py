@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact_scene import Counters, Outcome, OutcomeKind, Scene, Trace
+from contact_scene import Counters, KeptState, LoadingCursor, Outcome, OutcomeKind, Scene, Trace
 from validation.solvers import SOLVERS, RunOptions, Solver
 
 SCENE = """
@@ -101,6 +101,23 @@ def spring(
         return Trace(
             "bem", t, d, force, np.full_like(t, 0.2), energy, energy, 0 * t, outcome, Counters(steps=len(t))
         )
+
+    return solve
+
+
+def resumable(whole: Callable[..., Trace]) -> Callable[..., Trace]:
+    """A function that gives the rows of another one by one, asking the monitor before each."""
+
+    def solve(scene: Scene, resolution=None, *, monitor=None, **options) -> Trace:
+        trace = whole(scene, resolution, **options)
+        kept = None if monitor is None else monitor.start_state
+        for row in range(0 if kept is None else kept.content, len(trace)):
+            state = KeptState("spring", LoadingCursor(), trace.counters, row)
+            if monitor is not None and not monitor.continue_run(lambda state=state: state):
+                part = {name: column[: max(row, 1)] for name, column in trace.columns().items()}
+                outcome = Outcome(OutcomeKind.INTERRUPTED, "stopped from outside", float(part["time"][-1]))
+                return dataclasses.replace(trace, **part, outcome=outcome)
+        return trace
 
     return solve
 

@@ -106,6 +106,14 @@ class CheckpointWriter:
             remove_partial(self.path)
 
 
+class RecordedRunWriter(CheckpointWriter):
+    """The same for a run that is recorded: its set-up, of which nothing is kept, is interrupted at once."""
+
+    def continue_set_up(self) -> bool:
+        """Whether the run is to continue."""
+        return True
+
+
 @dataclass(frozen=True)
 class StopMonitor:
     """Stops a run whose state is not kept.
@@ -118,6 +126,10 @@ class StopMonitor:
 
     stop: Callable[[], bool]
     start_state: None = None
+
+    def continue_set_up(self) -> bool:
+        """Whether the run is to continue."""
+        return not self.stop()
 
     def continue_run(self, state: Callable[[], Any]) -> bool:
         """Whether the run is to continue."""

@@ -176,7 +176,7 @@ class StepProgress:
         text = f"{self._steps} steps"
         if lasted < AFTER:
             return text
-        rate = self._steps / lasted
+        rate = (self._steps - 1) / lasted  # the clock began with the first step done
         left = f"about {duration(ahead / rate)} left" if ahead > 0.0 else "more than expected"
         return f"{text}, {rate:.3g} a second, {left}"
 

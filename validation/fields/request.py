@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from contact_scene import Loading, Scene, SceneError, Trace
+from contact_scene import Loading, RunMonitor, Scene, SceneError, Trace
 from validation.measure.observables import ROUND_OFF, largest_tension
 from validation.solvers.base import specified
 from validation.solvers.finite_elements import mesh_for
@@ -85,6 +85,7 @@ def record_fields(
     resolution: int | None = None,
     progress: Progress | None = None,
     max_steps: int | None = None,
+    monitor: RunMonitor | None = None,
 ) -> RecordedFields:
     """Run the finite elements and select the rows.
 
@@ -97,6 +98,9 @@ def record_fields(
     progress : callable(float), optional
     max_steps : int, optional
         Largest number of steps, accepted and rejected together; default: the solver's choice.
+    monitor : RunMonitor, optional
+        May keep the run with its history, stop it, and have it continued. With separate bulk relaxation the
+        history is not kept: then it may only stop the run.
 
     Returns
     -------
@@ -120,12 +124,12 @@ def record_fields(
         record_pull_off=True,
         **specified(max_steps=max_steps),
     )
-    recording = record(scene, mesh, options, progress)
+    recording = record(scene, mesh, options, progress, monitor)
     picked = {}
     if request.picked is not None and len(recording.trace):
         picked = request.picked(recording.trace, scene)
     if picked and isinstance(recording.log, VolumeLog):
-        recording = record(scene, mesh, replace(options, record_rows=tuple(picked)), progress)
+        recording = record(scene, mesh, replace(options, record_rows=tuple(picked)), progress, monitor)
     return _select(recording, request, picked)
 
 

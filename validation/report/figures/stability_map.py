@@ -30,6 +30,7 @@ LETTERS = {
     "step budget exhausted": "B",
     "not finite": "F",
     "out of range": "O",
+    "out of the model's range": "Z",
     "interrupted": "I",
     "hung": "H",
     "raised": "X",
@@ -37,8 +38,9 @@ LETTERS = {
 }
 LEGEND = (
     "c completed, d detached, R refused, N no equilibrium, U step underflow, B step budget, F not finite, "
-    "O out of range, I interrupted, H hung, X crashed, – not run, ? not compared; underlined: reports no "
-    "answer; framed and crossed out: silently wrong, crashed, not finite or hung"
+    "O out of range, Z contact as short as the process zone, I interrupted, H hung, X crashed, – not run, "
+    "? not compared; underlined: reports no answer; framed and crossed out: silently wrong, crashed, not "
+    "finite or hung"
 )
 
 

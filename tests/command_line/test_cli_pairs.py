@@ -1,0 +1,167 @@
+"""Every two of indenter, load step, material, adhesion, command and option together (see ``scene_pairs``).
+
+By default with a stand-in for the solvers: what is tested is that every scene passes through every command
+with every option. The slow tests repeat the table with the solvers themselves.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from support.scene_pairs import COMMANDS, SEPARATE, VALUES, Row, all_pairs, pairs_of, table
+from support.spring_solver import StudiedSolver, named, resumable, spring
+
+import crosscontact as cc
+from contact_scene import read_scene
+from contact_scene.loading import STEPS
+from contact_scene.scenefile import _SHAPES
+from crosscontact import registry
+from crosscontact.cli import main
+from validation import solvers
+from validation.drawing import export
+from validation.execution import checkpoints, tasks
+from validation.fields import files
+from validation.report import pictures
+from validation.studies import schemes
+
+TABLE = table()
+SOLVED = [row for row in TABLE if row.command.startswith("solve") or row.command == "python"]
+
+
+def test_the_table_holds_every_pair():
+    held = set().union(*(pairs_of(tuple(vars(row).values())) for row in TABLE))
+    assert held == all_pairs()
+    assert set(VALUES[0]) == set(_SHAPES)
+    assert set(VALUES[1]) == set(STEPS)
+    assert len(TABLE) < 70
+    assert all(row.option in COMMANDS[row.command] for row in TABLE)
+
+
+@pytest.fixture
+def _stand_ins(monkeypatch):
+    for name in registry.names():
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, StudiedSolver(resumable(spring()))))
+    for name, scheme in schemes.SCHEMES.items():
+        stand_in = dataclasses.replace(scheme, solver=StudiedSolver(resumable(spring())))
+        monkeypatch.setitem(schemes.SCHEMES, name, stand_in)
+
+
+@pytest.fixture
+def quick_pictures(monkeypatch):
+    """Figures are made, not rendered."""
+    monkeypatch.setattr(pictures.export, "svg", lambda *given: "<svg></svg>")
+    monkeypatch.setattr(export, "png", lambda *given: b"PNG")
+    for module in ("crosscontact.commands.solve", "validation.fields.figures.figure_set"):
+        monkeypatch.setattr(f"{module}.png", lambda *given: b"PNG")
+    monkeypatch.setattr("crosscontact.commands.solve.svg_file", lambda *given: "<svg></svg>")
+
+
+def interrupted(row: Row, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The command stops in the middle of its work, once."""
+    if row.command.startswith("solve"):
+        looks, look = iter(range(4)), checkpoints.CheckpointWriter.continue_run
+
+        def stop_later(writer, state):
+            writer._stop = lambda: next(looks, None) is None
+            return look(writer, state)
+
+        monkeypatch.setattr(checkpoints.CheckpointWriter, "continue_run", stop_later)
+        return
+    owner, name = (files, "save") if row.command == "fields" else (tasks, "execute")
+    calls, function = iter(range(1)), getattr(owner, name)
+
+    def stop_at_the_second(*given):
+        if next(calls, None) is None:
+            raise KeyboardInterrupt
+        return function(*given)
+
+    monkeypatch.setattr(owner, name, stop_at_the_second)
+
+
+def numbers(folder) -> dict[str, bytes]:
+    """What two folders of the same work have in common to the bit."""
+    kinds = ("trace.csv", "scene.toml", "*.vtu", "*.vtp")
+    return {str(path.relative_to(folder)): path.read_bytes() for kind in kinds for path in folder.rglob(kind)}
+
+
+def arguments(row: Row, scene: str, out: str) -> list[str]:
+    command, _, solver = row.command.partition(" ")
+    given = [command, scene]
+    if command == "solve":
+        given += ["--solver", solver, "--resolution", "4"]
+    if command == "fields":
+        given += ["--at", "0", "0.2", "--resolution", "4", "--no-figures"]
+    if command in ("compare", "study"):
+        given += ["--jobs", "1"]
+    given += [f"--{row.option}"] if row.option in ("plot", "estimate", "fresh") else []
+    return given + (["--out", out] if row.option != "plain" else [])
+
+
+def carry_out(row: Row, tmp_path, capsys, allowed: tuple[int, ...]) -> None:
+    """The command of a row, whatever it is; no traceback, and what it writes can be read."""
+    file, out = row.write(tmp_path), tmp_path / "out"
+    given = arguments(row, str(file), str(out))
+    if row.option == "resume":
+        with pytest.MonkeyPatch.context() as stopping:
+            interrupted(row, stopping)
+            assert main(given) == 1
+    code = main(given)
+    assert code in allowed, capsys.readouterr().err
+    assert "Traceback" not in capsys.readouterr().err
+    if code == 2:
+        return
+    for written in out.rglob("scene.toml"):
+        assert read_scene(written) == read_scene(file)
+    if row.option == "resume":
+        whole = tmp_path / "whole"
+        assert main(arguments(row, str(file), str(whole))) == code
+        assert numbers(out) == numbers(whole)
+    if row.command.startswith("solve") and row.option not in ("plain", "plot"):
+        assert cc.load(out).scene == read_scene(file)
+
+
+def in_python(row: Row, tmp_path) -> None:
+    """Solved, drawn, saved and loaded from Python."""
+    scene = read_scene(row.write(tmp_path))
+    solver = "fem" if row.material in SEPARATE else "bem"
+    result = cc.solve(scene, solver, 4, estimate_errors=row.option == "estimate")
+    assert solver in repr(result)
+    if row.option == "plot":
+        assert len(result.figure().axes) == 2
+    result.save(tmp_path / "saved")
+    again = cc.load(tmp_path / "saved")
+    assert again.scene == scene
+    assert again.measures == result.measures
+    for name, column in result.trace.columns().items():
+        assert np.array_equal(again.trace.columns()[name], column), name
+
+
+@pytest.mark.usefixtures("_stand_ins", "quick_pictures")
+@pytest.mark.parametrize("row", SOLVED, ids=str)
+def test_every_scene_passes_through_the_door(row, tmp_path, capsys):
+    if row.command == "python":
+        in_python(row, tmp_path)
+    else:
+        carry_out(row, tmp_path, capsys, (0,))
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_stand_ins", "quick_pictures")
+@pytest.mark.parametrize("row", [row for row in TABLE if row.command in ("compare", "study")], ids=str)
+def test_every_scene_passes_through_the_commands_of_many_runs(row, tmp_path, capsys):
+    carry_out(row, tmp_path, capsys, (0, 1))
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("quick_pictures")
+@pytest.mark.parametrize("row", [row for row in TABLE if row.command != "study"], ids=str)
+def test_every_scene_is_solved(row, tmp_path, capsys):
+    if row.command == "python":
+        in_python(row, tmp_path)
+        return
+    refuses = row.material in SEPARATE and row.command in ("solve bem", "solve reference")
+    if refuses and row.option == "resume":
+        pytest.skip("a scene that is refused cannot be interrupted")
+    carry_out(row, tmp_path, capsys, (2,) if refuses else (0, 1) if row.command == "compare" else (0,))
