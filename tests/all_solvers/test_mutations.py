@@ -1,9 +1,9 @@
 """Does the quick suite catch wrong physics? Single faults, one at a time, against the suite's own checks.
 
 A fault counts as caught if a check of the quick suite that passes for the true solvers fails with the fault.
-The scenes below are the cheapest of that suite; a fault that slips through all of them must not change any
-observable by more than one per cent there. The table of all faults is printed and written to
-``out/faults.md``.
+It is tried on the scenes it names, otherwise on the cheapest of that suite; a fault that slips through all of
+those must not change any observable by more than one per cent there. What all solvers share is tried on one
+solver, against check values alone. The table of all faults is printed and written to ``out/faults.md``.
 """
 
 from __future__ import annotations
@@ -19,19 +19,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.faults import bem, fem, reference
+from support.faults import altered_answers, altered_scenes, bem, fem, reference, shared
 from support.faults.injection import Fault, missing, seeded, time_limit
 
 from validation import cases, scenes, solvers
 from validation.compare.against_reference import check_case
+from validation.compare.checks import check_run
 from validation.execution.runs import Run, run
 from validation.measure.error_estimate import ENERGIES
 from validation.measure.norms import distance
 from validation.measure.scaling import column_of, scale
 
 FAULTS = [*reference.FAULTS, *bem.FAULTS, *fem.FAULTS]
+FAULTS += [*altered_scenes.FAULTS, *altered_answers.FAULTS, *shared.FAULTS]
 SCENES = ("relaxed-equilibrium", "elastic-relaxed", "cycle-v0.02", "adhesionless-cycle", "three-branches")
 NOTICEABLE = 0.01
+CHEAP = "punch-programme"
+TABLES = [*altered_scenes.FAULTS, *altered_answers.FAULTS]
+QUICKLY = [fault for fault in shared.FAULTS if fault.scenes == (CHEAP,)]
+QUICKLY += [fault for fault in TABLES if fault.scenes == (CHEAP,)][::3]
+"""Faults that a check value of the cheapest scene has to show by default; the slow tests try all."""
 TIME_FACTOR = 10.0  # limit of a run with a fault, times the processor time of the true solver ...
 LEAST_LIMIT = 10.0  # ... and at least so many seconds
 TABLE = Path(__file__).parents[2] / "out" / "faults.md"
@@ -60,12 +67,14 @@ def findings(request, tmp_path_factory):
     """Findings to come, by fault: all that were asked for are examined side by side. The table at the end."""
     chosen = [item.callspec.params for item in request.session.items if hasattr(item, "callspec")]
     asked = [parameters["fault"] for parameters in chosen if "fault" in parameters]
-    todo = [(name, solver) for name in SCENES for solver in solvers.SOLVERS]
+    keys = {fault.key for fault in asked}
+    wanted = dict.fromkeys(name for fault in FAULTS if fault.key in keys for name in fault.scenes or SCENES)
+    todo = [(name, solver) for name in wanted for solver in solvers.SOLVERS]
     kept = tmp_path_factory.mktemp("clean") / "runs.pickle"
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
         runs = dict(zip(todo, pool.map(unharmed, *zip(*todo, strict=True)), strict=True))
-        clean = {name: {solver: runs[name, solver] for solver in solvers.SOLVERS} for name in SCENES}
-        for name in SCENES:
+        clean = {name: {solver: runs[name, solver] for solver in solvers.SOLVERS} for name in wanted}
+        for name in wanted:
             failed = [check for check in check_case(cases.load(name), clean[name]) if not check.passed]
             assert not failed, failed
         kept.write_bytes(pickle.dumps(clean))
@@ -88,8 +97,8 @@ def tabulate(found: list[Detection]) -> None:
 
 
 def unharmed(name: str, solver: str) -> Run:
-    """The true solver on a scene."""
-    return run(cases.load(name), solver)
+    """The true solver on a scene, with its error estimates as in a report."""
+    return run(cases.load(name), solver, estimate=True)
 
 
 @cache
@@ -141,15 +150,17 @@ def same(true: Run, wrong: Run) -> bool:
 def examine(fault: Fault, clean: dict[str, dict[str, Run]]) -> Detection:
     """Run the scenes with the fault until a check fails."""
     largest, called, changed = (0.0, "nothing"), 0, False
-    for name in SCENES:
-        case = cases.load(name)
-        limit = max(LEAST_LIMIT, TIME_FACTOR * clean[name][fault.solver].cpu_seconds)
+    for name in fault.scenes or SCENES:
+        before = clean[name][fault.solver]
+        limit = max(LEAST_LIMIT, TIME_FACTOR * (before.cpu_seconds + before.estimate_seconds))
         with seeded(fault) as calls, time_limit(limit):
-            wrong = run(case, fault.solver)
+            case = cases.load(name)
+            wrong = run(case, fault.solver, estimate=not fault.shared)
+            runs = {fault.solver: wrong} if fault.shared else {**clean[name], fault.solver: wrong}
+            checks = check_case(case, runs)
         called += calls.count
-        changed = changed or not same(clean[name][fault.solver], wrong)
-        largest = max(largest, (*effect(clean[name][fault.solver], wrong),))
-        checks = check_case(case, {**clean[name], fault.solver: wrong})
+        changed = changed or fault.shared or not same(before, wrong)
+        largest = max(largest, (*effect(before, wrong),))
         failed = [check for check in checks if not check.passed]
         if failed:
             first = failed[0]
@@ -165,6 +176,7 @@ def test_there_are_enough_faults_in_every_solver():
     assert len(FAULTS) >= 30
     assert len({fault.key for fault in FAULTS}) == len(FAULTS)
     assert {fault.solver for fault in FAULTS} == set(solvers.SOLVERS)
+    assert sum(fault.shared for fault in FAULTS) >= 15
 
 
 def test_every_fault_names_a_function_that_exists():
@@ -182,7 +194,24 @@ def test_missing_functions_are_listed_together():
 
 
 def test_the_scenes_belong_to_the_quick_suite():
-    assert set(SCENES) <= set(scenes.suite("quick"))
+    named = {name for fault in FAULTS for name in fault.scenes}
+    assert named | set(SCENES) <= set(scenes.suite("quick"))
+
+
+@pytest.mark.parametrize("solver", solvers.SOLVERS)
+def test_check_values_hold_without_a_fault(solver):
+    case = cases.load(CHEAP)
+    assert [check for check in check_run(case, run(case, solver)) if not check.passed] == []
+
+
+@pytest.mark.parametrize("fault", QUICKLY, ids=lambda fault: fault.key)
+def test_check_values_catch_a_fault(fault):
+    """Those of one scene, which pass through no solver."""
+    with seeded(fault) as calls, time_limit(LEAST_LIMIT), np.errstate(all="ignore"):
+        case = cases.load(CHEAP)
+        failed = [check for check in check_run(case, run(case, fault.solver)) if not check.passed]
+    assert calls.count
+    assert failed
 
 
 @pytest.mark.slow

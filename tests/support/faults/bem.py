@@ -150,3 +150,37 @@ def _(true):
 @fault("branch energies advanced by half the step", "energy:updated_energies")
 def _(true):
     return lambda chain, before, increment, duration: true(chain, before, increment, 0.5 * duration)
+
+
+@fault("closure 0.5 % too large", "closure:ClosureRule.integral", ("elastic-relaxed", "elastic-glassy"))
+def _(true):
+    return lambda *given: 1.005 * true(*given)
+
+
+@fault(
+    "influence of an annulus 0.3 % too large",
+    "kernel:annulus_influence",
+    ("punch-programme", "elastic-glassy"),
+)
+def _(true):
+    return lambda *given: 1.003 * true(*given)
+
+
+@fault("no kink where the edge turned", "history:updated_kinks", ("repressed-profile", "dwell-10"))
+def _(true):
+    return lambda *given: ((), *true(*given)[1:])
+
+
+@fault("what is left of a branch by the trapezoidal rule", "creep:Chain.decay", ("punch-programme",))
+def _(true):
+    return lambda self, y: (1.0 - 0.5 * y) / (1.0 + 0.5 * y)
+
+
+@fault("increments of a step at its end", "creep:Chain.spread", ("punch-programme",))
+def _(true):
+    return lambda self, y: np.ones_like(y)
+
+
+@fault("gap longer by a length of 1e-6", "trial:gap_outside", ("cycle-si-small",))
+def _(true):
+    return lambda *given: true(*given) + 1e-6

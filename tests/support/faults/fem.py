@@ -173,3 +173,49 @@ def _(true):
         true(self, state)
 
     return add
+
+
+@fault("closure 0.5 % too large", "release:ContactProblem.closure", ("elastic-relaxed", "elastic-glassy"))
+def _(true):
+    return lambda *given: 1.005 * true(*given)
+
+
+@fault(
+    "glassy state with the relaxed ratio of the moduli", "setup:Moduli.instantaneous_ratio", ("bulk-start",)
+)
+def _(true):
+    return lambda self: self.ratio
+
+
+@fault("bulk relaxes like shear", "setup:moduli", ("bulk-punch",))
+def _(true):
+    def moduli(material):
+        return true(replace(material, bulk=None) if material.bulk is not None else material)
+
+    return moduli
+
+
+@fault("relaxation of bulk twice as fast", "setup:moduli", ("bulk-punch",))
+def _(true):
+    def moduli(material):
+        found = true(material)
+        if found.bulk is None or material.bulk is None:
+            return found
+        return replace(found, bulk=Prony(found.bulk.relaxed, found.bulk.moduli, 0.5 * found.bulk.times))
+
+    return moduli
+
+
+@fault("trapezoidal rule in place of the exact update", "prony:Prony.increment", ("punch-programme",))
+def _(true):
+    def increment(self, dt):
+        left = (1.0 - 0.5 * dt / self.times) / (1.0 + 0.5 * dt / self.times)
+        gain = self.moduli / (1.0 + 0.5 * dt / self.times)
+        return Increment(self.relaxed + float(gain.sum()), left, gain)
+
+    return increment
+
+
+@fault("2 pi 0.3 % too large", "forms:_contract", ("punch-programme", "elastic-glassy"))
+def _(true):
+    return lambda *given: 1.003 * true(*given)

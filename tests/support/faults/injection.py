@@ -1,4 +1,4 @@
-"""Faults seeded into the solvers in memory, one at a time; nothing on disk is touched."""
+"""Faults seeded in memory, one at a time; nothing on disk is touched."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-PACKAGES = ("bem_solver", "fem_solver", "validation.reference")
+PACKAGES = ("contact_scene", "bem_solver", "fem_solver", "meshes", "validation")
 
 
 @dataclass(frozen=True)
@@ -23,37 +23,62 @@ class Fault:
     Parameters
     ----------
     solver : str
-        Which solver suffers.
+        Which solver suffers; of what all solvers share, the one it is shown with.
     name : str
         What is wrong, in words.
     target : str
         ``module:function`` or ``module:Class.method``; properties, class and static methods too.
     broken : callable
         From the true function to the wrong one.
+    scenes : tuple of str
+        Built-in scenes that have to show it, the cheapest first; none: those every fault is tried on.
+    shared : bool
+        Whether it sits in what all solvers share, so that none of them can serve as a reference.
     """
 
     solver: str
     name: str
     target: str
     broken: Callable[[Callable[..., Any]], Callable[..., Any]]
+    scenes: tuple[str, ...] = ()
+    shared: bool = False
 
     @property
     def key(self) -> str:
         """Name of the test."""
-        return f"{self.solver}: {self.name}"
+        return f"{'shared' if self.shared else self.solver}: {self.name}"
 
 
-def registry(solver: str, package: str) -> tuple[list[Fault], Callable[..., Any]]:
+def registry(
+    solver: str, package: str, faults: list[Fault] | None = None, shared: bool = False
+) -> tuple[list[Fault], Callable[..., Any]]:
     """The faults of a solver, empty at first, and the decorator that adds one.
 
-    ``@fault(name, target)`` of a function from the true function to the wrong one; ``target`` is relative to
-    ``package``, as in ``module:Class.method``.
-    """
-    faults: list[Fault] = []
+    ``@fault(name, target, scenes)`` of a function from the true function to the wrong one; ``target`` is
+    relative to ``package``, as in ``module:Class.method``; ``scenes`` may be left out.
 
-    def fault(name: str, target: str) -> Callable[..., Any]:
+    Parameters
+    ----------
+    solver : str
+        Which solver suffers, or shows what all share.
+    package : str
+        Where its functions are.
+    faults : list of Fault, optional
+        To be added to.
+    shared : bool
+        Whether all solvers share the function.
+
+    Returns
+    -------
+    faults : list of Fault
+    fault : callable
+        The decorator.
+    """
+    faults = [] if faults is None else faults
+
+    def fault(name: str, target: str, scenes: tuple[str, ...] = ()) -> Callable[..., Any]:
         def register(broken: Callable[..., Any]) -> Callable[..., Any]:
-            faults.append(Fault(solver, name, f"{package}.{target}", broken))
+            faults.append(Fault(solver, name, f"{package}.{target}", broken, scenes, shared))
             return broken
 
         return register
@@ -116,6 +141,9 @@ def seeded(fault: Fault) -> Iterator[Calls]:
     match true:
         case property():
             wrong: Any = property(counted(true.fget))
+        case functools.cached_property():
+            wrong = functools.cached_property(counted(true.func))
+            wrong.__set_name__(owner, name)
         case classmethod():
             wrong = classmethod(counted(true.__func__))
         case staticmethod():

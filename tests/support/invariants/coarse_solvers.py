@@ -86,22 +86,3 @@ SOLVERS: Mapping[str, CoarseSolver] = {
     solver.name: solver
     for solver in (CoarseSolver("bem", 5, 1), CoarseSolver("reference", 5, 2), CoarseSolver("fem", 2, 2))
 }
-
-
-def effort(scene: Scene, trace: Trace) -> float:
-    """The largest force all along the path of the penetration, and adhesion all along that of the area.
-
-    A force that is off by its tolerance of the largest does that much work; energies are no better.
-    """
-    work = scene.adhesion.work if scene.adhesion is not None else 0.0
-    path = float(np.abs(np.diff(trace.penetration)).sum())
-    swept = np.pi * float(np.abs(np.diff(trace.contact_radius**2)).sum())
-    stored = float(trace.stored_energy.max(initial=0.0))
-    return max(stored, float(np.abs(trace.force).max(initial=0.0)) * path + work * swept)
-
-
-def in_contact(trace: Trace) -> slice:
-    """All rows but those after contact was lost, where the energy set free by the snap is booked."""
-    touching = np.flatnonzero(trace.contact_radius > 0.0)
-    lost = trace.outcome.kind == "detached" and touching.size > 0
-    return slice(0, int(touching[-1]) + 1 if lost else len(trace))
