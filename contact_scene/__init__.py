@@ -16,9 +16,14 @@ from contact_scene.loading import (
     Table,
 )
 from contact_scene.material import Branch, BulkRelaxation, Material
+from contact_scene.material_file import read_material
+from contact_scene.material_models import PowerLawRelaxation, StandardLinearSolid
+from contact_scene.prony import PronyFit, fit_prony
+from contact_scene.readers import DynamicData, RelaxationData, read_measured, read_shift_factors
 from contact_scene.run_control import KeptState, LoadingCursor, RunMonitor
 from contact_scene.scene import Scene
-from contact_scene.scenefile import read_scene, scene_from_dict, write_scene
+from contact_scene.scenefile import read_scene, scene_from_dict, write_material, write_scene
+from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature
 from contact_scene.trace import (
     COLUMNS,
     Counters,
@@ -33,11 +38,14 @@ from contact_scene.trace import (
 
 __all__ = [
     "COLUMNS",
+    "WLF",
     "Adhesion",
+    "Arrhenius",
     "Branch",
     "BulkRelaxation",
     "Cone",
     "Counters",
+    "DynamicData",
     "Event",
     "FlatPunch",
     "Force",
@@ -52,12 +60,17 @@ __all__ = [
     "Outcome",
     "OutcomeKind",
     "PowerLaw",
+    "PowerLawRelaxation",
+    "PronyFit",
     "Ramp",
+    "RelaxationData",
     "RunMonitor",
     "Scene",
     "SceneError",
     "Segment",
+    "ShiftTable",
     "Sphere",
+    "StandardLinearSolid",
     "Step",
     "SurfaceProfile",
     "Sweep",
@@ -65,9 +78,15 @@ __all__ = [
     "TabulatedProfile",
     "Trace",
     "UnsupportedScene",
+    "at_temperature",
+    "fit_prony",
     "read_columns",
+    "read_material",
+    "read_measured",
     "read_scene",
+    "read_shift_factors",
     "scene_from_dict",
+    "write_material",
     "write_scene",
     "write_trace",
 ]

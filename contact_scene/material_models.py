@@ -29,7 +29,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from contact_scene.errors import LARGEST, SMALLEST, SceneError, not_negative, number, positive, shown
-from contact_scene.material import Branch
+from contact_scene.material import Branch, Material
 
 WIDEST_SPACING = math.log(10.0)
 """In log time: at least one branch a decade. Wider spacings may still keep ``E(t)`` to the stated error, but
@@ -62,6 +62,11 @@ class StandardLinearSolid:
     def series(self) -> tuple[float, tuple[Branch, ...]]:
         """Relaxed modulus and the one branch."""
         return self.relaxed, (Branch(self.glassy - self.relaxed, self.time),)
+
+    def material(self, poisson: float) -> Material:
+        """The solid as a material."""
+        modulus, branches = self.series()
+        return Material(modulus, poisson, branches)
 
 
 @dataclass(frozen=True)
@@ -116,7 +121,7 @@ class PowerLawRelaxation:
         spacing = spacing_of(n, 0.5 * self.error)
         fastest = first / _fastest_rate(n, 0.25 * self.error)
         slowest = last / _slowest_rate(n, spacing, 0.25 * self.error)
-        count = math.ceil(math.log(slowest / fastest) / spacing) + 1
+        count = max(0, math.ceil(math.log(slowest / fastest) / spacing)) + 1
         log_times = math.log(fastest) + spacing * np.arange(count)
         allowed = f"times and moduli from {SMALLEST:g} to {LARGEST:g}"
         if not (math.log(SMALLEST) <= log_times[0] and log_times[-1] <= math.log(LARGEST)):
@@ -141,6 +146,11 @@ class PowerLawRelaxation:
             for modulus, time in zip(np.exp(log_moduli), np.exp(log_times), strict=True)
         )
         return self.relaxed + math.exp(log_rest), branches
+
+    def material(self, poisson: float) -> Material:
+        """The expansion as a material."""
+        modulus, branches = self.series()
+        return Material(modulus, poisson, branches)
 
 
 MODELS: dict[str, type[StandardLinearSolid] | type[PowerLawRelaxation]] = {

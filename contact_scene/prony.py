@@ -6,9 +6,10 @@ are relative, ``fit/measured - 1``, so that every decade counts alike. Then
 
 1. grid neighbours that are both in use stand for one branch between them: they are joined;
 2. all times and moduli are refined together, by nonlinear least squares in their logarithms;
-3. the branch that is missed least is dropped and 2. repeated, as long as the misfit stays below ``tolerance``
-   or Schwarz' criterion (Ann. Statist. 6, 1978) prefers the shorter series:
-   ``N ln(misfit_new^2/misfit_old^2) <= 2 ln N`` for ``N`` residuals and the two parameters of a branch;
+3. the branch that is missed least is dropped and 2. repeated, as long as the misfit stays below
+   ``tolerance``; where the data scatter by more, as long as Schwarz' criterion (Ann. Statist. 6, 1978)
+   prefers the shorter series, ``N ln(misfit_new^2/misfit_old^2) <= 2 ln N`` for ``N`` residuals and two
+   parameters a branch;
 4. last the relaxed modulus is left out where the same criterion says that the data show none.
 
 Branches outside the window of the data cannot be told from it and are not tried: faster ones have relaxed
@@ -44,8 +45,8 @@ MOST_ROWS = 20_000
 
 FEWEST_ROWS = 3
 
-MOST_REFINEMENTS = 60
-"""Evaluations of one refinement; what it has by then is as good a series, only not quite the best."""
+REFINEMENTS, LAST_REFINEMENTS = 12, 100
+"""Evaluations of a refinement while branches are dropped, which starts near its end, and of the last one."""
 
 
 @dataclass(frozen=True)
@@ -170,16 +171,16 @@ def fit_prony(
     PronyFit
     """
     number(tolerance, "tolerance", "0 <= tolerance <= 1", low=0.0, high=1.0)
-    design = _Design(data, None if relaxed is None else positive(relaxed, "modulus"))
     grid = _grid(data)
+    design = _Design(data, grid, None if relaxed is None else positive(relaxed, "modulus"))
     start = design.least_squares(grid)
     used = int(np.count_nonzero(start.moduli))
     series = design.refined(_joined(start, grid))
     joined = series.times.size
-    unjoined = start.without(start.moduli == 0.0)
-    if not design.prefers(series, unjoined, tolerance):  # too coarse: a continuous spectrum, say
-        series = design.refined(unjoined)
-        joined = used
+    if series.misfit > tolerance:  # a continuous spectrum, say, needs more
+        unjoined = design.refined(start.without(start.moduli == 0.0))
+        if not design.prefers(series, unjoined, tolerance):
+            series, joined = unjoined, used
     dropped = []
     while series.times.size:
         shorter = design.refined(design.without_least(series))
@@ -189,9 +190,11 @@ def fit_prony(
         dropped += [DroppedBranch(branch, series.misfit, shorter.misfit) for branch in gone]
         series = shorter
     if relaxed is None and series.relaxed > 0.0:
-        melt = _Design(data, 0.0).refined(series)
+        melt = _Design(data, grid, 0.0).refined(series)
         if design.prefers(melt, series, ROUNDING):
             series = melt
+    last = design if series.relaxed > 0.0 else _Design(data, grid, 0.0)
+    series = last.refined(series, LAST_REFINEMENTS)
     order = np.argsort(series.times)
     branches = tuple(Branch(float(series.moduli[k]), float(series.times[k])) for k in order)
     return PronyFit(
@@ -217,11 +220,14 @@ class _Series:
 class _Design:
     """Relative responses of unit moduli at the points of the data."""
 
-    def __init__(self, data: RelaxationData | DynamicData, relaxed: float | None) -> None:
+    def __init__(
+        self, data: RelaxationData | DynamicData, grid: NDArray[np.float64], relaxed: float | None
+    ) -> None:
         rows = (data.times if isinstance(data, RelaxationData) else data.angular_frequencies).size
         if not FEWEST_ROWS <= rows <= MOST_ROWS:
             raise SceneError("", f"{rows} rows of data", f"{FEWEST_ROWS} to {MOST_ROWS} rows")
         self.known = relaxed
+        self.window = math.log(grid[0]), math.log(grid[-1])
         if isinstance(data, RelaxationData):
             self.dynamic, self.points, self.measured = False, data.times, data.moduli
             constant = np.ones(rows)
@@ -280,7 +286,7 @@ class _Design:
         response = self.responses(series.times)[0] @ (series.moduli / self.unit)
         return response + series.relaxed / self.unit * self.constant - 1.0
 
-    def refined(self, series: _Series) -> _Series:
+    def refined(self, series: _Series, evaluations: int = REFINEMENTS) -> _Series:
         """Times and moduli near those given that meet the data best; zero moduli are left out."""
         from scipy.optimize import least_squares
 
@@ -290,8 +296,9 @@ class _Design:
         if count == 0:
             return series
         unknown = np.log(np.concatenate([series.times, series.moduli, [series.relaxed] * free]))
-        decade = np.full(unknown.size, np.inf)
-        decade[:count] = math.log(10.0)  # how far a time may go: the window of the data is hardly left
+        low, high = np.full(unknown.size, -np.inf), np.full(unknown.size, np.inf)
+        low[:count], high[:count] = self.window
+        unknown = np.clip(unknown, low, high)  # to the last digit
 
         def unpacked(logs: NDArray[np.float64]) -> _Series:
             # beyond these nothing changes, and exp would overflow
@@ -310,11 +317,11 @@ class _Design:
             lambda logs: self.residuals(unpacked(logs)),
             unknown,
             jacobian,
-            bounds=(unknown - decade, unknown + decade),
+            bounds=(low, high),
             xtol=1e-12,
             ftol=1e-12,
             gtol=1e-12,
-            max_nfev=MOST_REFINEMENTS,
+            max_nfev=evaluations,
         )
         better = self.least_squares(unpacked(found.x).times, series.origin)
         better = better.without(better.moduli == 0.0)
@@ -332,7 +339,7 @@ class _Design:
         """Whether the shorter series is to be taken: within tolerance, or better by Schwarz' criterion."""
         if shorter.misfit <= tolerance:
             return True
-        if longer.misfit == 0.0:
+        if longer.misfit <= tolerance:
             return False
         parameters = 2 * (longer.times.size - shorter.times.size)
         parameters += int(longer.relaxed > 0.0) - int(shorter.relaxed > 0.0)
@@ -341,14 +348,15 @@ class _Design:
 
 
 def _grid(data: RelaxationData | DynamicData) -> NDArray[np.float64]:
-    """Times within the window of the data: from its first point to half a decade beyond its last."""
-    spare = math.sqrt(10.0)
+    """Times within the window of the data: half a decade beyond its first and its last point.
+
+    There the fastest still shows 4 % of its modulus, and the slowest has lost 27 % of it.
+    """
     if isinstance(data, RelaxationData):
-        first, last = float(data.times[0]), float(data.times[-1]) * spare
+        first, last = float(data.times[0]), float(data.times[-1])
     else:
-        first = 1.0 / (float(data.angular_frequencies[-1]) * spare)
-        last = spare / float(data.angular_frequencies[0])
-    first, last = max(first, SMALLEST), min(last, LARGEST)
+        first, last = 1.0 / float(data.angular_frequencies[-1]), 1.0 / float(data.angular_frequencies[0])
+    first, last = max(first / math.sqrt(10.0), SMALLEST), min(last * math.sqrt(10.0), LARGEST)
     count = max(2, math.ceil(PER_DECADE * math.log10(last / first)) + 1)
     return np.clip(np.geomspace(first, last, count), first, last)
 

@@ -10,13 +10,14 @@ Series, which a scene takes as they are:
 Measured data, which :mod:`contact_scene.prony` turns into a series:
 
 - ``relaxation``: time and relaxation modulus, ``t, E`` (pyvisco: ``t, E_relax``; RepTate: ``.gt``);
-- ``dynamic``: frequency, storage and loss modulus, ``f, E_stor, E_loss`` as pyvisco has them, ``w, G', G''``.
+- ``dynamic``: frequency, storage and loss modulus, ``w, E', E''`` (pyvisco: ``f, E_stor, E_loss``; RepTate:
+  ``.tts``).
 
 Plain tables are text with cells parted by commas, semicolons or blanks. Lines without a number before the
 first row are headers, and ``#`` starts a comment; the first of them with a known name names the columns.
 Names tell ``f`` (cycles per unit time) from ``w`` or ``omega`` (radians per unit time), and ``E`` from ``G``.
 Without names two columns are time and modulus, three are angular frequency, storage and loss modulus, and the
-moduli are Young's.
+moduli are Young's (in RepTate's data files shear moduli).
 """
 
 from __future__ import annotations
@@ -43,6 +44,9 @@ FORMATS = ("pyvisco", "reptate", "branches", "relaxation", "dynamic")
 
 MEASURED = ("relaxation", "dynamic")
 """Those that hold measured data, not a series."""
+
+SHEAR_FILES = (".tts", ".gt")
+"""Ends of RepTate's data files, whose moduli are shear moduli."""
 
 _KINDS = {
     "time": ("t", "time"),
@@ -83,11 +87,14 @@ class RelaxationData:
         Relaxation modulus at these, > 0.
     shear : bool
         Whether they are shear moduli.
+    units : pair of str
+        Of time and stress, for labels; "" where the file names none.
     """
 
     times: NDArray[np.float64]
     moduli: NDArray[np.float64]
     shear: bool = False
+    units: tuple[str, str] = ("", "")
 
     def __post_init__(self) -> None:
         _set_columns(self, ("times", "moduli"))
@@ -105,12 +112,15 @@ class DynamicData:
         > 0.
     shear : bool
         Whether they are shear moduli.
+    units : pair of str
+        Of time and stress, for labels; "" where the file names none.
     """
 
     angular_frequencies: NDArray[np.float64]
     storage: NDArray[np.float64]
     loss: NDArray[np.float64]
     shear: bool = False
+    units: tuple[str, str] = ("", "")
 
     def __post_init__(self) -> None:
         _set_columns(self, ("angular_frequencies", "storage", "loss"))
@@ -183,22 +193,30 @@ def measured_data(text: str, file: str, format: str) -> RelaxationData | Dynamic
 
     Frequencies in Hz become angular. Rows may come in any order, repeated ones included.
     """
-    columns, shear = _columns(text, file, format)
+    columns, shear, units = _columns(text, file, format)
+    if not shear:  # without names of columns, data files of RepTate are known by their ends
+        shear = not any(_table(text, file).names) and file.endswith(SHEAR_FILES)
     order = np.argsort(next(iter(columns.values())), kind="stable")
     sorted_columns = {name: values[order] for name, values in columns.items()}
     if format == "relaxation":
-        return RelaxationData(sorted_columns["time"], sorted_columns["modulus"], shear)
-    omega = sorted_columns.get("angular frequency")
+        stress = units["modulus"]
+        return RelaxationData(
+            sorted_columns["time"], sorted_columns["modulus"], shear, (units["time"], stress)
+        )
+    omega, stress = sorted_columns.get("angular frequency"), units["storage modulus"]
     if omega is None:
         omega = 2.0 * math.pi * sorted_columns["frequency"]
-    return DynamicData(omega, sorted_columns["storage modulus"], sorted_columns["loss modulus"], shear)
+    inverse = {"hz": "s", "rad/s": "s", "1/s": "s"}
+    time = inverse.get(units.get("frequency", units.get("angular frequency", "")).lower(), "")
+    storage, loss = sorted_columns["storage modulus"], sorted_columns["loss modulus"]
+    return DynamicData(omega, storage, loss, shear, (time, stress))
 
 
 def branch_table(text: str, file: str, format: str) -> BranchTable:
     """Branches from the text of a file in the format "reptate" or "branches"."""
     if format == "reptate":
         return BranchTable(_reptate_modes(text, file), shear=True)
-    columns, shear = _columns(text, file, format)
+    columns, shear, _ = _columns(text, file, format)
     pairs = zip(columns["modulus"], columns["relaxation time"], strict=True)
     return BranchTable(tuple(Branch(float(modulus), float(time)) for modulus, time in pairs), shear)
 
@@ -260,8 +278,10 @@ def _reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
     return tuple(branches)
 
 
-def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.float64]], bool]:
-    """Columns of a plain table by what they hold, checked, and whether the moduli are named shear moduli."""
+def _columns(
+    text: str, file: str, format: str
+) -> tuple[dict[str, NDArray[np.float64]], bool, dict[str, str]]:
+    """Columns of a plain table by what they hold, checked; whether moduli are named shear moduli; units."""
     table = _table(text, file)
     kinds = [_kind(name) for name in table.names]
     if any(kinds):
@@ -277,7 +297,7 @@ def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.fl
     letters = {letter for kind in wanted for letter in _letter(table.names[at[kind]])}
     if len(letters) > 1:
         raise SceneError("columns", f"got {shown(','.join(table.names))}", "either E or G", file)
-    if "frequency" in at and re.fullmatch(r"rad(/s| s-?1)?|1/s", table.units[at["frequency"]]):
+    if "frequency" in at and re.fullmatch(r"rad(/s| s-?1)?|1/s", table.units[at["frequency"]].lower()):
         unit = table.units[at["frequency"]]
         raise SceneError("columns", f"a frequency f in {unit}", "f in Hz, or w in rad/s", file)
     columns: dict[str, NDArray[np.float64]] = {}
@@ -289,7 +309,7 @@ def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.fl
             for line, row in zip(table.lines, table.rows, strict=True)
         ]
         columns[kind] = np.array(checked)
-    return columns, letters == {"G"}
+    return columns, letters == {"G"}, {kind: table.units[index] for kind, index in at.items()}
 
 
 def _table(text: str, file: str) -> _Table:
@@ -332,7 +352,7 @@ def _header(headers: Sequence[tuple[bool, list[str]]], width: int) -> tuple[tupl
         return ("",) * width, ("",) * width
     names, units = zip(*map(_split, headers[index][1]), strict=True)
     if not any(units) and index + 1 < len(headers) and not headers[index + 1][0]:
-        units = tuple(cell.lower() for cell in headers[index + 1][1])
+        units = tuple(cell.strip() for cell in headers[index + 1][1])
     return names, units
 
 
@@ -355,7 +375,7 @@ def _cells(content: str, line: int, file: str, strict: bool = True) -> list[str]
 def _split(cell: str) -> tuple[str, str]:
     """Name and unit of a column: ``E' [MPa]``, ``omega (rad/s)``; the argument of ``E(t)`` is no unit."""
     bracketed = re.search(r"[\[(]([^\])]*)[\])]", cell)
-    unit = bracketed.group(1).strip().lower() if bracketed else ""
+    unit = bracketed.group(1).strip() if bracketed else ""
     name = re.sub(r"[\[(][^\])]*[\])]", "", cell).strip().replace(" ", "_")
     return name, "" if unit in ("t", "w", "f", "omega", "ω") else unit
 

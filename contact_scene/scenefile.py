@@ -101,6 +101,12 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     write_whole(target, tomli_w.dumps(data))
 
 
+def write_material(material: Material, path: str | os.PathLike[str], remark: str = "") -> None:
+    """Write the table ``[material]`` of a scene file as TOML, below the lines of ``remark`` as comments."""
+    comments = "".join(f"# {line}\n" for line in remark.splitlines())
+    write_whole(Path(path), comments + tomli_w.dumps({"material": _material_table(material)}))
+
+
 def _material_table(material: Material) -> dict[str, Any]:
     table: dict[str, Any] = {"modulus": material.modulus, "poisson": material.poisson}
     if material.branches:

@@ -128,6 +128,9 @@ def parser() -> argparse.ArgumentParser:
     _report_arguments(
         commands.add_parser("report", help="run a suite of built-in scenes, check and draw everything")
     )
+    _material_arguments(
+        commands.add_parser("material", help="read a Prony series, or fit one to measured moduli")
+    )
     return top
 
 
@@ -263,6 +266,31 @@ def _report_arguments(command: argparse.ArgumentParser) -> None:
         help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
     )
     _fresh(command)
+
+
+def _material_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "file",
+        metavar="FILE",
+        help="a series (pyvisco, RepTate, columns tau, E) or data (columns t, E or w, E', E'')",
+    )
+    command.add_argument("--format", metavar="NAME", help="of FILE; default: told by its columns")
+    command.add_argument("--poisson", type=float, default=0.5, metavar="NU", help="default: %(default)s")
+    command.add_argument(
+        "--modulus", type=float, metavar="E0", help="relaxed Young's modulus, where FILE has none"
+    )
+    command.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="X",
+        help="drop branches as long as the misfit (relative, root mean square) stays below X; default: 0.001",
+    )
+    command.add_argument("--out", metavar="DIR", help="write material.toml, the table of a scene, there")
+    command.add_argument(
+        "--plot",
+        action="store_true",
+        help="draw material.png and material.svg, into --out or the current folder",
+    )
 
 
 def _solver_option(command: argparse.ArgumentParser, help: str) -> None:

@@ -1,4 +1,4 @@
-"""The command line: ``crosscontact scenes | solve | compare | study | fields | stability | report``.
+"""The command line: ``crosscontact scenes | solve | compare | study | fields | stability | report | ...``.
 
 Dispatch; the arguments are in ``arguments``, what a command does is in ``commands``, one file each. Exit
 codes: 0 all well; 1 a check failed or a run did not finish, interrupted ones included; 2 bad input, reported
@@ -65,6 +65,18 @@ def _command(options: argparse.Namespace) -> int:
     jobs = getattr(options, "jobs", None) or _available_cores()
     if options.command == "scenes":
         return scenes.run()
+    if options.command == "material":
+        from crosscontact.commands import material
+
+        return material.run(
+            options.file,
+            options.out,
+            format=options.format,
+            poisson=options.poisson,
+            modulus=options.modulus,
+            tolerance=options.tolerance,
+            plot=options.plot,
+        )
     from crosscontact import registry
 
     if options.command == "solve":

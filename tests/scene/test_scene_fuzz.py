@@ -128,7 +128,8 @@ def test_values_replaced(data):
 names = (
     "material indenter adhesion loading modulus poisson branches time bulk file shape sphere cone"
     " profile radius half_angle work zone start relaxed kind penetration steps ramp hold table"
-    " to rate duration elastic .."
+    " to rate duration elastic .. model power-law standard-linear exponent range error relaxed glassy"
+    " temperature shift WLF Arrhenius c1 c2 reference_temperature activation_energy format reptate"
 )
 words = st.sampled_from([*names.split(), "", "\0"])
 anything = st.recursive(

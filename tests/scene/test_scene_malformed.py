@@ -132,6 +132,35 @@ MALFORMED = {
         POSITIVE,
     ),
     "file and branches": (swap("modulus = 0.75", 'file = "x.csv"'), "material.branches", "either"),
+    "unknown model": (swap("modulus = 0.75", 'model = "rubber"'), "material.model", '"power-law"'),
+    "branches of a model": (
+        swap("modulus = 0.75", 'model = "standard-linear"\nrelaxed = 1\nglassy = 2\ntime = 1'),
+        "material.branches",
+        "relaxed, glassy, time",
+    ),
+    "shift alone": (
+        swap("poisson = 0.5", 'poisson = 0.5\nshift = { model = "WLF" }'),
+        "material.temperature",
+        "together",
+    ),
+    "temperature alone": (
+        swap("poisson = 0.5", "poisson = 0.5\ntemperature = 1"),
+        "material.shift",
+        "together",
+    ),
+    "unknown shift": (
+        swap("poisson = 0.5", 'poisson = 0.5\ntemperature = 1\nshift = { model = "TNM" }'),
+        "material.shift.model",
+        '"Arrhenius"',
+    ),
+    "unknown format": (
+        swap(
+            "branches = [{ modulus = 6.75, time = 1.0 }, { modulus = 1, time = 10 }]",
+            'file = "x"\nformat = "y"',
+        ),
+        "material.format",
+        '"reptate"',
+    ),
     "format alone": (swap("poisson = 0.5", 'poisson = 0.5\nformat = "pyvisco"'), "material.format", "file"),
     # indenter
     "no shape": (swap('shape = "sphere"\n', ""), "indenter.shape", "sphere"),

@@ -1,0 +1,190 @@
+"""``crosscontact material``: prints, writes and draws what the file holds; one line for what is wrong."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import crosscontact as cc
+from crosscontact.cli import main
+from validation.drawing import material_figure
+
+TIMES = np.geomspace(1e-3, 1e3, 49)
+KNOWN = cc.Material(1.0, 0.5, (cc.Branch(5.0, 0.01), cc.Branch(2.0, 0.3), cc.Branch(1.2e-3, 30.0)))
+REST = '[indenter]\nshape = "sphere"\nradius = 1.0\n[loading]\nstart = "relaxed"\npenetration = 0.0\n'
+MODES = "# Maxwell modes\n\n#number of modes\n2\n\n#   i tau_i G_i\n1\t0.01\t5\n2\t1\t2\n\n#end"
+
+
+def code_of(*arguments):
+    try:
+        return main(["material", *map(str, arguments)])
+    except SystemExit as leave:
+        return int(leave.code or 0)
+
+
+def table(header, *columns):
+    rows = [" ".join(repr(float(x)) for x in row) for row in zip(*columns, strict=True)]
+    return "\n".join([header, *rows]) + "\n"
+
+
+@pytest.fixture
+def relaxation(tmp_path):
+    file = tmp_path / "relaxation.txt"
+    file.write_text(table("t E", TIMES, KNOWN.relaxation_modulus(TIMES)))
+    return file
+
+
+@pytest.fixture
+def dynamic(tmp_path):
+    file = tmp_path / "dynamic.csv"
+    w = 1.0 / TIMES
+    file.write_text(table("w G' G''", w, KNOWN.storage_modulus(w) / 3, KNOWN.loss_modulus(w) / 3))
+    return file
+
+
+def test_measured_relaxation_becomes_the_material_of_a_scene(tmp_path, capsys, relaxation):
+    out = tmp_path / "out"
+    assert code_of(relaxation, "--poisson", "0.4", "--out", out) == 0
+    printed = capsys.readouterr().out
+    assert f"{relaxation}: relaxation Young's modulus over time, 49 rows" in printed
+    assert re.search(r"dropped: time (29|30)\.\d+, Young's modulus 0\.0012", printed)
+    assert "root mean square of fit/measured - 1" in printed
+    snippet = (out / "material.toml").read_text()
+    (tmp_path / "scene.toml").write_text(snippet + REST)
+    material = cc.read_scene(tmp_path / "scene.toml").material
+    assert material == cc.fit_prony(cc.read_measured(relaxation)).material(0.4)
+    assert [branch.time for branch in material.branches] == [
+        pytest.approx(0.01, rel=0.01),
+        pytest.approx(0.3, rel=0.01),
+    ]
+    assert "# " + str(relaxation) in snippet
+    assert "#   misfit" in snippet
+
+
+def test_every_branch_at_a_finer_tolerance(capsys, relaxation):
+    assert code_of(relaxation, "--tolerance", "1e-6") == 0
+    assert "  branches                  3 " in capsys.readouterr().out
+
+
+def test_storage_and_loss_of_shear(tmp_path, capsys, dynamic):
+    assert code_of(dynamic, "--tolerance", "1e-6", "--out", tmp_path / "out") == 0
+    assert "storage and loss shear modulus over angular frequency, 49 rows" in capsys.readouterr().out
+    (tmp_path / "scene.toml").write_text((tmp_path / "out" / "material.toml").read_text() + REST)
+    material = cc.read_scene(tmp_path / "scene.toml").material
+    np.testing.assert_allclose([b.modulus for b in material.branches], [5.0, 2.0, 1.2e-3], rtol=1e-4)
+
+
+def test_modes_of_reptate(tmp_path, capsys):
+    file = tmp_path / "modes.txt"
+    file.write_text(MODES)
+    assert code_of(file, "--modulus", "0.75", "--out", tmp_path) == 0
+    assert "Prony series (reptate) of 2 branches" in capsys.readouterr().out
+    (tmp_path / "scene.toml").write_text((tmp_path / "material.toml").read_text() + REST)
+    material = cc.read_scene(tmp_path / "scene.toml").material
+    assert material == cc.Material(0.75, 0.5, (cc.Branch(15.0, 0.01), cc.Branch(6.0, 1.0)))
+    assert material == cc.read_material(file, modulus=0.75)
+
+
+def test_a_melt_needs_a_relaxed_modulus(tmp_path, capsys):
+    file = tmp_path / "melt.txt"
+    file.write_text(table("t E", TIMES, 5.0 * np.exp(-TIMES / 200.0)))
+    assert code_of(file) == 0
+    assert "the data show no relaxed modulus; a scene needs one: --modulus" in capsys.readouterr().out
+    assert code_of(file, "--out", tmp_path) == 2
+    assert "--modulus: is missing" in capsys.readouterr().err
+    assert not (tmp_path / "material.toml").exists()
+    assert code_of(file, "--modulus", "1e-6", "--out", tmp_path) == 0
+    assert "modulus = 1e-06" in (tmp_path / "material.toml").read_text()
+
+
+def test_the_figure_is_drawn(tmp_path, monkeypatch, relaxation):
+    monkeypatch.chdir(tmp_path)
+    assert code_of(relaxation, "--plot") == 0
+    assert (tmp_path / "material.png").read_bytes().startswith(b"\x89PNG")
+    assert "<svg" in (tmp_path / "material.svg").read_text()
+
+
+def test_what_the_figure_of_a_series_shows():
+    storage, loss, relaxation = (
+        line for axes in material_figure.draw_series(KNOWN).axes[:2] for line in axes.get_lines()
+    )
+    np.testing.assert_array_equal(storage.get_ydata(), KNOWN.storage_modulus(storage.get_xdata()))
+    np.testing.assert_array_equal(loss.get_ydata(), KNOWN.loss_modulus(loss.get_xdata()))
+    np.testing.assert_array_equal(relaxation.get_ydata(), KNOWN.relaxation_modulus(relaxation.get_xdata()))
+    assert material_figure.draw_series(cc.Material(1.0, 0.5)).axes[1].get_lines()[0].get_ydata()[0] == 1.0
+
+
+def test_what_the_figure_of_a_fit_shows(relaxation, dynamic):
+    fit = cc.fit_prony(cc.read_measured(relaxation))
+    top, middle, bottom = material_figure.draw_fit(fit).axes
+    measured, series = top.get_lines()
+    np.testing.assert_array_equal(measured.get_xdata(), fit.data.times)
+    np.testing.assert_array_equal(measured.get_ydata(), fit.data.moduli)
+    np.testing.assert_allclose(
+        series.get_ydata(), fit.material(0.5).relaxation_modulus(series.get_xdata()), rtol=1e-12
+    )
+    np.testing.assert_allclose(middle.get_lines()[0].get_ydata(), 100.0 * fit.residuals)
+    labels = bottom.get_legend_handles_labels()[1]
+    assert labels == ["times tried", "2 branches kept", f"{len(fit.dropped)} dropped", "relaxed modulus"]
+    assert (top.get_xscale(), top.get_yscale(), bottom.get_xscale()) == ("log", "log", "log")
+    assert top.get_xlabel() == "time (unit of the file)"
+
+    fit = cc.fit_prony(cc.read_measured(dynamic))
+    top, middle, _ = material_figure.draw_fit(fit).axes
+    storage, storage_fit, loss, loss_fit = top.get_lines()
+    np.testing.assert_array_equal(storage.get_ydata(), fit.data.storage)
+    np.testing.assert_array_equal(loss.get_ydata(), fit.data.loss)
+    series = cc.Material(fit.modulus, 0.5, fit.branches)
+    np.testing.assert_allclose(storage_fit.get_ydata(), series.storage_modulus(storage_fit.get_xdata()))
+    np.testing.assert_allclose(loss_fit.get_ydata(), series.loss_modulus(loss_fit.get_xdata()))
+    assert len({line.get_color() for line in (storage, loss)}) == 2
+    assert len({line.get_marker() for line in (storage, loss)}) == 2
+    assert top.get_ylabel() == "$G'$, $G''$ (unit of the file)"
+
+
+def test_units_of_the_file_are_on_the_axes(tmp_path):
+    file = tmp_path / "x.csv"
+    moduli = KNOWN.relaxation_modulus(TIMES)
+    file.write_text("t,E_relax\ns,MPa\n" + "".join(f"{t},{m}\n" for t, m in zip(TIMES, moduli, strict=True)))
+    top = material_figure.draw_fit(cc.fit_prony(cc.read_measured(file))).axes[0]
+    assert (top.get_xlabel(), top.get_ylabel()) == ("time (s)", "$E(t)$ (MPa)")
+
+
+@pytest.mark.parametrize(
+    ("content", "arguments", "said"),
+    [
+        (None, (), "No such file"),
+        ("", (), "the file is empty"),
+        ("a b\n1 2\n", (), "columns: got 'a,b'; allowed: tau, E"),
+        ("1 2\n2 1\n", (), "2 rows of data; allowed: 3 to 20000"),
+        ("t E\n1 2\n2 1\n3 1\n", ("--format", "excel"), '"reptate"'),
+        ("t E\n1 2\n2 1\n3 1\n", ("--poisson", "0.7"), "poisson: got 0.7"),
+        ("t E\n1 2\n2 1\n3 1\n", ("--poisson", "x"), "--poisson"),
+        ("t E\n1 2\n2 1\n3 1\n", ("--modulus", "-1"), "--modulus: got -1.0"),
+        ("t E\n1 2\n2 1\n3 1\n", ("--tolerance", "nan"), "tolerance: must be finite"),
+        ("t E\n1 2\n2 1\n3 1\n", ("--out", "/proc/nothing/here"), "--out"),
+        (MODES, (), "modulus: "),
+        (MODES, ("--modulus", "1", "--tolerance", "0.1"), "--tolerance: given for a Prony series"),
+    ],
+)
+def test_bad_input_is_one_line(tmp_path, capsys, content, arguments, said):
+    file = tmp_path / "x.txt"
+    if content is not None:
+        file.write_text(content)
+    assert code_of(file, *arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+    assert err.count("\n") == 1
+    assert "allowed: " in err or "argument" in err
+
+
+def test_the_parts_are_at_the_door():
+    material = cc.PowerLawRelaxation(0.3, 2.0, 1.0, (1e-3, 1e3)).material(0.5)
+    hot = cc.at_temperature(material, cc.WLF(17.44, 51.6, 373.15), 424.75)
+    assert hot.branches[0].time == pytest.approx(material.branches[0].time * 10**-8.72, rel=1e-12)
+    assert cc.StandardLinearSolid(1.0, 3.0, 2.0).material(0.3) == cc.Material(
+        1.0, 0.3, (cc.Branch(2.0, 2.0),)
+    )
