@@ -135,10 +135,6 @@ class StopMonitor:
         """Whether the run is to continue."""
         return not self.stop()
 
-    def continue_set_up(self) -> bool:
-        """Whether the run is to continue before its first step."""
-        return not self.stop()
-
 
 def run_with_checkpoints(
     case: Case,
