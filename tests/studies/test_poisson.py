@@ -87,7 +87,7 @@ def answered(case, solver, resolution=None, progress=None, estimate=False):
     radius = np.array([1.0, 2.0, 0.5])
     trace = Trace(
         solver, steps, 1.0 - (steps - 1.0) ** 2, force, radius, *3 * [0.0 * steps],
-        Outcome(OutcomeKind.COMPLETED, "done", 2.0), Counters(),
+        Outcome(OutcomeKind.DETACHED, "done", 2.0), Counters(),
     )  # fmt: skip
     errors = dict.fromkeys((*poisson.OBSERVED, *poisson.CURVES), 1e-6)
     return Run(case.name, solver, trace, measures=measure(trace, case.scene, 0.0), errors=errors)

@@ -150,7 +150,7 @@ def _curves(case: Case, result: Run, trace: Trace, base: Run, base_trace: Trace)
             ("movement", "movement", column + MOVEMENT, moved, worst),
         ):
             tolerance = case.tolerance(result.solver, kind)
-            if tolerance is None:
+            if tolerance is None or (kind == "movement" and not len(spans)):
                 continue
             rms = None if found is None else found.rms
             estimates = result.errors.get(key), base.errors.get(key)

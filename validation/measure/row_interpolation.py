@@ -26,6 +26,9 @@ smooth curve on rows that resolve it they differ by the ratio of neighbouring st
 SHORTEST = 1e-12
 """Least distance of two rows, relative to the duration of the run, that is not a jump: round-off of times."""
 
+ROUND_OFF = 1e-14
+"""Difference of two cubics through the same rows, relative to the largest value, that is rounding."""
+
 
 class RowCurve:
     """A column over time.
@@ -56,8 +59,9 @@ class RowCurve:
         return self._cubic(grid, self.slopes)
 
     def uncertainty(self, grid: Array) -> Array:
-        """Estimated interpolation error at the same points."""
-        return np.abs(self._cubic(grid, self.other_slopes) - self._cubic(grid, self.slopes))
+        """Estimated interpolation error at the same points; none within the round-off of the values."""
+        apart = np.abs(self._cubic(grid, self.other_slopes) - self._cubic(grid, self.slopes))
+        return np.where(apart > ROUND_OFF * float(np.abs(self.value).max()), apart, 0.0)
 
     def at(self, time: float) -> float:
         """Value at one time, at a jump the later one."""

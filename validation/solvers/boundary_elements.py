@@ -10,6 +10,7 @@ from bem_solver import Options, refusal, solve
 from bem_solver.options import DEFAULT_RESOLUTION
 from contact_scene import Scene, Trace, UnsupportedScene
 from validation.solvers.base import RunOptions, Solver
+from validation.solvers.cost import CostModel
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,12 @@ class BoundaryElements(Solver):
         "zone_excess": 0.01,
     }
     coarse_tolerance = 1e-2
+    cost_model = CostModel(
+        adhesionless_steps_per_division=0.3,
+        seconds_of_step=(5e-3,),
+        share_of_branch=0.05,
+        share_of_elastic_step=0.2,
+    )
     curve_style: ClassVar[Mapping[str, Any]] = {"color": "#0072b2", "linestyle": "-", "linewidth": 1.4}
     marker = "o"
     css_variable = "bem"

@@ -60,30 +60,34 @@ class CostModel:
         Steps for a division of the process zone that the edge passes, for a decade of time after the begin of
         a load step of a viscoelastic contact, for a cycle of an oscillation and for an interval between two
         kinks of the load.
-    seconds_of_setup, seconds_per_step : float
-        Processor time (s) of a run without steps, and of a step of a contact of which ``points_of_step``
-        unknowns are resolved, without branches.
-    seconds_per_branch : float
-        Addition to ``seconds_per_step``, relative, for every branch of the material.
-    growth : float
-        Exponent of the time of a step with the number of unknowns.
-    points_of_step : float
-        See ``seconds_per_step``.
-    bytes_of_run, bytes_per_step : float
-        Memory of a run without steps, and of each row.
+    adhesionless_steps_per_division : float
+        The first without adhesion.
+    steps_of_elastic_interval : float or None
+        Steps of such an interval where nothing relaxes and there is adhesion, whatever the process zone;
+        ``None`` if the solver steps through the zones there too.
+    seconds_of_setup, seconds_of_step, bytes_of_run : tuple of float
+        Processor time (s) and largest memory, as coefficients of the powers 0, 1, 2, ... of the number of
+        unknowns.
+    share_of_branch : float
+        What a branch of the material adds to the time of a step, relative.
+    share_of_elastic_step : float
+        Time of a step without branches, relative to one with a branch.
+    bytes_of_row : float
+        Memory of a row.
     """
 
     steps_per_division: float = 1.0
     steps_per_decade: float = 4.0
     steps_per_cycle: float = 40.0
     steps_per_interval: float = 4.0
-    seconds_of_setup: float = 0.1
-    seconds_per_step: float = 5e-3
-    seconds_per_branch: float = 0.1
-    growth: float = 0.0
-    points_of_step: float = 200.0
-    bytes_of_run: float = 1e7
-    bytes_per_step: float = 500.0
+    adhesionless_steps_per_division: float = 1.0
+    steps_of_elastic_interval: float | None = None
+    seconds_of_setup: tuple[float, ...] = (0.1,)
+    seconds_of_step: tuple[float, ...] = (5e-3,)
+    share_of_branch: float = 0.1
+    share_of_elastic_step: float = 1.0
+    bytes_of_run: tuple[float, ...] = (1e7,)
+    bytes_of_row: float = 500.0
 
 
 @dataclass(frozen=True)
@@ -103,7 +107,9 @@ class SceneWork:
     intervals : float
         Intervals of the load between its kinks.
     branches : int
-        Of the material that have a modulus.
+        Of the material that have a modulus, those of the bulk included.
+    adhesive : bool
+        Whether there is a process zone.
     """
 
     zones: float
@@ -112,19 +118,21 @@ class SceneWork:
     cycles: float
     intervals: float
     branches: int
+    adhesive: bool
 
 
 def scene_work(scene: Scene) -> SceneWork:
     """Count what a scene asks; a scene that never touches asks nothing."""
-    branches = len(scene.material.spectrum[0])
+    branches = len(scene.material.spectrum[0]) + len(getattr(scene.material.bulk, "branches", ()))
+    adhesive = scene.adhesion is not None and scene.is_adhesive
     cycles = cycle_count(scene)
     try:
         largest = largest_contact_radius(scene)
     except SceneError:
-        return SceneWork(0.0, 0.0, 0.0, cycles, float(len(scene.loading.steps)), branches)
+        return SceneWork(0.0, 0.0, 0.0, cycles, float(len(scene.loading.steps)), branches, adhesive)
     zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.01 * largest
     travel, intervals = _edge_travel(scene, largest)
-    return SceneWork(travel / zone, largest / zone, _decades(scene), cycles, intervals, branches)
+    return SceneWork(travel / zone, largest / zone, _decades(scene), cycles, intervals, branches, adhesive)
 
 
 def cycle_count(scene: Scene) -> float:
@@ -156,17 +164,21 @@ def forecast(model: CostModel, work: SceneWork, resolution: int, unknowns: float
     -------
     Cost
     """
-    steps = (
-        model.steps_per_division * resolution * work.zones
-        + model.steps_per_decade * work.decades
-        + model.steps_per_cycle * work.cycles
-        + model.steps_per_interval * work.intervals
+    least = model.steps_per_interval * work.intervals + model.steps_per_cycle * work.cycles
+    if work.branches == 0 and work.adhesive and model.steps_of_elastic_interval is not None:
+        steps = least + model.steps_of_elastic_interval * work.intervals
+    else:
+        per_division = model.steps_per_division if work.adhesive else model.adhesionless_steps_per_division
+        steps = least + per_division * resolution * work.zones + model.steps_per_decade * work.decades
+    setup, step, memory = (
+        sum(factor * unknowns**power for power, factor in enumerate(factors))
+        for factors in (model.seconds_of_setup, model.seconds_of_step, model.bytes_of_run)
     )
-    a_step = model.seconds_per_step * (unknowns / model.points_of_step) ** model.growth
-    a_step *= 1.0 + model.seconds_per_branch * work.branches
-    return Cost(
-        steps, model.seconds_of_setup + steps * a_step, model.bytes_of_run + steps * model.bytes_per_step
+    share = (
+        1.0 + model.share_of_branch * (work.branches - 1) if work.branches else model.share_of_elastic_step
     )
+    seconds = setup + steps * step * share
+    return Cost(steps, seconds, memory + steps * model.bytes_of_row)
 
 
 @np.errstate(over="ignore", invalid="ignore", under="ignore")

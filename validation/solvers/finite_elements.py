@@ -12,6 +12,7 @@ import meshes
 from contact_scene import Scene, SceneError, Trace
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver, specified
 from validation.solvers.contact_range import largest_contact_radius
+from validation.solvers.cost import CostModel
 
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""
@@ -67,6 +68,15 @@ class FiniteElements(Solver):
         "zone_excess": 0.08,
     }
     coarse_tolerance = 2e-2
+    cost_model = CostModel(
+        steps_per_division=5.0,
+        adhesionless_steps_per_division=1.2,
+        steps_of_elastic_interval=400.0,
+        seconds_of_setup=(0.5, 9e-3, 0.0, 3.2e-9),
+        seconds_of_step=(1e-3, 0.0, 1.6e-8),
+        share_of_branch=0.02,
+        bytes_of_run=(2e7, 6e5, 200.0),
+    )
     least_resolution = 1
     skipped_work: ClassVar[Mapping[str, str]] = {
         **SKIPPED_WORK,

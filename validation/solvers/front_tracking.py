@@ -10,6 +10,7 @@ from contact_scene import Scene, Trace, UnsupportedScene
 from validation.reference import Options, refusal, solve
 from validation.reference.tracking.options import DEFAULT_RESOLUTION
 from validation.solvers.base import RunOptions, Solver
+from validation.solvers.cost import CostModel
 
 REFERENCE = "reference"
 
@@ -24,6 +25,12 @@ class FrontTracking(Solver):
     tolerance = 5e-4
     curve_tolerance = 5e-4
     coarse_tolerance = 2e-3
+    cost_model = CostModel(
+        steps_of_elastic_interval=200.0,
+        seconds_of_setup=(0.1,),
+        seconds_of_step=(1.5e-3,),
+        share_of_branch=0.05,
+    )
     estimates_errors = True
     curve_style: ClassVar[Mapping[str, Any]] = {"color": "#999999", "linestyle": "-", "linewidth": 3.6}
     marker = "D"

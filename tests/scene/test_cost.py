@@ -1,0 +1,123 @@
+"""The forecast of a run: counts worked out by hand, growth, agreement with real runs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    Ramp,
+    Scene,
+    Sphere,
+)
+from validation.solvers import SOLVERS, Cost
+from validation.solvers.cost import CostModel, forecast, scene_work
+from validation.solvers.cost_benchmark import SCENES
+
+ELASTIC = Material(0.75, 0.5)
+HERTZ = Scene(ELASTIC, Sphere(1.0), Loading("relaxed", 0.0, (Ramp(0.04, 0.01), Ramp(0.01, 0.01))))
+FAR = 1e-2
+"""Relative error of a path of the edge that is read from a table of radii."""
+
+
+def test_a_path_worked_out_by_hand():
+    """Hertz, a = sqrt(R D): to 0.2, back to 0.1; the largest radius has 2 % to spare."""
+    work = scene_work(HERTZ)
+    assert work.zones == pytest.approx(0.3 / (0.01 * 1.02 * 0.2), rel=5 * FAR)
+    assert work.radius_in_zones == pytest.approx(100.0)
+    assert (work.cycles, work.intervals, work.branches, work.decades) == (0.0, 2.0, 0, 0.0)
+
+
+def test_cycles_go_there_and_back():
+    """Between a(0.03) and a(0.05) and back, three times, with the way to the first ends of the load step."""
+    shaken = replace(HERTZ, loading=Loading("relaxed", 0.04, (Oscillate(0.01, 2.0 * math.pi, 3.0),)))
+    work = scene_work(shaken)
+    assert work.cycles == pytest.approx(3.0)
+    travel = 6.0 * (math.sqrt(0.05) - math.sqrt(0.03)) + 0.2
+    assert work.zones * 0.01 * 1.02 * math.sqrt(0.05) == pytest.approx(travel, rel=10 * FAR)
+
+
+def test_under_force_control_the_edge_follows_the_force():
+    """F = 4 E* a^3/(3 R) with E* = 1: 0.2 at 4 * 0.008/3, at half of it 0.2/2^(1/3)."""
+    full = 4.0 * 0.008 / 3.0
+    pressed = replace(HERTZ, loading=Loading("relaxed", 0.0, (Force(full, 1.0), ForceRamp(0.5 * full, 1.0))))
+    work = scene_work(pressed)
+    assert work.zones * 0.01 * 1.02 * 0.2 == pytest.approx(0.2 + 0.2 - 0.2 / 2.0 ** (1.0 / 3.0), rel=10 * FAR)
+
+
+def test_decades_from_the_shortest_relaxation_to_the_end_of_each_load_step():
+    material = replace(ELASTIC, branches=(Branch(1.0, 10.0), Branch(1.0, 0.1)))
+    held = replace(
+        HERTZ, material=material, loading=Loading("relaxed", 0.01, (Hold(100.0), Hold(0.01), Hold(1e17)))
+    )
+    assert scene_work(held).decades == pytest.approx(4.0 + 1.0 + 6.0)
+
+
+def test_what_adds_up():
+    model = CostModel(
+        2.0, 3.0, 5.0, 7.0, 1.5, 100.0, (1.0, 0.5), (0.1, 0.0, 0.01), 0.5, 0.25, (10.0, 1.0), 3.0
+    )
+    work = replace(
+        scene_work(HERTZ), zones=10.0, decades=2.0, cycles=4.0, intervals=6.0, branches=3, adhesive=True
+    )
+    steps = 2.0 * 4.0 * 10.0 + 3.0 * 2.0 + 5.0 * 4.0 + 7.0 * 6.0
+    step = 0.1 + 0.01 * 400.0
+    assert forecast(model, work, 4, 20.0) == Cost(
+        steps, pytest.approx(11.0 + steps * step * 2.0), 30.0 + 3.0 * steps
+    )
+    free = replace(work, adhesive=False)
+    assert forecast(model, free, 4, 20.0).steps == pytest.approx(steps - 0.5 * 40.0)
+    elastic = forecast(model, replace(work, branches=0), 4, 20.0)
+    assert elastic.steps == 100.0 * 6.0 + 20.0 + 42.0
+    assert elastic.seconds == pytest.approx(11.0 + elastic.steps * step * 0.25)
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_more_is_never_cheaper(name):
+    base, solver = SCENES["one branch"], SOLVERS[name]
+    more = {
+        "zone": replace(base, adhesion=Adhesion(5e-4, 1.3e-3)),
+        "branches": replace(
+            base, material=Material(0.75, 0.5, tuple(Branch(0.1, 1.0 + n) for n in range(200)))
+        ),
+        "steps": replace(base, loading=Loading("jump-in", 0.0, base.loading.steps[:1] * 10_000)),
+    }
+    usual = solver.expected_cost(base)
+    assert solver.expected_cost(base, 2 * solver.default_resolution(base)).steps > 1.5 * usual.steps
+    assert solver.expected_cost(more["zone"]).steps > 8.0 * usual.steps
+    assert solver.expected_cost(more["branches"]).seconds > 2.0 * usual.seconds
+    assert solver.expected_cost(more["steps"]).steps > 10_000
+    assert solver.expected_cost(more["zone"]).bytes > usual.bytes
+
+
+def test_finite_elements_announce_gigabytes():
+    fine = replace(SCENES["one branch"], adhesion=Adhesion(5e-4, 1e-3))
+    assert SOLVERS["fem"].expected_cost(fine).bytes > 1e9
+    assert SOLVERS["fem"].expected_cost(SCENES["one branch"]).bytes < 3e8
+
+
+def test_a_real_run_takes_as_many_steps_as_forecast():
+    solver = SOLVERS["reference"]
+    found = solver.solve(SCENES["one branch"]).counters.steps
+    assert found / 2.0 <= solver.expected_cost(SCENES["one branch"]).steps <= 2.0 * found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize("label", SCENES)
+def test_forecasts_hold_within_a_factor_of_three(name, label):
+    if name == "fem" and label in ("one branch, short zone", "ten branches"):
+        pytest.skip("half a minute each; the steps of the finite elements are those of their other scenes")
+    solver = SOLVERS[name]
+    found = solver.solve(SCENES[label]).counters.steps
+    assert found / 3.0 <= solver.expected_cost(SCENES[label]).steps <= 5.0 * found
