@@ -10,12 +10,27 @@ import pytest
 from support.paper_scenes import ONE, STICKY, WORK, ZONE
 from support.paper_scenes import PULL as F_JKR
 
-from contact_scene import Adhesion, Branch, Loading, Material, OutcomeKind, Ramp, Scene, Sphere, Sweep, Trace
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Force,
+    Loading,
+    Material,
+    Oscillate,
+    OutcomeKind,
+    Ramp,
+    Scene,
+    Sphere,
+    Sweep,
+    Trace,
+)
 from validation.measure.observables import Observables, observe
 from validation.reference import Options, solve
 from validation.reference.finite_zone import FiniteZone
+from validation.reference.tracking import problem
 from validation.reference.tracking.energy import branch_power
 from validation.reference.tracking.recorder import Recorder
+from validation.reference.tracking.rheology import Rheology
 from validation.studies.reference_accuracy import COLUMNS, MATERIALS, cycle, levels, order
 
 
@@ -121,6 +136,37 @@ def test_steps_of_an_elastic_contact_do_not_depend_on_the_process_zone() -> None
         state = elastic.at_penetration(float(trace.penetration[row]))
         assert trace.contact_radius[row] == pytest.approx(state.contact_radius, rel=1e-6)
         assert trace.force[row] == pytest.approx(state.force, abs=1e-6 * trace.force.max())
+
+
+def test_the_deepest_row_of_an_oscillation_is_its_first_peak() -> None:
+    """All peaks are equally deep; rows that miss them by more or less would pick one at random."""
+    oscillating = Loading("relaxed", 0.032, (Oscillate(1e-3, 2.0, 8.0),))
+    seen = observe(solve(replace(_elastic(0.75), loading=oscillating), Options(resolution=4)))
+    exact = FiniteZone(1.0, 1.0, WORK, ZONE).at_penetration(0.033)
+    assert seen.approach_time == pytest.approx(0.25 * math.pi, rel=1e-12)
+    assert seen.approach_penetration == pytest.approx(0.033, rel=1e-12)
+    assert seen.approach_force == pytest.approx(exact.force, rel=1e-5)
+
+
+def test_rounding_does_not_choose_the_steps_under_a_constant_force(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Differences of a force that is constant are rounding: no step may follow from them."""
+    exact = problem.rheology
+
+    def perturbed(material: Material) -> Rheology:
+        moduli = exact(material)
+        slower, softer = 1.0 + 1e-15, 1.0 - 1e-15
+        return replace(moduli, retardation=slower * moduli.retardation, moduli=softer * moduli.moduli)
+
+    pulled = Loading("relaxed", 0.032, (Force(-8.0 * F_JKR, 0.25),))
+    dead_load = Scene(ONE, Sphere(1.0), pulled, STICKY)
+    once = solve(dead_load, Options(resolution=4))
+    monkeypatch.setattr(problem, "rheology", perturbed)
+    again = solve(dead_load, Options(resolution=4))
+    assert again.counters == once.counters
+    before, after = observe(once).as_dict(), observe(again).as_dict()
+    for name, value in before.items():
+        if value is not None:
+            assert after[name] == pytest.approx(value, rel=1e-9, abs=0.0), name
 
 
 def test_fast_retraction_from_the_relaxed_state() -> None:

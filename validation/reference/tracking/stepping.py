@@ -26,6 +26,7 @@ from validation.reference.tracking.options import Options
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.profiles import surface_profile
 from validation.reference.tracking.recorder import FORCE_OF_ROW, Recorder
+from validation.reference.tracking.root import bracketed
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step import RowTolerances, trial_step
 from validation.reference.tracking.step_history import FORCE, TIME
@@ -222,7 +223,17 @@ class FrontStepper:
         for part in range(1, intervals):
             at = before + (now - before) * part / intervals
             self.recorder.interpolate(at, segment.value(at) if prescribed else None, 1)
+        if prescribed:
+            self._add_turning_point(segment, before)
         self._add_extremum(segment, 2)
+
+    def _add_turning_point(self, segment: Segment, before: float) -> None:
+        """A row in the last step where the prescribed penetration turns."""
+        now = self.state.time
+        first, last = segment.rate(before), segment.rate(now)
+        if first * last < 0.0:
+            at = bracketed(segment.rate, before, first, now, last, 0.0, 2.0 * math.ulp(now))
+            self.recorder.interpolate(at, segment.value(at), 1)
 
     def _add_extremum(self, segment: Segment, back: int) -> None:
         """Rows at and beside an extremum of the force in the ``back``-th step from the last."""
