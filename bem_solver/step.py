@@ -26,6 +26,10 @@ _SCALE_OF_FIRST_LOAD = 0.01
 """Part of the load to be expected in an interval against which a load that starts from zero is measured."""
 
 
+_NO_STEP = 1e-6
+"""Share of a step that counts as none in the search for the moment at which the edge starts to recede."""
+
+
 class StepFailure(Enum):
     """Why a trial step has no candidate."""
 
@@ -50,13 +54,15 @@ class FailedStep:
 class Candidate:
     """A trial that satisfies the closure, the parameter it was reached at, and its error in tolerances.
 
-    ``slope`` is the derivative of the residual with the edge; zero if unknown.
+    ``slope`` is the derivative of the residual with the edge; zero if unknown. At a ``corner`` the edge starts
+    to recede, and rates change.
     """
 
     parameter: float
     trial: TrialContact
     error: float
     slope: float = 0.0
+    corner: bool = False
 
 
 def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
@@ -121,10 +127,30 @@ class TrialStep(StepStart):
             EDGE_ACCURACY * tolerance * length,
             _RESIDUAL_ACCURACY * tolerance * problem.work or math.inf,
         )
+        receding = root.position == "below" or root.x < edge - EDGE_ACCURACY * tolerance * length
+        if receding and problem.viscoelastic and state.contact.history.direction >= 0:
+            corner = self._start_of_receding()
+            if corner is not None:
+                return corner
         if root.position == "converged" or (root.position == "above" and high == limit):
             return Candidate(self.end, root.trial, self._error(root.trial, step), root.slope)
         receding = root.position == "below"
         return self._to_travel_limit(receding, low if receding else high, reach, root)
+
+    def _start_of_receding(self) -> Candidate | None:
+        """The shorter step up to where an edge that did not recede so far starts to; ``None`` if it does at once."""
+        start, edge = self.state.parameter, self.state.contact.edge
+
+        def residual(share: float) -> float:
+            return self._trial(start + share * self.step, edge).residual
+
+        if residual(_NO_STEP) >= 0.0 or residual(1.0) <= 0.0:
+            return None
+        end = start + self.step * brentq(residual, _NO_STEP, 1.0, xtol=_NO_STEP, rtol=1e-6)
+        if end <= start:
+            return None
+        trial = self._trial(end, edge)
+        return Candidate(end, trial, self._error(trial, end - start), corner=True)
 
     def _to_travel_limit(
         self, receding: bool, edge: float, reach: float, root: RootSearchResult[TrialContact]

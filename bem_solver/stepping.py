@@ -144,8 +144,12 @@ class GradedRun:
         state.step = grown(candidate.parameter - state.parameter, candidate.error)
         state.parameter = candidate.parameter
         self._commit(candidate.trial, interval.time(state.parameter), report)
-        edge = state.contact.edge
-        state.accepted.add(state.parameter, edge, free_load(interval, state.contact))
+        edge, load = state.contact.edge, free_load(interval, state.contact)
+        if candidate.corner:
+            record.kink()
+            state.accepted.start(state.parameter, edge, load)
+        else:
+            state.accepted.add(state.parameter, edge, load)
         state.travel_share = min(1.0, 2.0 * state.travel_share)
         if edge <= self.problem.zone:
             return below_zone_outcome(record.forces, state.contact.time)

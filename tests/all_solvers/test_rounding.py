@@ -46,7 +46,7 @@ SCENES = {
     "cycle": cycle(0.02),
     "hold": scene(Hold(1.0), Ramp(0.02, 0.01), at=0.01, adhesion=None, material=THREE),
     "oscillation": Scene(
-        SMALL, Sphere(1e-3), Loading("relaxed", 2e-6, (Oscillate(1e-6, 62.8, 0.15),)), Adhesion(0.05, 1e-6)
+        SMALL, Sphere(1e-3), Loading("relaxed", 2e-6, (Oscillate(1e-6, 62.8, 0.06),)), Adhesion(0.05, 1e-6)
     ),
     "steps": scene(Ramp(0.01, 0.1), Hold(0.1), Force(-5e-4, 0.05), Ramp(-0.5, 0.3), material=THREE),
 }
@@ -93,7 +93,7 @@ def rows(trace: Trace) -> dict[str, np.ndarray]:
 
 
 def apart(one: dict[str, np.ndarray], other: dict[str, np.ndarray], column: str) -> float:
-    """Root mean square of the difference over the common time, relative to the excursion in the second run."""
+    """Root mean square of the difference over the common time, relative to the second run's excursion."""
     times = np.linspace(0.0, min(one["time"][-1], other["time"][-1]), 2001)[:-1]
     first, second = (np.interp(times, run["time"], run[column]) for run in (one, other))
     return float(np.sqrt(np.mean((first - second) ** 2)) / np.ptp(second))
