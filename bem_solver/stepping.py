@@ -119,10 +119,11 @@ class GradedRun:
             problem.counters.rejected_steps += 1
             return self._after_failure(result, step, start, report)
         travel = abs(result.trial.motion.new_edge - state.contact.edge)
-        if result.error > 1.0 and not self._passes_an_annulus(step, travel):
+        taken = result.parameter - state.parameter
+        if result.error > 1.0 and not self._passes_an_annulus(taken, travel):
             problem.counters.rejected_steps += 1
-            state.rejected.append((step, travel))
-            state.step = shrunk(step, result.error)
+            state.rejected.append((taken, travel))
+            state.step = shrunk(taken, result.error)
             return None
         return self._accept(result, start, report)
 
@@ -144,12 +145,8 @@ class GradedRun:
         state.step = grown(candidate.parameter - state.parameter, candidate.error)
         state.parameter = candidate.parameter
         self._commit(candidate.trial, interval.time(state.parameter), report)
-        edge, load = state.contact.edge, free_load(interval, state.contact)
-        if candidate.corner:
-            record.kink()
-            state.accepted.start(state.parameter, edge, load)
-        else:
-            state.accepted.add(state.parameter, edge, load)
+        edge = state.contact.edge
+        state.accepted.add(state.parameter, edge, free_load(interval, state.contact))
         state.travel_share = min(1.0, 2.0 * state.travel_share)
         if edge <= self.problem.zone:
             return below_zone_outcome(record.forces, state.contact.time)
