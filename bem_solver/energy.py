@@ -29,11 +29,11 @@ from bem_solver.surface import ContactSurface
 Array = NDArray[np.float64]
 
 _SHORT, _LONG = 0.5, 2.0
-"""Steps, in retardation times, up to which a step is short and from which it is long; a mixture between, so that
-energies depend continuously on the step."""
+"""Steps, in retardation times, up to which a step is short and from which it is long; a mixture between, so
+that energies depend continuously on the step."""
 _LITTLE_TIP, _MOSTLY_TIP = 0.25, 0.75
-"""Shares of ``int dp dv`` belonging to the moving tip, up to which it leaves a long step long and from which that
-counts as short; a mixture between."""
+"""Shares of ``int dp dv`` belonging to the moving tip, up to which it leaves a long step long and from which
+that counts as short; a mixture between."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, d
 
     Notes
     -----
-    A step counts as short, too, if most of what changes in it changes at the tip: all of that is in the states.
+    A step counts as short, too, if most of what changes in it changes at the tip: all that is in the states.
     """
     y = duration / chain.retardation
     long = _share_of_long(y, increment, before)

@@ -68,10 +68,10 @@ def rising_root(
 
     Notes
     -----
-    Beyond an edge at rest the residual rises as a root of the distance, with a vertical tangent there: a slope
-    measured over less than ``accuracy`` tells nothing about where the root lies within it. The tolerance in
-    the radius is therefore judged by the smaller of the last secant and the last one over at least
-    ``accuracy``, the one that is returned, or by a change of sign.
+    Beyond an edge at rest the residual rises as a root of the distance, with a vertical tangent there: a
+    slope measured over less than ``accuracy`` tells nothing about where the root lies within it. The
+    tolerance in the radius is therefore judged by the smaller of the last secant and the last one over at
+    least ``accuracy``, the one that is returned, or by a change of sign.
     """
     negative: float | None = None  # largest x known with residual < 0
     positive: float | None = None  # smallest x known with residual > 0

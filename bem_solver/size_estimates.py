@@ -63,7 +63,8 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> fl
     Advancing at speed v, the stress of branch k relaxes over ``v tau_k``, which changes the closure by the
     order of ``(E_k/E0) v tau_k/da``. On a ramp the speed is that of a contact that follows the profile,
     ``rate/(2 df/dr)``; while the load rests, or turns round in an oscillation that leaves it time to relax,
-    it falls through every value, down to where the layer hardly matters.
+    it falls through every value, down to where the layer hardly matters. The layer of a rest that is shorter
+    than the relaxation time is taken thicker by the square of their ratio: such an edge hardly slows down.
     """
     if zone == 0.0 or not len(chain):
         return 0.0
@@ -82,9 +83,8 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> fl
             rest = max(rest, np.sqrt(np.pi / step.chirp))  # to the first turn
     strength = chain.stress_scale**2 / chain.relaxation / chain.relaxed
     layers = slowest / (2.0 * slope) * chain.relaxation if slope > 0.0 else np.full(len(chain), np.inf)
-    layers = np.where(
-        rest > chain.relaxation, np.minimum(layers, _NEGLIGIBLE_AT_REST * zone / strength), layers
-    )
+    too_short = np.maximum(chain.relaxation / rest, 1.0) if rest > 0.0 else np.inf
+    layers = np.minimum(layers, _NEGLIGIBLE_AT_REST * zone / strength * too_short**2)
     matter = (layers < zone) & (strength * layers / zone > _NEGLIGIBLE_LAYER)
     return float(layers[matter].min()) if matter.any() else 0.0
 

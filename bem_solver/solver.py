@@ -35,6 +35,11 @@ from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 
 
+_SMOOTH_SHARE = 0.01
+"""Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the root
+at the edge, which is taken out: without adhesion, and in an elastic contact, whatever its zone."""
+
+
 def refusal(scene: Scene) -> UnsupportedScene | None:
     """Why the boundary elements do not take a scene; ``None`` if they do."""
     if scene.material.bulk is None:
@@ -129,7 +134,9 @@ def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Pr
     coarse = Problem(scene, Annuli(FEWEST_ANNULI), chain, zone, work, 1.0, Counters(), rule)
     initial = contact_scale(scene, scene.loading.penetration)
     largest = largest_contact(scene, coarse) or initial
-    share = min(zone / largest, 1.0) if zone > 0.0 and largest > 0.0 else 0.01
+    share = _SMOOTH_SHARE
+    if zone > 0.0 and largest > 0.0 and len(chain):
+        share = min(zone / largest, 1.0)
     layer = thinnest_layer(scene, chain, largest, zone)
     count = max(annuli_needed(divisions, share), annuli_for_layer(divisions, largest, layer))
     rule = ClosureRule.resolving(max(divisions, int(count * np.arccos(1.0 - share) * 2.0 / np.pi)))

@@ -22,6 +22,9 @@ _RESIDUAL_ACCURACY = 1e-2
 """Accuracy of the closure, in step tolerances of the work of adhesion: far below the step error."""
 _LOAD_WEIGHT = 4.0
 """Weight of the departure of the load from a straight line against that of the edge in the step error."""
+_LOAD_WEIGHT_AT_LIMIT = 16.0
+"""The same weight where the edge travels its limit before the end of the step. The load may have a corner there,
+the largest tension of the run, and an eighth of the departure understates how far a row may miss it."""
 _SCALE_OF_FIRST_LOAD = 0.01
 """Part of the load to be expected in an interval against which a load that starts from zero is measured."""
 
@@ -146,7 +149,7 @@ class TrialStep(StepStart):
         if inward.residual > trial.residual:
             travel = abs(beyond.motion.new_edge - self.state.contact.edge)
             return FailedStep(StepFailure.UNSTABLE, receding, travel)
-        return Candidate(parameter, trial, self._error(trial, parameter - start), root.slope)
+        return Candidate(parameter, trial, self._error_at_limit(trial, parameter - start), root.slope)
 
     def _in_full_contact(self) -> Candidate | None:
         """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""
@@ -173,8 +176,17 @@ class TrialStep(StepStart):
 
         ``rate_step`` is the step for which rates are taken, ``step`` itself by default.
         """
+        of_edge, of_load = self._departures(trial, step, step if rate_step is None else rate_step)
+        return max(of_edge, _LOAD_WEIGHT * of_load) / self.settings.tolerance
+
+    def _error_at_limit(self, trial: TrialContact, step: float) -> float:
+        """The same where the edge has travelled as far as it may: that of the load, which may have a corner."""
+        return _LOAD_WEIGHT_AT_LIMIT * self._departures(trial, step, step)[1] / self.settings.tolerance
+
+    def _departures(self, trial: TrialContact, step: float, rate_step: float) -> tuple[float, float]:
+        """Departures of edge and load from straight lines, relative to their scales."""
         problem, interval, contact = self.problem, self.interval, self.state.contact
-        edge_rate, load_rate = self.state.accepted.rates(step if rate_step is None else rate_step)
+        edge_rate, load_rate = self.state.accepted.rates(rate_step)
         edge = trial.motion.new_edge
         stiffness = 2.0 * edge * problem.chain.relaxed
         force = interval.span * (stiffness if interval.control == "penetration" else 1.0)
@@ -184,8 +196,7 @@ class TrialStep(StepStart):
             load = trial.motion.new_penetration
             scale /= stiffness
         of_edge = departure_from_line(edge - contact.edge - edge_rate * step, problem.length_at(edge))
-        of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
-        return max(of_edge, _LOAD_WEIGHT * of_load) / self.settings.tolerance
+        return of_edge, departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
 
 
 def _sign_change(residual: Callable[[float], float], positive: bool) -> float:

@@ -119,10 +119,11 @@ class GradedRun:
             problem.counters.rejected_steps += 1
             return self._after_failure(result, step, start, report)
         travel = abs(result.trial.motion.new_edge - state.contact.edge)
-        if result.error > 1.0 and not self._passes_an_annulus(step, travel):
+        taken = result.parameter - state.parameter
+        if result.error > 1.0 and not self._passes_an_annulus(taken, travel):
             problem.counters.rejected_steps += 1
-            state.rejected.append((step, travel))
-            state.step = shrunk(step, result.error)
+            state.rejected.append((taken, travel))
+            state.step = shrunk(taken, result.error)
             return None
         return self._accept(result, start, report)
 

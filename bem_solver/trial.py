@@ -49,8 +49,12 @@ class Problem:
         return len(self.chain) > 0
 
     def length_at(self, edge: float) -> float:
-        """Length on which a contact of radius ``edge`` is resolved: the zone, or a quarter of the radius."""
-        return self.zone if self.work > 0.0 else 0.25 * edge
+        """Length on which the motion of an edge at radius ``edge`` is resolved.
+
+        The zone, over which the history sees the edge come and go; a quarter of the radius without adhesion,
+        and in an elastic contact, whose states are equilibria by themselves.
+        """
+        return self.zone if self.work > 0.0 and self.viscoelastic else 0.25 * edge
 
 
 @dataclass(frozen=True)

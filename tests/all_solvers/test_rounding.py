@@ -17,7 +17,19 @@ import numpy as np
 import pytest
 from support.paper_scenes import THREE, cycle, scene
 
-from contact_scene import Adhesion, Branch, Force, Hold, Loading, Material, Oscillate, Ramp, Scene, Sphere, Trace
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Force,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    Ramp,
+    Scene,
+    Sphere,
+    Trace,
+)
 from validation.measure.error_estimate import SAFETY
 from validation.solvers import solver
 
@@ -34,12 +46,26 @@ SCENES = {
     "cycle": cycle(0.02),
     "hold": scene(Hold(1.0), Ramp(0.02, 0.01), at=0.01, adhesion=None, material=THREE),
     "oscillation": Scene(
-        SMALL, Sphere(1e-3), Loading("relaxed", 2e-6, (Oscillate(1e-6, 62.8, 0.15),)), Adhesion(0.05, 1e-6)
+        SMALL, Sphere(1e-3), Loading("relaxed", 2e-6, (Oscillate(1e-6, 62.8, 0.06),)), Adhesion(0.05, 1e-6)
     ),
     "steps": scene(Ramp(0.01, 0.1), Hold(0.1), Force(-5e-4, 0.05), Ramp(-0.5, 0.3), material=THREE),
 }
-SOLVERS = ("reference", "bem", "fem")
+QUICK = [("reference", "hold"), ("reference", "oscillation"), ("bem", "hold"), ("bem", "oscillation")]
+LONG = [
+    (name, case)
+    for name in ("reference", "bem", "fem")
+    for case in SCENES
+    if (name, case) not in QUICK and (name, case) != ("fem", "hold")  # ten times as long as all others
+]
+pairs = pytest.mark.parametrize(
+    ("name", "case"), [*QUICK, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in LONG)]
+)
 KERNELS = ({"OPENBLAS_CORETYPE": "Haswell"}, {"OPENBLAS_NUM_THREADS": "2"})
+ELSEWHERE = """
+import json, sys
+from test_rounding import rows, run
+print(json.dumps({key: list(values) for key, values in rows(run(*sys.argv[1:])).items()}))
+"""
 
 
 def perturbed(value, generator: np.random.Generator):
@@ -61,32 +87,45 @@ def run(name: str, case: str, resolution: int = RESOLUTION) -> Trace:
     return solver(name).solve(SCENES[case], resolution)
 
 
-def apart(one: Trace, other: Trace, column: str) -> float:
-    """Root mean square of the difference over the common time, relative to the excursion in the second run."""
-    times = np.linspace(0.0, min(one.time[-1], other.time[-1]), 2001)[:-1]
-    first, second = (np.interp(times, trace.time, trace.columns()[column]) for trace in (one, other))
+def rows(trace: Trace) -> dict[str, np.ndarray]:
+    """Time, force and radius."""
+    return {key: trace.columns()[key] for key in ("time", *COLUMNS)}
+
+
+def apart(one: dict[str, np.ndarray], other: dict[str, np.ndarray], column: str) -> float:
+    """Root mean square of the difference over the common time, relative to the second run's excursion."""
+    times = np.linspace(0.0, min(one["time"][-1], other["time"][-1]), 2001)[:-1]
+    first, second = (np.interp(times, run["time"], run[column]) for run in (one, other))
     return float(np.sqrt(np.mean((first - second) ** 2)) / np.ptp(second))
 
 
-def assert_alike(name: str, case: str, rows: dict[str, list[float]] | Trace) -> None:
+def assert_alike(name: str, case: str, others: dict[str, np.ndarray]) -> None:
     """A run differs from that of the scene as it stands by no more than rounding may."""
-    whole = run(name, case)
-    other = rows if isinstance(rows, Trace) else dataclasses.replace(whole, **as_arrays(whole, rows))
+    whole = rows(run(name, case))
     for column in COLUMNS:
-        difference = apart(other, whole, column)
+        difference = apart(others, whole, column)
         if difference > ALIKE:
-            coarse = apart(run(name, case, RESOLUTION // 2), whole, column)
+            coarse = apart(rows(run(name, case, RESOLUTION // 2)), whole, column)
             estimate = SAFETY * coarse / (2.0 ** solver(name).order - 1.0)
             assert difference < SHARE * estimate, (column, difference, estimate)
 
 
-def as_arrays(whole: Trace, rows: dict[str, list[float]]) -> dict[str, np.ndarray]:
-    """Time, force and radius of a run told by another process, in place of the columns of a trace."""
-    return {key: np.array(values) for key, values in rows.items()}
-
-
-@pytest.mark.parametrize("case", SCENES)
-@pytest.mark.parametrize("name", SOLVERS)
+@pairs
 def test_last_digits_of_a_scene(name, case):
     generator = np.random.default_rng(1)
-    assert_alike(name, case, solver(name).solve(perturbed(SCENES[case], generator), RESOLUTION))
+    assert_alike(name, case, rows(solver(name).solve(perturbed(SCENES[case], generator), RESOLUTION)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: "-".join(kernel.values()))
+@pytest.mark.parametrize(("name", "case"), QUICK)
+def test_other_kernels_and_threads(name, case, kernel):
+    path = os.pathsep.join((os.path.dirname(__file__), *sys.path))
+    told = subprocess.run(
+        (sys.executable, "-c", ELSEWHERE, name, case),
+        env={**os.environ, **kernel, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert_alike(name, case, {key: np.array(values) for key, values in json.loads(told.stdout).items()})

@@ -74,7 +74,7 @@ def test_coarsening_leaves_no_overshoot_beside_a_short_interval():
 @pytest.mark.parametrize("resolution", [4, 8])
 @pytest.mark.parametrize("time", [1e-2, 1e-4])
 def test_edge_rests_in_a_hold_and_follows_a_ramp(time, resolution):
-    """Ting: without adhesion the radius is that of the penetration, ``sqrt(R D)``, as long as it does not fall."""
+    """Ting: without adhesion the radius is ``sqrt(R D)``, as long as the penetration does not fall."""
     rubber = Material(0.75, 0.5, (Branch(6.75, time),))
     trace = bem(
         scene(Hold(1.0), Ramp(0.02, 0.01), at=0.01, adhesion=None, material=rubber), resolution=resolution
