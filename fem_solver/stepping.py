@@ -511,6 +511,10 @@ class NodeReleaseRun:
         penetration, force, radius = candidate.penetration, candidate.force, self.solver.radius(candidate)
         if not (np.isfinite(forces).all() and all(map(math.isfinite, (penetration, force, radius)))):
             self._end(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
+        least = self.setup.resolved_from
+        if radius < least:
+            reason = f"the contact shrinks below the radius {least:.6g} the mesh is made for"
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
         history = self.setup.history
         history.commit(candidate.dt, forces)
         self.on_commit(candidate.dt, forces)

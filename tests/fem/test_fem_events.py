@@ -13,6 +13,7 @@ from support.paper_scenes import scene as scene_of
 from contact_scene import (
     Adhesion,
     Branch,
+    FlatPunch,
     Force,
     ForceRamp,
     Hold,
@@ -60,13 +61,36 @@ def test_contact_that_shrinks_to_its_zone_ends_with_the_state_there():
     assert trace.force[-1] == pytest.approx(finer.force[-1], rel=2e-3)
 
 
-@pytest.mark.parametrize("step", [Force(-0.0055, 1.0), ForceRamp(-0.1, 1e-3)])
+@pytest.mark.parametrize("step", [Force(-0.001, 50.0), ForceRamp(-0.1, 1e-3)])
 def test_zone_is_reached_under_a_force_before_the_tension_has_its_maximum(step):
     trace = weak(step)
-    assert trace.outcome.kind in (OutcomeKind.BELOW_ZONE, OutcomeKind.DETACHED)
-    if trace.outcome.kind is OutcomeKind.BELOW_ZONE:
-        assert not trace.outcome.past_extremum
-        assert trace.contact_radius[-1] == pytest.approx(LONG, rel=1e-12)
+    assert trace.outcome.kind is OutcomeKind.BELOW_ZONE
+    assert not trace.outcome.past_extremum
+    assert not trace.outcome.finished
+    assert trace.contact_radius[-1] == pytest.approx(LONG, rel=1e-12)
+    assert trace.events == ()
+
+
+def test_a_limit_point_above_the_zone_is_a_detachment():
+    trace = weak(ForceRamp(-0.1, 1e-2))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.contact_radius[-1] > 1.2 * LONG
+    assert [event.kind for event in trace.events] == ["pull-off"]
+
+
+def test_a_punch_that_peels_needs_a_mesh_that_is_fine_inside():
+    scene = scene_of(Ramp(-0.1, 1e-3), start="relaxed", at=0.0, indenter=FlatPunch(0.2))
+    narrow, wide = (structured_half_space(fit(a, 0.2, ZONE, 2, edge=0.2)) for a in (0.18, 0.0))
+    trace = solve(scene, narrow)
+    assert trace.outcome.kind is OutcomeKind.OUT_OF_RANGE
+    assert "the mesh is made for" in trace.outcome.reason
+    assert trace.contact_radius[-1] > narrow.parameters.fine_from + ZONE
+    whole = solve(scene, wide)
+    assert whole.outcome.finished
+    assert whole.contact_radius[-1] < 0.8 * trace.contact_radius[-1]
+    shared = trace.time < 0.999 * trace.time[-1]
+    expected = np.interp(trace.time[shared], whole.time, whole.contact_radius)
+    assert np.abs(trace.contact_radius[shared] - expected).max() < 0.1 * ZONE
 
 
 def test_largest_tension_is_a_row_where_a_frozen_edge_lets_go():
