@@ -99,6 +99,8 @@ class Setup:
         Radii of the surface nodes, and the indenter's height above its lowest point there.
     travel : float
         Edge travel allowed per step of a solid with a history, a length.
+    resolved_from : float
+        Smallest contact radius at which the mesh resolves the process zone; 0 without adhesion.
     shortest_time : float
         Shortest relaxation time; infinite for an elastic solid.
     """
@@ -112,6 +114,7 @@ class Setup:
     radii: Array
     height: Array
     travel: float
+    resolved_from: float
     shortest_time: float
 
     @property
@@ -202,6 +205,7 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
         radii=radii,
         height=scene.indenter.height(radii),
         travel=_edge_travel(geometry, reach, options.resolution),
+        resolved_from=_resolved_from(mesh, zone),
         shortest_time=float(times.min()) if times.size else math.inf,
     )
 
@@ -235,6 +239,12 @@ def _edge_travel(geometry: EdgeGeometry, reach: float, resolution: int | None) -
     if resolution:
         return geometry.zone / (4.0 * resolution)
     return 0.25 * (2.0 * float(np.median(np.diff(geometry.radii[geometry.radii <= reach]))))
+
+
+def _resolved_from(mesh: Any, zone: float | None) -> float:
+    """The closure looks one zone to either side of the edge; a mesh that is fine to the axis resolves all."""
+    fine_from = float(mesh.parameters.fine_from)
+    return fine_from + zone if zone is not None and fine_from > 0.0 else 0.0
 
 
 def _node_count(radii: Array, reach: float) -> int:

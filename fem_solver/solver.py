@@ -46,7 +46,8 @@ def solve(
     scene : Scene
     mesh : object
         With ``points`` (2, n), ``triangles`` (3, m), ``boundaries`` "surface", "axis", "far" of vertex pairs
-        (2, k) and ``parameters.fine_to``, the radius up to which it is made for a contact edge.
+        (2, k), and ``parameters.fine_from`` and ``parameters.fine_to``, the radii between which it is made
+        for a contact edge.
     options : Options, optional
     progress : callable(float), optional
         Called with the share of the loading that is done, 0 to 1.

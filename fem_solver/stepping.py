@@ -33,12 +33,12 @@ from contact_scene.run_control import (
     interruption,
     stops_within,
 )
-from fem_solver.condensed import CondensedState
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
+from fem_solver.curved_loads import deviation_from_tangent, swing
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import LoadJump, edge_jump, zone_reached
-from fem_solver.quadrature import QuadratureSnapshot, QuadratureState
-from fem_solver.recorder import SOLVER, RecorderContent, RowBefore, SurfaceRecorder, SurfaceState
+from fem_solver.recorder import SOLVER, SurfaceRecorder, SurfaceState
+from fem_solver.run_state import NodeReleaseState, StepBefore, StepCandidate, TensionPeak
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator, missed_peak
 
@@ -55,7 +55,7 @@ _FIRST = 1.0 / 64.0
 _EVENT_TRAVEL = 4.0
 """An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
 _DEVIATION_PER_TOLERANCE = 10.0
-"""Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its range."""
+"""Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its swing."""
 _RADIUS_SCALE = 10.0
 """Allowed error of the radius per that of the force, relative to their sizes: the travel bounds it closer."""
 _ELASTIC_TRAVEL = 4.0
@@ -65,8 +65,6 @@ _ELASTIC_SHARE = 0.1
 ELASTIC_TOLERANCE = 0.04
 """Allowed error of the rows of an elastic solid per that of others: steps are few, and of its work a small
 difference, the hysteresis of the jumps, is what counts."""
-_SAMPLES = (0.273, 0.618, 1.0)
-"""Uneven shares of a step at which that deviation is sampled: an oscillation cannot vanish at all of them."""
 
 
 class _RunEnded(Exception):
@@ -75,78 +73,6 @@ class _RunEnded(Exception):
     def __init__(self, outcome: Outcome) -> None:
         super().__init__(outcome.reason)
         self.outcome = outcome
-
-
-@dataclass(frozen=True)
-class StepBefore:
-    """What it needs to take the last step back, which lies in the present interval and brought no event.
-
-    Parameters
-    ----------
-    time : float
-        At its begin.
-    position : int
-        There, within the interval.
-    slopes : dict of str to float
-        Of the step before it.
-    row : RowBefore
-    history : CondensedState or QuadratureState
-    """
-
-    time: float
-    position: int
-    slopes: dict[str, float]
-    row: RowBefore
-    history: CondensedState | QuadratureState
-
-
-@dataclass(frozen=True)
-class NodeReleaseState:
-    """Serialisable state of a run, beside its place in the loading and its counters.
-
-    Half-space, factors and edge law follow from scene, mesh and options: computed again in the same order,
-    they have the same bits.
-
-    Parameters
-    ----------
-    time : float
-        Of the last accepted state.
-    interval : DyadicInterval or None
-        Interval between two stops that the run is in.
-    step : float or None
-        Step with which to begin the next interval; ``None``: the usual first step.
-    slopes : dict of str to float
-        Of the last accepted step (see ``step_control``).
-    recorded : RecorderContent
-    history : CondensedState or QuadratureSnapshot
-    before : StepBefore or None
-    """
-
-    time: float
-    interval: DyadicInterval | None
-    step: float | None
-    slopes: dict[str, float]
-    recorded: RecorderContent
-    history: CondensedState | QuadratureSnapshot
-    before: StepBefore | None
-
-
-@dataclass(frozen=True)
-class StepCandidate:
-    """Result of a trial step; ``error`` is relative to the allowed one, infinite without equilibrium."""
-
-    contact: ContactCandidate
-    slopes: dict[str, float]
-    error: float
-
-
-@dataclass(frozen=True)
-class TensionPeak:
-    """Rates at which the tension rises to the last row and falls behind it, and what rows may miss of it."""
-
-    rise: float
-    fall: float
-    allowed: float
 
 
 @dataclass
@@ -257,7 +183,7 @@ class NodeReleaseRun:
             self._load_jump(segment)
             cursor.jump_done, self.step = True, None
         self._check_clock(segment)
-        span = _range(segment)
+        span = swing(segment)
         stops = stops_within(segment, self.requested)
         while cursor.stops_reached < len(stops):
             reached = cursor.stops_reached
@@ -269,7 +195,7 @@ class NodeReleaseRun:
     def _carry_out_interval(
         self, loading: Loading, segment: Segment, start: float, stop: Stop, span: float
     ) -> None:
-        """From one stop to the next; ``span`` is the range of the prescribed value over the load step."""
+        """From one stop to the next; ``span`` is the swing of the prescribed value over the load step."""
         if self.interval is None:
             self.interval, self.before = self._new_interval(start, stop.time), None
         while not self.interval.done:
@@ -408,9 +334,7 @@ class NodeReleaseRun:
         """Deviation of the prescribed value from its tangent over a step, relative to the allowed one."""
         if segment.linear or span == 0.0:
             return 0.0
-        start, value, rate = interval.time, segment.value(interval.time), segment.rate(interval.time)
-        ahead = [(interval.next_time - start) * share for share in _SAMPLES]
-        largest = max(abs(segment.value(start + x) - value - rate * x) for x in ahead)
+        largest = deviation_from_tangent(segment, interval.time, interval.next_time)
         return largest / (_DEVIATION_PER_TOLERANCE * self.estimator.tolerance * span)
 
     def _load_jump(self, segment: Segment) -> None:
@@ -511,6 +435,10 @@ class NodeReleaseRun:
         penetration, force, radius = candidate.penetration, candidate.force, self.solver.radius(candidate)
         if not (np.isfinite(forces).all() and all(map(math.isfinite, (penetration, force, radius)))):
             self._end(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
+        least = self.setup.resolved_from
+        if radius < least:
+            reason = f"the contact shrinks below the radius {least:.6g} the mesh is made for"
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
         history = self.setup.history
         history.commit(candidate.dt, forces)
         self.on_commit(candidate.dt, forces)
@@ -531,12 +459,3 @@ class NodeReleaseRun:
                 branch_dissipation=history.state.dissipated,
             )
         )
-
-
-def _range(segment: Segment) -> float:
-    """Range of a curved control law over its segment, from unevenly spread samples."""
-    if segment.linear:
-        return 0.0
-    shares = np.mod(np.arange(256) * 0.5 * (math.sqrt(5.0) - 1.0), 1.0)
-    values = [segment.value(segment.start + (segment.end - segment.start) * x) for x in shares]
-    return max(values) - min(values)

@@ -121,6 +121,14 @@ def test_a_refused_mesh_advises_the_finest_one_that_is_not(zone, monkeypatch):
         mesh_for(sticky, advised + 1)
 
 
+def test_the_mesh_of_a_punch_is_fine_wherever_its_contact_may_peel(monkeypatch):
+    monkeypatch.setattr(meshes, "cached", lambda parameters: parameters)
+    sticky = dataclasses.replace(scene(adhesion=STICKY), indenter=FlatPunch(0.7))
+    assert mesh_for(sticky, 4).fine_from == 0.0
+    elastic = dataclasses.replace(sticky, material=Material(1.0, 0.5))
+    assert mesh_for(elastic, 4).fine_from > 0.6
+
+
 def test_resolutions_mean_finer_meshes_from_the_coarsest_offered_on(monkeypatch):
     """With and without adhesion; the default is among those a user may choose."""
     monkeypatch.setattr(meshes, "cached", lambda parameters: parameters)

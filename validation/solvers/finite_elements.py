@@ -166,8 +166,12 @@ def mesh_for(
     if not scene.is_adhesive:
         sizes["margin"] = 1.0
 
+    # the edge of a punch holds the contact or loses it at once, unless relaxation lets it peel inwards
+    peels = scene.is_adhesive and bool(scene.material.spectrum[0].size)
+    smallest = 0.0 if edge is None or peels else edge
+
     def fitted(count: int) -> meshes.MeshParameters:
-        return meshes.fit(edge or 0.0, largest, zone, count, edge=edge, **sizes)
+        return meshes.fit(smallest, largest, zone, count, edge=edge, **sizes)
 
     try:
         parameters = fitted(divisions)
