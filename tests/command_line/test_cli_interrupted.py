@@ -210,3 +210,19 @@ def test_an_outcome_below_the_zone_is_read_back_as_it_was(tmp_path, scene_file, 
         assert loaded.outcome.finished == past
         summary = json.loads((out / "summary.json").read_text())
         assert (summary["outcome"], summary["past_extremum"]) == ("out of the model's range", past)
+
+
+def test_what_makes_an_answer_doubtful_is_said_once_and_kept(capsys, tmp_path, scene_file, monkeypatch):
+    put(monkeypatch, spring())
+    given = ["solve", scene_file, "--solver", "bem", "--out", str(tmp_path / "out")]
+    for before, after in ((("before",), ("after",)), ((), ("after",)), ((), ())):
+        monkeypatch.setattr(solvers, "scene_warnings", lambda scene, said=before: said)
+        monkeypatch.setattr(solvers, "trace_warnings", lambda scene, trace, said=after: said)
+        assert main(given) == 0
+        lines = [line for line in capsys.readouterr().err.splitlines() if "warning" in line]
+        assert lines == [f"crosscontact: warning: {text}" for text in before or after]
+        result = cc.load(tmp_path / "out")
+        assert result.warnings == after
+        assert [line for line in repr(result).splitlines() if "warning" in line] == [
+            f"  warning: {text}" for text in after
+        ]

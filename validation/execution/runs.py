@@ -166,7 +166,7 @@ def run_or_raise(
     max_steps : int or None
         Largest number of steps, accepted and rejected together; ``None``: the solver's choice.
     estimate_monitor : RunMonitor or None
-        May stop the coarser run; then there is no estimate.
+        May stop the second run, from which errors are estimated; then there is no estimate.
 
     Returns
     -------
@@ -198,7 +198,16 @@ def run_or_raise(
     if broken:
         raise NotFiniteError(f"not finite: {', '.join(broken)}")
     measures = measure(trace, case.scene, wall)
-    result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures)
+    warnings = solvers.trace_warnings(case.scene, trace) or solvers.scene_warnings(case.scene)
+    result = Run(
+        case.name,
+        solver,
+        trace,
+        wall_seconds=wall,
+        cpu_seconds=cpu,
+        measures=measures,
+        warnings=warnings,
+    )
     if not estimate or not result.finished:
         return result
     spent = time.process_time()
@@ -213,7 +222,7 @@ def _errors(
     resolution: int | None,
     monitor: RunMonitor | None,
 ) -> dict[str, float]:
-    """Error estimates of a finished run; none if the coarser run ends otherwise.
+    """Error estimates of a finished run; none if the second run ends otherwise.
 
     Parameters
     ----------
@@ -223,7 +232,7 @@ def _errors(
     resolution : int or None
         Of the run.
     monitor : RunMonitor or None
-        Of the coarser run.
+        Of the second run.
 
     Returns
     -------
@@ -233,23 +242,24 @@ def _errors(
     if trace is None:
         return {}
     if method.estimates_errors:
-        return error_estimate.from_own(trace, result.measures)
+        return error_estimate.from_own(trace, result.measures, case.scene.loading)
+    second, stops = method.comparison_run(case.scene, resolution), cycle_times(case.scene.loading)
     try:
-        stops = cycle_times(case.scene.loading)
-        coarse = method.coarser(case.scene, resolution)(
-            stop_times=stops, profile_times=case.profile_times, monitor=monitor
-        )
+        other = second.solve(stop_times=stops, profile_times=case.profile_times, monitor=monitor)
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
-    if coarse.outcome.kind is not trace.outcome.kind:
+    if other.outcome.kind is not trace.outcome.kind:
         return {}
-    return error_estimate.from_two_runs(trace, coarse, result.measures, measure(coarse, case.scene, 0.0))
+    otherwise = measure(other, case.scene, 0.0)
+    return error_estimate.from_two_runs(
+        trace, other, result.measures, otherwise, second.ratio, case.scene.loading
+    )
 
 
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
     """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
     zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
-    values: dict[str, float | None] = dict(observe(trace, zone).as_dict())
+    values: dict[str, float | None] = dict(observe(trace, zone, scene.loading).as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
     branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
     values["branch_dissipation"] = branches
