@@ -21,6 +21,10 @@ KEY_MEASURES = {
 }
 """Measures shown for every run, and the kind of their unit."""
 
+SCALES_IN_WORDS = (
+    "penetrations to the largest of the run, losses at least to the largest energy, else to the value"
+)
+"""What an error estimate is relative to, in short; in full: ``validation.measure.scaling``."""
 HEAD = ("", "in scene units", "dimensionless", "F/F_JKR", "error estimate")
 
 

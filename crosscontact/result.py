@@ -97,6 +97,11 @@ class Result:
         return self.trace.outcome
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """Where the model comes to its limits in this run, one sentence each."""
+        return self.run.warnings
+
+    @property
     def approach(self) -> ContactState:
         """End of the approach: largest penetration of the run."""
         return self._state("approach")
@@ -206,7 +211,7 @@ class Result:
 
     def __repr__(self) -> str:
         rows = table(key_numbers(self.scene, self.measures, self.errors))
-        return "\n".join([self._heading(), *aligned(rows)])
+        return "\n".join([self._heading(), *aligned(rows), *(f"  warning: {text}" for text in self.warnings)])
 
     def _heading(self) -> str:
         return f"{self.name} by {self.solver}: {self.outcome.kind}: {self.outcome.reason}"

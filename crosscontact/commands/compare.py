@@ -8,6 +8,7 @@ from crosscontact.commands.failures import exit_code
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
+from validation.execution.run_folder import check_unused
 from validation.execution.store import Store
 from validation.report import terminal
 from validation.report.build import build
@@ -29,15 +30,24 @@ def run(names: Sequence[str], solvers: Sequence[str], out: str | None, jobs: int
     jobs : int
         Processes.
     fresh : bool
-        Whether runs stored by an earlier, interrupted command are ignored.
+        Whether runs stored by an earlier, interrupted command are ignored, and another scene's replaced.
 
     Returns
     -------
     int
         1 if solvers disagree.
+
+    Raises
+    ------
+    SceneError
+        If the folder holds runs on another scene of the same name.
     """
     loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
+    if folder is not None and not fresh:
+        for case in loaded:
+            for earlier in (folder / "runs" / case.name).glob("*"):
+                check_unused(earlier, case.scene)
     store = Store(folder, fresh)
     progress = Progress("compare")
     progress.phase("runs")

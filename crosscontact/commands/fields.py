@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import Counters, SceneError, write_scene
-from crosscontact.commands.forecast import announce, expected_cost
-from validation import cases
+from crosscontact.commands.forecast import announce, expected_cost, warn
+from validation import cases, solvers
 from validation.execution.checkpoints import CHECKPOINT, RecordedRunWriter
 from validation.execution.files import in_words, output_folder
 from validation.execution.fingerprints import fingerprint
@@ -158,6 +158,7 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     stop.possible = lambda: writer.stepping
     if writer.message:
         print(f"crosscontact: {writer.message}", file=sys.stderr)
+    warn(solvers.scene_warnings(scene))
     cost = expected_cost(scene, "fem", command.resolution)
     command.announce(cost)
     states: list[FieldState] = []  # to be drawn

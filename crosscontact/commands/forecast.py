@@ -1,8 +1,9 @@
-"""What a run is expected to cost, said before it where that is much."""
+"""What a run is expected to cost, where that is much, and what makes its answer doubtful; said on stderr."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 
 from contact_scene import Scene, SceneError
 from validation import solvers
@@ -48,3 +49,9 @@ def announce(cost: Cost | None, estimate: bool = False, more_seconds: float = 0.
     parts = [f"about {cost.steps:.2g} steps", duration(seconds), f"{in_words(cost.bytes)} of memory"]
     words = ", ".join([*parts, more] if more else parts).replace("e+0", "e")
     print(f"crosscontact: expected: {words}", file=sys.stderr)
+
+
+def warn(warnings: Iterable[str]) -> None:
+    """Say what makes an answer doubtful, one line each."""
+    for warning in warnings:
+        print(f"crosscontact: warning: {warning}", file=sys.stderr)

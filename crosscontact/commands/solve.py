@@ -6,17 +6,16 @@ import sys
 from pathlib import Path
 
 from contact_scene import OutcomeKind
-from crosscontact.commands.forecast import announce, expected_cost
-from crosscontact.key_numbers import aligned, key_numbers, table
+from crosscontact.commands.forecast import announce, expected_cost, warn
+from crosscontact.key_numbers import SCALES_IN_WORDS, aligned, key_numbers, table
 from crosscontact.result import Result
-from validation import cases
+from validation import cases, solvers
 from validation.drawing.export import png, svg_file
 from validation.execution.checkpoints import CHECKPOINT, CheckpointWriter, run_with_checkpoints
 from validation.execution.files import output_folder, write_whole
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused, write_run
 from validation.execution.runs import Run
-from validation.measure.scaling import SCALES_IN_WORDS
 
 DOTS_PER_INCH = 110
 """Resolution of ``force.png``."""
@@ -72,6 +71,8 @@ def run(
     if folder is not None and not fresh:
         check_unused(folder, case.scene)
     drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
+    said = solvers.scene_warnings(case.scene)
+    warn(said)
     cost = expected_cost(case.scene, solver, resolution)
     announce(cost, estimate)
     with Progress(f"{case.name} {solver}") as progress:
@@ -91,8 +92,8 @@ def run(
     if folder is not None:
         write_run(folder, case.scene, result)
     _print(case, result, estimate)
-    for warning in result.warnings:
-        print(f"crosscontact: warning: {warning}", file=sys.stderr)
+    if not said:
+        warn(result.warnings)
     if drawn is not None and result.trace is not None:
         _draw(Result(case.scene, result), drawn)
     if folder is not None:

@@ -20,9 +20,9 @@ from contact_scene import OutcomeKind, UnsupportedScene, read_scene
 from crosscontact import registry
 from crosscontact.arguments import parser
 from crosscontact.cli import main
+from crosscontact.key_numbers import SCALES_IN_WORDS
 from validation import solvers
 from validation.execution import files
-from validation.measure.scaling import SCALES_IN_WORDS
 from validation.scenes import SUITES, names
 
 CONTRACT = (

@@ -16,6 +16,7 @@ from contact_scene import KeptState, LoadingCursor, OutcomeKind
 from crosscontact.cli import main
 from crosscontact.commands import forecast
 from validation import solvers
+from validation.execution.run_folder import write_run
 from validation.solvers import Cost
 
 COST = Cost(1234.0, 34.0, 2.5e6)
@@ -163,6 +164,37 @@ def test_a_folder_of_something_else_is_refused(capsys, tmp_path, scene_file, mon
     assert main(given) == 0  # its own
 
 
+def test_a_comparison_of_another_scene_is_refused(capsys, tmp_path, scene_file, monkeypatch):
+    for name in ("bem", "reference"):
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
+    monkeypatch.setattr("crosscontact.commands.compare.write", write_runs)
+    given = [
+        "compare",
+        scene_file,
+        "--solvers",
+        "bem,reference",
+        "--jobs",
+        "1",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    assert main(given) == 0
+    assert main(given) == 0
+    with open(scene_file, "w") as file:
+        file.write(SCENE.replace("0.75", "0.76"))
+    capsys.readouterr()
+    assert main(given) == 2
+    assert "results of another scene" in capsys.readouterr().err
+    assert main([*given, "--fresh"]) == 0
+
+
+def write_runs(report, folder):
+    """A report without its pages."""
+    for one in report.scenes:
+        for solver, run in one.runs.items():
+            write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
+
+
 def test_a_scene_of_another_title_is_the_same_scene(tmp_path, scene_file, monkeypatch):
     put(monkeypatch, spring())
     renamed = tmp_path / "renamed.toml"
@@ -210,3 +242,19 @@ def test_an_outcome_below_the_zone_is_read_back_as_it_was(tmp_path, scene_file, 
         assert loaded.outcome.finished == past
         summary = json.loads((out / "summary.json").read_text())
         assert (summary["outcome"], summary["past_extremum"]) == ("out of the model's range", past)
+
+
+def test_what_makes_an_answer_doubtful_is_said_once_and_kept(capsys, tmp_path, scene_file, monkeypatch):
+    put(monkeypatch, spring())
+    given = ["solve", scene_file, "--solver", "bem", "--out", str(tmp_path / "out")]
+    for before, after in ((("before",), ("after",)), ((), ("after",)), ((), ())):
+        monkeypatch.setattr(solvers, "scene_warnings", lambda scene, said=before: said)
+        monkeypatch.setattr(solvers, "trace_warnings", lambda scene, trace, said=after: said)
+        assert main(given) == 0
+        lines = [line for line in capsys.readouterr().err.splitlines() if "warning" in line]
+        assert lines == [f"crosscontact: warning: {text}" for text in before or after]
+        result = cc.load(tmp_path / "out")
+        assert result.warnings == after
+        assert [line for line in repr(result).splitlines() if "warning" in line] == [
+            f"  warning: {text}" for text in after
+        ]

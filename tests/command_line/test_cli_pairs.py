@@ -95,6 +95,8 @@ def arguments(row: Row, scene: str, out: str) -> list[str]:
         given += ["--at", "0", "0.2", "--resolution", "4", "--no-figures"]
     if command in ("compare", "study"):
         given += ["--jobs", "1"]
+    if command == "compare":  # the finite elements take longest, and have rows of their own
+        given += ["--solvers", f"{'fem' if row.material in SEPARATE else 'bem'},reference"]
     given += [f"--{row.option}"] if row.option in ("plot", "estimate", "fresh") else []
     return given + (["--out", out] if row.option != "plain" else [])
 

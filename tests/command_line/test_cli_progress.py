@@ -141,17 +141,30 @@ def steps(clock, work, shares, expected, rate=10.0):
 
 def test_a_run_tells_rate_and_time_left_from_its_steps(clock, work):
     told = steps(clock, work, [0.5 * n / 200 for n in range(200)] + [1.0], 200)  # contact is lost half-way
-    assert told[0] == "work: solving: 10 %: 20 steps, 10 a second, about 18 s left"
-    assert [line.split("%")[0].split()[-1] for line in told] == [str(10 * n) for n in range(1, 11)]
+    assert told[0] == "work: solving: 10 %: 21 steps, 10 a second, about 18 s left"
+    assert [line.split("%")[0].split()[-1] for line in told] == [
+        "10",
+        "20",
+        "30",
+        "40",
+        "50",
+        "60",
+        "70",
+        "100",
+    ]
 
 
 def test_steps_beyond_the_forecast_have_no_time_left(clock, work):
-    told = steps(clock, work, [n / 400 for n in range(400)], 100)
-    assert not any(" left" in line and int(line.split()[4]) > 100 for line in told)
+    told = steps(clock, work, [n / 400 for n in range(300)], 100)  # the forecast is a third of the steps
+    percents = [int(line.split("%")[0].split()[-1]) for line in told]
+    assert percents == sorted(percents)
+    assert percents[-1] <= 99
+    assert any(" left" in line for line in told)
+    assert not any(" left" in line and int(line.split()[4]) >= 100 for line in told)
     show, lines = work
     clock[0] += 100.0
     show.tell()
-    assert "400 steps, 10 a second, more than expected" in lines()[-1]
+    assert "99 %: 300 steps, 10 a second, more than expected" in lines()[-1]
 
 
 def test_a_forecast_far_too_large_is_bounded_by_the_loading(clock, work):

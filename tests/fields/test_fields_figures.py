@@ -257,6 +257,24 @@ def test_fig3_refuses_what_does_not_belong_together():
         fig3.figure(SCENE, surfaces(), surfaces(), 9.0)
 
 
+def test_alike_sections_share_scale_view_and_colours(monkeypatch):
+    monkeypatch.setattr(rendering, "picture", lambda fill, size: np.zeros((size[1], size[0], 3), np.uint8))
+    some, quantity = states({0: "", 3: "end of approach"}), QUANTITIES["stress_zz"]
+
+    def shown(common):
+        found = []
+        for one in some:
+            axes = figure_set.single_section(one, SCENE, quantity, common).axes
+            bars = [each.get_ylim() for each in axes if each.get_label() == "<colorbar>"]
+            found.append((axes[0].get_title().split("\n")[1], axes[0].get_xlim(), *bars))
+        return found
+
+    one, other = shown(figure_set.alike(some, SCENE, quantity))
+    assert one == other
+    one, other = shown(None)
+    assert one[1:3] != other[1:3]
+
+
 def test_one_section_states_its_scale(monkeypatch):
     monkeypatch.setattr(rendering, "picture", lambda fill, size: np.zeros((size[1], size[0], 3), np.uint8))
     one = state(label="pull-off")

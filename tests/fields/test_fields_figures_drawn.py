@@ -164,8 +164,8 @@ def test_figures_are_written_as_reported(tmp_path, monkeypatch):
     said = figures.draw(tmp_path, some, trace(), SCENE, done.append, {0})
     files = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
     kinds = "sections", "revolution"
-    single = {f"{kind}/von-mises_{row:06d}.png" for kind in kinds for row in (0, 8)}  # 9: a frame only
-    assert files == single | {"strip_von-mises.png", "cycle_von-mises.gif"}
+    single = {f"{kind}/von_mises_{row:06d}.png" for kind in kinds for row in (0, 8)}  # 9: a frame only
+    assert files == single | {"strip_von_mises.png", "cycle_von_mises.gif"}
     assert len(said) == len(files)
     assert done == sorted(done)
     assert done[-1] == 1.0
@@ -234,8 +234,8 @@ def test_key_moments_of_the_papers_cycle_from_the_command_line(tmp_path, capsys)
     said = capsys.readouterr().out
     for name in ("jump-in", "end of approach", "start of detachment", "pull-off"):
         assert name in said
-    assert len(list((tmp_path / "sections").glob("stress-zz_*.png"))) == 4
-    with Image.open(tmp_path / "strip_stress-zz.png") as picture:
+    assert len(list((tmp_path / "sections").glob("stress_zz_*.png"))) == 4
+    with Image.open(tmp_path / "strip_stress_zz.png") as picture:
         assert picture.width > 1000
         red = np.asarray(picture.convert("RGB"), int)
     tension = (red[..., 0] > 90) & (red[..., 1] < 40) & (red[..., 2] < 60)  # deep red: tension, at the edges

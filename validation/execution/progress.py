@@ -26,6 +26,9 @@ SILENCE = 10.0
 """Seconds without a line after which a phase is said to go on, where there is no terminal."""
 SILENT_SHARE = 0.1
 """The same over the time since the phase began, so that the log of a long run stays short."""
+SATURATION = 3.0
+"""Exponent with which the fraction of a run falls behind its steps over their forecast: 79 % where that is
+reached, 99 % at three times as many, which is what a forecast may be wrong by."""
 AFTER = 1.0
 """Seconds of a phase before which a rate says nothing."""
 
@@ -141,7 +144,8 @@ class StepProgress:
 
     The share of the prescribed loading says little about the work ahead: a cycle may lose contact half-way.
     The steps ahead are those of the forecast that are not taken yet, and at most the forecast's over the part
-    of the loading that is left. Beyond the forecast no time left is given.
+    of the loading that is left. A forecast may be a few times too small: the fraction follows the steps taken
+    over it, and ever more slowly as it is reached. Beyond the forecast no time left is given.
 
     Parameters
     ----------
@@ -166,10 +170,13 @@ class StepProgress:
             self._progress(1.0, detail=f"{self._steps} steps")
             self._progress.phase(self._after)
             return
-        ahead = min(self._forecast - self._steps, self._forecast * (1.0 - share))
-        if ahead > 0.0:
-            self._fraction = max(self._fraction, self._steps / (self._steps + ahead))
-        self._progress(min(self._fraction, 0.99), detail=self._words(ahead))
+        over_loading = self._forecast * (1.0 - share)
+        ahead = min(self._forecast - self._steps, over_loading)
+        taken = self._steps / self._forecast
+        saturating = taken / (1.0 + taken**SATURATION) ** (1.0 / SATURATION)
+        bounded = self._steps / (self._steps + over_loading)
+        self._fraction = max(self._fraction, min(saturating, 0.99), min(bounded, 0.99))
+        self._progress(self._fraction, detail=self._words(ahead))
 
     def _words(self, ahead: float) -> str:
         lasted = time.monotonic() - (self._began or 0.0)

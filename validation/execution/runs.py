@@ -166,7 +166,7 @@ def run_or_raise(
     max_steps : int or None
         Largest number of steps, accepted and rejected together; ``None``: the solver's choice.
     estimate_monitor : RunMonitor or None
-        May stop the coarser run; then there is no estimate.
+        May stop the second run, from which errors are estimated; then there is no estimate.
 
     Returns
     -------
@@ -198,7 +198,16 @@ def run_or_raise(
     if broken:
         raise NotFiniteError(f"not finite: {', '.join(broken)}")
     measures = measure(trace, case.scene, wall)
-    result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures)
+    warnings = solvers.trace_warnings(case.scene, trace) or solvers.scene_warnings(case.scene)
+    result = Run(
+        case.name,
+        solver,
+        trace,
+        wall_seconds=wall,
+        cpu_seconds=cpu,
+        measures=measures,
+        warnings=warnings,
+    )
     if not estimate or not result.finished:
         return result
     spent = time.process_time()
@@ -234,9 +243,8 @@ def _errors(
         return {}
     if method.estimates_errors:
         return error_estimate.from_own(trace, result.measures, case.scene.loading)
-    second = method.comparison_run(case.scene, resolution)
+    second, stops = method.comparison_run(case.scene, resolution), cycle_times(case.scene.loading)
     try:
-        stops = cycle_times(case.scene.loading)
         other = second.solve(stop_times=stops, profile_times=case.profile_times, monitor=monitor)
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}

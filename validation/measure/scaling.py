@@ -25,10 +25,6 @@ from contact_scene import Trace
 
 LEAST_SHARE = 0.05
 """Least scale of a force, radius or time, relative to the largest magnitude of its column in the run."""
-SCALES_IN_WORDS = (
-    "penetrations to the largest of the run, losses at least to the largest energy, else to the value"
-)
-"""The rule in short, for tables on a terminal."""
 LOSSES = ("dissipated_energy", "branch_dissipation", "zone_excess")
 """Quantities that are what an energy balance leaves."""
 WORKS = {"loop_energy": "external_work", "peak_cycle_loss": "stored_energy"}
