@@ -151,11 +151,14 @@ def test_cone_under_a_growing_force():
     """``(pi/2) cot(alpha) a^2`` is the strain of a Prony element that carries the force."""
     plane, cotangent = 1.0 / (1.0 - 0.5**2), 1.0 / math.tan(math.radians(60.0))
     element = PronyElement(0.75 * plane, [(2.25 * plane, 1e-5), (4.5 * plane, 1.0)])
-    for until, rate, duration in ((1.0, 0.2, 1.0), (6.0, 0.02, 5.0), (10.0, 0.0, 4.0)):
+    names = ("contact_radius", "penetration")
+    for time, rate, duration in ((1.0, 0.2, 1.0), (6.0, 0.02, 5.0), (None, 0.0, 4.0)):
         element.loaded(rate, duration)
         radius = math.sqrt(2.0 * element.strain / (math.pi * cotangent))
-        assert stated("cone-force-ramp", "contact_radius", until) == close(radius)
-        assert stated("cone-force-ramp", "penetration", until) == close(0.5 * math.pi * radius * cotangent)
+        if time is None:
+            names = ("final_radius", "final_penetration")
+        assert stated("cone-force-ramp", names[0], time) == close(radius)
+        assert stated("cone-force-ramp", names[1], time) == close(0.5 * math.pi * radius * cotangent)
 
 
 @dataclass(frozen=True)

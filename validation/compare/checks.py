@@ -10,7 +10,6 @@ from validation.cases import Case, Expected
 from validation.execution.runs import Run
 from validation.measure.check import Check
 from validation.measure.dimensionless import unit_sizes
-from validation.measure.observables import ROUND_OFF
 
 
 def check_run(case: Case, result: Run) -> list[Check]:
@@ -81,11 +80,8 @@ def _limit(case: Case, result: Run, expected: Expected, name: str, shown: float 
 
 
 def _at_time(result: Run, column: str, time: float) -> float | None:
-    """A column linearly between rows; ``None`` if the run does not reach that time, but for rounding."""
+    """A column linearly between rows; ``None`` if the run does not reach that time."""
     trace = result.trace
-    if trace is None or len(trace) == 0:
-        return None
-    slack = ROUND_OFF * (trace.time[-1] - trace.time[0])
-    if not trace.time[0] - slack <= time <= trace.time[-1] + slack:
+    if trace is None or len(trace) == 0 or not trace.time[0] <= time <= trace.time[-1]:
         return None
     return float(np.interp(time, trace.time, trace.columns()[column]))
