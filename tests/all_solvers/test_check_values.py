@@ -281,6 +281,17 @@ def test_slow_pull_off_of_a_cone_bounds_every_faster_one(name):
     assert 0.9999 * -force < bound < -force
 
 
+@pytest.mark.parametrize("time", [1.0, 3.0])
+def test_creep_at_the_first_radius_bounds_the_penetration_under_a_tension(time):
+    contact, depth, interval, _ = STARTS["force-4"]
+    radius, force = contact.at_depth(depth, *interval)
+    tension = 4.0 * 1.5 * math.pi * JKR_WORK
+    creep = 1.0 - 0.9 * math.exp(-time / 10.0)  # relaxation time 1, Einf = 10 E0: retardation time 10
+    entries = [c for c in checks("force-4")["checks"] if c.get("at_time") == time]
+    (bound,) = [entry["at_most"] for entry in entries if entry["observable"] == "penetration"]
+    assert bound == pytest.approx(depth - (tension + force) * creep / (2.0 * radius), abs=2e-7)
+
+
 def test_punch_on_a_half_space_whose_bulk_relaxes_apart():
     """``F = 2 a int E*(t - s) dD(s)``; the Laplace transform of ``E*`` is inverted by Talbot's contour."""
 
