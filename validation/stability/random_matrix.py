@@ -42,8 +42,8 @@ NOTICEABLE = 2e-3
 LOOSE = 0.1
 """Estimate of a curve from which on a run counts as not resolved, although it ends well."""
 LEAST_MOVEMENT = 5e-3
-"""Excursion of a curve, relative to its largest magnitude, below which it is at rest: what the solvers are
-held to in a curve by default."""
+"""Excursion of a curve, relative to its largest magnitude, below which it is at rest and compared
+relative to that magnitude: what the solvers are held to in a curve by default."""
 STEP_ACCURACY = 4e-3
 """Of an energy, relative to the effort of the run: the coarsest step tolerance of any solver."""
 CURVES = ("force", "contact_radius")
@@ -186,7 +186,7 @@ def _differences(
         largest, excursion = float(np.abs(values).max(initial=0.0)), float(np.ptp(values))
         if apart is None or largest == 0.0:
             continue
-        factor = largest / max(excursion, LEAST_MOVEMENT * largest)
+        factor = largest / excursion if excursion > LEAST_MOVEMENT * largest else 1.0
         own, others = run.errors.get(column, math.inf), base.errors.get(column, 0.0)
         found.append((column, factor * apart.rms, factor * own, factor * others))
     for name in SCALARS:
