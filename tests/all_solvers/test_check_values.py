@@ -151,11 +151,14 @@ def test_cone_under_a_growing_force():
     """``(pi/2) cot(alpha) a^2`` is the strain of a Prony element that carries the force."""
     plane, cotangent = 1.0 / (1.0 - 0.5**2), 1.0 / math.tan(math.radians(60.0))
     element = PronyElement(0.75 * plane, [(2.25 * plane, 1e-5), (4.5 * plane, 1.0)])
-    for until, rate, duration in ((1.0, 0.2, 1.0), (6.0, 0.02, 5.0), (10.0, 0.0, 4.0)):
+    names = ("contact_radius", "penetration")
+    for time, rate, duration in ((1.0, 0.2, 1.0), (6.0, 0.02, 5.0), (None, 0.0, 4.0)):
         element.loaded(rate, duration)
         radius = math.sqrt(2.0 * element.strain / (math.pi * cotangent))
-        assert stated("cone-force-ramp", "contact_radius", until) == close(radius)
-        assert stated("cone-force-ramp", "penetration", until) == close(0.5 * math.pi * radius * cotangent)
+        if time is None:
+            names = ("final_radius", "final_penetration")
+        assert stated("cone-force-ramp", names[0], time) == close(radius)
+        assert stated("cone-force-ramp", names[1], time) == close(0.5 * math.pi * radius * cotangent)
 
 
 @dataclass(frozen=True)
@@ -276,6 +279,17 @@ def test_slow_pull_off_of_a_cone_bounds_every_faster_one(name):
     _, force = contact.least(1, 1.1 * contact.zone, 8.0 * contact.zone)
     (bound,) = [c["at_least"] for c in checks(name)["checks"] if c["observable"] == "pull_off_force"]
     assert 0.9999 * -force < bound < -force
+
+
+@pytest.mark.parametrize("time", [1.0, 3.0])
+def test_creep_at_the_first_radius_bounds_the_penetration_under_a_tension(time):
+    contact, depth, interval, _ = STARTS["force-4"]
+    radius, force = contact.at_depth(depth, *interval)
+    tension = 4.0 * 1.5 * math.pi * JKR_WORK
+    creep = 1.0 - 0.9 * math.exp(-time / 10.0)  # relaxation time 1, Einf = 10 E0: retardation time 10
+    entries = [c for c in checks("force-4")["checks"] if c.get("at_time") == time]
+    (bound,) = [entry["at_most"] for entry in entries if entry["observable"] == "penetration"]
+    assert bound == pytest.approx(depth - (tension + force) * creep / (2.0 * radius), abs=2e-7)
 
 
 def test_punch_on_a_half_space_whose_bulk_relaxes_apart():

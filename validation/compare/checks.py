@@ -8,7 +8,6 @@ from validation.cases import Case, Expected
 from validation.execution.runs import Run
 from validation.measure.check import Check
 from validation.measure.dimensionless import unit_sizes
-from validation.measure.observables import ROUND_OFF
 from validation.measure.row_interpolation import RowCurve
 
 
@@ -80,12 +79,9 @@ def _limit(case: Case, result: Run, expected: Expected, name: str, shown: float 
 
 
 def _at_time(result: Run, column: str, time: float) -> float | None:
-    """A column between rows; ``None`` if the run has none, or ends before by more than rounding."""
+    """A column between rows; ``None`` if the run does not reach that time or has no such column."""
     trace = result.trace
     values = None if trace is None else trace.columns().get(column)
-    if trace is None or values is None or len(trace) < 2:
-        return None
-    slack = ROUND_OFF * (trace.time[-1] - trace.time[0])
-    if not trace.time[0] - slack <= time <= trace.time[-1] + slack:
+    if trace is None or values is None or len(trace) < 2 or not trace.time[0] <= time <= trace.time[-1]:
         return None
     return RowCurve(trace.time, values).at(time)

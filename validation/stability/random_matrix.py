@@ -41,6 +41,9 @@ NOTICEABLE = 2e-3
 """Difference below which an estimate that falls short of it is not reported."""
 LOOSE = 0.1
 """Estimate of a curve from which on a run counts as not resolved, although it ends well."""
+LEAST_MOVEMENT = 5e-3
+"""Excursion of a curve, relative to its largest magnitude, below which it is at rest and compared
+relative to that magnitude: what the solvers are held to in a curve by default."""
 STEP_ACCURACY = 4e-3
 """Of an energy, relative to the effort of the run: the coarsest step tolerance of any solver."""
 CURVES = ("force", "contact_radius")
@@ -163,7 +166,7 @@ def _compared(run: Run, trace: Trace, base: Run, base_trace: Trace, seconds: flo
             now = Finding.WRONG
         elif difference > max(allowed, NOTICEABLE):
             now = Finding.UNDERSTATED
-        elif name in CURVES and own > LOOSE:
+        elif name in CURVES and LOOSE < own < math.inf:
             now = Finding.LOOSE
         ranks = list(Finding)
         key = (difference, name, difference, allowed)
@@ -181,9 +184,9 @@ def _differences(
         apart = distance(trace, base_trace, column)
         values = base_trace.columns()[column]
         largest, excursion = float(np.abs(values).max(initial=0.0)), float(np.ptp(values))
-        if apart is None or excursion <= trace_invariants.ROUND_OFF * largest:
+        if apart is None or largest == 0.0:
             continue
-        factor = largest / excursion
+        factor = largest / excursion if excursion > LEAST_MOVEMENT * largest else 1.0
         own, others = run.errors.get(column, math.inf), base.errors.get(column, 0.0)
         found.append((column, factor * apart.rms, factor * own, factor * others))
     for name in SCALARS:

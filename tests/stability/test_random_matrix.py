@@ -1,0 +1,160 @@
+"""Random scenes of seeds, and what is said of the answers: every finding, told from altered answers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, Ramp, Scene, Sphere, Trace
+from validation import solvers
+from validation.execution.runs import Run, measure
+from validation.execution.tasks import Task, TaskEnding, TaskResult
+from validation.stability import random_matrix
+from validation.stability.random_matrix import Answer, Finding, JudgedScene, examine, table
+from validation.stability.random_scenes import LOADINGS, random_scene
+
+CHOSEN = next(
+    one for one in map(random_scene, range(1, 100)) if one.kind == "retraction" and not one.profile_times
+)
+SCENE = replace(CHOSEN.scene, adhesion=Adhesion(1e-3, 0.01))
+
+
+def answer(excursion: float = 0.1, kind: OutcomeKind = OutcomeKind.COMPLETED) -> Trace:
+    """A small movement on a large mean, to the last penetration of the loading."""
+    t = np.linspace(0.0, 1.0, 51)
+    (ramp,) = SCENE.loading.steps
+    assert isinstance(ramp, Ramp)
+    depth = SCENE.loading.penetration + (ramp.to - SCENE.loading.penetration) * t
+    force = 10.0 + excursion * np.sin(6.0 * t)
+    energy = np.ones_like(t)
+    extra = {"branch_dissipation": 0.1 * t}
+    outcome = Outcome(kind, "as told", 1.0)
+    return Trace(
+        "reference",
+        t,
+        depth,
+        force,
+        np.full_like(t, 0.2),
+        energy,
+        energy * t,
+        energy * t,
+        outcome,
+        Counters(),
+        extra,
+    )
+
+
+def result(solver: str, trace: Trace | None, error: float = 1e-3, **how) -> TaskResult:
+    task = Task("key", "label", print)
+    if trace is None:
+        return TaskResult(task, how.pop("value", None), **how)
+    run = Run("seed", solver, trace, measures=measure(trace, SCENE, 0.0))
+    return TaskResult(
+        task, replace(run, errors=dict.fromkeys([*run.measures, "force", "contact_radius"], error))
+    )
+
+
+def judged(mine: TaskResult, base: Trace | None = None) -> Answer:
+    """The boundary elements' answer beside a reference of small error."""
+    reference = result("reference", base or answer(), 1e-5)
+    results = {"bem": mine, "fem": result("fem", answer()), "reference": reference}
+    found = examine(replace(CHOSEN, scene=SCENE), [results[name] for name in solvers.SOLVERS])
+    return {one.solver: one for one in found.answers}["bem"]
+
+
+def test_a_seed_is_always_the_same_scene_and_every_kind_comes():
+    assert random_scene(7) == random_scene(7)
+    many = [random_scene(seed) for seed in range(1, 120)]
+    assert {one.kind for one in many} == set(LOADINGS)
+    spheres = [one.scene for one in many if isinstance(one.scene.indenter, Sphere) and one.scene.adhesion]
+    zones = [scene.adhesion.zone / scene.indenter.radius for scene in spheres]
+    assert max(zones) / min(zones) > 100.0
+    radii = [one.scene.indenter.radius for one in many if isinstance(one.scene.indenter, Sphere)]
+    assert min(radii) < 1e-4 < 1.0 <= max(radii)
+    assert any(one.profile_times for one in many)
+
+
+def test_a_movement_counts_relative_to_itself():
+    """Two per cent of a swing of a hundredth of the mean: 2e-4 of the mean, by twice what the run says."""
+    off = judged(result("bem", answer(0.13), 5e-5))
+    assert off.finding is Finding.WRONG
+    assert off.quantity == "force"
+    assert off.difference == pytest.approx(0.3 * 0.72 / 1.95, rel=0.1)
+    assert judged(result("bem", answer(0.102), 5e-5)).finding is Finding.UNDERSTATED
+    assert judged(result("bem", answer(0.102), 1e-3)).finding is Finding.AGREES
+    assert judged(result("bem", answer(0.102), 1e-2)).finding is Finding.LOOSE
+
+
+def test_other_findings():
+    ended = answer(kind=OutcomeKind.NO_EQUILIBRIUM)
+    assert judged(result("bem", ended)).finding is Finding.DECLINED
+    assert judged(result("bem", answer(), 1e-3), base=ended).finding is Finding.NO_REFERENCE
+    assert judged(result("bem", answer(kind=OutcomeKind.DETACHED))).finding is Finding.OTHER_ENDING
+    time_back = replace(answer(), time=answer().time[::-1].copy())
+    assert judged(result("bem", time_back)).finding is Finding.IMPROPER
+    gaining = replace(answer(), extra={"branch_dissipation": -100.0 * answer().time})
+    assert "gain" in judged(result("bem", gaining)).note
+    hung = result("bem", None, failure="no answer", ending=TaskEnding.TIMED_OUT)
+    assert judged(hung).finding is Finding.HUNG
+    died = result("bem", None, failure="signal 11", ending=TaskEnding.DIED)
+    assert judged(died).note == "signal 11"
+    refused = result("bem", None, value=Run("seed", "bem", failure="not this one", refused=True))
+    assert judged(refused).finding is Finding.DECLINED
+
+
+def test_without_an_estimate_only_a_wrong_answer_is_told():
+    mine = result("bem", answer(0.102))
+    bare = replace(mine, value=replace(mine.value, errors={}))
+    found = judged(bare)
+    assert found.finding is Finding.AGREES
+    assert math.isinf(found.allowed)
+
+
+def test_a_stopped_matrix_goes_on(tmp_path, monkeypatch):
+    """Scenes that are done are not repeated; those at fault are written, the table counts all."""
+    asked: list[int] = []
+
+    def carried_out(tasks, executor):
+        asked.append(len(tasks))
+        return [result(task.arguments[1], None, failure="died", ending=TaskEnding.DIED) for task in tasks]
+
+    monkeypatch.setattr(random_matrix, "run_tasks", carried_out)
+    monkeypatch.setattr(random_matrix, "processes", NoProcesses)
+    touching = [seed for seed in range(1, 6) if random_matrix._possible(seed)]
+    first = random_matrix.run(tmp_path, touching[:2])
+    assert [one.seed for one in random_matrix.run(tmp_path, touching[:3])] == touching[:3]
+    assert asked == [len(solvers.SOLVERS)] * 3
+    assert random_matrix.read(tmp_path / "scenes.jsonl")[:2] == first
+    assert (tmp_path / "scenes" / f"seed-{touching[0]}.toml").exists()
+    assert f"| {Finding.CRASHED} | 3 | 3 | 3 |" in (tmp_path / "table.md").read_text()
+
+
+class NoProcesses:
+    """In place of the processes of a matrix."""
+
+    def __init__(self, *given, **named) -> None:
+        pass
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, *given) -> None:
+        pass
+
+
+def test_the_table_shows_the_worst_first():
+    answers = (Answer("bem", Finding.UNDERSTATED, "completed", "force", 0.1, 0.05),)
+    worse = (Answer("bem", Finding.WRONG, "completed", "force", 0.3, 0.1),)
+    text = table(
+        [JudgedScene(1, "cycle", "cone", 0.1, answers), JudgedScene(2, "table", "sphere", 0.1, worse)]
+    )
+    assert text.index("| silently wrong | bem | 2 |") < text.index(
+        "| off by more than its estimate | bem | 1 |"
+    )
+
+
+def test_a_random_scene_is_a_scene():
+    assert isinstance(random_scene(3).scene, Scene)
