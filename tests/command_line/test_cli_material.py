@@ -138,6 +138,8 @@ def test_what_the_figure_of_a_fit_shows(relaxation, dynamic):
     series = cc.Material(fit.modulus, 0.5, fit.branches)
     np.testing.assert_allclose(storage_fit.get_ydata(), series.storage_modulus(storage_fit.get_xdata()))
     np.testing.assert_allclose(loss_fit.get_ydata(), series.loss_modulus(loss_fit.get_xdata()))
+    drawn = np.concatenate([line.get_ydata() for line in middle.get_lines()[:2]])
+    np.testing.assert_array_equal(drawn, 100.0 * fit.residuals)
     assert len({line.get_color() for line in (storage, loss)}) == 2
     assert len({line.get_marker() for line in (storage, loss)}) == 2
     assert top.get_ylabel() == "$G'$, $G''$ (unit of the file)"

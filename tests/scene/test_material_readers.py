@@ -128,6 +128,13 @@ def test_measured_storage_and_loss(tmp_path):
         assert read_material(tmp_path / "x.txt") == read
 
 
+def test_data_files_of_reptate_hold_shear_moduli():
+    text = "T=140;Mw=116000;Mn=37000\n1 2 3\n2 3 4\n"
+    assert measured_data(text, "PB.tts", "dynamic").shear
+    assert not measured_data(text, "PB.txt", "dynamic").shear
+    assert not measured_data("w E' E''\n1 2 3\n", "PB.tts", "dynamic").shear
+
+
 def test_columns_come_in_any_order_and_rows_too(tmp_path):
     moduli = KNOWN.relaxation_modulus(TIMES)
     data = measured_data("E t\n" + rows(moduli[::-1], TIMES[::-1]), "x", "relaxation")
