@@ -85,6 +85,15 @@ def test_modes_of_reptate(tmp_path, capsys):
     assert material == cc.read_material(file, modulus=0.75)
 
 
+def test_a_table_of_pyvisco(tmp_path, capsys):
+    file = tmp_path / "df_prony.csv"
+    file.write_text("i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,MPa\n1,0.01,0.5,20.0,10.0\n2,100.0,0.3,20.0,6.0\n")
+    assert code_of(file, "--poisson", "0.3", "--out", tmp_path) == 0
+    assert "Prony series (pyvisco) of 2 branches" in capsys.readouterr().out
+    (tmp_path / "scene.toml").write_text((tmp_path / "material.toml").read_text() + REST)
+    assert cc.read_scene(tmp_path / "scene.toml").material == cc.read_material(file, poisson=0.3)
+
+
 def test_a_melt_needs_a_relaxed_modulus(tmp_path, capsys):
     file = tmp_path / "melt.txt"
     file.write_text(table("t E", TIMES, 5.0 * np.exp(-TIMES / 200.0)))
