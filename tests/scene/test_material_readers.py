@@ -97,6 +97,7 @@ def test_a_relaxed_modulus_is_asked_for(tmp_path):
         "time [s], E(t) [MPa]\n",
         "t,E_relax\ns,MPa\n",
         "# t E\n",
+        "# sample E\n",
         "a preamble of the instrument\n",
     ],
 )
@@ -210,7 +211,8 @@ def test_a_scene_read_from_a_file_is_written_as_branches(tmp_path):
         ("t,E\n1,2\n2,1\n", "relaxation", "2 rows of data"),
         ("t,E,T,Set\n1,2,3,4\n", "relaxation", "columns"),  # raw data of pyvisco, no master curve
         ("f,E',G''\n1,2,3\n", "dynamic", "columns: got"),
-        ("f,E',E''\nrad/s,Pa,Pa\n1,2,3\n", "dynamic", "columns: a frequency f in rad/s"),
+        ("f,E',E''\nrad/s,Pa,Pa\n1,2,3\n", "dynamic", "columns: frequency in rad/s"),
+        ("w [Hz],E',E''\n1,2,3\n", "dynamic", "columns: angular frequency in Hz"),
         ("f,E',E'\n1,2,3\n", "dynamic", "columns"),
         ("1,2\n", "dynamic", "columns"),
         ("w,E',E''\n1,2,3\n2,3,0\n", "dynamic", "E'', line 3"),
