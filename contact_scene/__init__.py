@@ -1,4 +1,4 @@
-"""Scene, form of the results and control of a run, shared by all solvers; no numerical method."""
+"""Scene, form of the results and control of a run, shared by all solvers; no method of solving it."""
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.errors import SceneError, UnsupportedScene

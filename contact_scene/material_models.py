@@ -119,10 +119,10 @@ class PowerLawRelaxation:
         """
         n, first, last = self.exponent, *self.range
         spacing = spacing_of(n, 0.5 * self.error)
-        fastest = first / _fastest_rate(n, 0.25 * self.error)
-        slowest = last / _slowest_rate(n, spacing, 0.25 * self.error)
-        count = max(0, math.ceil(math.log(slowest / fastest) / spacing)) + 1
-        log_times = math.log(fastest) + spacing * np.arange(count)
+        log_fastest = math.log(first) - math.log(_fastest_rate(n, 0.25 * self.error))
+        log_slowest = math.log(last) - _log_slowest_rate(n, spacing, 0.25 * self.error)
+        count = math.ceil((log_slowest - log_fastest) / spacing) + 1
+        log_times = log_fastest + spacing * np.arange(count)
         allowed = f"times and moduli from {SMALLEST:g} to {LARGEST:g}"
         if not (math.log(SMALLEST) <= log_times[0] and log_times[-1] <= math.log(LARGEST)):
             reached = f"{_power(float(log_times[0]))} to {_power(float(log_times[-1]))}"
@@ -179,16 +179,16 @@ def spacing_of(exponent: float, error: float) -> float:
 
 
 def _fastest_rate(n: float, error: float) -> float:
-    """Smallest ``t_min/tau`` with ``Q(n, t_min/tau) <= error``; at least ``n``, where the bound begins."""
+    """Smallest ``t_min/tau`` with ``Q(n, t_min/tau) <= error``; at least 1: the bound holds from ``n`` on."""
     from scipy.special import gammainccinv
 
-    return max(float(gammainccinv(n, error)), n)
+    return max(float(gammainccinv(n, error)), 1.0)
 
 
-def _slowest_rate(n: float, spacing: float, error: float) -> float:
-    """Largest ``t_max/tau`` of the slowest branch kept with which all slower ones may be taken as relaxed."""
+def _log_slowest_rate(n: float, spacing: float, error: float) -> float:
+    """Log of the largest ``t_max/tau``, at most 1, below which all branches may be taken as relaxed."""
     log_sum = math.log(error) + math.lgamma(n) + math.log(math.expm1((n + 1.0) * spacing) / spacing)
-    return math.exp(log_sum / (n + 1.0))
+    return min(log_sum / (n + 1.0), 0.0)
 
 
 def _range(value: Any) -> tuple[float, float]:

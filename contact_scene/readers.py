@@ -14,7 +14,7 @@ Measured data, which :mod:`contact_scene.prony` turns into a series:
   ``.tts``).
 
 Plain tables are text with cells parted by commas, semicolons or blanks. Lines without a number before the
-first row are headers, and ``#`` starts a comment; the first of them with a known name names the columns.
+first row are headers, and ``#`` starts a comment; the first of them with known names names the columns.
 Names tell ``f`` (cycles per unit time) from ``w`` or ``omega`` (radians per unit time), and ``E`` from ``G``.
 Without names two columns are time and modulus, three are angular frequency, storage and loss modulus, and the
 moduli are Young's (in RepTate's data files shear moduli).
@@ -193,9 +193,8 @@ def measured_data(text: str, file: str, format: str) -> RelaxationData | Dynamic
 
     Frequencies in Hz become angular. Rows may come in any order, repeated ones included.
     """
-    columns, shear, units = _columns(text, file, format)
-    if not shear:  # without names of columns, data files of RepTate are known by their ends
-        shear = not any(_table(text, file).names) and file.endswith(SHEAR_FILES)
+    columns, letter, units = _columns(text, file, format)
+    shear = letter == "G" or (letter == "" and file.endswith(SHEAR_FILES))
     order = np.argsort(next(iter(columns.values())), kind="stable")
     sorted_columns = {name: values[order] for name, values in columns.items()}
     if format == "relaxation":
@@ -216,9 +215,9 @@ def branch_table(text: str, file: str, format: str) -> BranchTable:
     """Branches from the text of a file in the format "reptate" or "branches"."""
     if format == "reptate":
         return BranchTable(_reptate_modes(text, file), shear=True)
-    columns, shear, _ = _columns(text, file, format)
+    columns, letter, _ = _columns(text, file, format)
     pairs = zip(columns["modulus"], columns["relaxation time"], strict=True)
-    return BranchTable(tuple(Branch(float(modulus), float(time)) for modulus, time in pairs), shear)
+    return BranchTable(tuple(Branch(float(modulus), float(time)) for modulus, time in pairs), letter == "G")
 
 
 def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
@@ -278,10 +277,8 @@ def _reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
     return tuple(branches)
 
 
-def _columns(
-    text: str, file: str, format: str
-) -> tuple[dict[str, NDArray[np.float64]], bool, dict[str, str]]:
-    """Columns of a plain table by what they hold, checked; whether moduli are named shear moduli; units."""
+def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.float64]], str, dict[str, str]]:
+    """Columns of a plain table by what they hold, checked; the letter of their moduli, if any; units."""
     table = _table(text, file)
     kinds = [_kind(name) for name in table.names]
     if any(kinds):
@@ -297,9 +294,10 @@ def _columns(
     letters = {letter for kind in wanted for letter in _letter(table.names[at[kind]])}
     if len(letters) > 1:
         raise SceneError("columns", f"got {shown(','.join(table.names))}", "either E or G", file)
-    if "frequency" in at and re.fullmatch(r"rad(/s| s-?1)?|1/s", table.units[at["frequency"]].lower()):
-        unit = table.units[at["frequency"]]
-        raise SceneError("columns", f"a frequency f in {unit}", "f in Hz, or w in rad/s", file)
+    for kind, contradiction in (("frequency", r"rad\W.*"), ("angular frequency", "hz")):
+        unit = table.units[at[kind]] if kind in at else ""
+        if re.fullmatch(contradiction, unit.lower()):
+            raise SceneError("columns", f"{kind} in {unit}", "f in Hz, or w in rad/s", file)
     columns: dict[str, NDArray[np.float64]] = {}
     for kind, index in at.items():
         zero = kind == "modulus" and format == "branches"
@@ -309,7 +307,7 @@ def _columns(
             for line, row in zip(table.lines, table.rows, strict=True)
         ]
         columns[kind] = np.array(checked)
-    return columns, letters == {"G"}, {kind: table.units[index] for kind, index in at.items()}
+    return columns, "".join(letters), {kind: table.units[index] for kind, index in at.items()}
 
 
 def _table(text: str, file: str) -> _Table:
@@ -342,10 +340,14 @@ def _table(text: str, file: str) -> _Table:
 def _header(headers: Sequence[tuple[bool, list[str]]], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names and units of ``width`` columns; a header is whether it is a comment, and as many cells.
 
-    The first line with a known name counts, else the first that is neither a comment nor a list of parameters
-    (``Mw = 1000; T = 20``): unknown names are for the caller to refuse.
+    The first line with a known name counts (of a comment all must be known), else the first that is neither a
+    comment nor a list of parameters (``Mw = 1000; T = 20``): unknown names are for the caller to refuse.
     """
-    known = (i for i, (_, cells) in enumerate(headers) if any(_kind(_split(cell)[0]) for cell in cells))
+    known = (
+        i
+        for i, (comment, cells) in enumerate(headers)
+        if (all if comment else any)(_kind(_split(cell)[0]) for cell in cells)
+    )
     plain = (i for i, (comment, cells) in enumerate(headers) if not comment and "=" not in "".join(cells))
     index = next(known, next(plain, None))
     if index is None:

@@ -97,6 +97,7 @@ def test_a_relaxed_modulus_is_asked_for(tmp_path):
         "time [s], E(t) [MPa]\n",
         "t,E_relax\ns,MPa\n",
         "# t E\n",
+        "# sample E\n",
         "a preamble of the instrument\n",
     ],
 )
@@ -126,6 +127,13 @@ def test_measured_storage_and_loss(tmp_path):
         expected = [(scale * modulus, time) for modulus, time in pairs(KNOWN)]
         np.testing.assert_allclose(pairs(read), expected, rtol=1e-9, err_msg=header)
         assert read_material(tmp_path / "x.txt") == read
+
+
+def test_data_files_of_reptate_hold_shear_moduli():
+    text = "T=140;Mw=116000;Mn=37000\n1 2 3\n2 3 4\n"
+    assert measured_data(text, "PB.tts", "dynamic").shear
+    assert not measured_data(text, "PB.txt", "dynamic").shear
+    assert not measured_data("w E' E''\n1 2 3\n", "PB.tts", "dynamic").shear
 
 
 def test_columns_come_in_any_order_and_rows_too(tmp_path):
@@ -203,7 +211,8 @@ def test_a_scene_read_from_a_file_is_written_as_branches(tmp_path):
         ("t,E\n1,2\n2,1\n", "relaxation", "2 rows of data"),
         ("t,E,T,Set\n1,2,3,4\n", "relaxation", "columns"),  # raw data of pyvisco, no master curve
         ("f,E',G''\n1,2,3\n", "dynamic", "columns: got"),
-        ("f,E',E''\nrad/s,Pa,Pa\n1,2,3\n", "dynamic", "columns: a frequency f in rad/s"),
+        ("f,E',E''\nrad/s,Pa,Pa\n1,2,3\n", "dynamic", "columns: frequency in rad/s"),
+        ("w [Hz],E',E''\n1,2,3\n", "dynamic", "columns: angular frequency in Hz"),
         ("f,E',E'\n1,2,3\n", "dynamic", "columns"),
         ("1,2\n", "dynamic", "columns"),
         ("w,E',E''\n1,2,3\n2,3,0\n", "dynamic", "E'', line 3"),

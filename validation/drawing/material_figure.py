@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Material
+from contact_scene.errors import SMALLEST
 from contact_scene.prony import PronyFit
 from contact_scene.readers import RelaxationData
 from validation.drawing.axes import format_axes
@@ -33,15 +34,14 @@ def draw_fit(fit: PronyFit) -> Figure:
     figure = Figure(figsize=SIZE, layout="constrained")
     top, middle, bottom = figure.subplots(3, 1, height_ratios=(3.0, 1.5, 2.0))
     letter, (time, stress) = "G" if fit.data.shear else "E", fit.data.units
-    series = Material(fit.modulus or 1.0, 0.5, fit.branches)  # of melts the relaxed modulus goes off again
-    offset = 0.0 if fit.modulus else 1.0
+    series = Material(fit.modulus or SMALLEST, 0.5, fit.branches)  # a melt has no relaxed modulus
     residuals = 100.0 * fit.residuals
     if isinstance(fit.data, RelaxationData):
         points = fit.data.times
         x = _between(points)
         across = f"time ({time or 'unit of the file'})"
         curves: list[tuple[str, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], Any]] = [
-            ("", fit.data.moduli, series.relaxation_modulus(x) - offset, residuals, (BLUE, "o", "-"))
+            ("", fit.data.moduli, series.relaxation_modulus(x), residuals, (BLUE, "o", "-"))
         ]
         up = f"${letter}(t)$"
     else:
@@ -49,7 +49,7 @@ def draw_fit(fit: PronyFit) -> Figure:
         x = _between(points)
         across = f"angular frequency (rad/{time})" if time else "angular frequency (rad per unit of time)"
         half = points.size
-        storage, loss = series.storage_modulus(x) - offset, series.loss_modulus(x)
+        storage, loss = series.storage_modulus(x), series.loss_modulus(x)
         curves = [
             ("storage: ", fit.data.storage, storage, residuals[:half], (BLUE, "o", "-")),
             ("loss: ", fit.data.loss, loss, residuals[half:], (VERMILION, "s", DASHED)),
@@ -73,7 +73,7 @@ def draw_fit(fit: PronyFit) -> Figure:
     middle.set(xscale="log", ylabel="fit/measured - 1 (%)", xlabel=across)
     middle.set_title(f"misfit {fit.misfit:.2e} (root mean square, relative)", fontsize="small")
     middle.set_xlim(*top.get_xlim())
-    _draw_branches(bottom, fit, f"{letter}$_k$ ({unit})", f"relaxation time ({time or 'unit of the file'})")
+    _draw_branches(bottom, fit, f"${letter}_k$ ({unit})", f"relaxation time ({time or 'unit of the file'})")
     _finish(top, middle, bottom)
     return figure
 
