@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Segment
+from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import PenetrationPath, cubic, straight
 from validation.reference.tracking.step_history import RowExtrapolation
-from validation.reference.tracking.surface import Body, EdgePath, Surface, after_step, field_update
+from validation.reference.tracking.surface import Body, Surface, after_step, field_update
 
 Array = NDArray[np.float64]
 

@@ -14,6 +14,10 @@ GRADING = 1.75
 """Grading of nodes towards the end of a step: distances shrink by the factor ``1 - GRADING/divisions``."""
 LAYER_FRACTION = 0.15
 """First node before the end of a step, in shortest relaxation times."""
+ZONE_FRACTION = 0.1
+"""Last node of a step over many process zones before its end, in process zones."""
+ZONE_GRADING = 0.6
+"""Grading of the nodes of such a step, whose fields are smooth from node to node."""
 THINNEST_LAYER = 1e-14
 """Thinnest resolved boundary layer, in process zones: thinner ones do not matter at any ratio of moduli."""
 CLOSEST_MOMENT = 1e-13
@@ -34,12 +38,15 @@ class NodePlacement:
         Process zone; 0 without adhesion.
     divisions : float
         Steps per process zone.
+    over_zones : bool
+        Whether the step may pass over several process zones; its nodes then reach down to a part of a zone.
     """
 
     shortest: float
     travel: float
     zone_length: float
     divisions: float
+    over_zones: bool = False
 
     def fractions(self, duration: float) -> Array:
         """Fractions of the step, rising, within (0, 1)."""
@@ -51,5 +58,9 @@ class NodePlacement:
             THINNEST_LAYER * self.zone_length / self.travel,
             CLOSEST_MOMENT,
         )
+        if self.over_zones:
+            ratio = ZONE_GRADING
+            smallest = max(min(smallest, ZONE_FRACTION * self.zone_length / self.travel), CLOSEST_MOMENT)
+            smallest = min(smallest, ratio)
         count = int(math.log(min(smallest, 1.0)) / math.log(ratio))
         return np.asarray(1.0 - ratio ** np.arange(1, count + 1), float)

@@ -146,7 +146,7 @@ def _run(
             largest_radius=problem.radius,
             largest_force=problem.force,
             largest_depth=problem.depth,
-            travel=problem.largest_travel,
+            travel=problem.longest_travel(surface.radius),
             displaced_to=surface.radius,
         )
     stepper = FrontStepper(problem, options, row_tolerances, state, cursor, progress, monitor)
