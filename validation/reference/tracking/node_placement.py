@@ -16,8 +16,10 @@ LAYER_FRACTION = 0.15
 """First node before the end of a step, in shortest relaxation times."""
 ZONE_FRACTION = 0.1
 """Last node of a step over many process zones before its end, in process zones."""
-ZONE_GRADING = 0.6
-"""Grading of the nodes of such a step, whose fields are smooth from node to node."""
+CLOSURE_REACH = 4.0
+"""Part of such a step, in process zones before its end, into which the closure may look at its end."""
+WAKE_GRADING = 0.6
+"""Grading of the nodes before that part: they count in integrals and for an edge that comes back."""
 THINNEST_LAYER = 1e-14
 """Thinnest resolved boundary layer, in process zones: thinner ones do not matter at any ratio of moduli."""
 CLOSEST_MOMENT = 1e-13
@@ -58,9 +60,16 @@ class NodePlacement:
             THINNEST_LAYER * self.zone_length / self.travel,
             CLOSEST_MOMENT,
         )
-        if self.over_zones:
-            ratio = ZONE_GRADING
-            smallest = max(min(smallest, ZONE_FRACTION * self.zone_length / self.travel), CLOSEST_MOMENT)
-            smallest = min(smallest, ratio)
-        count = int(math.log(min(smallest, 1.0)) / math.log(ratio))
-        return np.asarray(1.0 - ratio ** np.arange(1, count + 1), float)
+        if not self.over_zones:
+            return 1.0 - _graded(1.0, smallest, ratio)
+        zone = self.zone_length / self.travel
+        smallest = max(min(smallest, ZONE_FRACTION * zone), CLOSEST_MOMENT)
+        wake = _graded(1.0, CLOSURE_REACH * zone, WAKE_GRADING)
+        begin = float(wake[-1]) if len(wake) else 1.0
+        return 1.0 - np.concatenate((wake, _graded(begin, smallest, ratio)))
+
+
+def _graded(begin: float, smallest: float, ratio: float) -> Array:
+    """Numbers that fall from ``begin`` by a ratio as far as they exceed ``smallest``."""
+    count = int(math.log(min(smallest / begin, 1.0)) / math.log(ratio))
+    return np.asarray(begin * ratio ** np.arange(1, count + 1), float)
