@@ -12,6 +12,7 @@ from support.paper_scenes import PULL as F_JKR
 from contact_scene import Adhesion, Branch, Loading, Material, OutcomeKind, Ramp, Scene, Sphere, Sweep, Trace
 from validation.measure.observables import Observables, observe
 from validation.reference import Options, solve
+from validation.reference.finite_zone import FiniteZone
 from validation.reference.tracking.energy import branch_power
 from validation.reference.tracking.recorder import Recorder
 from validation.studies.reference_accuracy import COLUMNS, MATERIALS, cycle, levels, order
@@ -89,6 +90,18 @@ def test_relaxed_equilibrium_and_elastic_pull_off() -> None:
     assert soft.force[0] == pytest.approx(1.87e-3 * math.pi, abs=5e-6 * math.pi)
     assert _seen(soft).pull_off_force == pytest.approx(1.02693 * F_JKR, rel=5e-6)
     assert _seen(stiff).pull_off_force == pytest.approx(1.05837 * F_JKR, rel=5e-6)
+
+
+@pytest.mark.parametrize(("resolution", "accuracy"), [(8, 1e-5), (16, 1.5e-6)])
+def test_the_largest_tension_is_where_its_derivative_vanishes(resolution: int, accuracy: float) -> None:
+    """The force is flat there: its largest row says little about where, rows beside it show how little."""
+    trace = solve(_elastic(0.75), Options(resolution=resolution))
+    exact, got = FiniteZone(1.0, 1.0, WORK, ZONE).pull_off_force_control(), _seen(trace)
+    assert got.pull_off_radius == pytest.approx(exact.contact_radius, rel=accuracy)
+    assert got.pull_off_penetration == pytest.approx(exact.penetration, rel=4.0 * accuracy)
+    assert got.pull_off_force == pytest.approx(-exact.force, rel=1e-8)
+    row = int(np.argmin(trace.force))
+    assert np.ptp(trace.contact_radius[row - 1 : row + 2]) < 1e-3 * exact.contact_radius
 
 
 def test_fast_retraction_from_the_relaxed_state() -> None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import Transform
+from validation.reference.tracking.short_contact import short_contact_integral
 
 Array = NDArray[np.float64]
 
@@ -55,9 +56,7 @@ def kernel_slope(start: float, zone: float) -> Array:
     ``a^2 dK/dx`` depends on ``zone/a`` alone (``a = start + zone``): a Chebyshev series, made once.
     """
     a = start + zone
-    argument = 2.0 * zone / (a * LONGEST) - 1.0
-    if argument > 1.0:
-        return _kernel_slope(start, zone)
+    argument = min(2.0 * zone / (a * LONGEST) - 1.0, 1.0)
     series = np.cos(_ORDERS * np.arccos(argument))
     return (series @ _TABLE).reshape(_DEGREE, _DEGREE) / (a * a)
 
@@ -72,7 +71,7 @@ def _kernel_slope(start: float, zone: float) -> Array:
     return _TO_POWERS @ (np.pi * values.mean(axis=2)) @ _TO_POWERS.T
 
 
-LONGEST = 0.5  # of the radius: longer zones are rare, and their kernel is computed each time
+LONGEST = 0.5  # of the radius: for longer zones the kernel is no such polynomial (see short_contact)
 _ORDERS = np.arange(32)
 _SAMPLES = np.cos(np.pi * (_ORDERS + 0.5) / len(_ORDERS))
 _TABLE = np.array(
@@ -105,6 +104,17 @@ def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: T
     radius = float(edge.inside[-1])
     start = radius - zone
     x, memory, y, strain = _near(edge, zone)
+    memory_slopes, strain_slopes = hermite.slopes(x, memory), hermite.slopes(y, strain)
+
+    def stress(at: Array) -> Array:
+        rubber = relaxed * (edge.penetration - transform(at))
+        return hermite.evaluate(x, memory, memory_slopes, at) + rubber
+
+    def opening(at: Array) -> Array:
+        return hermite.evaluate(y, strain, strain_slopes, at) - edge.penetration + transform(at)
+
+    if zone > LONGEST * radius:
+        return _signed(*short_contact_integral(stress, opening, x, y, radius, zone), zone)
     breaks = np.concatenate(
         (zone * _LATTICE, x[(x > start) & (x < radius)] - start, y[y < radius + zone] - radius)
     )
@@ -113,9 +123,7 @@ def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: T
     s = breaks[:-1] + width * _GAUSS[:, None]  # (2, m): Gauss points, panels
     weight = width * _WEIGHT[:, None]
     behind, ahead = start + s, radius + s
-    q = hermite.evaluate(x, memory, hermite.slopes(x, memory), behind)
-    q += relaxed * (edge.penetration - transform(behind))
-    d = hermite.evaluate(y, strain, hermite.slopes(y, strain), ahead) - edge.penetration + transform(ahead)
+    q, d = stress(behind), opening(ahead)
     main = 0.5 * np.pi * float((weight * d * q / np.sqrt(ahead * behind)).sum())
 
     weighted = weight * d
@@ -132,10 +140,16 @@ def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: T
     pairs = inner.reshape(_DEGREE, -1) @ (weighted * powers).reshape(_DEGREE, -1).T
     total = main + float((kernel_slope(start, zone) * pairs).sum())
 
+    return _signed(total, float((weight * q).sum()), float(weighted.sum()), zone)
+
+
+def _signed(total: float, load: float, openings: float, zone: float) -> float:
+    """``I`` from its double integral; negative where the zone is pressed and would overlap ahead.
+
+    ``load``, ``openings``: integrals of ``q`` behind and of ``d`` ahead of the edge over one zone.
+    """
     value = -total / (np.pi**2 * zone)
-    pressed = float((weight * q).sum()) > 0.0
-    overlapping = float(weighted.sum()) < 0.0
-    return -abs(value) if pressed and overlapping else float(value)
+    return -abs(value) if load > 0.0 and openings < 0.0 else value
 
 
 def _near(edge: EdgeFields, zone: float) -> tuple[Array, Array, Array, Array]:

@@ -30,6 +30,8 @@ TOUCHING_STRESS = 1e-12
 """Edge stress, relative to the largest, below which two plane faces just touch."""
 LOST_FORCE = 1e-11
 """Contact that is being lost counts as lost below this fraction of the peak force."""
+AT_SMALLEST_RADIUS = 1e-6
+"""Distance from the smallest radius, relative to it, below which a jump has shrunk the contact that far."""
 BISECTIONS = 24
 """Bisections of the part of a jump in which contact begins or is lost."""
 
@@ -63,6 +65,13 @@ def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> Ste
     elif last < 1.0:
         last = _last_contact(equilibrium, rows[-1] if rows else start, last, lost)
         rows, _, _ = _equilibria(equilibrium, start, _shares(0.0, last, begins, True))
+        shortest = problem.condition.smallest_radius
+        if rows and rows[-1].radius - shortest < AT_SMALLEST_RADIUS * shortest:
+            return StepOutcome(
+                candidates=(problem.candidate(state.time, rows[-1]),),
+                equilibria=tuple(rows[:-1]),
+                below_zone=True,
+            )
     return StepOutcome(
         candidates=(problem.candidate(state.time, rows[-1] if rows else start),),
         equilibria=tuple(rows[:-1]),
@@ -157,7 +166,7 @@ def _arrest(
 ) -> float | None:
     """The next stable radius of an unstable edge at fixed time; ``None`` if contact is lost."""
     far = 1e3 * max(begin, state.largest_radius)
-    limit = min(problem.edge_radius, far) if outward else min(problem.condition.smallest_arrest, begin)
+    limit = min(problem.edge_radius, far) if outward else min(problem.condition.smallest_radius, begin)
     if isinstance(problem.condition, Griffith):
         stride = ADHESIVE_STRIDE * problem.condition.zone_length
     else:

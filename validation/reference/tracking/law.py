@@ -13,11 +13,6 @@ from contact_scene import Adhesion
 from validation.reference.tracking.closure import closure_integral
 from validation.reference.tracking.surface import Body, Surface
 
-SMALLEST_CONTACT = 1.02
-"""Smallest contact radius in process zones: at one, the closure integral reaches the axis."""
-SMALLEST_ARREST = 2.0
-"""Smallest contact radius, in process zones, in which an unstable edge is taken to be arrested."""
-
 
 @dataclass(frozen=True)
 class Griffith:
@@ -33,13 +28,8 @@ class Griffith:
 
     @property
     def smallest_radius(self) -> float:
-        """Smallest contact radius the condition is defined for."""
-        return SMALLEST_CONTACT * self.adhesion.zone
-
-    @property
-    def smallest_arrest(self) -> float:
-        """Smallest contact radius in which an unstable edge may be arrested."""
-        return SMALLEST_ARREST * self.adhesion.zone
+        """Smallest contact radius the condition is defined for: one zone, which then reaches the axis."""
+        return self.adhesion.zone
 
     def residual(self, surface: Surface, body: Body) -> float:
         """Residual at an edge that has just moved to its present radius."""
@@ -61,7 +51,6 @@ class NoTension:
     tolerance: ClassVar[float] = 1e-13  # a shrinking contact ends in a point, where the residual is flat
     zone_length: ClassVar[float] = 0.0
     smallest_radius: ClassVar[float] = 0.0
-    smallest_arrest: ClassVar[float] = 0.0
 
     def residual(self, surface: Surface, body: Body) -> float:
         """Residual at an edge that has just moved to its present radius."""

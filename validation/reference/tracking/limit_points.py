@@ -47,7 +47,7 @@ def prescribed_travel(
     """
     a0 = state.surface.radius
     if radius == a0:
-        return StepOutcome(longest, detachment="the contact has shrunk to the length of the process zone")
+        return StepOutcome(longest, below_zone=True)
     extremum = state.history.distance_to_extremum(FORCE, RADIUS) / (radius - a0)
     if 0.1 < extremum < 1.0 and radius > 0.0:
         radius = a0 + rounded_length(extremum) * (radius - a0)
@@ -76,7 +76,8 @@ def _passing(
     if deviation > 2.0 and radius > 0.0:
         return StepOutcome(longest, rejected=True, travel=travel)
     lost = NO_STABLE_CONTACT if radius == 0.0 else ""
-    return StepOutcome(1.5 * h, (end,), travel=travel, detachment=lost)
+    below_zone = 0.0 < radius == problem.condition.smallest_radius
+    return StepOutcome(1.5 * h, (end,), travel=travel, detachment=lost, below_zone=below_zone)
 
 
 def _at_limit_point(

@@ -28,7 +28,9 @@ LEAST_AREA_CHANGE = 1e-6
 LEAST_DISTANCE = 1e-9
 """Distance in time from another row, in step lengths, below which an interpolated row is left out."""
 DEPTH = 1
-"""Column of the penetration, after the time."""
+"""Column of the penetration in interpolated values, which lack the time."""
+FORCE_OF_ROW = 2
+"""Place of the force in a recorded row."""
 
 
 @dataclass

@@ -6,8 +6,13 @@ import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+import numpy as np
+from numpy.polynomial import Polynomial
+
 LENGTH = 4
 """Rows in the history: enough for a cubic extrapolation."""
+FARTHEST = 1e3
+"""Distance of a row from an interval, in its lengths, beyond which it says nothing about a curve there."""
 TIME, RADIUS, FORCE, PENETRATION = range(4)
 HistoryRow = tuple[float, float, float, float]
 
@@ -109,17 +114,32 @@ class StepHistory:
             return h
         return extremum
 
-    def past_extremum(self, column: int) -> tuple[int, float] | None:
-        """The step (-2 or -1) and the time of an extremum within the last two steps; ``None`` if none."""
-        if len(self.rows) < 3:
+    def extremum_within(self, column: int, back: int, least: float) -> tuple[float, float] | None:
+        """Time of an extremum in the ``back``-th interval from the last, and the length of the interval.
+
+        Zero of the derivative of the polynomial through the rows nearby; ``None`` if there is none, or if the
+        extremum lies within ``least`` of the values at the ends of the interval.
+        """
+        rises = [later[column] - earlier[column] for earlier, later in pairwise(self.rows)]
+        if len(self.rows) <= back or min(rises) >= 0.0 or max(rises) <= 0.0:
             return None
-        one, two, now = self.rows[-3:]
-        if (two[column] - one[column]) * (now[column] - two[column]) >= 0.0:
+        first, last = self.rows[-back - 1], self.rows[-back]
+        h = last[TIME] - first[TIME]
+        near = [row for row in self.rows if abs(row[TIME] - first[TIME]) <= FARTHEST * h]
+        if len(near) < 3:
             return None
-        h = two[TIME] - one[TIME]
-        slope = (two[column] - one[column]) / h
-        at = one[TIME] + 0.5 * h - slope / self._second_derivative(column, TIME)
-        return (-2 if at < two[TIME] else -1), at
+        shares = np.array([(row[TIME] - first[TIME]) / h for row in near])
+        values = np.array([row[column] - first[column] for row in near])
+        curve = Polynomial(np.linalg.solve(np.vander(shares, increasing=True), values))
+        slope = curve.deriv()
+        if float(slope(0.0)) * float(slope(1.0)) >= 0.0:
+            return None
+        roots = np.asarray(slope.roots())
+        share = float(roots[np.argmin(np.abs(roots - 0.5))].real)
+        extremum = float(curve(share))
+        if min(abs(extremum), abs(extremum - last[column] + first[column])) <= least:
+            return None
+        return first[TIME] + share * h, h
 
     def chord_deviation(self, row: HistoryRow, along: int = TIME) -> dict[int, float]:
         """Largest distance of radius, force and penetration from the straight line on the way to ``row``."""

@@ -47,6 +47,8 @@ class StepOutcome:
         Whether contact may begin at the candidate with a whole face.
     detachment : str
         Why contact is lost after the last candidate; empty if it is not.
+    below_zone : bool
+        Whether the contact has shrunk to its process zone at the last candidate, and goes on to shrink.
     """
 
     proposal: float | None = None
@@ -59,6 +61,7 @@ class StepOutcome:
     kink: bool = False
     first_contact: bool = False
     detachment: str = ""
+    below_zone: bool = False
 
 
 NO_STABLE_CONTACT = "no stable contact is left"

@@ -6,7 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from contact_scene import Event, Outcome, OutcomeKind, RunMonitor, Segment
-from contact_scene.run_control import KeptState, LoadingCursor, budget_outcome, interruption, stops_within
+from contact_scene.run_control import (
+    KeptState,
+    LoadingCursor,
+    below_zone_outcome,
+    budget_outcome,
+    interruption,
+    stops_within,
+)
 from validation.reference.tracking.coarsening import coarsened
 from validation.reference.tracking.instantaneous import (
     flat_first_contact,
@@ -17,10 +24,10 @@ from validation.reference.tracking.limit_points import AT_LIMIT_POINT
 from validation.reference.tracking.options import Options
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.profiles import surface_profile
-from validation.reference.tracking.recorder import Recorder
+from validation.reference.tracking.recorder import FORCE_OF_ROW, Recorder
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step import RowTolerances, trial_step
-from validation.reference.tracking.step_history import FORCE
+from validation.reference.tracking.step_history import FORCE, TIME
 from validation.reference.tracking.step_outcome import FrontCandidate, StepOutcome
 
 NAME = "reference"
@@ -30,6 +37,10 @@ COARSENING_SQUARED = 100.0
 """Error allowed in coarsening, in squares of the deviation allowed in a step: of fourth order, as a step."""
 COARSENING_SHARE = 0.1
 """Error allowed in coarsening, in deviations allowed in a step, at most."""
+EXTREMUM_HEIGHT = 1e-13
+"""Height of an extremum of the force over its rows, in largest forces, below which it is round-off."""
+BESIDE_EXTREMUM = 1.0 / 32.0
+"""Distance of the rows on either side of an extremum of the force, in steps: they show where it may lie."""
 MOST_REJECTED = 400
 """Steps rejected one after the other before the run ends with an underflow of the step."""
 
@@ -100,6 +111,7 @@ class FrontStepper:
                     return
             self._add_profile(stop.time)
             if stop.kink:
+                self._add_extremum(segment, 1)
                 self._kink()
             cursor.stop_reached()
 
@@ -160,9 +172,12 @@ class FrontStepper:
         if outcome.first_contact:
             self._flat_first_contact(segment)
         if outcome.kink:
+            self._add_extremum(segment, 1)
             self._kink()
         if outcome.detachment:
             self._lose_contact(outcome.detachment)
+        elif outcome.below_zone:
+            self.outcome = below_zone_outcome([row[FORCE_OF_ROW] for row in state.recorded.rows], state.time)
 
     def _commit(self, candidate: FrontCandidate, segment: Segment | None = None) -> None:
         """Make a candidate the present state; its interpolated rows are left to the recorder."""
@@ -180,15 +195,27 @@ class FrontStepper:
             self._interpolate(segment, before, candidate.intervals)
 
     def _interpolate(self, segment: Segment, before: float, intervals: int) -> None:
-        """Rows that divide the last step into intervals, and one at an extremum of the force."""
+        """Rows that divide the last step into intervals, and rows at an extremum of the force before it."""
         now = self.state.time
-        wanted = [(1, before + (now - before) * part / intervals) for part in range(1, intervals)]
-        extremum = self.state.history.past_extremum(FORCE)
-        if extremum is not None:
-            wanted.append((-extremum[0], extremum[1]))
         prescribed = segment.control == "penetration"
-        for back, at in wanted:
-            self.recorder.interpolate(at, segment.value(at) if prescribed else None, back)
+        for part in range(1, intervals):
+            at = before + (now - before) * part / intervals
+            self.recorder.interpolate(at, segment.value(at) if prescribed else None, 1)
+        self._add_extremum(segment, 2)
+
+    def _add_extremum(self, segment: Segment, back: int) -> None:
+        """Rows at and beside an extremum of the force in the ``back``-th step from the last."""
+        if segment.control != "penetration":
+            return
+        state = self.state
+        extremum = state.history.extremum_within(FORCE, back, EXTREMUM_HEIGHT * state.largest_force)
+        if extremum is None:
+            return
+        at, length = extremum
+        ends = [state.history.rows[-back - 1][TIME], state.history.rows[-back][TIME]]
+        for time in (at - BESIDE_EXTREMUM * length, at, at + BESIDE_EXTREMUM * length):
+            if ends[0] < time < ends[1]:
+                self.recorder.interpolate(time, segment.value(time), back)
 
     def _flat_first_contact(self, segment: Segment) -> None:
         candidate = flat_first_contact(self.problem, self.state, segment)
