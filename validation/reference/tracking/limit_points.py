@@ -97,7 +97,7 @@ def _at_limit_point(
         late = problem.candidate(state.time + longest, trial.surface_at(longest, a0))
         return StepOutcome(longest, (end, late), True, travel)
     event = None
-    if abs(end.surface.radius - a0) > problem.largest_travel and isinstance(problem.condition, Griffith):
+    if abs(end.surface.radius - a0) > travel and isinstance(problem.condition, Griffith):
         kind = "snap-in" if outward else "pull-off"
         event = Event(kind, state.time, state.surface.penetration, state.force, a0)
     return StepOutcome(longest, (end,), True, travel, event=event)

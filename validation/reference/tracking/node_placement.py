@@ -20,6 +20,9 @@ CLOSURE_REACH = 4.0
 """Part of such a step, in process zones before its end, into which the closure may look at its end."""
 WAKE_GRADING = 0.6
 """Grading of the nodes before that part: they count in integrals and for an edge that comes back."""
+START_GRADING = 0.1
+"""Grading of the nodes at the start of such a step: neighbouring distances differ by no more than tenfold, far
+from what stands for a discontinuity."""
 THINNEST_LAYER = 1e-14
 """Thinnest resolved boundary layer, in process zones: thinner ones do not matter at any ratio of moduli."""
 CLOSEST_MOMENT = 1e-13
@@ -66,7 +69,10 @@ class NodePlacement:
         smallest = max(min(smallest, ZONE_FRACTION * zone), CLOSEST_MOMENT)
         wake = _graded(1.0, CLOSURE_REACH * zone, WAKE_GRADING)
         begin = float(wake[-1]) if len(wake) else 1.0
-        return 1.0 - np.concatenate((wake, _graded(begin, smallest, ratio)))
+        start = _graded(
+            0.5 * (1.0 - float(wake[0])) if len(wake) else 0.5, ZONE_FRACTION * zone, START_GRADING
+        )
+        return np.concatenate((start[::-1], 1.0 - wake, 1.0 - _graded(begin, smallest, ratio)))
 
 
 def _graded(begin: float, smallest: float, ratio: float) -> Array:
