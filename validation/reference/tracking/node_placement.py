@@ -21,8 +21,8 @@ CLOSURE_REACH = 4.0
 WAKE_GRADING = 0.6
 """Grading of the nodes before that part: they count in integrals and for an edge that comes back."""
 START_GRADING = 0.1
-"""Grading of the nodes at the start of such a step: neighbouring distances differ by no more than tenfold, far
-from what stands for a discontinuity."""
+"""Grading of the nodes at the start of such a step: neighbouring distances then differ by a factor of ten at
+most, far from what stands for a discontinuity."""
 THINNEST_LAYER = 1e-14
 """Thinnest resolved boundary layer, in process zones: thinner ones do not matter at any ratio of moduli."""
 CLOSEST_MOMENT = 1e-13
