@@ -1,4 +1,4 @@
-"""Steps over many process zones: against short steps, closed limits and themselves, over seven decades of zone.
+"""Steps over many process zones: against short steps, closed limits and themselves, over seven decades.
 
 The scenes are the paper's sphere with shorter zones than the paper's. Short steps are the same solver with
 steps of a sixteenth of a zone, or of a thirty-second for the check values: 30,000 steps that no test can pay.
@@ -195,7 +195,7 @@ def test_steady_edge_laws(zone: float, start: float, end: float, pace: float) ->
 @pytest.mark.parametrize("loading", [RETRACTION, CYCLE], ids=["retraction", "cycle"])
 @pytest.mark.parametrize("zone", [1.3e-4, 1.3e-6])
 def test_order_in_the_step(zone: float, loading: Loading) -> None:
-    """Second order or better in the divisions (the tolerance falls with their square), and a cap on the error."""
+    """Second order or better (the tolerance falls with the square of the divisions), and small errors."""
     question = scene(zone, loading)
     fine = observe(solve(question, Options(resolution=64)))
     for quantity in ("pull_off_force", "loop_energy"):

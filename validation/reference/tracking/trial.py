@@ -96,7 +96,9 @@ class Trial:
         fractions = self._node_fractions(duration, path.travel)
         if self.segment.control == "force":
             target = self.segment.value(self.time + duration)
-            return force_balanced(start, self.body, target, duration, self.depths, path, fractions)
+            return force_balanced(
+                start, self.body, target, duration, self.depths, path, fractions, self.over_zones
+            )
         update = self._updates.get(duration)
         if update is None:
             depth: PenetrationPath = prescribed_penetration(self.segment, self.time, duration, start)
