@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from functools import partial
 
 import pytest
 from support.resumable_runs import RICH, SHORT, TIMES, bem, fem, front, uninterrupted
 from support.stopped_runs import Stop, assert_beginning, assert_same, in_parts
 
+from contact_scene import Material
 from validation import cases
 from validation.execution import checked_pickle
 
@@ -17,6 +19,7 @@ SOLVERS = {
     "bem uniform": partial(bem, RICH, annuli="uniform"),
     "fem": partial(fem, RICH),
     "reference": partial(front, RICH),
+    "reference elastic": partial(front, replace(RICH, material=Material(0.75, 0.5))),
 }
 
 

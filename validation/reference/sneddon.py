@@ -43,10 +43,14 @@ def shape_factor(exponent: float) -> float:
 
 
 def depth(indenter: Indenter, x: ArrayLike) -> Array:
-    """``G(x)``, the penetration at which an adhesionless contact has radius ``x``; same shape as ``x``."""
+    """``G(x)``, the penetration at which an adhesionless contact has radius ``x``; same shape as ``x``.
+
+    Infinite where a power law is beyond floating point; so are :func:`depth_integral` and :func:`force`.
+    """
     x = np.asarray(x, float)
     if (law := power_law(indenter)) is not None:
-        return law[1] * shape_factor(law[0]) * x ** law[0]
+        with np.errstate(over="ignore"):
+            return np.asarray(law[1] * shape_factor(law[0]) * x ** law[0])
     if isinstance(indenter, FlatPunch):
         return np.zeros_like(x)
     return np.vectorize(lambda at: at * _angular(indenter, at, 0), otypes=[float])(x)
@@ -56,7 +60,8 @@ def depth_integral(indenter: Indenter, contact_radius: ArrayLike) -> Array:
     """``H(a) = int_0^a G(x) dx``; same shape as ``contact_radius``."""
     a = np.asarray(contact_radius, float)
     if (law := power_law(indenter)) is not None:
-        return a * depth(indenter, a) / (law[0] + 1.0)
+        with np.errstate(over="ignore"):
+            return np.asarray(a * depth(indenter, a) / (law[0] + 1.0))
     if isinstance(indenter, FlatPunch):
         return np.zeros_like(a)
     return np.vectorize(lambda at: at**2 * _angular(indenter, at, 2), otypes=[float])(a)
@@ -98,7 +103,10 @@ def unit_force(indenter: Indenter, contact_radius: ArrayLike, penetration: Array
 
 
 def force(indenter: Indenter, contact_radius: ArrayLike, plane_modulus: float) -> Array:
-    """``F(a) = 2 E* (a G(a) - H(a))``, the adhesionless force."""
+    """``F(a) = 2 E* (a G(a) - H(a))``, the adhesionless force: ``2 E* n H(a)`` for a power ``n``."""
+    if (law := power_law(indenter)) is not None:
+        with np.errstate(over="ignore"):
+            return np.asarray(2.0 * plane_modulus * law[0] * depth_integral(indenter, contact_radius))
     return plane_modulus * unit_force(indenter, contact_radius, depth(indenter, contact_radius))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene, TabulatedProfile
+from contact_scene.errors import SceneError
 from contact_scene.scene import zone_too_long
 from validation.reference.tracking.law import EdgeCondition, Griffith
 from validation.reference.tracking.root import bracketed
@@ -16,8 +17,12 @@ from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
 
+LEAST_ZONE = 1e-9
+"""Least process zone in contact radii: the rounding of a radius is then 1e-7 of a zone."""
 MOST_RADII = 800
 """Most evenly spaced radii among which an equilibrium is bracketed."""
+SHORTEST = 1e-60
+"""Least radius at which a contact shorter than its zone is looked for: the least length a scene may hold."""
 NODES = 160
 """Nodes of the start state, half of them within a fifth of the radius from the edge."""
 
@@ -28,7 +33,7 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
     Raises
     ------
     SceneError
-        If contact is possible, but not with a process zone of that length.
+        If contact is possible, but not with a process zone of that length; if the zone is lost in rounding.
     """
     depth, edge = scene.loading.penetration, scene.indenter.edge
     glassy = scene.loading.start == "jump-in"
@@ -56,10 +61,19 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
         return elastic_surface(body, depth, edge, glassy)
     outermost = _outermost(residual, law.smallest_radius, highest)
     if outermost is not None:
+        if zone < LEAST_ZONE * outermost:
+            raise SceneError(
+                "adhesion.zone",
+                f"the process zone {zone:.4g} is lost in the rounding of the contact radius {outermost:.4g}",
+                f"a zone of at least {LEAST_ZONE:g} of the contact radius",
+            )
         return elastic_surface(body, depth, outermost, glassy)
-    short = _outermost(tip_residual, 1e-6 * zone, law.smallest_radius)
-    if short is not None:
-        raise zone_too_long(zone, short)
+    longest = law.smallest_radius
+    while longest > SHORTEST:
+        short = _outermost(tip_residual, 1e-6 * longest, longest)
+        if short is not None:
+            raise zone_too_long(zone, short)
+        longest *= 1e-6
     return None
 
 

@@ -24,6 +24,8 @@ JUMP_PARTS = 32
 """Parts of a load jump during which the edge moves."""
 ADHESIVE_STRIDE = 0.15
 """Search interval for the arrest of an unstable edge, in process zones."""
+ELASTIC_STRIDE = 0.02
+"""The same for an elastic half-space, in radii: no field varies there within a process zone."""
 ADHESIONLESS_STRIDE = 0.02
 """The same without adhesion, in radii."""
 TOUCHING_STRESS = 1e-12
@@ -169,6 +171,8 @@ def _arrest(
     limit = min(problem.edge_radius, far) if outward else min(problem.condition.smallest_radius, begin)
     if isinstance(problem.condition, Griffith):
         stride = ADHESIVE_STRIDE * problem.condition.zone_length
+        if problem.elastic:
+            stride = max(stride, ELASTIC_STRIDE * begin)
     else:
         stride = ADHESIONLESS_STRIDE * max(begin, state.largest_radius)
     radius = trial.arrest_radius(begin, stride, outward, limit)

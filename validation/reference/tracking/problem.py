@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,8 @@ to 1e-7 by it."""
 LONG_STEP_SHARE = 0.3
 """Allowed deviation of a step over process zones, in those of shorter ones, which stay far below theirs: an
 accelerating edge magnifies errors, under force control by up to ten."""
+ELASTIC_TRAVEL = 0.08
+"""Largest travel in an elastic step, in first radii, times the steps per process zone: 0.5 % by default."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,11 @@ class FrontProblem:
     def shortest_time(self) -> float:
         """Shortest relaxation time; infinite if nothing relaxes."""
         return float(self.body.rheology.times.min(initial=math.inf))
+
+    @property
+    def elastic(self) -> bool:
+        """Whether nothing relaxes: each state is then an equilibrium by itself."""
+        return len(self.body.rheology.times) == 0
 
     @property
     def work_of_adhesion(self) -> float:
@@ -112,6 +119,20 @@ class FrontProblem:
         return StepErrorEstimator(
             state.history, share * self.fineness.deviation, free_columns(segment.control), scales
         )
+
+
+def with_elastic_travel(problem: FrontProblem, radius: float) -> FrontProblem:
+    """The problem with steps that do not depend on the process zone, if nothing relaxes.
+
+    No state depends then on how the edge came there, and steps are as long as what is read between the rows
+    allows. ``radius`` is that of the first contact.
+    """
+    if not problem.elastic or not isinstance(problem.condition, Griffith):
+        return problem
+    return replace(
+        problem,
+        largest_travel=max(problem.largest_travel, ELASTIC_TRAVEL * radius / problem.fineness.divisions),
+    )
 
 
 def front_problem(scene: Scene, fineness: Fineness) -> FrontProblem:

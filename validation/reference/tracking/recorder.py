@@ -27,10 +27,12 @@ LEAST_AREA_CHANGE = 1e-6
 """Change of the contact area, relative to the largest area, below which no energy release rate is formed."""
 LEAST_DISTANCE = 1e-9
 """Distance in time from another row, in step lengths, below which an interpolated row is left out."""
+EXTRA_COLUMNS = ("stress_intensity_factor", "energy_release_rate", "branch_dissipation")
+"""Columns beside those of every solver."""
 DEPTH = 1
 """Column of the penetration in interpolated values, which lack the time."""
-FORCE_OF_ROW = 2
-"""Place of the force in a recorded row."""
+FORCE_OF_ROW, RADIUS_OF_ROW = 2, 3
+"""Places of force and radius in a recorded row."""
 
 
 @dataclass

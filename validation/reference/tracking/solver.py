@@ -28,11 +28,11 @@ from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.options import Fineness, Options
-from validation.reference.tracking.problem import front_problem
-from validation.reference.tracking.recorder import Recorder
+from validation.reference.tracking.problem import FrontProblem, front_problem, with_elastic_travel
+from validation.reference.tracking.recorder import EXTRA_COLUMNS, RADIUS_OF_ROW
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step import RowTolerances
-from validation.reference.tracking.stepping import NAME, FrontStepper
+from validation.reference.tracking.stepping import NAME, FrontStepper, beyond_floating_point
 
 Array = NDArray[np.float64]
 
@@ -130,30 +130,66 @@ def _run(
     progress: Callable[[float], None] | None = None,
     monitor: RunMonitor | None = None,
 ) -> _Result:
-    problem = front_problem(scene, fineness)
-    kept = kept_state(monitor, NAME)
-    if kept is not None:
-        cursor, state = kept.cursor, kept.content
-    else:
-        surface = start_surface(scene, problem.body, problem.condition)
-        if surface is None:
-            reason = f"no stable contact at penetration {scene.loading.penetration:g}"
-            columns = Recorder(problem.body, problem.work_of_adhesion).columns()
-            return _Result(columns, Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0))
-        cursor = LoadingCursor()
-        state = FrontState(
-            surface,
-            force=surface.force(problem.body),
-            largest_radius=problem.radius,
-            largest_force=problem.force,
-            largest_depth=problem.depth,
-            travel=problem.longest_travel(surface.radius),
-            displaced_to=surface.radius,
-        )
-    stepper = FrontStepper(problem, options, row_tolerances, state, cursor, progress, monitor)
-    outcome = stepper.run()
+    with np.errstate(over="raise", invalid="raise", divide="raise"):
+        try:
+            problem = front_problem(scene, fineness)
+            stepper = _stepper(problem, options, row_tolerances, progress, monitor)
+        except ArithmeticError as error:
+            return _Result(_no_rows(), beyond_floating_point(error, 0.0))
+        if isinstance(stepper, Outcome):
+            return _Result(_no_rows(), stepper)
+        outcome = stepper.run()
     interrupted = outcome.kind is OutcomeKind.INTERRUPTED
-    columns = stepper.recorder.columns(whole=not interrupted)
+    with np.errstate(all="ignore"):
+        columns = stepper.recorder.columns(whole=not interrupted)
+    columns, outcome = _finite_rows(columns, outcome)
     if interrupted:
         outcome = replace(outcome, time=float(columns["time"][-1]))
+    state = stepper.state
     return _Result(columns, outcome, state.counters, state.events, state.profiles)
+
+
+def _stepper(
+    problem: FrontProblem,
+    options: Options,
+    row_tolerances: RowTolerances,
+    progress: Callable[[float], None] | None,
+    monitor: RunMonitor | None,
+) -> FrontStepper | Outcome:
+    """A run at its start, or where it was kept; its outcome if there is no state to start from."""
+    kept = kept_state(monitor, NAME)
+    if kept is not None:
+        state = kept.content
+        problem = with_elastic_travel(problem, state.recorded.rows[0][RADIUS_OF_ROW])
+        return FrontStepper(problem, options, row_tolerances, state, kept.cursor, progress, monitor)
+    scene = problem.scene
+    surface = start_surface(scene, problem.body, problem.condition)
+    if surface is None:
+        reason = f"no stable contact at penetration {scene.loading.penetration:g}"
+        return Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0)
+    problem = with_elastic_travel(problem, surface.radius)
+    state = FrontState(
+        surface,
+        force=surface.force(problem.body),
+        largest_radius=problem.radius,
+        largest_force=problem.force,
+        largest_depth=problem.depth,
+        travel=problem.longest_travel(surface.radius),
+        displaced_to=surface.radius,
+    )
+    return FrontStepper(problem, options, row_tolerances, state, LoadingCursor(), progress, monitor)
+
+
+def _no_rows() -> dict[str, Array]:
+    return {name: np.empty(0) for name in (*COLUMNS, *EXTRA_COLUMNS)}
+
+
+def _finite_rows(columns: dict[str, Array], outcome: Outcome) -> tuple[dict[str, Array], Outcome]:
+    """The rows before the first that is beyond the range of floating point in one of its columns."""
+    finite = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
+    if finite.all():
+        return columns, outcome
+    first = int(np.argmin(finite))
+    reason = "energies are beyond the range of floating point"
+    failure = Outcome(OutcomeKind.OUT_OF_RANGE, reason, float(columns["time"][first]))
+    return {name: column[:first] for name, column in columns.items()}, failure

@@ -11,7 +11,7 @@ from validation.reference.tracking.limit_points import approach_zero_radius, pre
 from validation.reference.tracking.problem import LONG_ZONE, FrontProblem
 from validation.reference.tracking.rounding import rounded_length
 from validation.reference.tracking.state import FrontState
-from validation.reference.tracking.step_history import RADIUS
+from validation.reference.tracking.step_history import FORCE, RADIUS
 from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, FrontCandidate, StepOutcome
 from validation.reference.tracking.trial import EdgeSearch, Trial
 
@@ -19,6 +19,8 @@ FLAT_RESIDUAL = 0.2
 """Rise of the edge residual over one process zone below which a limit point may be near."""
 REJECTED_ABOVE = 2.0
 """Step error, in allowed deviations, above which a step is rejected."""
+FORCE_NOISE = 1e-10
+"""Change of the force, in largest forces, that may be rounding: far above it, far below any deviation."""
 FIRST_STEP = 100.0
 """First step after a kink, in allowed deviations times the shortest time: it has no error estimate."""
 
@@ -93,7 +95,10 @@ def _duration(problem: FrontProblem, state: FrontState, segment: Segment, left: 
     h = left if proposal >= 0.999 * left else max(min(proposal, 0.5 * left), tick)
     if abs(slope) * h > 0.95 * state.travel:
         h = 0.9 * state.travel / abs(slope)
-    h = state.history.limited_to_extremum(h, problem.fineness.deviation * state.largest_radius)
+    noise = {RADIUS: problem.fineness.deviation * state.largest_radius}
+    if segment.control == "penetration":
+        noise = {FORCE: FORCE_NOISE * state.largest_force, **noise}
+    h = state.history.limited_to_extremum(h, noise)
     if tick < h < left:
         h = max(rounded_length(h, segment.end - segment.start), tick)
     return h
@@ -144,4 +149,4 @@ def _first_duration(problem: FrontProblem, state: FrontState, segment: Segment, 
     zone = problem.condition.zone_length
     if problem.over_zones(state.surface.radius):  # a small part of the time in which the edge passes a zone
         quick *= zone / (LONG_ZONE * state.surface.radius)
-    return max(quick, 1e-12 * left)
+    return max(quick, 4.0 * math.ulp(state.time))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -86,12 +87,15 @@ class StepHistory:
 
     def rate_of_radius(self) -> float:
         """Rate of the radius at the last row."""
+        return self._rate(RADIUS)
+
+    def _rate(self, column: int) -> float:
         if self.restarted:
             return 0.0
         before, now = self.rows[-2:]
         h = now[TIME] - before[TIME]
-        rate = (now[RADIUS] - before[RADIUS]) / h
-        return rate + 0.5 * self._second_derivative(RADIUS, TIME) * h if len(self.rows) > 2 else rate
+        rate = (now[column] - before[column]) / h
+        return rate + 0.5 * self._second_derivative(column, TIME) * h if len(self.rows) > 2 else rate
 
     def distance_to_extremum(self, column: int, along: int = TIME) -> float:
         """Signed distance from the last row to an extremum of a column, by a parabola; or infinite."""
@@ -101,18 +105,17 @@ class StepHistory:
         h, second = now[along] - before[along], self._second_derivative(column, along)
         return -(now[column] - before[column]) / h / second - 0.5 * h if second != 0.0 else math.inf
 
-    def limited_to_extremum(self, h: float, noise: float) -> float:
-        """A duration ``h`` cut to end at the largest force, or where the motion of the edge reverses.
+    def limited_to_extremum(self, h: float, noise: Mapping[int, float]) -> float:
+        """A duration ``h`` cut to end at an extremum of the columns in ``noise``, one after the other.
 
-        A radius that moves by less than ``noise`` until its extremum counts as being at rest.
+        A column that changes by less than its noise until its extremum counts as constant: where that
+        extremum lies is a matter of rounding.
         """
-        extremum = self.distance_to_extremum(FORCE)
-        if 0.1 * h < extremum < h:
-            h = extremum
-        extremum = self.distance_to_extremum(RADIUS)
-        if not 0.1 * h < extremum < h or abs(self.rate_of_radius()) * extremum < noise:
-            return h
-        return extremum
+        for column, least in noise.items():
+            extremum = self.distance_to_extremum(column)
+            if 0.1 * h < extremum < h and abs(self._rate(column)) * extremum >= least:
+                h = extremum
+        return h
 
     def extremum_within(self, column: int, back: int, least: float) -> tuple[float, float] | None:
         """Time of an extremum in the ``back``-th interval from the last, and the length of the interval.
@@ -134,8 +137,7 @@ class StepHistory:
         slope = curve.deriv()
         if float(slope(0.0)) * float(slope(1.0)) >= 0.0:
             return None
-        roots = np.asarray(slope.roots())
-        share = float(roots[np.argmin(np.abs(roots - 0.5))].real)
+        share = float(min(np.real(slope.roots()), key=lambda root: abs(root - 0.5)))
         extremum = float(curve(share))
         if min(abs(extremum), abs(extremum - last[column] + first[column])) <= least:
             return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -25,6 +26,7 @@ from validation.reference.tracking.options import Options
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.profiles import surface_profile
 from validation.reference.tracking.recorder import FORCE_OF_ROW, Recorder
+from validation.reference.tracking.root import bracketed
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step import RowTolerances, trial_step
 from validation.reference.tracking.step_history import FORCE, TIME
@@ -45,6 +47,12 @@ BESIDE_EXTREMUM = 1.0 / 32.0
 """Distance of the rows on either side of an extremum of the force, in steps: they show where it may lie."""
 MOST_REJECTED = 400
 """Steps rejected one after the other before the run ends with an underflow of the step."""
+
+
+def beyond_floating_point(error: ArithmeticError, time: float) -> Outcome:
+    """The outcome of a run in which a number overflows or loses its meaning."""
+    reason = f"a number is beyond the range of floating point ({error})"
+    return Outcome(OutcomeKind.OUT_OF_RANGE, reason, time)
 
 
 @dataclass
@@ -82,6 +90,12 @@ class FrontStepper:
 
     def run(self) -> Outcome:
         """Carry out all load steps, from the present position in the loading."""
+        try:
+            return self._load_steps()
+        except ArithmeticError as error:
+            return beyond_floating_point(error, self.state.time)
+
+    def _load_steps(self) -> Outcome:
         state, cursor, loading = self.state, self.cursor, self.problem.scene.loading
         if cursor.at_start:
             self._add_row()
@@ -95,6 +109,14 @@ class FrontStepper:
 
     def _load_step(self, segment: Segment) -> None:
         state, cursor = self.state, self.cursor
+        coarsest = self.problem.fineness.deviation * (segment.end - segment.start)
+        if 0.0 < coarsest < math.ulp(segment.end):
+            length = segment.end - segment.start
+            reason = (
+                f"a load step of length {length:.3g} is lost in the rounding of the time {segment.end:.3g}"
+            )
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
+            return
         if segment.control == "force" and state.surface.radius == 0.0:
             loaded = self._without_contact(segment)
             if loaded is None:
@@ -204,7 +226,17 @@ class FrontStepper:
         for part in range(1, intervals):
             at = before + (now - before) * part / intervals
             self.recorder.interpolate(at, segment.value(at) if prescribed else None, 1)
+        if prescribed:
+            self._add_turning_point(segment, before)
         self._add_extremum(segment, 2)
+
+    def _add_turning_point(self, segment: Segment, before: float) -> None:
+        """A row in the last step where the prescribed penetration turns."""
+        now = self.state.time
+        first, last = segment.rate(before), segment.rate(now)
+        if first * last < 0.0:
+            at = bracketed(segment.rate, before, first, now, last, 0.0, 2.0 * math.ulp(now))
+            self.recorder.interpolate(at, segment.value(at), 1)
 
     def _add_extremum(self, segment: Segment, back: int) -> None:
         """Rows at and beside an extremum of the force in the ``back``-th step from the last."""

@@ -36,6 +36,8 @@ SEARCH_CELL = 0.15
 """Least distance of the radii at which an arrest is looked for, in process zones."""
 FIRST_CONTACT_NODES = np.arange(1, 16) / 16.0
 """Nodes of a contact that has just begun, as fractions of the step."""
+SHORTER = 1e-3
+"""Ratio of durations in the search for a time that may be shorter by decades than the step."""
 NARROW = 1e-14
 """Relative difference below which two radii or two times are the same."""
 
@@ -193,6 +195,14 @@ class Trial:
             return None
         if (late >= 0.0) if outward else (late <= 0.0):
             return longest
+        while self.nodes.shortest < SHORTER * longest:  # the edge may pass long before: close in by decades
+            earlier = SHORTER * longest
+            value = function(earlier)
+            if (value >= 0.0) if outward else (value <= 0.0):
+                return bracketed(
+                    function, earlier, value, longest, late, self.condition.tolerance, NARROW * longest
+                )
+            longest, late = earlier, value
         return bracketed(function, 0.0, at_once, longest, late, self.condition.tolerance, NARROW * longest)
 
     def departure_time(self, longest: float) -> float | None:

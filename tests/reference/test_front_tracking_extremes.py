@@ -1,0 +1,72 @@
+"""Scenes at the ends of the allowed range end with an answer, an error of the scene or a reason."""
+
+import numpy as np
+import pytest
+from support.paper_scenes import ELASTIC, ONE, STICKY, WORK
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Force,
+    Hold,
+    Loading,
+    Material,
+    OutcomeKind,
+    PowerLaw,
+    Ramp,
+    Scene,
+    Sphere,
+    Step,
+)
+from contact_scene.errors import SceneError
+from validation.reference import Options, solve
+from validation.reference.finite_zone import FiniteZone
+
+COARSE = Options(resolution=4)
+
+
+def _scene(*steps: Step, start: str = "relaxed", material: Material = ONE, zone: float = 0.0) -> Scene:
+    adhesion = Adhesion(WORK, zone) if zone > 0.0 else None
+    return Scene(material, Sphere(1.0), Loading(start, 0.032, steps), adhesion)
+
+
+def test_a_hold_of_any_length_ends_in_the_relaxed_equilibrium() -> None:
+    trace = solve(_scene(Hold(1e60), start="jump-in", zone=STICKY.zone), COARSE)
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    exact = FiniteZone(1.0, 1.0, WORK, STICKY.zone).at_penetration(0.032)
+    assert trace.contact_radius[-1] == pytest.approx(exact.contact_radius, rel=1e-5)
+    assert trace.force[-1] == pytest.approx(exact.force, rel=1e-5)
+
+
+def test_a_branch_that_relaxes_in_no_time_is_none() -> None:
+    fast = Material(0.75, 0.5, (Branch(6.75, 1e-60),))
+    trace = solve(_scene(Ramp(0.02, 0.01), start="jump-in", material=fast, zone=0.05), COARSE)
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    exact = FiniteZone(1.0, 1.0, WORK, 0.05).at_penetration(0.02)
+    assert trace.force[-1] == pytest.approx(exact.force, rel=1e-4)
+
+
+def test_a_step_shorter_than_the_rounding_of_time_is_out_of_range() -> None:
+    """What the run has done before is kept."""
+    trace = solve(_scene(Hold(1e17), Ramp(-0.5, 0.02)), COARSE)
+    assert trace.outcome.kind is OutcomeKind.OUT_OF_RANGE
+    assert "rounding of the time" in trace.outcome.reason
+    assert trace.time[-1] == 1e17
+
+
+@pytest.mark.parametrize(("zone", "problem"), [(1e9, "longer than the contact"), (1e-12, "rounding")])
+def test_a_zone_out_of_proportion_is_an_error_of_the_scene(zone: float, problem: str) -> None:
+    with pytest.raises(SceneError, match=problem) as error:
+        solve(_scene(Ramp(-0.5, 0.02), zone=zone), COARSE)
+    assert error.value.key == "adhesion.zone"
+
+
+def test_what_overflows_is_out_of_range() -> None:
+    flat = Scene(ELASTIC, PowerLaw(2.0, 1e-300), Loading("relaxed", 0.032, (Ramp(0.0, 0.02),)))
+    trace = solve(flat)
+    assert trace.outcome.kind is OutcomeKind.OUT_OF_RANGE
+    assert len(trace) == 0
+    stiff = Material(1e60, 0.5)
+    pressed = Scene(stiff, PowerLaw(2.0, 1e55), Loading("relaxed", 0.0, (Force(1e60, 1.0),)))
+    trace = solve(pressed, COARSE)
+    assert all(np.isfinite(column).all() for column in trace.columns().values())
