@@ -11,10 +11,11 @@ from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw,
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.closure import EdgeFields, closure_integral
+from validation.reference.tracking.edge_path import ParabolicPath, PolynomialPath, polynomial_path
 from validation.reference.tracking.penetration_path import cubic, phi
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.root import bracketed, rising_root
-from validation.reference.tracking.surface import EdgePath
+from validation.reference.tracking.step_history import RowExtrapolation
 
 RADII = np.linspace(0.0, 1.0, 41)
 SHAPES = [
@@ -171,10 +172,25 @@ def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> N
 
 
 def test_path_and_its_inverse() -> None:
-    path = EdgePath(0.3, -0.01, 0.004)
+    path = ParabolicPath(0.3, -0.01, 0.004)
     f = np.linspace(0.0, 1.0, 21)
     np.testing.assert_allclose(path.passing(path(f)), f, atol=1e-12)
     assert path(np.array([1.0]))[0] == pytest.approx(0.29)
+
+
+def test_path_over_zones_is_the_polynomial_through_the_rows() -> None:
+    """Exact for a quartic through four rows and the end, whatever their spacing; never reversing."""
+    quartic = np.polynomial.Polynomial([0.3, -0.02, -0.006, -0.002, -0.001])
+    times = (0.0, -0.3, -0.55, -1.2)
+    rows = RowExtrapolation(times, tuple(float(quartic(t)) for t in times))
+    path = polynomial_path(rows, 0.7, 0.3, float(quartic(0.7)))
+    f = np.linspace(0.0, 1.0, 21)
+    np.testing.assert_allclose(path(f), quartic(0.7 * f), atol=1e-15)
+    np.testing.assert_allclose(path.passing(path(f)), f, atol=1e-12)
+    assert isinstance(path, PolynomialPath)
+    wild = polynomial_path(rows, 0.7, 0.3, 0.2999)
+    assert (np.diff(wild(np.linspace(0.0, 1.0, 400))) < 0.0).all()
+    np.testing.assert_allclose(wild.passing(wild(f)), f, atol=1e-9)
 
 
 def test_roots() -> None:

@@ -93,7 +93,7 @@ def _(true):
     return lambda body, depth, radius, glassy: true(body, depth, radius, not glassy)
 
 
-@fault("edge passes every point at the end of the step", "surface:EdgePath.passing")
+@fault("edge passes every point at the end of the step", "edge_path:ParabolicPath.passing")
 def _(true):
     return lambda self, x: np.ones_like(x)
 

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Segment
+from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import PenetrationPath, cubic, straight
 from validation.reference.tracking.step_history import RowExtrapolation
-from validation.reference.tracking.surface import Body, EdgePath, Surface, after_step, field_update
+from validation.reference.tracking.surface import Body, Surface, after_step, field_update
 
 Array = NDArray[np.float64]
 
@@ -56,6 +57,7 @@ def force_balanced(
     depths: RowExtrapolation,
     path: EdgePath,
     fractions: Array,
+    over_zones: bool = False,
 ) -> Surface:
     """The surface at the end of a step that carries the force ``target``.
 
@@ -76,6 +78,8 @@ def force_balanced(
         Edge radius during the step.
     fractions : ndarray, shape (m,)
         Moments at which nodes are left, as fractions of the step.
+    over_zones : bool
+        Whether the step may pass over process zones; the penetration is then a cubic, otherwise a parabola.
 
     Returns
     -------
@@ -87,8 +91,7 @@ def force_balanced(
         return state.force(body) if state.radius > 0.0 else state.edge_stress(body)
 
     def trial(end: float) -> Surface:
-        bend = 0.5 * depths.curvature(duration, end)
-        depth = _parabola(duration, surface.penetration, end, bend)
+        depth = _through_rows(duration, surface.penetration, end, depths, over_zones)
         return after_step(surface, body, field_update(surface, body, depth), path, fractions)
 
     wanted = target if path.start + path.travel > 0.0 else 0.0
@@ -119,8 +122,34 @@ def _first_guess(body: Body, duration: float, path: EdgePath, lacking: float) ->
     return lacking / (2.0 * radius * (body.rheology.relaxed + float((body.rheology.moduli * shared).sum())))
 
 
-def _parabola(duration: float, start: float, end: float, bend: float) -> PenetrationPath:
+def _through_rows(
+    duration: float, start: float, end: float, depths: RowExtrapolation, over_zones: bool
+) -> PenetrationPath:
+    """Penetration to ``end`` with the curvature of the rows before, or the cubic through two of them.
+
+    Parameters
+    ----------
+    duration : float
+    start, end : float
+        Penetration at both ends of the step.
+    depths : RowExtrapolation
+        Penetration at the rows before.
+    over_zones : bool
+        Whether to take the cubic, where there are rows enough.
+
+    Returns
+    -------
+    PenetrationPath
+    """
     if duration == 0.0:
         return straight(0.0, start, end - start, end)
     rate = (end - start) / duration
-    return PenetrationPath(duration, start, 0.0, (rate - bend * duration, bend, 0.0))
+    if not over_zones or len(depths.times) < 3:
+        bend = 0.5 * depths.curvature(duration, end)
+        return PenetrationPath(duration, start, 0.0, (rate - bend * duration, bend, 0.0))
+    one, two = depths.times[1:3]
+    second = ((depths.values[1] - start) / one - rate) / (one - duration)  # divided differences
+    earlier = ((depths.values[2] - depths.values[1]) / (two - one) - (depths.values[1] - start) / one) / two
+    third = (earlier - second) / (two - duration)
+    rates = (rate - duration * (second - one * third), second - (duration + one) * third, third)
+    return PenetrationPath(duration, start, 0.0, rates)

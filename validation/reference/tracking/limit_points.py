@@ -57,7 +57,7 @@ def prescribed_travel(
         onwards = trial.residual(h, probe) if probe > problem.condition.smallest_radius else 0.0
         if onwards * (radius - a0) >= 0.0:
             return _passing(problem, state, trial, radius, h, longest)
-    if abs(radius - a0) > AT_LIMIT_POINT * problem.largest_travel:
+    if abs(radius - a0) > AT_LIMIT_POINT * problem.longest_travel(a0):
         return StepOutcome(longest, rejected=True, travel=0.5 * abs(radius - a0))
     return _at_limit_point(problem, state, trial, radius, longest)
 
@@ -70,8 +70,9 @@ def _passing(
     row = (end.time, radius, end.force, end.surface.penetration)
     deviation = problem.step_error(state, trial.segment, end).along_edge(row)
     change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
-    travel = rounded_length(max(change, 0.2) * abs(radius - state.surface.radius), problem.largest_travel)
-    travel = min(problem.largest_travel, travel)
+    longest_travel = problem.longest_travel(state.surface.radius)
+    travel = rounded_length(max(change, 0.2) * abs(radius - state.surface.radius), longest_travel)
+    travel = min(longest_travel, travel)
     if deviation > 2.0 and radius > 0.0:
         return StepOutcome(longest, rejected=True, travel=travel)
     lost = NO_STABLE_CONTACT if radius == 0.0 else ""
@@ -86,7 +87,7 @@ def _at_limit_point(
     a0 = state.surface.radius
     outward = _runs_outward(problem, state, trial, radius)
     end = unstable_edge(problem, state, trial, outward)
-    travel = problem.largest_travel
+    travel = problem.longest_travel(a0)
     if end is None:
         return StepOutcome(longest, rejected=True, travel=travel, detachment=NO_STABLE_CONTACT)
     if end.surface.radius == a0:  # the edge is stable for now, but not for so long
@@ -96,7 +97,7 @@ def _at_limit_point(
         late = problem.candidate(state.time + longest, trial.surface_at(longest, a0))
         return StepOutcome(longest, (end, late), True, travel)
     event = None
-    if abs(end.surface.radius - a0) > problem.largest_travel and isinstance(problem.condition, Griffith):
+    if abs(end.surface.radius - a0) > travel and isinstance(problem.condition, Griffith):
         kind = "snap-in" if outward else "pull-off"
         event = Event(kind, state.time, state.surface.penetration, state.force, a0)
     return StepOutcome(longest, (end,), True, travel, event=event)

@@ -14,6 +14,15 @@ GRADING = 1.75
 """Grading of nodes towards the end of a step: distances shrink by the factor ``1 - GRADING/divisions``."""
 LAYER_FRACTION = 0.15
 """First node before the end of a step, in shortest relaxation times."""
+ZONE_FRACTION = 0.1
+"""Last node of a step over many process zones before its end, in process zones."""
+CLOSURE_REACH = 4.0
+"""Part of such a step, in process zones before its end, into which the closure may look at its end."""
+WAKE_GRADING = 0.6
+"""Grading of the nodes before that part: they count in integrals and for an edge that comes back."""
+START_GRADING = 0.1
+"""Grading of the nodes at the start of such a step: neighbouring distances then differ by a factor of ten at
+most, far from what stands for a discontinuity."""
 THINNEST_LAYER = 1e-14
 """Thinnest resolved boundary layer, in process zones: thinner ones do not matter at any ratio of moduli."""
 CLOSEST_MOMENT = 1e-13
@@ -34,12 +43,15 @@ class NodePlacement:
         Process zone; 0 without adhesion.
     divisions : float
         Steps per process zone.
+    over_zones : bool
+        Whether the step may pass over several process zones; its nodes then reach down to a part of a zone.
     """
 
     shortest: float
     travel: float
     zone_length: float
     divisions: float
+    over_zones: bool = False
 
     def fractions(self, duration: float) -> Array:
         """Fractions of the step, rising, within (0, 1)."""
@@ -51,5 +63,19 @@ class NodePlacement:
             THINNEST_LAYER * self.zone_length / self.travel,
             CLOSEST_MOMENT,
         )
-        count = int(math.log(min(smallest, 1.0)) / math.log(ratio))
-        return np.asarray(1.0 - ratio ** np.arange(1, count + 1), float)
+        if not self.over_zones:
+            return 1.0 - _graded(1.0, smallest, ratio)
+        zone = self.zone_length / self.travel
+        smallest = max(min(smallest, ZONE_FRACTION * zone), CLOSEST_MOMENT)
+        wake = _graded(1.0, CLOSURE_REACH * zone, WAKE_GRADING)
+        begin = float(wake[-1]) if len(wake) else 1.0
+        start = _graded(
+            0.5 * (1.0 - float(wake[0])) if len(wake) else 0.5, ZONE_FRACTION * zone, START_GRADING
+        )
+        return np.concatenate((start[::-1], 1.0 - wake, 1.0 - _graded(begin, smallest, ratio)))
+
+
+def _graded(begin: float, smallest: float, ratio: float) -> Array:
+    """Numbers that fall from ``begin`` by a ratio as far as they exceed ``smallest``."""
+    count = int(math.log(min(smallest / begin, 1.0)) / math.log(ratio))
+    return np.asarray(begin * ratio ** np.arange(1, count + 1), float)

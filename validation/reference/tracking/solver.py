@@ -174,7 +174,7 @@ def _stepper(
         largest_radius=problem.radius,
         largest_force=problem.force,
         largest_depth=problem.depth,
-        travel=problem.largest_travel,
+        travel=problem.longest_travel(surface.radius),
         displaced_to=surface.radius,
     )
     return FrontStepper(problem, options, row_tolerances, state, LoadingCursor(), progress, monitor)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from contact_scene import Segment
 from validation.reference.tracking.law import NoTension
 from validation.reference.tracking.limit_points import approach_zero_radius, prescribed_travel
-from validation.reference.tracking.problem import FrontProblem
+from validation.reference.tracking.problem import LONG_ZONE, FrontProblem
 from validation.reference.tracking.rounding import rounded_length
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step_history import FORCE, RADIUS
@@ -81,7 +81,7 @@ def trial_step(
     return StepOutcome(
         h * min(2.0, 0.95 / max(deviation, 1e-6) ** (1.0 / 3.0)),
         (FrontCandidate(end.time if h < left else stop, end.surface, end.force, intervals),),
-        travel=min(problem.largest_travel, 2.0 * state.travel),
+        travel=min(problem.longest_travel(edge.radius), 2.0 * state.travel),
         steepness=edge.steepness,
         detachment=NO_STABLE_CONTACT if edge.radius == 0.0 < a0 else "",
     )
@@ -146,4 +146,7 @@ def _first_duration(problem: FrontProblem, state: FrontState, segment: Segment, 
     rate = abs(segment.rate(state.time))
     if rate > 0.0 and scale > 0.0:
         quick = min(quick, part * scale / rate)
+    zone = problem.condition.zone_length
+    if problem.over_zones(state.surface.radius):  # a small part of the time in which the edge passes a zone
+        quick *= zone / (LONG_ZONE * state.surface.radius)
     return max(quick, 4.0 * math.ulp(state.time))

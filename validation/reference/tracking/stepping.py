@@ -35,6 +35,8 @@ from validation.reference.tracking.step_outcome import FrontCandidate, StepOutco
 NAME = "reference"
 COARSEN_EVERY = 12
 """Committed steps between two coarsenings of the nodes."""
+COARSEN_EVERY_LONG = 2
+"""The same where steps pass over process zones and leave many nodes."""
 COARSENING_SQUARED = 100.0
 """Error allowed in coarsening, in squares of the deviation allowed in a step: of fourth order, as a step."""
 COARSENING_SHARE = 0.1
@@ -207,7 +209,8 @@ class FrontStepper:
         state.counters.steps += 1
         state.rejected_before = state.counters.rejected_steps
         state.counters.history_updates += len(surface.inside) + len(surface.outside)
-        if state.counters.steps % COARSEN_EVERY == 0:
+        long = self.problem.over_zones(surface.radius)
+        if state.counters.steps % (COARSEN_EVERY_LONG if long else COARSEN_EVERY) == 0:
             allowed = self.problem.fineness.deviation
             surface = coarsened(surface, allowed * min(COARSENING_SQUARED * allowed, COARSENING_SHARE))
         before = state.time

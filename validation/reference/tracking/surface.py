@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import Transform
 from validation.reference.tracking.closure import EdgeFields
+from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import PenetrationPath
 from validation.reference.tracking.rheology import Rheology
 
@@ -33,29 +34,6 @@ class Body:
 
     rheology: Rheology
     transform: Transform
-
-
-@dataclass(frozen=True)
-class EdgePath:
-    """Edge radius during a step at the fraction ``f`` of its duration: ``a0 + travel f + bend f (f - 1)``."""
-
-    start: float
-    travel: float
-    bend: float
-
-    def __call__(self, fraction: Array) -> Array:
-        return self.start + self.travel * fraction + self.bend * fraction * (fraction - 1.0)
-
-    def passing(self, x: Array) -> Array:
-        """Fraction at which the edge passes ``x``; ``|bend| < |travel|`` makes it unique."""
-        if self.travel == 0.0:
-            return np.zeros_like(x)
-        linear = (x - self.start) / self.travel
-        c = self.bend / self.travel
-        if c == 0.0:
-            return np.minimum(np.maximum(linear, 0.0), 1.0)
-        root = np.sqrt(np.maximum((1.0 - c) ** 2 + 4.0 * c * linear, 0.0))
-        return np.minimum(np.maximum(2.0 * linear / (1.0 - c + root), 0.0), 1.0)
 
 
 @dataclass(frozen=True)

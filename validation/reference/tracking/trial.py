@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from contact_scene import Counters, Segment
 from validation.reference.tracking.control import force_balanced, prescribed_penetration
+from validation.reference.tracking.edge_path import EdgePath, parabolic_path, polynomial_path
 from validation.reference.tracking.law import EdgeCondition
 from validation.reference.tracking.node_placement import NodePlacement
 from validation.reference.tracking.penetration_path import PenetrationPath
@@ -17,7 +18,6 @@ from validation.reference.tracking.root import bracketed, rising_root
 from validation.reference.tracking.step_history import RowExtrapolation
 from validation.reference.tracking.surface import (
     Body,
-    EdgePath,
     FieldUpdate,
     Surface,
     after_step,
@@ -30,8 +30,10 @@ MOST_NODES = 400
 """Most nodes left behind by an unstable edge in one step."""
 SEARCH_GROWTH = 1.1
 """Ratio of successive search intervals for the arrest of an unstable edge."""
-LARGEST_BEND = 0.99
-"""Bend of the path of the edge over its travel: below 1 the edge does not reverse within a step."""
+SEARCH_OFFSETS = np.linspace(-1.0, 1.0, 9)
+"""Distances, in process zones, at which an arrest is looked for around features of the fields."""
+SEARCH_CELL = 0.15
+"""Least distance of the radii at which an arrest is looked for, in process zones."""
 FIRST_CONTACT_NODES = np.arange(1, 16) / 16.0
 """Nodes of a contact that has just begun, as fractions of the step."""
 SHORTER = 1e-3
@@ -86,6 +88,7 @@ class Trial:
     counters: Counters
     largest_radius: float
     spacing: float
+    over_zones: bool = False
     _updates: dict[float, FieldUpdate] = field(default_factory=dict)
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
@@ -95,7 +98,9 @@ class Trial:
         fractions = self._node_fractions(duration, path.travel)
         if self.segment.control == "force":
             target = self.segment.value(self.time + duration)
-            return force_balanced(start, self.body, target, duration, self.depths, path, fractions)
+            return force_balanced(
+                start, self.body, target, duration, self.depths, path, fractions, self.over_zones
+            )
         update = self._updates.get(duration)
         if update is None:
             depth: PenetrationPath = prescribed_penetration(self.segment, self.time, duration, start)
@@ -106,11 +111,8 @@ class Trial:
         return after_step(start, self.body, update, path, fractions)
 
     def _edge_path(self, duration: float, radius: float) -> EdgePath:
-        """Parabola in time with the curvature of the rows before."""
-        travel = radius - self.surface.radius
-        limit = LARGEST_BEND * abs(travel)
-        bend = 0.5 * self.radii.curvature(duration, radius) * duration**2
-        return EdgePath(self.surface.radius, travel, min(max(bend, -limit), limit))
+        path = polynomial_path if self.over_zones else parabolic_path
+        return path(self.radii, duration, self.surface.radius, radius)
 
     def _node_fractions(self, duration: float, travel: float) -> Array:
         fractions = self.nodes.fractions(duration) if travel != 0.0 else np.empty(0)
@@ -227,7 +229,8 @@ class Trial:
         """The next stable radius at fixed time for an unstable edge.
 
         Searched in intervals, outward in growing ones: there the residual is positive in the end on any
-        profile.
+        profile. Where zones are short the intervals grow inwards, too, up to a part of the radius, but pass
+        over no place where the fields have features of the length of a zone.
 
         Parameters
         ----------
@@ -246,11 +249,18 @@ class Trial:
             ``None`` if the edge is not arrested within ``limit``.
         """
         tolerance = self.condition.tolerance
+        first = stride
         radius = begin
         value = -tolerance if outward else tolerance
+        marks = self._search_radii(begin, limit) if self.over_zones and not outward else []
+        growing = outward or self.over_zones
         while radius != limit:
             before, at_before = radius, value
             radius = min(radius + stride, limit) if outward else max(radius - stride, limit)
+            while marks and marks[-1] >= before:
+                marks.pop()
+            if marks and marks[-1] > radius:
+                radius = marks.pop()
             value = self.residual(0.0, radius)
             if value > tolerance if outward else value < -tolerance:
                 return bracketed(
@@ -262,5 +272,19 @@ class Trial:
                     tolerance,
                     NARROW * radius,
                 )
-            stride *= SEARCH_GROWTH if outward else 1.0
+            stride *= SEARCH_GROWTH if growing else 1.0
+            if not outward:
+                stride = min(stride, max(self.spacing, first))
         return limit if outward and limit >= self.largest_radius else None
+
+    def _search_radii(self, begin: float, limit: float) -> list[float]:
+        """Radii between ``limit`` and ``begin``, rising, around nodes closer to each other than a zone."""
+        nodes, zone = self.surface.inside, self.condition.zone_length
+        close = np.diff(nodes) < zone
+        features = nodes[:-1][close] + 0.5 * np.diff(nodes)[close]
+        around = (features[:, None] + zone * SEARCH_OFFSETS).ravel()
+        around = np.sort(around[(around > limit) & (around < begin)])
+        if not len(around):
+            return []
+        cells = np.floor(around / (SEARCH_CELL * zone))
+        return list(around[np.concatenate(([True], np.diff(cells) > 0.0))])

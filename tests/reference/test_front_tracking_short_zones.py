@@ -1,0 +1,284 @@
+"""Steps over many process zones: against short steps, closed limits and themselves, over seven decades.
+
+The scenes are the paper's sphere with shorter zones than the paper's. Short steps are the same solver with
+steps of a sixteenth of a zone, or of a thirty-second for the check values: 30,000 steps that no test can pay.
+"""
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.paper_scenes import ONE, THREE, WORK
+from support.paper_scenes import PULL as F_JKR
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Cone,
+    Force,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    OutcomeKind,
+    Ramp,
+    Scene,
+    Sphere,
+    Trace,
+)
+from validation.measure.observables import observe
+from validation.reference import Options, solve, steady_crack
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.jkr import JKR
+from validation.reference.tracking import edge_path, problem, surface
+
+SLOW = pytest.mark.slow
+DEFAULT_ERROR = 1e-5
+"""Largest relative error at the default resolution in pull-off force, loop energy and detachment."""
+TWO = Material(0.75, 0.5, (Branch(3.75, 0.3), Branch(3.0, 30.0)))
+ELASTIC = Material(0.75, 0.5)
+
+RETRACTION = Loading("relaxed", 0.032, (Ramp(-0.5, 0.002),))
+CYCLE = Loading("jump-in", 0.0, (Ramp(0.032, 0.002), Ramp(-0.5, 0.002)))
+
+
+def scene(zone: float, loading: Loading = RETRACTION, material: Material = ONE) -> Scene:
+    return Scene(material, Sphere(1.0), loading, Adhesion(WORK, zone))
+
+
+@cache
+def _run(zone: float, loading: Loading = RETRACTION, material: Material = ONE) -> Trace:
+    return solve(scene(zone, loading, material))
+
+
+def short_steps(question: Scene, **options: int) -> Trace:
+    """The same solver with steps of a fraction of a zone, however short the zone is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(problem, "LONG_ZONE", 0.0)
+        return solve(question, Options(**options))
+
+
+def measured(trace: Trace) -> dict[str, float]:
+    """What the default error is a bound on."""
+    seen = observe(trace).as_dict()
+    names = ("pull_off_force", "loop_energy", "detachment_penetration", "detachment_time", "final_radius")
+    return {name: seen[name] for name in names if seen[name] is not None}
+
+
+# Short steps, 32 to a zone for the retraction and 16 for the cycle; digits confirmed by half as many.
+CHECK_VALUES = {
+    "retraction": (RETRACTION, 0.02305768174, 9.304953992e-4, -0.02921389748),
+    "cycle": (CYCLE, 0.02054137161, 8.854493944e-4, -0.02921389748),
+}
+
+
+@pytest.mark.parametrize("name", ["retraction", pytest.param("cycle", marks=SLOW)])
+def test_check_values_of_thirty_thousand_short_steps(name: str) -> None:
+    loading, pull_off, loop, detachment = CHECK_VALUES[name]
+    trace = _run(1.3e-4, loading)
+    seen = observe(trace)
+    assert seen.pull_off_force == pytest.approx(pull_off, rel=DEFAULT_ERROR)
+    assert seen.loop_energy == pytest.approx(loop, rel=DEFAULT_ERROR)
+    assert seen.detachment_penetration == pytest.approx(detachment, rel=DEFAULT_ERROR)
+    assert trace.counters.steps < 800
+
+
+LOADINGS = {
+    "retraction": (RETRACTION, ONE),
+    "cycle, slow": (Loading("jump-in", 0.0, (Ramp(0.032, 1e-4), Ramp(-0.5, 1e-4))), ONE),
+    "cycle, fast": (Loading("jump-in", 0.0, (Ramp(0.032, 0.1), Ramp(-0.5, 0.1))), ONE),
+    "two branches": (CYCLE, TWO),
+    "three branches": (CYCLE, THREE),
+    "dwell": (Loading("jump-in", 0.0, (Ramp(0.032, 0.01), Hold(5.0), Ramp(-0.5, 0.01))), ONE),
+    "oscillation": (Loading("relaxed", 0.032, (Oscillate(0.01, 1.0, 15.0),)), ONE),
+    "pressed again": (
+        Loading("jump-in", 0.0, (Ramp(0.032, 0.01), Ramp(0.024, 0.01), Ramp(0.03, 0.01), Ramp(-0.5, 0.01))),
+        ONE,
+    ),
+    "dead load": (Loading("relaxed", 0.032, (Force(-0.006, 500.0),)), ONE),
+    "delayed detachment": (Loading("relaxed", 0.032, (Force(-0.012, 5000.0),)), ONE),
+}
+
+
+@SLOW
+@pytest.mark.parametrize("name", LOADINGS)
+def test_long_steps_against_short_ones(name: str) -> None:
+    """At a zone of a hundredth of the radius, where both can be paid."""
+    loading, material = LOADINGS[name]
+    question = scene(2e-3, loading, material)
+    long, short = solve(question), short_steps(question)
+    assert long.outcome.kind is short.outcome.kind
+    assert long.counters.steps < 0.8 * short.counters.steps
+    expected = measured(short)
+    for quantity, value in measured(long).items():
+        assert value == pytest.approx(expected[quantity], rel=DEFAULT_ERROR, abs=1e-12), quantity
+
+
+def test_zones_longer_than_a_twentieth_of_the_radius_are_stepped_as_ever() -> None:
+    long, short = _run(0.013), short_steps(scene(0.013))
+    assert np.array_equal(long.contact_radius, short.contact_radius)
+    assert np.array_equal(long.force, short.force)
+
+
+ZONES = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 2e-8]
+"""From a twenty-fifth of the contact radius down to 1e-7 of it."""
+
+
+@pytest.mark.parametrize(
+    ("loading", "growth"),
+    [pytest.param(RETRACTION, 24, id="retraction"), pytest.param(CYCLE, 24, id="cycle", marks=SLOW)],
+)
+def test_work_grows_with_the_logarithm_of_the_zone(loading: Loading, growth: float) -> None:
+    """Steps, and nodes carried from step to step, per decade of zone."""
+    zones = ZONES[1::3] + ZONES[-1:]
+    runs = [_run(zone, loading) for zone in zones]
+    steps = np.array([run.counters.steps for run in runs], float)
+    nodes = np.array([run.counters.history_updates / run.counters.steps for run in runs])
+    decades = np.log10(zones[0] / np.array(zones))
+    assert all(run.outcome.kind is OutcomeKind.DETACHED for run in runs)
+    assert np.polyfit(decades, steps, 1)[0] < growth
+    assert np.all(steps < 800)
+    assert np.all(nodes < 400 + 150 * decades)
+
+
+def test_pull_off_force_in_the_limit_of_fast_opening() -> None:
+    """Zone to zero at a given speed: glassy opening from the relaxed radius (formulation, section 8)."""
+    start = JKR(Sphere(1.0), 1.0, WORK).at_penetration(0.032).contact_radius
+    limit = math.sqrt(8.0 * math.pi * WORK * start**3 * 10.0) - 4.0 * start**3 / 3.0
+    assert limit == pytest.approx(9.9138 * F_JKR, rel=1e-5)
+    force = {zone: observe(_run(zone)).pull_off_force for zone in (1e-6, 2e-8)}
+    assert force[2e-8] == pytest.approx(limit, rel=DEFAULT_ERROR)
+    assert limit - force[1e-6] > 5.0 * (limit - force[2e-8]) > 0.0
+
+
+@pytest.mark.parametrize("zone", [pytest.param(1.3e-4, marks=SLOW), 2e-8])
+def test_elastic_contact_is_the_closed_finite_zone_form_and_goes_to_jkr(zone: float) -> None:
+    trace = _run(zone, RETRACTION, ELASTIC)
+    closed = FiniteZone(1.0, 1.0, WORK, zone)
+    pull_off = -trace.force.min()
+    assert pull_off == pytest.approx(-closed.pull_off_force_control().force, rel=1e-7)
+    assert pull_off / F_JKR - 1.0 == pytest.approx(2.0645 * zone, rel=2e-3, abs=3e-8)
+    last = closed.pull_off_penetration_control().penetration
+    assert observe(trace).detachment_penetration == pytest.approx(last, rel=1e-7)
+
+
+@pytest.mark.parametrize("pace", [2e-3, pytest.param(5e-2, marks=SLOW)])
+@pytest.mark.parametrize(("start", "end"), [(0.08, 0.06), (0.04, 0.06)], ids=["opening", "closing"])
+@pytest.mark.parametrize("zone", [5e-6, pytest.param(5e-7, marks=SLOW), pytest.param(5e-4, marks=SLOW)])
+def test_steady_edge_laws(zone: float, start: float, end: float, pace: float) -> None:
+    """Loading in proportion to the zone: ``G/dg`` at every speed is the closed law of a steady edge."""
+    trace = solve(scene(zone, Loading("relaxed", start, (Ramp(end, pace * zone),))))
+    law, radius = JKR(Sphere(1.0), 1.0, WORK), trace.contact_radius
+    speed = np.abs(np.gradient(radius, trace.time))
+    share = (radius - radius[0]) / (radius[-1] - radius[0])
+    rows = np.flatnonzero((share > 0.7) & (share < 0.95))
+    if end < start:
+        release = law.energy_release_rate_from_force(radius, trace.force) / WORK
+        formula = steady_crack.opening(ONE, zone, speed[rows])
+        assert np.all(formula > 1.03)
+    else:
+        release = law.energy_release_rate(radius, trace.penetration) / WORK
+        formula = steady_crack.closing(ONE, zone, speed[rows])
+        assert np.all(formula < 0.97)
+    bias = [
+        FiniteZone(1.0, 1.0, WORK * f, zone).energy_release_rate(radius[row]) / (WORK * f)
+        for row, f in zip(rows, formula, strict=True)
+    ]
+    assert len(rows) >= 5
+    assert_allclose(release[rows] / formula / bias, 1.0, atol=max(3e-5, 0.05 * zone / radius[-1]))
+
+
+@SLOW
+@pytest.mark.parametrize("loading", [RETRACTION, CYCLE], ids=["retraction", "cycle"])
+@pytest.mark.parametrize("zone", [1.3e-4, 1.3e-6])
+def test_order_in_the_step(zone: float, loading: Loading) -> None:
+    """Second order or better (the tolerance falls with the square of the divisions), and small errors."""
+    question = scene(zone, loading)
+    fine = observe(solve(question, Options(resolution=64)))
+    for quantity in ("pull_off_force", "loop_energy"):
+        exact = getattr(fine, quantity)
+        coarse, usual = (
+            abs(getattr(observe(solve(question, Options(resolution=n))), quantity) / exact - 1.0)
+            for n in (6, 24)
+        )
+        order = math.log(coarse / usual) / math.log(4.0)
+        assert 1.5 < order < 6.0, (quantity, coarse, usual)
+        assert usual < 0.3 * DEFAULT_ERROR, quantity
+
+
+@pytest.mark.parametrize(
+    "loading", [RETRACTION, pytest.param(CYCLE, marks=SLOW)], ids=["retraction", "cycle"]
+)
+def test_estimates_cover_the_errors(loading: Loading) -> None:
+    _, pull_off, loop, _ = CHECK_VALUES["retraction" if loading is RETRACTION else "cycle"]
+    trace = solve(scene(1.3e-4, loading), Options(estimate_errors=True))
+    seen = observe(trace)
+    for name, found, exact in (
+        ("pull_off_force", seen.pull_off_force, pull_off),
+        ("loop_energy", seen.loop_energy, loop),
+    ):
+        assert abs(found / exact - 1.0) < 3.0 * trace.errors[name], name
+        assert trace.errors[name] < 3.0 * DEFAULT_ERROR, name
+
+
+@SLOW
+def test_cone_and_many_decades_of_relaxation_times() -> None:
+    """No closed form: against the same at four times the resolution."""
+    spectrum = Material(0.75, 0.5, tuple(Branch(0.75, 10.0**k) for k in range(-4, 5)))
+    loading = Loading("jump-in", 0.01, (Ramp(0.05, 0.002), Ramp(-0.5, 0.002)))
+    for material, indenter in ((ONE, Cone(80.0)), (spectrum, Sphere(1.0))):
+        question = Scene(material, indenter, loading, Adhesion(WORK, 2e-6))
+        usual, fine = observe(solve(question)), observe(solve(question, Options(resolution=64)))
+        assert usual.pull_off_force == pytest.approx(fine.pull_off_force, rel=DEFAULT_ERROR)
+        assert usual.loop_energy == pytest.approx(fine.loop_energy, rel=DEFAULT_ERROR)
+
+
+def _error_of_the_retraction() -> float:
+    """Largest relative error of what the check values hold, at a zone of 1.3e-4; infinite without answer."""
+    _, pull_off, loop, detachment = CHECK_VALUES["retraction"]
+    trace = solve(scene(1.3e-4), Options(max_steps=3000))
+    seen = observe(trace)
+    if seen.detachment_penetration is None:
+        return math.inf
+    return max(
+        abs(seen.pull_off_force / pull_off - 1.0),
+        abs(seen.loop_energy / loop - 1.0),
+        abs(seen.detachment_penetration / detachment - 1.0),
+    )
+
+
+def _released_at_the_end(self, x):  # type: ignore[no-untyped-def]
+    return np.ones_like(x)
+
+
+def _released_too_early(self, x):  # type: ignore[no-untyped-def]
+    return 0.99 * edge_path.ParabolicPath(self.start, self.travel, 0.0).passing(x)
+
+
+@pytest.mark.parametrize("passing", [pytest.param(_released_at_the_end, marks=SLOW), _released_too_early])
+def test_a_wrong_release_time_is_seen(passing, monkeypatch) -> None:  # type: ignore[no-untyped-def]
+    monkeypatch.setattr(edge_path.PolynomialPath, "passing", passing)
+    assert _error_of_the_retraction() > DEFAULT_ERROR
+
+
+def test_a_path_of_lower_order_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
+    def without_last_row(rows, *given):  # type: ignore[no-untyped-def]
+        return edge_path.polynomial_path(replace(rows, times=rows.times[:2], values=rows.values[:2]), *given)
+
+    monkeypatch.setattr("validation.reference.tracking.trial.polynomial_path", without_last_row)
+    assert _error_of_the_retraction() > DEFAULT_ERROR
+
+
+def test_a_forgotten_wake_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
+    """What was released in earlier steps no longer recovers."""
+    update = surface.field_update
+
+    def forgetful(*given):  # type: ignore[no-untyped-def]
+        found = update(*given)
+        return replace(found, recovery=np.ones_like(found.recovery))
+
+    monkeypatch.setattr("validation.reference.tracking.trial.field_update", forgetful)
+    assert _error_of_the_retraction() > DEFAULT_ERROR
