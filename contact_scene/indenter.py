@@ -16,7 +16,16 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.errors import A_COLUMN, NOT_NEGATIVE, SMALLEST, SceneError, as_tuple, finite, number, positive
+from contact_scene.errors import (
+    A_COLUMN,
+    NOT_NEGATIVE,
+    SMALLEST,
+    SceneError,
+    as_tuple,
+    finite,
+    number,
+    positive,
+)
 
 Array = NDArray[np.float64]
 

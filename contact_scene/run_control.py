@@ -176,10 +176,12 @@ def below_zone_outcome(force: ArrayLike, time: float) -> Outcome:
     Returns
     -------
     Outcome
-        ``past_extremum`` where the largest tension lies before the last row.
+        ``past_extremum`` where the largest tension lies before the last row; that with which a run begins and
+        which only falls is no extremum.
     """
     tension = -np.asarray(force, float)
-    largest = float(tension.max(initial=0.0))
+    rises = np.flatnonzero(np.diff(tension) > 0.0)
+    largest = float(tension[rises[0] :].max(initial=0.0)) if rises.size else 0.0
     past = largest > 0.0 and float(tension[-1]) < largest * (1.0 - _EQUAL_TENSION)
     remark = "after" if past else "before"
     reason = f"the contact has shrunk to its process zone, {remark} the largest tension"

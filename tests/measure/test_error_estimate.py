@@ -266,3 +266,11 @@ def test_a_run_without_its_coarser_run_has_no_estimate(monkeypatch):
     result = run(CASE, "bem", estimate=True)
     assert result.finished
     assert result.errors == {}
+
+
+@pytest.mark.parametrize("name", ["pull_off_force", "pull_off_radius", "branch_dissipation"])
+def test_corners_and_layers_are_of_first_order(name):
+    """Three times the difference, of finite elements too: 3/(2^1 - 1); other scalars 3/(2^2 - 1)."""
+    run = pulled(np.arange(11.0), np.arange(11.0))
+    found = from_two_runs(run, run, {name: 10.0, "start_radius": 10.0}, {name: 10.1, "start_radius": 10.1})
+    assert found[name] / found["start_radius"] == pytest.approx(3.0)

@@ -19,6 +19,7 @@ from contact_scene import (
     Ramp,
     Trace,
 )
+from contact_scene.run_control import below_zone_outcome
 from validation.measure.norms import distance, parting_time
 from validation.measure.observables import cycle_losses, end_of_approach, observe
 
@@ -232,3 +233,27 @@ def test_shorter_run_is_compared_as_far_as_it_goes():
     assert apart is not None
     assert (apart.until, apart.covered, apart.largest) == (1.0, 0.25, 0.0)
     assert distance(trace([0], [0], [1]), trace([0, 1], [0, 0], [1, 1])) is None
+
+
+@pytest.mark.parametrize(
+    ("tension", "past"),
+    [
+        ([1.0, 2.0, 1.5], True),
+        ([1.0, 2.0, 2.0], False),  # it has not fallen yet
+        ([1.0, 1.5, 2.0], False),
+        ([2.0, 1.5, 1.0], False),  # a run that merely begins under tension
+        ([2.0, -3.0, 1.5, 1.0], True),  # less than at the start, and an extremum
+        ([2.0, -3.0, 1.0, 1.5], False),
+        ([-3.0, -1.0, -2.0], False),  # never under tension
+        ([0.0], False),
+        ([], False),
+    ],
+)
+def test_the_extremum_before_the_process_zone_is_reached(tension, past):
+    outcome = below_zone_outcome(-np.array(tension), 3.0)
+    assert (outcome.kind, outcome.time) == (OutcomeKind.BELOW_ZONE, 3.0)
+    assert outcome.past_extremum is outcome.finished is past
+    if len(tension) > 1:
+        depth = -np.arange(len(tension), dtype=float)
+        run = dataclasses.replace(trace(np.arange(len(tension)), depth, -np.array(tension)), outcome=outcome)
+        assert (observe(run).pull_off_force is not None) is past

@@ -121,3 +121,9 @@ def test_forecasts_hold_within_a_factor_of_three(name, label):
     solver = SOLVERS[name]
     found = solver.solve(SCENES[label]).counters.steps
     assert found / 3.0 <= solver.expected_cost(SCENES[label]).steps <= 5.0 * found
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_a_scene_beyond_all_bounds_has_a_forecast(name):
+    endless = replace(SCENES["one branch"], adhesion=Adhesion(1e-60, 1e-60), indenter=Sphere(1e60))
+    assert SOLVERS[name].expected_cost(endless).seconds > 1e20

@@ -1,4 +1,4 @@
-"""What all solvers share, against numbers worked out on paper: no comparison of solvers sees a common error."""
+"""What all solvers share, against numbers worked out on paper: a comparison never sees a common error."""
 
 from __future__ import annotations
 

@@ -11,17 +11,19 @@ grids (Roache 1994):
 ``p`` is 2 for the finite elements. For the boundary elements it is 1: static states converge faster, but the
 annuli that resolve the layer behind an advancing edge do not double with the resolution, and with 2 the
 estimates of whole cycles fell short of the true error (by up to 1.7 times in the quick suite). What the
-branches dissipate has p = 1 too, because it squares the stress in the layer at a sharp edge.
+branches dissipate has p = 1 too, because it squares the stress in the layer at a sharp edge, and so has the
+pull-off: an edge at rest up to a corner of the force begins to move within an element or a step.
 
 Curves are known at rows only: what they may do between is added (:mod:`row_interpolation`). Relative to its
 excursion in the worst window a curve has an estimate of its own, so that a small oscillation is not lost in
 the size of the contact.
 
 The difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its
-run. The excess at the edge is a difference, uncertain by what its two terms are. The largest tension is a row
-of the trace: it is also uncertain by what the tension between the rows beside it may exceed it. Its place is
-uncertain by that over which the tension falls by its own error and, if it is not located, by the distance of
-these rows. The edge may have gone on after the last row in contact, where it runs away.
+run would be at its order. The excess at the edge is a difference, uncertain by what its two terms are. The
+largest tension is a row of the trace: it is also uncertain by what the tension between the rows beside it may
+exceed it. Its place is uncertain by that over which the tension falls by its own error and, if it is not
+located, by the distance of these rows. The edge may have gone on after the last row in contact, where it runs
+away.
 """
 
 from __future__ import annotations
@@ -88,19 +90,22 @@ def from_two_runs(
     """
     usual = solver(run.solver).order
     errors = {}
+    floors = {1.0: 0.0, usual: 0.0}
     for column in CURVES:
         apart = distance(other, run, column)
         if apart is not None:
-            errors[column] = _extrapolated(apart.rms, usual, ratio) + interpolation_error(run, column)
-    floor = max(errors.values(), default=0.0)
+            between = interpolation_error(run, column)
+            errors[column] = _extrapolated(apart.rms, usual, ratio) + between
+            for order, floor in floors.items():
+                floors[order] = max(floor, _extrapolated(apart.rms, order, ratio) + between)
     for name, value in measured.items():
         there = otherwise.get(name)
         if value is None or there is None or not (column_of(name) or name in ENERGIES):
             continue
         relative_to = scale(name, value, run)
-        order = 1.0 if name in IN_LAYERS else usual
+        order = 1.0 if name in IN_LAYERS or name.startswith("pull_off") else usual
         own = _extrapolated(abs(there - value) / relative_to, order, ratio) if relative_to > 0.0 else 0.0
-        errors[name] = max(own, floor)
+        errors[name] = max(own, floors[order])
     terms = ("branch_dissipation", "dissipated_energy")
     if "zone_excess" in errors and all(name in errors for name in terms):
         sizes = [scale(name, measured[name] or 0.0, run) for name in (*terms, "zone_excess")]

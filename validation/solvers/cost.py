@@ -26,6 +26,8 @@ from validation.solvers.contact_range import largest_contact_radius
 
 RADII = np.geomspace(1e-5, 1.0, 241)
 """Contact radii at which the elastic contact is tabulated, relative to the largest."""
+MOST_UNKNOWNS = 1e30
+"""Bounds the powers of a number of unknowns that no run could have."""
 LAST_DECADES = 6.0
 """Decades of time below the duration of a load step in which steps are counted: what relaxes faster is taken
 to have relaxed."""
@@ -170,6 +172,7 @@ def forecast(model: CostModel, work: SceneWork, resolution: int, unknowns: float
     else:
         per_division = model.steps_per_division if work.adhesive else model.adhesionless_steps_per_division
         steps = least + per_division * resolution * work.zones + model.steps_per_decade * work.decades
+    unknowns = min(unknowns, MOST_UNKNOWNS)
     setup, step, memory = (
         sum(factor * unknowns**power for power, factor in enumerate(factors))
         for factors in (model.seconds_of_setup, model.seconds_of_step, model.bytes_of_run)
