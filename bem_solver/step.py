@@ -23,8 +23,8 @@ _RESIDUAL_ACCURACY = 1e-2
 _LOAD_WEIGHT = 4.0
 """Weight of the departure of the load from a straight line against that of the edge in the step error."""
 _LOAD_WEIGHT_AT_LIMIT = 16.0
-"""The same weight where the edge travels its limit before the end of the step. The load may have a corner there,
-the largest tension of the run, and an eighth of the departure understates how far a row may miss it."""
+"""The same weight where the edge travels its limit before the end of the step. The load may have a corner
+there, the largest tension of the run; an eighth of the departure understates how far a row may miss it."""
 _SCALE_OF_FIRST_LOAD = 0.01
 """Part of the load to be expected in an interval against which a load that starts from zero is measured."""
 
@@ -180,7 +180,7 @@ class TrialStep(StepStart):
         return max(of_edge, _LOAD_WEIGHT * of_load) / self.settings.tolerance
 
     def _error_at_limit(self, trial: TrialContact, step: float) -> float:
-        """The same where the edge has travelled as far as it may: that of the load, which may have a corner."""
+        """The same where the edge has travelled as far as it may: of the load, which may have a corner."""
         return _LOAD_WEIGHT_AT_LIMIT * self._departures(trial, step, step)[1] / self.settings.tolerance
 
     def _departures(self, trial: TrialContact, step: float, rate_step: float) -> tuple[float, float]:
