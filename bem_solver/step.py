@@ -188,7 +188,7 @@ class TrialStep(StepStart):
         return _LOAD_WEIGHT_AT_LIMIT * min(of_load, 0.125 * change) / self.settings.tolerance
 
     def _departures(self, trial: TrialContact, step: float, rate_step: float) -> tuple[float, float, float]:
-        """Departures of edge and load from straight lines, and the change of load along its line, to scale."""
+        """Departures of edge and load from straight lines, and the change of load on its line, to scale."""
         problem, interval, contact = self.problem, self.interval, self.state.contact
         edge_rate, load_rate = self.state.accepted.rates(rate_step)
         edge = trial.motion.new_edge
