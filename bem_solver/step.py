@@ -185,7 +185,9 @@ class TrialStep(StepStart):
         It misses no more than by what the load would have changed without one, however fast the edge runs.
         """
         _, of_load, change = self._departures(trial, step, step)
-        return _LOAD_WEIGHT_AT_LIMIT * min(of_load, 0.125 * change) / self.settings.tolerance
+        if len(self.state.accepted.rows) > 1:  # or its rate is unknown
+            of_load = min(of_load, 0.125 * change)
+        return _LOAD_WEIGHT_AT_LIMIT * of_load / self.settings.tolerance
 
     def _departures(self, trial: TrialContact, step: float, rate_step: float) -> tuple[float, float, float]:
         """Departures of edge and load from straight lines, and the change of load on its line, to scale."""
