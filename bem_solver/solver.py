@@ -34,10 +34,9 @@ from contact_scene import Counters, Outcome, OutcomeKind, RunMonitor, Scene, Tra
 from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 
-
 _SMOOTH_SHARE = 0.01
-"""Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the root
-at the edge, which is taken out: without adhesion, and in an elastic contact, whatever its zone."""
+"""Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the
+root at the edge, which is taken out: without adhesion, and in an elastic contact, whatever its zone."""
 
 
 def refusal(scene: Scene) -> UnsupportedScene | None:

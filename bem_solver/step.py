@@ -23,8 +23,8 @@ _RESIDUAL_ACCURACY = 1e-2
 _LOAD_WEIGHT = 4.0
 """Weight of the departure of the load from a straight line against that of the edge in the step error."""
 _LOAD_WEIGHT_AT_LIMIT = 16.0
-"""The same weight where the edge travels its limit before the end of the step. The load may have a corner there,
-the largest tension of the run, and an eighth of the departure understates how far a row may miss it."""
+"""The same weight where the edge travels its limit before the end of the step. The load may have a corner
+there, the largest tension of the run; an eighth of the departure understates how far a row may miss it."""
 _SCALE_OF_FIRST_LOAD = 0.01
 """Part of the load to be expected in an interval against which a load that starts from zero is measured."""
 
@@ -176,15 +176,21 @@ class TrialStep(StepStart):
 
         ``rate_step`` is the step for which rates are taken, ``step`` itself by default.
         """
-        of_edge, of_load = self._departures(trial, step, step if rate_step is None else rate_step)
+        of_edge, of_load, _ = self._departures(trial, step, step if rate_step is None else rate_step)
         return max(of_edge, _LOAD_WEIGHT * of_load) / self.settings.tolerance
 
     def _error_at_limit(self, trial: TrialContact, step: float) -> float:
-        """The same where the edge has travelled as far as it may: that of the load, which may have a corner."""
-        return _LOAD_WEIGHT_AT_LIMIT * self._departures(trial, step, step)[1] / self.settings.tolerance
+        """The same where the edge has travelled as far as it may: of the load, which may have a corner.
 
-    def _departures(self, trial: TrialContact, step: float, rate_step: float) -> tuple[float, float]:
-        """Departures of edge and load from straight lines, relative to their scales."""
+        It misses no more than by what the load would have changed without one, however fast the edge runs.
+        """
+        _, of_load, change = self._departures(trial, step, step)
+        if len(self.state.accepted.rows) > 1:  # or its rate is unknown
+            of_load = min(of_load, 0.125 * change)
+        return _LOAD_WEIGHT_AT_LIMIT * of_load / self.settings.tolerance
+
+    def _departures(self, trial: TrialContact, step: float, rate_step: float) -> tuple[float, float, float]:
+        """Departures of edge and load from straight lines, and the change of load on its line, to scale."""
         problem, interval, contact = self.problem, self.interval, self.state.contact
         edge_rate, load_rate = self.state.accepted.rates(rate_step)
         edge = trial.motion.new_edge
@@ -196,7 +202,8 @@ class TrialStep(StepStart):
             load = trial.motion.new_penetration
             scale /= stiffness
         of_edge = departure_from_line(edge - contact.edge - edge_rate * step, problem.length_at(edge))
-        return of_edge, departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
+        of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
+        return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
 
 
 def _sign_change(residual: Callable[[float], float], positive: bool) -> float:

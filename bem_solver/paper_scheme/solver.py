@@ -51,6 +51,8 @@ SOLVER = "bem, uniform annuli"
 
 _MARGIN = 1.1
 """Outermost contact allowed for, relative to the estimate of the largest contact radius."""
+_HALVINGS = 8
+"""Halvings of the step in which contact is lost: far below its error, which is of first order."""
 _PER_RADIUS = 10
 """Annuli in the largest contact without adhesion, in multiples of the resolution."""
 
@@ -236,14 +238,15 @@ class _Run:
         become shorter than the zone ends with that length.
         """
         before, time, value = self.state.surface, interval.time(parameter), interval.prescribed(parameter)
-        duration = 0.0 if interval.jump else time - before.time
-        candidates = ContactCandidates(
-            self.annuli, self.chain, before, duration, interval.control, value, self.counters
-        )
-        contact = equilibrium_contact(candidates, before.contact, self.most, self.capped, self.work)
+        candidates, contact = self._equilibrium(interval, parameter)
         if contact is None:
             reason = "the contact spreads beyond the annuli"
             return Outcome(OutcomeKind.OUT_OF_RANGE, reason, before.time)
+        if contact == 0 < before.contact and self.work > 0.0 and not interval.jump:
+            last = self._last_contact(interval, parameter)
+            if last is not None:
+                time, contact = interval.time(last), self.annuli.zone
+                candidates, _ = self._equilibrium(interval, last)
         lost = contact == 0 and before.contact > 0
         below_zone = self.work > 0.0 and 0 < contact <= self.annuli.zone
         if below_zone:
@@ -263,6 +266,40 @@ class _Run:
         if below_zone:
             return below_zone_outcome(self.state.record.forces, time)
         return Outcome(OutcomeKind.DETACHED, "the contact area fell to zero", time) if lost else None
+
+    def _equilibrium(
+        self, interval: LoadingInterval, parameter: float
+    ) -> tuple[ContactCandidates, int | None]:
+        """The contacts possible at a parameter, and the annuli in the stable one, if there is any."""
+        before = self.state.surface
+        duration = 0.0 if interval.jump else interval.time(parameter) - before.time
+        candidates = ContactCandidates(
+            self.annuli,
+            self.chain,
+            before,
+            duration,
+            interval.control,
+            interval.prescribed(parameter),
+            self.counters,
+        )
+        return candidates, equilibrium_contact(candidates, before.contact, self.most, self.capped, self.work)
+
+    def _last_contact(self, interval: LoadingInterval, parameter: float) -> float | None:
+        """Where in a step that loses it the contact is last in equilibrium.
+
+        ``None`` if it is longer there than the process zone, by more than the annulus that is the accuracy of
+        an edge: then it is lost at a limit point.
+        """
+        low, high = self.state.surface.time - interval.start, parameter
+        contact = self.state.surface.contact
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            reached = self._equilibrium(interval, middle)[1]
+            if reached:
+                low, contact = middle, reached
+            else:
+                high = middle
+        return low if contact <= self.annuli.zone + 1 else None
 
     def _commit(self, surface: AnnuliState, energies: Energies) -> None:
         if not (math.isfinite(surface.force) and math.isfinite(surface.penetration)):

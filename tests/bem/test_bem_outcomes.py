@@ -28,6 +28,7 @@ from contact_scene import (
     TabulatedProfile,
     UnsupportedScene,
 )
+from validation.cases import load
 from validation.reference.finite_zone import FiniteZone
 
 COARSE = Options(resolution=6)
@@ -231,3 +232,41 @@ def test_pull_of_a_relaxed_contact_depends_on_the_contrast_only_through_time(con
     question = scene(Ramp(-20.0, ZONE / contrast), start="relaxed", at=0.01, material=rubber)
     trace = solve(question, Options(resolution=6))
     assert_allclose(-trace.force.min(), 0.01013, rtol=5e-3)
+
+
+@pytest.mark.parametrize("annuli", ["graded", "uniform"])
+@pytest.mark.parametrize(("zone", "material"), [(0.05, ONE), (0.08, ELASTIC)], ids=["rubber", "elastic"])
+def test_contact_that_shrinks_to_its_zone_leaves_the_range_of_the_model(annuli, zone, material):
+    """The last row is the state at the zone's length; nothing is called pull-off but the largest tension."""
+    question = scene(
+        Ramp(-0.5, 0.002), start="relaxed", at=0.01, material=material, adhesion=Adhesion(WORK, zone)
+    )
+    trace = bem(question, resolution=8, annuli=annuli)
+    assert trace.outcome.kind is OutcomeKind.BELOW_ZONE
+    assert trace.outcome.past_extremum
+    assert trace.outcome.time == trace.time[-1]
+    assert_allclose(trace.contact_radius[-1], zone, rtol=1e-12)
+    assert np.all(trace.contact_radius >= zone * (1.0 - 1e-12))
+    assert not trace.events
+    finer = bem(question, resolution=12)
+    assert_allclose(trace.force[-1], finer.force[-1], rtol=1e-3 if annuli == "graded" else 0.05)
+    assert_allclose(trace.time[-1], finer.time[-1], rtol=1e-3 if annuli == "graded" else 0.02)
+
+
+def test_elastic_cycle_costs_the_same_whatever_the_zone():
+    """Every state is an equilibrium by itself: rows as needed for force and energy, annuli likewise."""
+    rows = []
+    for zone in (1e-3, 3e-5):
+        trace = bem(cycle(0.02, material=ELASTIC, adhesion=Adhesion(WORK, zone)), resolution=6)
+        exact = FiniteZone(1.0, 1.0, WORK, zone)
+        assert_allclose(trace.force.min(), exact.pull_off_force_control().force, rtol=5e-4)
+        assert_allclose(trace.penetration[-1], exact.pull_off_penetration_control().penetration, rtol=1e-4)
+        rows.append(len(trace))
+    assert max(rows) < 100
+    assert rows[1] < 1.2 * rows[0]
+
+
+def test_corner_of_the_force_is_not_stepped_over():
+    """Glassy retraction: the edge hardly moves, then runs; the largest tension lies between."""
+    question = load("retraction-fast").scene
+    assert_allclose(bem(question, resolution=6).force.min(), front(question).force.min(), rtol=1e-3)
