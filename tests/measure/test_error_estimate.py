@@ -116,7 +116,7 @@ def test_coarser_runs_are_coarser():
     assert coarser("bem", CASE.scene, 40)[0] == 20
     assert coarser("fem", CASE.scene, None)[:2] == (5, 4e-3)
     assert coarser("fem", CASE.scene, None)[2].grading == 0.4
-    assert coarser("fem", load("adhesionless-cycle").scene, None)[0] == 1
+    assert coarser("fem", load("adhesionless-cycle").scene, None)[0] == 2
 
 
 def runs(difference: float, mine: float | None, theirs: float | None) -> list:
