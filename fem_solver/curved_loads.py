@@ -22,12 +22,8 @@ def swing(segment: Segment) -> float:
     if segment.linear:
         return 0.0
     shares = np.mod(np.arange(_SPREAD) * 0.5 * (math.sqrt(5.0) - 1.0), 1.0)
-    length, first, last = (
-        segment.end - segment.start,
-        segment.value(segment.start),
-        segment.value(segment.end),
-    )
-    values = [segment.value(segment.start + length * x) - first - (last - first) * x for x in shares]
+    length, change = segment.end - segment.start, segment.value(segment.end) - segment.value(segment.start)
+    values = [segment.value(segment.start + length * x) - change * x for x in shares]
     return max(values) - min(values)
 
 

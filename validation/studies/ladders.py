@@ -92,7 +92,7 @@ def _paper(scene: Scene) -> Ladder:
 
 
 def _fem(scene: Scene) -> Ladder:
-    levels = _fem_levels(scene, (4, 6, 8, 12) if scene.is_adhesive else (1, 2, 3, 4))
+    levels = _fem_levels(scene, (4, 6, 8, 12) if scene.is_adhesive else (2, 4, 6, 8))
     return Ladder(
         FEM,
         "together",
@@ -103,14 +103,14 @@ def _fem(scene: Scene) -> Ladder:
 
 def _fem_volume(scene: Scene) -> Ladder:
     """The same answer as the condensed form, at higher cost: the levels stay coarse."""
-    levels = _fem_levels(scene, (3, 4, 5, 6) if scene.is_adhesive else (1, 2, 3, 4))
+    levels = _fem_levels(scene, (3, 4, 5, 6) if scene.is_adhesive else (2, 4, 6, 8))
     refined = "as the condensed form, whose answer it repeats: only the price is of interest"
     return Ladder(VOLUME, "together", refined, levels)
 
 
 def _fem_levels(scene: Scene, sizes: tuple[int, ...]) -> tuple[Level, ...]:
     """Grading with the element size: near and far are refined alike. The tolerance falls with the square."""
-    first = 4 if scene.is_adhesive else 1
+    first = 4 if scene.is_adhesive else 2
     return tuple(
         _by_resolution(
             n, Settings(n, tolerance=5e-3 * (first / n) ** 2, grading=min(0.5 * first / n, STEEPEST))
@@ -150,7 +150,7 @@ def _bem_mesh() -> Ladder:
 
 
 def _fem_mesh(scene: Scene) -> Ladder:
-    sizes = (3, 4, 6, 8) if scene.is_adhesive else (1, 2, 3, 4)
+    sizes = (3, 4, 6, 8) if scene.is_adhesive else (2, 4, 6, 8)
     levels = tuple(
         _by_resolution(n, Settings(n, step_resolution=12, tolerance=6e-4, grading=0.5 * sizes[0] / n))
         for n in sizes
