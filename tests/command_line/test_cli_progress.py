@@ -191,7 +191,7 @@ def test_tasks_tell_the_time_left_by_their_forecasts(clock, monkeypatch, tmp_pat
     tasks.run_tasks(made, progress=lambda done, text: told.append(text))
     assert [text.partition(", ")[2] for text in told] == ["about 3 s left", "about 3 s left", ""]
     kept = Store(tmp_path)
-    kept.put("3", "done before")
+    kept.put("0", "done before")
     told.clear()
     tasks.run_tasks(made, store=kept, progress=lambda done, text: told.append(text))
     assert [text.partition(", ")[2] for text in told] == ["", "about 6 s left", ""]
