@@ -14,6 +14,7 @@ import pytest
 from contact_scene import scene_from_dict
 from crosscontact.arguments import parser
 from validation.execution import progress, tasks
+from validation.execution.store import Store
 
 README = Path("README.md").read_text("utf-8")
 
@@ -176,7 +177,7 @@ def test_a_forecast_far_too_large_is_bounded_by_the_loading(clock, work):
     assert "100 steps" in lines()[-1]
 
 
-def test_tasks_tell_the_time_left_by_their_forecasts(clock, monkeypatch):
+def test_tasks_tell_the_time_left_by_their_forecasts(clock, monkeypatch, tmp_path):
     monkeypatch.setattr(tasks.time, "monotonic", lambda: clock[0])
 
     def work():
@@ -189,6 +190,11 @@ def test_tasks_tell_the_time_left_by_their_forecasts(clock, monkeypatch):
     ]
     tasks.run_tasks(made, progress=lambda done, text: told.append(text))
     assert [text.partition(", ")[2] for text in told] == ["about 3 s left", "about 3 s left", ""]
+    kept = Store(tmp_path)
+    kept.put("0", "done before")
+    told.clear()
+    tasks.run_tasks(made, store=kept, progress=lambda done, text: told.append(text))
+    assert [text.partition(", ")[2] for text in told] == ["", "about 6 s left", ""]
 
 
 def test_scene_in_the_readme_is_a_scene():
