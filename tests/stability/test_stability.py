@@ -107,6 +107,27 @@ def test_against_the_front_tracking_with_its_own_error():
     assert one(case, fine, fine, broken).verdict is CellVerdict.UNKNOWN
 
 
+@pytest.mark.parametrize(
+    ("past", "expected", "verdict"),
+    [
+        (True, OutcomeKind.BELOW_ZONE, CellVerdict.WITHIN),
+        (True, OutcomeKind.DETACHED, CellVerdict.WRONG),
+        (False, OutcomeKind.DETACHED, CellVerdict.DECLINED),
+    ],
+)
+def test_a_contact_below_its_zone_is_an_answer_only_after_the_largest_tension(past, expected, verdict):
+    case = fakes.case("below the zone", ReferenceRuns(("loop_energy",)))
+
+    def ended(kind: OutcomeKind) -> CaseAnswer:
+        trace = fakes.trace(kind=kind)
+        return CaseAnswer(replace(trace, outcome=replace(trace.outcome, past_extremum=past)))
+
+    others = [CaseAnswer(fakes.trace(kind=expected))] * 2
+    if expected is OutcomeKind.BELOW_ZONE:
+        others = [ended(expected)] * 2
+    assert one(case, ended(OutcomeKind.BELOW_ZONE), *others).verdict is verdict
+
+
 def test_the_driver_runs_what_is_expected_and_the_other_scene():
     computed = fakes.case("by resolution", ReferenceRuns(("final_force",), fine=40, coarse=20))
     same = fakes.case("right", EquivalentScene(fakes.scene("wrong")))
