@@ -129,7 +129,7 @@ ZONES = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 2e-8]
 
 @pytest.mark.parametrize(
     ("loading", "growth"),
-    [pytest.param(RETRACTION, 24, id="retraction"), pytest.param(CYCLE, 24, id="cycle", marks=SLOW)],
+    [pytest.param(RETRACTION, 40, id="retraction"), pytest.param(CYCLE, 60, id="cycle", marks=SLOW)],
 )
 def test_work_grows_with_the_logarithm_of_the_zone(loading: Loading, growth: float) -> None:
     """Steps, and nodes carried from step to step, per decade of zone."""
@@ -140,7 +140,7 @@ def test_work_grows_with_the_logarithm_of_the_zone(loading: Loading, growth: flo
     decades = np.log10(zones[0] / np.array(zones))
     assert all(run.outcome.kind is OutcomeKind.DETACHED for run in runs)
     assert np.polyfit(decades, steps, 1)[0] < growth
-    assert np.all(steps < 800)
+    assert np.all(steps < 1100)
     assert np.all(nodes < 400 + 150 * decades)
 
 
@@ -165,10 +165,16 @@ def test_elastic_contact_is_the_closed_finite_zone_form_and_goes_to_jkr(zone: fl
     assert observe(trace).detachment_penetration == pytest.approx(last, rel=1e-7)
 
 
-@pytest.mark.parametrize("pace", [2e-3, pytest.param(5e-2, marks=SLOW)])
+STEADY = [(5e-6, 2e-3, 3e-5), (5e-4, 2e-3, 1e-4), (5e-6, 5e-2, 1e-4), (5e-7, 5e-2, 1e-4)]
+"""Zone, speed of loading in zones per time, and how closely the law holds: what remains is of the order of
+the travelling field over the radius, the zone over the radius, and the differences that give the speed."""
+
+
+@pytest.mark.parametrize(
+    ("zone", "pace", "accuracy"), [STEADY[0], *(pytest.param(*one, marks=SLOW) for one in STEADY[1:])]
+)
 @pytest.mark.parametrize(("start", "end"), [(0.08, 0.06), (0.04, 0.06)], ids=["opening", "closing"])
-@pytest.mark.parametrize("zone", [5e-6, pytest.param(5e-7, marks=SLOW), pytest.param(5e-4, marks=SLOW)])
-def test_steady_edge_laws(zone: float, start: float, end: float, pace: float) -> None:
+def test_steady_edge_laws(zone: float, pace: float, accuracy: float, start: float, end: float) -> None:
     """Loading in proportion to the zone: ``G/dg`` at every speed is the closed law of a steady edge."""
     trace = solve(scene(zone, Loading("relaxed", start, (Ramp(end, pace * zone),))))
     law, radius = JKR(Sphere(1.0), 1.0, WORK), trace.contact_radius
@@ -188,7 +194,7 @@ def test_steady_edge_laws(zone: float, start: float, end: float, pace: float) ->
         for row, f in zip(rows, formula, strict=True)
     ]
     assert len(rows) >= 5
-    assert_allclose(release[rows] / formula / bias, 1.0, atol=max(3e-5, 0.05 * zone / radius[-1]))
+    assert_allclose(release[rows] / formula / bias, 1.0, atol=accuracy)
 
 
 @SLOW

@@ -115,9 +115,13 @@ class FrontProblem:
             FORCE: max(state.largest_force, abs(to.force)),
             PENETRATION: max(state.largest_depth, abs(to.surface.penetration)),
         }
-        share = LONG_STEP_SHARE if self.over_zones(state.surface.radius) else 1.0
+        over_zones = self.over_zones(state.surface.radius)
         return StepErrorEstimator(
-            state.history, share * self.fineness.deviation, free_columns(segment.control), scales
+            state.history,
+            (LONG_STEP_SHARE if over_zones else 1.0) * self.fineness.deviation,
+            free_columns(segment.control),
+            scales,
+            self.condition.zone_length if over_zones else 0.0,
         )
 
 

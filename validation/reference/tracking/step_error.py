@@ -28,6 +28,11 @@ FORCE_SHARE = 8.0
 """The same for force and penetration; larger, because the force is an integral over the fields."""
 CHORD_SHARE = 50.0
 """Largest distance of a step from its chord, in allowed deviations, however small its extrapolation error."""
+TRAVEL_SHARE = 300.0
+"""Extrapolation error allowed in the radius after a step over process zones, in allowed deviations of the
+travel instead of the radius: an edge that sets out needs its speed, not its place, in good time."""
+LEAST_ZONES = 0.1
+"""Least travel for that, in process zones: below it an edge is at rest."""
 MOST_INTERVALS = 32
 """Most intervals into which interpolated rows divide one step."""
 
@@ -36,13 +41,15 @@ MOST_INTERVALS = 32
 class StepErrorEstimator:
     """Deviations in units of the allowed one, which is ``deviation`` times the largest values so far.
 
-    ``columns`` are the quantities that are not prescribed; ``scales`` the largest radius, force, penetration.
+    ``columns`` are the quantities that are not prescribed; ``scales`` the largest radius, force, penetration;
+    ``zone`` the process zone if the step may pass over several, otherwise 0.
     """
 
     history: StepHistory
     deviation: float
     columns: tuple[int, ...]
     scales: dict[int, float]
+    zone: float = 0.0
 
     def in_time(self, row: HistoryRow) -> float:
         """Deviation of a step to ``row`` from the extrapolation in time; acceptable up to about 1."""
@@ -55,6 +62,9 @@ class StepErrorEstimator:
                 missed = abs(row[column] - self.history.extrapolation(column).value_after(duration))
                 share = RADIUS_SHARE if column == RADIUS else FORCE_SHARE
                 worst = max(worst, max(missed / share, chord[column] / CHORD_SHARE) / self.scales[column])
+                if column == RADIUS and self.zone > 0.0:
+                    travel = max(abs(row[RADIUS] - self.history.rows[-1][RADIUS]), LEAST_ZONES * self.zone)
+                    worst = max(worst, missed / (TRAVEL_SHARE * travel))
         return worst / self.deviation
 
     def along_edge(self, row: HistoryRow) -> float:
