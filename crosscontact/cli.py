@@ -93,6 +93,16 @@ def _bulk(text: str) -> float:
     return value
 
 
+def _ratio(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 1e-8 <= value <= 0.2:
+        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: a number from 1e-8 to 0.2")
+    return value
+
+
 def _time(text: str) -> float:
     try:
         value = float(text)
@@ -179,6 +189,14 @@ def _study_arguments(command: argparse.ArgumentParser) -> None:
         metavar="K/G",
         help="instead: elastic bulk of these ratios to the relaxed shear modulus (10 to 1000), against a "
         "constant Poisson's ratio",
+    )
+    command.add_argument(
+        "--zones",
+        type=_ratio,
+        nargs="*",
+        metavar="RATIO",
+        help="instead: steps, points, time and error of every solver with process zones of these ratios to "
+        "the contact radius (5e-2 to 1e-7)",
     )
     _fresh(command)
 
@@ -331,6 +349,10 @@ def _command(options: argparse.Namespace) -> int:
         from crosscontact.commands import poisson
 
         return poisson.run(options.scenes, options.poisson, options.out, jobs)
+    if options.command == "study" and options.zones is not None:
+        from crosscontact.commands import zones
+
+        return zones.run(options.scenes, options.zones, options.out)
     if options.command == "study":
         from crosscontact.commands import study
 
