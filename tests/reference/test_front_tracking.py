@@ -157,7 +157,7 @@ def test_rounding_does_not_choose_the_steps_under_a_constant_force(monkeypatch: 
         slower, softer = 1.0 + 1e-15, 1.0 - 1e-15
         return replace(moduli, retardation=slower * moduli.retardation, moduli=softer * moduli.moduli)
 
-    pulled = Loading("relaxed", 0.032, (Force(-8.0 * F_JKR, 100.0),))
+    pulled = Loading("relaxed", 0.032, (Force(-8.0 * F_JKR, 0.25),))
     dead_load = Scene(ONE, Sphere(1.0), pulled, STICKY)
     once = solve(dead_load, Options(resolution=4))
     monkeypatch.setattr(problem, "rheology", perturbed)
@@ -165,7 +165,8 @@ def test_rounding_does_not_choose_the_steps_under_a_constant_force(monkeypatch: 
     assert again.counters == once.counters
     before, after = observe(once).as_dict(), observe(again).as_dict()
     for name, value in before.items():
-        assert after[name] == pytest.approx(value, rel=1e-9, abs=0.0), name
+        if value is not None:
+            assert after[name] == pytest.approx(value, rel=1e-9, abs=0.0), name
 
 
 def test_fast_retraction_from_the_relaxed_state() -> None:
