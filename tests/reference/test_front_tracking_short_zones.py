@@ -38,6 +38,8 @@ from validation.reference.tracking import edge_path, problem, surface
 SLOW = pytest.mark.slow
 DEFAULT_ERROR = 1e-5
 """Largest relative error at the default resolution in pull-off force, loop energy and detachment."""
+CHECKED = {"pull_off_force": 3e-6, "loop_energy": 3e-6, "detachment_penetration": DEFAULT_ERROR}
+"""The same against the check values: twice what is measured, so that a path of lower order shows."""
 TWO = Material(0.75, 0.5, (Branch(3.75, 0.3), Branch(3.0, 30.0)))
 ELASTIC = Material(0.75, 0.5)
 
@@ -79,11 +81,10 @@ CHECK_VALUES = {
 def test_check_values_of_thirty_thousand_short_steps(name: str) -> None:
     loading, pull_off, loop, detachment = CHECK_VALUES[name]
     trace = _run(1.3e-4, loading)
-    seen = observe(trace)
-    assert seen.pull_off_force == pytest.approx(pull_off, rel=DEFAULT_ERROR)
-    assert seen.loop_energy == pytest.approx(loop, rel=DEFAULT_ERROR)
-    assert seen.detachment_penetration == pytest.approx(detachment, rel=DEFAULT_ERROR)
-    assert trace.counters.steps < 800
+    seen = observe(trace).as_dict()
+    for quantity, value in zip(CHECKED, (pull_off, loop, detachment), strict=True):
+        assert seen[quantity] == pytest.approx(value, rel=CHECKED[quantity]), quantity
+    assert trace.counters.steps < 1100
 
 
 LOADINGS = {
@@ -198,20 +199,24 @@ def test_steady_edge_laws(zone: float, pace: float, accuracy: float, start: floa
 
 
 @SLOW
-@pytest.mark.parametrize("loading", [RETRACTION, CYCLE], ids=["retraction", "cycle"])
-@pytest.mark.parametrize("zone", [1.3e-4, 1.3e-6])
+@pytest.mark.parametrize(("zone", "loading"), [(1.3e-4, RETRACTION), (1.3e-6, CYCLE)])
 def test_order_in_the_step(zone: float, loading: Loading) -> None:
-    """Second order or better (the tolerance falls with the square of the divisions), and small errors."""
+    """Second order or better (the tolerance falls with the square of the divisions), and small errors.
+
+    Of three neighbouring resolutions the largest error counts: errors of single runs change their sign.
+    """
     question = scene(zone, loading)
     fine = observe(solve(question, Options(resolution=64)))
+
+    def error(quantity: str, resolutions: tuple[int, ...]) -> float:
+        found = [getattr(observe(solve(question, Options(resolution=n))), quantity) for n in resolutions]
+        return max(abs(value / getattr(fine, quantity) - 1.0) for value in found)
+
     for quantity in ("pull_off_force", "loop_energy"):
-        exact = getattr(fine, quantity)
-        coarse, usual = (
-            abs(getattr(observe(solve(question, Options(resolution=n))), quantity) / exact - 1.0)
-            for n in (6, 24)
-        )
+        coarse, usual = error(quantity, (5, 6, 7)), error(quantity, (20, 24, 28))
         order = math.log(coarse / usual) / math.log(4.0)
-        assert 1.5 < order < 6.0, (quantity, coarse, usual)
+        assert 1.5 < order, (quantity, coarse, usual)
+        assert order < 6.0 or usual < 1e-8, (quantity, coarse, usual)  # a step that ends on the very peak
         assert usual < 0.3 * DEFAULT_ERROR, quantity
 
 
@@ -242,18 +247,17 @@ def test_cone_and_many_decades_of_relaxation_times() -> None:
         assert usual.loop_energy == pytest.approx(fine.loop_energy, rel=DEFAULT_ERROR)
 
 
-def _error_of_the_retraction() -> float:
-    """Largest relative error of what the check values hold, at a zone of 1.3e-4; infinite without answer."""
-    _, pull_off, loop, detachment = CHECK_VALUES["retraction"]
+def _excess_of_the_retraction() -> float:
+    """Errors of what the check values hold, largest in allowed ones; infinite without an answer."""
+    _, *exact = CHECK_VALUES["retraction"]
     trace = solve(scene(1.3e-4), Options(max_steps=3000))
-    seen = observe(trace)
-    if seen.detachment_penetration is None:
-        return math.inf
-    return max(
-        abs(seen.pull_off_force / pull_off - 1.0),
-        abs(seen.loop_energy / loop - 1.0),
-        abs(seen.detachment_penetration / detachment - 1.0),
-    )
+    seen = observe(trace).as_dict()
+    pairs = zip(CHECKED.items(), exact, strict=True)
+    errors = [
+        math.inf if seen[name] is None else abs(seen[name] / value - 1.0) / allowed
+        for (name, allowed), value in pairs
+    ]
+    return max(errors)
 
 
 def _released_at_the_end(self, x):  # type: ignore[no-untyped-def]
@@ -267,7 +271,7 @@ def _released_too_early(self, x):  # type: ignore[no-untyped-def]
 @pytest.mark.parametrize("passing", [pytest.param(_released_at_the_end, marks=SLOW), _released_too_early])
 def test_a_wrong_release_time_is_seen(passing, monkeypatch) -> None:  # type: ignore[no-untyped-def]
     monkeypatch.setattr(edge_path.PolynomialPath, "passing", passing)
-    assert _error_of_the_retraction() > DEFAULT_ERROR
+    assert _excess_of_the_retraction() > 1.0
 
 
 def test_a_path_of_lower_order_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
@@ -275,7 +279,7 @@ def test_a_path_of_lower_order_is_seen(monkeypatch) -> None:  # type: ignore[no-
         return edge_path.polynomial_path(replace(rows, times=rows.times[:2], values=rows.values[:2]), *given)
 
     monkeypatch.setattr("validation.reference.tracking.trial.polynomial_path", without_last_row)
-    assert _error_of_the_retraction() > DEFAULT_ERROR
+    assert _excess_of_the_retraction() > 1.0
 
 
 def test_a_forgotten_wake_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
@@ -287,4 +291,4 @@ def test_a_forgotten_wake_is_seen(monkeypatch) -> None:  # type: ignore[no-untyp
         return replace(found, recovery=np.ones_like(found.recovery))
 
     monkeypatch.setattr("validation.reference.tracking.trial.field_update", forgetful)
-    assert _error_of_the_retraction() > DEFAULT_ERROR
+    assert _excess_of_the_retraction() > 1.0

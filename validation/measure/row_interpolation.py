@@ -46,7 +46,7 @@ class RowCurve:
         self.step = np.where(apart, self.step, 0.0)
         self.secant = np.diff(value) / np.where(apart, self.step, 1.0)
         self.secant[~apart] = 0.0
-        self.smooth = _smooth(self.secant, self.step, apart)
+        self.smooth = _smooth(self.secant, self.step, apart, float(np.abs(value).max()))
         harmonic, three_point = _inner_slopes(self.secant, self.step)
         self.slopes = _end_slopes(self.secant, self.step, self.smooth, harmonic)
         self.other_slopes = _end_slopes(self.secant, self.step, self.smooth, three_point)
@@ -83,7 +83,7 @@ class RowCurve:
         return self.value[i] + rise * x + x * (1.0 - x) * (begin * (1.0 - x) + end * x)
 
 
-def _smooth(secant: Array, step: Array, apart: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _smooth(secant: Array, step: Array, apart: NDArray[np.bool_], largest: float) -> NDArray[np.bool_]:
     """Whether the curve passes each row without jump or corner, shape (n,); false at both ends."""
     smooth = np.zeros(step.size + 1, bool)
     if step.size < 2:
@@ -91,7 +91,9 @@ def _smooth(secant: Array, step: Array, apart: NDArray[np.bool_]) -> NDArray[np.
     inner = apart[1:] & apart[:-1]
     bend = np.abs(np.diff(secant)) / np.where(inner, 0.5 * (step[1:] + step[:-1]), 1.0)
     bend[~inner] = 0.0
-    beside = np.maximum(np.append(0.0, bend[:-1]), np.append(bend[1:], 0.0))
+    shortest = np.where(inner, np.minimum(step[1:], step[:-1]), 1.0)
+    certain = np.maximum(bend - 8.0 * np.finfo(float).eps * largest / shortest**2, 0.0)
+    beside = np.maximum(np.append(0.0, certain[:-1]), np.append(certain[1:], 0.0))
     smooth[1:-1] = inner & (bend <= CORNER * beside)
     return smooth
 

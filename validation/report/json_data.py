@@ -25,6 +25,7 @@ from validation.studies import work_precision
 from validation.studies.convergence import Convergence
 from validation.studies.poisson import CURVES, OBSERVED, CompressibilityComparison
 from validation.studies.study import SceneStudy, Study
+from validation.studies.zones import ZoneRun
 
 FORMAT = 1
 Data = dict[str, Any]
@@ -152,6 +153,28 @@ def of_compressibilities(name: str, compressibilities: Iterable[CompressibilityC
                 "runs": {label: _assumption(one, label, run) for label, run in one.runs.items()},
             }
             for one in compressibilities
+        ],
+    }
+
+
+def of_zones(name: str, runs: Iterable[ZoneRun]) -> Data:
+    """``zones-SCENE.json``."""
+    return {
+        "scene": name,
+        "runs": [
+            {
+                "zone_over_radius": one.ratio,
+                "zone": one.zone,
+                "solver": one.solver,
+                "outcome": None if one.run is None else one.run.ending,
+                "skipped": one.skipped or None,
+                "steps": one.steps,
+                "points": one.points,
+                "cpu_seconds": one.seconds,
+                "errors": one.errors,
+                "error_estimates": {} if one.run is None else one.run.errors,
+            }
+            for one in runs
         ],
     }
 

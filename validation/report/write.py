@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from validation.claims.all import checks as claim_checks
+from validation.drawing import export
 from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
 from validation.execution.run_folder import write_run
 from validation.report import html, json_data, junit, markdown
 from validation.report.document import Document, Paragraph, figures_of
+from validation.report.figures import zone_chart
 from validation.report.report import Report
 from validation.report.sections import (
     claims,
@@ -22,11 +24,13 @@ from validation.report.sections import (
     scene,
     stability,
     study,
+    zones,
 )
 from validation.stability.checks import checks as stability_checks
 from validation.stability.runner import StabilityMatrix
 from validation.studies.poisson import CompressibilityComparison
 from validation.studies.study import Study
+from validation.studies.zones import ZoneRun
 
 STABILITY_JSON = "stability.json"
 
@@ -115,6 +119,17 @@ def write_poisson(name: str, compressibilities: list[CompressibilityComparison],
     write_whole(path, markdown.text(Document(section.title, (), section.parts)))
     data = json_data.of_compressibilities(name, compressibilities)
     write_whole(path.with_suffix(".json"), to_json(data))
+    return path
+
+
+def write_zones(name: str, runs: list[ZoneRun], folder: Path) -> Path:
+    """Write ``zones-NAME.md``, ``.json``, ``.png`` and ``.svg``; returns the first."""
+    section, path = zones.section(name, runs), folder / f"zones-{name}.md"
+    write_whole(path, markdown.text(Document(section.title, (), section.parts)))
+    write_whole(path.with_suffix(".json"), to_json(json_data.of_zones(name, runs)))
+    figure = zone_chart.draw(runs)
+    write_whole(path.with_suffix(".png"), export.png(figure))
+    write_whole(path.with_suffix(".svg"), export.svg_file(figure))
     return path
 
 

@@ -1,0 +1,52 @@
+"""``crosscontact study --zones``: steps, points, time and error over seven decades of the process zone."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from validation import cases
+from validation.execution.files import output_folder
+from validation.execution.progress import Progress
+from validation.report import terminal
+from validation.report.sections.zones import section
+from validation.report.write import write_zones
+from validation.solvers import solvers
+from validation.studies.zones import RATIOS, zone_runs
+
+
+def run(names: Sequence[str], ratios: Sequence[float], out: str | None) -> int:
+    """Run every solver with shorter and shorter zones; one after the other, for their time is measured.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Scene files or names of built-in scenes.
+    ratios : sequence of float
+        Zones over the largest contact radius; empty: ``RATIOS``.
+    out : str or None
+        Folder of table, figure and numbers, if they are to be written.
+
+    Returns
+    -------
+    int
+        1 if a run that was started did not finish.
+    """
+    loaded = cases.load_all(names)
+    folder = None if out is None else output_folder(out)
+    code = 0
+    for case in loaded:
+        progress = Progress(f"{case.name} zones")
+        try:
+            runs = zone_runs(case, [one.name for one in solvers()], ratios or RATIOS, progress)
+        finally:
+            progress.close()
+        print(terminal.text(section(case.name, runs)))
+        if folder is not None:
+            print(f"written to {write_zones(case.name, runs, folder)}")
+        for one in runs:
+            if one.run is not None and not one.run.finished:
+                where = f"{case.name}: {one.solver}, zone {one.ratio:g} of the radius"
+                print(f"not finished: {where}: {one.run.ending}", file=sys.stderr)
+                code = 1
+    return code

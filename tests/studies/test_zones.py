@@ -1,0 +1,83 @@
+"""Cost over the process zone: fits, skipped solvers, what is written, and the command."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact_scene import Counters, Outcome, OutcomeKind, SceneError, Trace
+from crosscontact.cli import main
+from validation import cases
+from validation.execution.runs import Run
+from validation.report import terminal
+from validation.report.sections.zones import section
+from validation.studies import zones
+from validation.studies.zones import ZoneRun, growth, zone_runs
+
+ROWS = {name: np.array([0.0, 1.0]) for name in ("time", "penetration", "force", "contact_radius")}
+ENERGIES = {name: np.zeros(2) for name in ("stored_energy", "external_work", "dissipated_energy")}
+
+
+def answer(steps, seconds):
+    counters = Counters(steps=steps, history_updates=10 * steps)
+    outcome = Outcome(OutcomeKind.COMPLETED, "done", 1.0)
+    trace = Trace(solver="one", outcome=outcome, counters=counters, **ROWS, **ENERGIES)
+    measures = {"pull_off_force": 2.0 + seconds, "loop_energy": None}
+    return Run("scene", "one", trace, cpu_seconds=seconds, measures=measures)
+
+
+def test_growth_is_the_exponent_of_the_zone():
+    runs = [ZoneRun(r, r, "one", answer(round(100.0 * r**-0.5), 1.0)) for r in (1e-2, 1e-4, 1e-6)]
+    assert growth(runs, "steps") == pytest.approx(0.5, abs=1e-3)
+    assert growth(runs, "seconds") == pytest.approx(0.0, abs=1e-12)
+    assert growth(runs[:2], "steps") is None
+    assert growth([*runs, ZoneRun(1e-8, 1e-8, "one", skipped="not run")], "points") == pytest.approx(0.0)
+
+
+def test_a_slow_solver_is_asked_no_further(monkeypatch):
+    """One too slow is not asked again; errors are those against the finer reference."""
+    asked = []
+
+    def run(case, solver, resolution=None):
+        asked.append((solver, case.scene.adhesion.zone, resolution))
+        return answer(100, 61.0 if solver == "bem" and len(asked) > 5 else 1.0)
+
+    monkeypatch.setattr(zones, "run", run)
+    found = zone_runs(cases.load("cycle-v0.02"), ["reference", "bem"], (1e-1, 1e-2, 1e-3))
+    assert [one.zone for one in found if one.solver == "bem"] == [0.1, 0.01, 0.001]
+    assert [one.skipped for one in found if one.solver == "bem"] == ["", "", "not run: 61 s at a longer zone"]
+    assert found[0].errors == {"pull_off_force": 0.0}
+    assert found[3].errors["pull_off_force"] == pytest.approx(60.0 / 3.0)
+    assert ("bem", 0.001, None) not in asked
+    assert {resolution for solver, _, resolution in asked if solver == "bem"} == {None}
+    text = terminal.text(section("scene", found))
+    assert "61 s at a longer zone" in text
+
+
+def test_without_adhesion_there_is_no_zone():
+    case = cases.load("cycle-v0.02")
+    with pytest.raises(SceneError, match="adhesion"):
+        zone_runs(replace(case, scene=replace(case.scene, adhesion=None)), ["reference"])
+
+
+def test_command_writes_table_figure_and_numbers(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(zones, "run", lambda case, solver, resolution=None: answer(100, 1.0))
+    code = main(["study", "cycle-v0.02", "--zones", "1e-2", "1e-4", "1e-6", "--out", str(tmp_path)])
+    assert code == 0
+    assert "growth of steps" in capsys.readouterr().out
+    data = json.loads((tmp_path / "zones-cycle-v0.02.json").read_text())
+    assert [one["zone_over_radius"] for one in data["runs"] if one["solver"] == "reference"] == [
+        1e-2,
+        1e-4,
+        1e-6,
+    ]
+    assert (tmp_path / "zones-cycle-v0.02.png").stat().st_size > 1000
+    assert "| zone / radius" in (tmp_path / "zones-cycle-v0.02.md").read_text()
+
+
+def test_a_ratio_out_of_range_is_one_line(capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["study", "cycle-v0.02", "--zones", "2"])
+    assert stopped.value.code == 2
+    assert "1e-8 to 0.2" in capsys.readouterr().err

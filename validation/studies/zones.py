@@ -1,0 +1,159 @@
+"""What a shorter process zone costs: steps, points, time and error of every solver over decades of the zone.
+
+The scene is run with zones of given ratios to its contact radius, long ones first. The zone is part of the
+model, so every zone has an answer of its own: the reference at twice its default resolution. A solver that is
+expected to need longer than ``PATIENCE`` for a zone, or did for the one before, is not run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from contact_scene import Adhesion, SceneError
+from validation.cases import Case
+from validation.execution.runs import Run, run
+from validation.measure.scaling import scale
+from validation.solvers import REFERENCE, SOLVERS
+
+RATIOS = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+"""Process zones over the largest contact radius."""
+OBSERVED = ("pull_off_force", "loop_energy")
+PATIENCE = 60.0
+"""Longest time (s) for one run, expected or spent, after which a solver is not asked for shorter zones."""
+
+
+@dataclass(frozen=True)
+class ZoneRun:
+    """One solver at one zone.
+
+    Parameters
+    ----------
+    ratio, zone : float
+        Zone over the largest contact radius of the scene, and the zone itself.
+    solver : str
+    run : Run or None
+        ``None`` if it was not run; then ``skipped`` says why.
+    skipped : str
+    errors : dict of str to float
+        Signed relative errors by observable, against the finer reference.
+    """
+
+    ratio: float
+    zone: float
+    solver: str
+    run: Run | None = None
+    skipped: str = ""
+    errors: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def steps(self) -> int | None:
+        """Accepted steps; ``None`` without an answer."""
+        trace = None if self.run is None else self.run.trace
+        return None if trace is None else trace.counters.steps
+
+    @property
+    def points(self) -> float | None:
+        """Points of the surface carried from step to step, on average; ``None`` if not counted."""
+        trace = None if self.run is None else self.run.trace
+        if trace is None or not trace.counters.history_updates or not trace.counters.steps:
+            return None
+        return trace.counters.history_updates / trace.counters.steps
+
+    @property
+    def seconds(self) -> float | None:
+        """Processor time."""
+        return None if self.run is None or self.run.trace is None else self.run.cpu_seconds
+
+
+def zone_runs(
+    case: Case,
+    solvers: Sequence[str],
+    ratios: Iterable[float] = RATIOS,
+    progress: Callable[[float, str], None] | None = None,
+) -> list[ZoneRun]:
+    """Run a scene with zones of all ratios.
+
+    Parameters
+    ----------
+    case : Case
+        With adhesion.
+    solvers : sequence of str
+        Names.
+    ratios : iterable of float
+        Zones over the largest contact radius that the scene reaches with its own zone.
+    progress : callable(fraction, text), optional
+
+    Returns
+    -------
+    list of ZoneRun
+        Zone by zone, the longest first; within one in the order of ``solvers``.
+
+    Raises
+    ------
+    SceneError
+        A scene without adhesion has no zone.
+    """
+    adhesion = case.scene.adhesion
+    if adhesion is None or not case.scene.is_adhesive:
+        raise SceneError("adhesion", "a study of zones needs adhesion")
+    own = run(case, REFERENCE)
+    if own.trace is None:
+        raise SceneError("scene", f"the reference has no answer to it: {own.failure}")
+    radius = float(own.trace.contact_radius.max())
+    ordered = sorted(ratios, reverse=True)
+    made: list[ZoneRun] = []
+    given_up: dict[str, str] = {}
+    for index, ratio in enumerate(ordered):
+        zone = ratio * radius
+        there = replace(case, scene=replace(case.scene, adhesion=Adhesion(adhesion.work, zone)))
+        finer = run(there, REFERENCE, 2 * SOLVERS[REFERENCE].default_resolution(there.scene))
+        for place, solver in enumerate(solvers):
+            if progress is not None:
+                done = (index + place / len(solvers)) / len(ordered)
+                progress(done, f"{solver}, zone {ratio:.0e} of the radius")
+            made.append(_zone_run(there, solver, ratio, zone, finer, given_up))
+    return made
+
+
+def _zone_run(
+    case: Case, solver: str, ratio: float, zone: float, finer: Run, given_up: dict[str, str]
+) -> ZoneRun:
+    """One run, unless the solver has been given up."""
+    if solver not in given_up:
+        expected = SOLVERS[solver].expected_seconds(case.scene)
+        if expected > PATIENCE:
+            given_up[solver] = f"not run: about {expected:.0f} s expected"
+    if solver in given_up:
+        return ZoneRun(ratio, zone, solver, skipped=given_up[solver])
+    result = run(case, solver)
+    if result.cpu_seconds > PATIENCE:
+        given_up[solver] = f"not run: {result.cpu_seconds:.0f} s at a longer zone"
+    return ZoneRun(ratio, zone, solver, result, errors=_errors(result, finer))
+
+
+def _errors(result: Run, finer: Run) -> dict[str, float]:
+    errors = {}
+    for name in OBSERVED:
+        value, expected = result.measures.get(name), finer.measures.get(name)
+        if value is not None and expected is not None and finer.trace is not None:
+            size = scale(name, expected, finer.trace)
+            if size > 0.0:
+                errors[name] = (value - expected) / size
+    return errors
+
+
+def growth(runs: Iterable[ZoneRun], quantity: str) -> float | None:
+    """Fitted exponent ``p`` of a quantity that grows as ``zone**-p``; 0: at most with the logarithm.
+
+    ``quantity`` is ``steps``, ``points`` or ``seconds``; ``None`` with fewer than three zones.
+    """
+    pairs = [(one.ratio, getattr(one, quantity)) for one in runs]
+    known = [(math.log(ratio), math.log(value)) for ratio, value in pairs if value]
+    if len(known) < 3:
+        return None
+    across, up = zip(*known, strict=True)
+    return -float(np.polyfit(across, up, 1)[0])
