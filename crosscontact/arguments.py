@@ -93,6 +93,16 @@ def _bulk(text: str) -> float:
     return value
 
 
+def _ratio(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 1e-8 <= value <= 0.2:
+        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: a number from 1e-8 to 0.2")
+    return value
+
+
 def _time(text: str) -> float:
     try:
         value = float(text)
@@ -183,6 +193,14 @@ def _study_arguments(command: argparse.ArgumentParser) -> None:
         metavar="K/G",
         help="instead: elastic bulk of these ratios to the relaxed shear modulus (10 to 1000), against a "
         "constant Poisson's ratio",
+    )
+    command.add_argument(
+        "--zones",
+        type=_ratio,
+        nargs="*",
+        metavar="RATIO",
+        help="instead: steps, points, time and error of every solver with process zones of these ratios to "
+        "the contact radius (5e-2 to 1e-7)",
     )
     _fresh(command)
 
