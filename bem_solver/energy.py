@@ -28,7 +28,7 @@ from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
 
-_SHORT, _LONG = 0.5, 2.0
+_SHORT, _LONG = 1.0, 4.0
 """Steps, in retardation times, up to which a step is short and from which it is long; a mixture between, so
 that energies depend continuously on the step."""
 _LITTLE_TIP, _MOSTLY_TIP = 0.25, 0.75

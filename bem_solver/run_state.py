@@ -45,6 +45,7 @@ class GradedState:
     record: TraceRecorder
     largest_force: float
     largest_edge: float
+    largest_tension: float = 0.0
     begun: bool = False
     parameter: float = 0.0
     rejected: list[tuple[float, float]] = field(default_factory=list)

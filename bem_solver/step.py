@@ -28,6 +28,10 @@ there, the largest tension of the run; an eighth of the departure understates ho
 _SCALE_OF_FIRST_LOAD = 0.01
 """Part of the load to be expected in an interval against which a load that starts from zero is measured."""
 
+_BESIDE_EXTREMUM = 0.125
+"""Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row by
+a sixty-fourth of what it would with the whole step."""
+
 
 class StepFailure(Enum):
     """Why a trial step has no candidate."""
@@ -80,12 +84,24 @@ def limited_step(start: StepStart) -> tuple[float, float]:
     if speed * limited > limit:
         limited = limit / speed
     left = interval.length - parameter
-    limited = min(limited, left)
+    limited = min(limited, left, _until_largest_tension(start, limited))
     while (departure := interval.departure_from_chord(parameter, limited) / settings.tolerance) > 1.0:
         limited = shrunk(limited, departure)
     if limited >= left * (1.0 - 1e-9):
         return limited, left
     return limited, min(limited, 0.5 * left) if 2.0 * limited > left else limited
+
+
+def _until_largest_tension(start: StepStart, step: float) -> float:
+    """The longest step that leaves rows close before, at and close after the largest tension of the run."""
+    state, force = start.state, start.state.contact.surface.force
+    if start.interval.control == "force" or force >= 0.0:
+        return math.inf
+    near = _BESIDE_EXTREMUM * step
+    distance = state.accepted.until_load_turns()
+    if -force < state.largest_tension or not -1.5 * near < distance < step + near:
+        return math.inf
+    return distance - near if distance > 1.5 * near else near
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ the edge.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 _SAFETY = 0.9
@@ -54,6 +55,19 @@ class AcceptedSteps:
         (t0, a0, _), (t1, a1, _), (t2, a2, _) = self.rows[-3:]
         late, early = (a2 - a1) / (t2 - t1), (a1 - a0) / (t1 - t0)
         return a2 + step * (late + (t2 - t1 + step) * (late - early) / (t2 - t0))
+
+    def until_load_turns(self) -> float:
+        """Distance from the last state to where the parabola through the last three states of the load turns.
+
+        Negative if it has turned, infinite if it does not.
+        """
+        if len(self.rows) < 3:
+            return math.inf
+        (t0, _, f0), (t1, _, f1), (t2, _, f2) = self.rows[-3:]
+        late, early = (f2 - f1) / (t2 - t1), (f1 - f0) / (t1 - t0)
+        if late == early:
+            return math.inf
+        return -0.5 * (late * (t2 - t0) / (late - early) + t2 - t1)
 
 
 def departure_from_line(extrapolation_error: float, scale: float) -> float:

@@ -217,6 +217,7 @@ class GradedRun:
             self.settings.tolerance,
         )
         state.largest_force = max(state.largest_force, abs(surface.force))
+        state.largest_tension = max(state.largest_tension, -surface.force)
         state.largest_edge = max(state.largest_edge, surface.edge)
         self.problem.counters.steps += 1
         state.record.row(self.problem.chain, state.contact, state.energies)

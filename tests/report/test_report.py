@@ -226,4 +226,4 @@ def test_report_command(tmp_path, monkeypatch, capsys):
     out, err = capsys.readouterr()
     assert "index.html" in out
     assert "failed: relaxed-equilibrium: bem: start_force" in err
-    assert "report: 1/" in err
+    assert "report: runs: 1/" in err

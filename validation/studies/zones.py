@@ -124,7 +124,7 @@ def _zone_run(
 ) -> ZoneRun:
     """One run, unless the solver has been given up."""
     if solver not in given_up:
-        expected = SOLVERS[solver].expected_seconds(case.scene)
+        expected = SOLVERS[solver].expected_cost(case.scene).seconds
         if expected > PATIENCE:
             given_up[solver] = f"not run: about {expected:.0f} s expected"
     if solver in given_up:
