@@ -27,10 +27,9 @@ _LOAD_WEIGHT_AT_LIMIT = 16.0
 there, the largest tension of the run; an eighth of the departure understates how far a row may miss it."""
 _SCALE_OF_FIRST_LOAD = 0.01
 """Part of the load to be expected in an interval against which a load that starts from zero is measured."""
-
 _BESIDE_EXTREMUM = 0.125
-"""Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row by
-a sixty-fourth of what it would with the whole step."""
+"""Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row
+by a sixty-fourth of what it would with the whole step."""
 
 
 class StepFailure(Enum):

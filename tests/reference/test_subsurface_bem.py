@@ -57,7 +57,7 @@ def static_profile(indenter, work, penetration):
     adhesion = Adhesion(work, 0.003) if work else None
     loading = Loading("relaxed", penetration, (Hold(1.0),))
     scene = Scene(Material(MODULUS, POISSON), indenter, loading, adhesion)
-    options = bem_solver.Options(8, profile_times=(1.0,))
+    options = bem_solver.Options(profile_times=(1.0,))
     return bem_solver.solve(scene, options).profiles[-1]
 
 
