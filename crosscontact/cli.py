@@ -195,7 +195,7 @@ def _study_arguments(command: argparse.ArgumentParser) -> None:
         type=_ratio,
         nargs="*",
         metavar="RATIO",
-        help="instead: steps, points, time and error of every solver with process zones of these ratios to "
+        help="instead: steps, time and error of every solver with process zones of these ratios to "
         "the contact radius (5e-2 to 1e-7)",
     )
     _fresh(command)

@@ -1,4 +1,4 @@
-"""``crosscontact study --zones``: steps, points, time and error over seven decades of the process zone."""
+"""``crosscontact study --zones``: steps, time and error over seven decades of the process zone."""
 
 from __future__ import annotations
 

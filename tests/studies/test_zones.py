@@ -33,7 +33,7 @@ def test_growth_is_the_exponent_of_the_zone():
     assert growth(runs, "steps") == pytest.approx(0.5, abs=1e-3)
     assert growth(runs, "seconds") == pytest.approx(0.0, abs=1e-12)
     assert growth(runs[:2], "steps") is None
-    assert growth([*runs, ZoneRun(1e-8, 1e-8, "one", skipped="not run")], "points") == pytest.approx(0.0)
+    assert growth([*runs, ZoneRun(1e-8, 1e-8, "one", skipped="not run")], "updates") == pytest.approx(0.0)
 
 
 def test_a_slow_solver_is_asked_no_further(monkeypatch):

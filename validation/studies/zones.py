@@ -1,4 +1,4 @@
-"""What a shorter process zone costs: steps, points, time and error of every solver over decades of the zone.
+"""What a shorter process zone costs: steps, updates, time and error of every solver over decades of the zone.
 
 The scene is run with zones of given ratios to its contact radius, long ones first. The zone is part of the
 model, so every zone has an answer of its own: the reference at twice its default resolution. A run that takes
@@ -58,8 +58,8 @@ class ZoneRun:
         return None if trace is None else trace.counters.steps
 
     @property
-    def points(self) -> float | None:
-        """Points of the surface carried from step to step, on average; ``None`` if not counted."""
+    def updates(self) -> float | None:
+        """Updates of the history in a step, on average, as the solver counts them; or ``None``."""
         trace = None if self.run is None else self.run.trace
         if trace is None or not trace.counters.history_updates or not trace.counters.steps:
             return None
@@ -153,7 +153,7 @@ def _errors(result: Run, finer: Run) -> dict[str, float]:
 def growth(runs: Iterable[ZoneRun], quantity: str) -> float | None:
     """Fitted exponent ``p`` of a quantity that grows as ``zone**-p``; 0: at most with the logarithm.
 
-    ``quantity`` is ``steps``, ``points`` or ``seconds``; ``None`` with fewer than three zones.
+    ``quantity`` is ``steps``, ``updates`` or ``seconds``; ``None`` with fewer than three zones.
     """
     pairs = [(one.ratio, getattr(one, quantity)) for one in runs]
     known = [(math.log(ratio), math.log(value)) for ratio, value in pairs if value]
