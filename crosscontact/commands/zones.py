@@ -1,4 +1,4 @@
-"""``crosscontact study --zones``: steps, points, time and error over seven decades of the process zone."""
+"""``crosscontact study --zones``: steps, time and error over seven decades of the process zone."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from validation import cases
 from validation.execution.files import output_folder
+from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.report import terminal
 from validation.report.sections.zones import section
@@ -38,7 +39,9 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None) -> int:
     for case in loaded:
         progress = Progress(f"{case.name} zones")
         try:
-            runs = zone_runs(case, [one.name for one in solvers()], ratios or RATIOS, progress)
+            with processes(1, isolated=True) as executor:
+                names = [one.name for one in solvers()]
+                runs = zone_runs(case, names, ratios or RATIOS, progress, executor)
         finally:
             progress.close()
         print(terminal.text(section(case.name, runs)))

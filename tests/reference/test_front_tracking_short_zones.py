@@ -282,6 +282,7 @@ def test_a_path_of_lower_order_is_seen(monkeypatch) -> None:  # type: ignore[no-
     assert _excess_of_the_retraction() > 1.0
 
 
+@SLOW
 def test_a_forgotten_wake_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
     """What was released in earlier steps no longer recovers."""
     update = surface.field_update

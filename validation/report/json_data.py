@@ -169,7 +169,7 @@ def of_zones(name: str, runs: Iterable[ZoneRun]) -> Data:
                 "outcome": None if one.run is None else one.run.ending,
                 "skipped": one.skipped or None,
                 "steps": one.steps,
-                "points": one.points,
+                "history_updates_per_step": one.updates,
                 "cpu_seconds": one.seconds,
                 "errors": one.errors,
                 "error_estimates": {} if one.run is None else one.run.errors,

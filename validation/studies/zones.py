@@ -1,21 +1,23 @@
-"""What a shorter process zone costs: steps, points, time and error of every solver over decades of the zone.
+"""What a shorter process zone costs: steps, updates, time and error of every solver over decades of the zone.
 
 The scene is run with zones of given ratios to its contact radius, long ones first. The zone is part of the
-model, so every zone has an answer of its own: the reference at twice its default resolution. A solver that is
-expected to need longer than ``PATIENCE`` for a zone, or did for the one before, is not run.
+model, so every zone has an answer of its own: the reference at twice its default resolution. A run that takes
+longer than ``PATIENCE`` is ended, and its solver is not asked for shorter zones.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from contact_scene import Adhesion, SceneError
 from validation.cases import Case
-from validation.execution.runs import Run, run
+from validation.execution.runs import Run, run, run_of, run_task
+from validation.execution.tasks import TaskEnding, run_tasks
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE, SOLVERS
 
@@ -23,7 +25,7 @@ RATIOS = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 """Process zones over the largest contact radius."""
 OBSERVED = ("pull_off_force", "loop_energy")
 PATIENCE = 60.0
-"""Longest time (s) for one run, expected or spent, after which a solver is not asked for shorter zones."""
+"""Longest processor time (s) of one run; the reference needs seconds at any zone."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,8 @@ class ZoneRun:
         return None if trace is None else trace.counters.steps
 
     @property
-    def points(self) -> float | None:
-        """Points of the surface carried from step to step, on average; ``None`` if not counted."""
+    def updates(self) -> float | None:
+        """Updates of the history in a step, on average, as the solver counts them; or ``None``."""
         trace = None if self.run is None else self.run.trace
         if trace is None or not trace.counters.history_updates or not trace.counters.steps:
             return None
@@ -74,6 +76,7 @@ def zone_runs(
     solvers: Sequence[str],
     ratios: Iterable[float] = RATIOS,
     progress: Callable[[float, str], None] | None = None,
+    executor: Executor | None = None,
 ) -> list[ZoneRun]:
     """Run a scene with zones of all ratios.
 
@@ -86,6 +89,8 @@ def zone_runs(
     ratios : iterable of float
         Zones over the largest contact radius that the scene reaches with its own zone.
     progress : callable(fraction, text), optional
+    executor : Executor, optional
+        With processes of its own, which alone can end a run that takes too long.
 
     Returns
     -------
@@ -106,7 +111,7 @@ def zone_runs(
     radius = float(own.trace.contact_radius.max())
     ordered = sorted(ratios, reverse=True)
     made: list[ZoneRun] = []
-    given_up: dict[str, str] = {}
+    given_up: set[str] = set()
     for index, ratio in enumerate(ordered):
         zone = ratio * radius
         there = replace(case, scene=replace(case.scene, adhesion=Adhesion(adhesion.work, zone)))
@@ -115,24 +120,23 @@ def zone_runs(
             if progress is not None:
                 done = (index + place / len(solvers)) / len(ordered)
                 progress(done, f"{solver}, zone {ratio:.0e} of the radius")
-            made.append(_zone_run(there, solver, ratio, zone, finer, given_up))
+            one = ZoneRun(ratio, zone, solver, skipped="not run: too long at a longer zone")
+            if solver not in given_up:
+                one = _zone_run(one, there, finer, executor)
+            if one.skipped:
+                given_up.add(solver)
+            made.append(one)
     return made
 
 
-def _zone_run(
-    case: Case, solver: str, ratio: float, zone: float, finer: Run, given_up: dict[str, str]
-) -> ZoneRun:
-    """One run, unless the solver has been given up."""
-    if solver not in given_up:
-        expected = SOLVERS[solver].expected_cost(case.scene).seconds
-        if expected > PATIENCE:
-            given_up[solver] = f"not run: about {expected:.0f} s expected"
-    if solver in given_up:
-        return ZoneRun(ratio, zone, solver, skipped=given_up[solver])
-    result = run(case, solver)
-    if result.cpu_seconds > PATIENCE:
-        given_up[solver] = f"not run: {result.cpu_seconds:.0f} s at a longer zone"
-    return ZoneRun(ratio, zone, solver, result, errors=_errors(result, finer))
+def _zone_run(one: ZoneRun, case: Case, finer: Run, executor: Executor | None) -> ZoneRun:
+    """The run, or that it took too long."""
+    task = replace(run_task(case, one.solver), time_limit=PATIENCE)
+    (answer,) = run_tasks([task], executor)
+    if answer.ending is TaskEnding.TIMED_OUT:
+        return replace(one, skipped=answer.failure)
+    result = run_of(answer)
+    return replace(one, run=result, skipped="", errors=_errors(result, finer))
 
 
 def _errors(result: Run, finer: Run) -> dict[str, float]:
@@ -149,7 +153,7 @@ def _errors(result: Run, finer: Run) -> dict[str, float]:
 def growth(runs: Iterable[ZoneRun], quantity: str) -> float | None:
     """Fitted exponent ``p`` of a quantity that grows as ``zone**-p``; 0: at most with the logarithm.
 
-    ``quantity`` is ``steps``, ``points`` or ``seconds``; ``None`` with fewer than three zones.
+    ``quantity`` is ``steps``, ``updates`` or ``seconds``; ``None`` with fewer than three zones.
     """
     pairs = [(one.ratio, getattr(one, quantity)) for one in runs]
     known = [(math.log(ratio), math.log(value)) for ratio, value in pairs if value]

@@ -75,6 +75,8 @@ class Trial:
         Radius of the indenter's edge; infinite without one.
     spacing : float
         Distance of the nodes that an unstable edge leaves behind.
+    over_zones : bool
+        Whether the step may pass over process zones; its path is then the polynomial through all rows.
     """
 
     body: Body

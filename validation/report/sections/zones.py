@@ -8,9 +8,10 @@ from validation.report.document import ABSENT, DataTable, Paragraph, Record, Sec
 from validation.studies.zones import OBSERVED, ZoneRun, growth
 
 NOTES = """\
-Errors: relative, against the reference at twice its default resolution with the same zone. Points: of the
-surface, carried from step to step, on average. Growth: exponent p of a fit by zone^-p over all zones of a
-solver; 0 where a shorter zone costs no more than its logarithm."""
+Errors: relative, against the reference at twice its default resolution with the same zone. Updates: of the
+history, in a step on average, as each solver counts them (the reference: points of the surface). Growth:
+exponent p of a fit by zone^-p over all zones of a solver; 0 where a shorter zone costs no more than its
+logarithm."""
 
 
 def section(name: str, runs: Sequence[ZoneRun]) -> Section:
@@ -28,7 +29,7 @@ def _row(one: ZoneRun) -> Record:
         "zone / radius": f"{one.ratio:.0e}",
         "solver": one.solver,
         "steps": formatted(one.steps, "d"),
-        "points": formatted(one.points, ".0f"),
+        "updates": formatted(one.updates, ".0f"),
         "seconds": formatted(one.seconds, ".2f"),
         **{f"{plain(name)}: error": formatted(one.errors.get(name), "+.1e") for name in OBSERVED},
         "not finished": ending or ABSENT,
@@ -42,6 +43,6 @@ def _growth_rows(runs: Sequence[ZoneRun]) -> Iterator[Record]:
             "solver": solver,
             **{
                 f"growth of {name}": formatted(growth(own, name), ".2f")
-                for name in ("steps", "points", "seconds")
+                for name in ("steps", "updates", "seconds")
             },
         }
