@@ -4,10 +4,10 @@ A point is inside all the time, outside all the time, covered (outside, then ins
 then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
 sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of the departure from a
 straight line that ``v`` has in time at an edge at rest (without adhesion, at the outermost point inside all
-the time), falling off as ``v``, and of what is left, linear in time; the recursions are exact for all. So both sides of an edge at rest change alike:
-a step between them would be read as a root by an edge that advances a little. A covered point meets the
-indenter at the moment the edge passes; a released one leaves it, glassy, at that moment. Displacement ``w``,
-load ``v`` and penetration are positive downwards.
+the time), falling off as ``v``, and of a rest that is linear in time; the recursions are exact for all. So
+both sides of an edge at rest change alike: a step between them would be read as a root by an edge that
+advances a little. A covered point meets the indenter at the moment the edge passes; a released one leaves
+it, glassy, at that moment. Displacement ``w``, load ``v`` and penetration are positive downwards.
 """
 
 from __future__ import annotations
