@@ -3,11 +3,11 @@
 A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside,
 then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
 sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of the departure from a
-straight line that ``v`` has in time at an edge at rest (without adhesion, at the outermost point inside all
-the time), falling off as ``v``, and of a rest that is linear in time; the recursions are exact for all. So
-both sides of an edge at rest change alike: a step between them would be read as a root by an edge that
-advances a little. A covered point meets the indenter at the moment the edge passes; a released one leaves
-it, glassy, at that moment. Displacement ``w``, load ``v`` and penetration are positive downwards.
+straight line that ``v`` has in time at the outermost point inside all the time (without adhesion), falling
+off as ``v``, and of a rest that is linear in time; the recursions are exact for all. So both sides of an edge
+at rest change alike: a step between them would be read as a root by an edge that advances a little. A
+covered point meets the indenter at the moment the edge passes; a released one leaves it, glassy, at that
+moment. Displacement ``w``, load ``v`` and penetration are positive downwards.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ class Motion:
     """One step: duration, edge and penetration at both ends, and the strength of the edge's square root.
 
     ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step;
-    ``innermost`` (1 point) the state there of the innermost radius the edge takes in the step, if any, and
-    ``rests`` how far the surface outside follows it, 0 to 1.
+    ``innermost`` (1 point) the state there of the innermost radius the edge takes in the step. It is given
+    without adhesion only: an adhesive edge that moves leaves behind the load that its singularity put there.
     """
 
     duration: float
@@ -38,7 +38,6 @@ class Motion:
     new_penetration: float
     singular: float = 0.0
     innermost: SurfacePoints | None = None
-    rests: float = 1.0
 
     def passing(self, radius: Array) -> Array:
         """Share of the step after which the edge passes radii between its two ends."""
@@ -134,7 +133,7 @@ def bend(chain: Chain, points: SurfacePoints, motion: Motion, first: Array, last
     y = ((last - first) * motion.duration)[:, None] / chain.retardation
     lags = after - chain.decay(y) * before - chain.spread(y) * chain.lag_rate * (new_load - load)[:, None]
     part = np.clip(points.load / point.load, 0.0, 1.0) if point.load[0] != 0.0 else np.zeros(len(points))
-    return motion.rests * part[:, None] * lags
+    return part[:, None] * lags
 
 
 def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:

@@ -57,11 +57,6 @@ class Problem:
         return self.zone if self.work > 0.0 and self.viscoelastic else 0.25 * edge
 
 
-_REST = 1e-2
-"""Travel of an adhesive edge within a step, in process zones, from which it does not rest: far below what it
-travels in a step, and far above its accuracy."""
-
-
 @dataclass(frozen=True)
 class HalfSpaceState:
     """Committed state: the surface, its history, time and penetration."""
@@ -144,23 +139,22 @@ def evaluate(
     kinks = _kinks_inside(problem, state, duration, edge)
     radii = edge * annuli.radii
     points = points_at(problem, state, radii if kinks is None else np.append(radii, kinks.readings))
-    singular, innermost, rests = 0.0, None, _share_of_rest(problem, abs(edge - state.edge))
+    singular, innermost = 0.0, None
     if problem.viscoelastic:
         singular = state.surface.root_strength(abs(edge - state.edge))
-        if state.edge > 0.0 and rests > 0.0:
+        if problem.work == 0.0 and state.edge > 0.0:
             innermost = points_at(problem, state, np.array([min(edge, state.edge)]))
 
     def under(motion: Motion) -> ContactSurface:
         return ContactSurface.under(annuli, edge, _required_load(problem, points, motion), kinks)
 
     if control == "penetration":
-        motion = Motion(duration, state.edge, edge, state.penetration, value, singular, innermost, rests)
+        motion = Motion(duration, state.edge, edge, state.penetration, value, singular, innermost)
         surface = under(motion)
     else:
         # everything is affine in the new penetration
         step = max(abs(state.penetration), 1e-3 * edge)
-        unmoved = state.penetration
-        first = Motion(duration, state.edge, edge, unmoved, unmoved, singular, innermost, rests)
+        first = Motion(duration, state.edge, edge, state.penetration, state.penetration, singular, innermost)
         one, two = under(first), under(replace(first, new_penetration=state.penetration + step))
         share = (value - one.force) / (two.force - one.force)
         motion = replace(first, new_penetration=state.penetration + share * step)
@@ -173,15 +167,6 @@ def evaluate(
     if surface.kappa > 0.0:
         value_of = -abs(value_of)
     return TrialContact(motion, surface, value_of - problem.work, value_of)
-
-
-def _share_of_rest(problem: Problem, travel: float) -> float:
-    """How far the surface outside follows the load at the edge, 0 to 1, continuous in the travel.
-
-    Under adhesion an edge that moves leaves behind the load that its singularity put on the point where it
-    was; without, the load beside the edge is that at the edge.
-    """
-    return 1.0 if problem.work == 0.0 else max(0.0, 1.0 - travel / (_REST * problem.zone))
 
 
 def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge: float) -> EdgeKinks | None:

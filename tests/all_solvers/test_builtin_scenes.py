@@ -33,7 +33,7 @@ def test_scene_reads_and_its_checks_make_sense(name):
     case = load(name)
     assert case.statement
     assert case.scene.title
-    assert case.outcome in ("completed", "detached")
+    assert case.outcome in ("completed", "detached", "out of the model's range")
     assert set(case.suites) <= set(SUITES)
     assert "full" in case.suites
     compared = {"bem", "fem", "reference"} - set(case.refused_by)

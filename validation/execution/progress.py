@@ -126,7 +126,10 @@ class Progress:
 
     def _keep_telling(self) -> None:
         while not self._closed.wait(1.0):
-            self.tell()
+            try:
+                self.tell()
+            except (OSError, ValueError):  # the stream is closed
+                return
 
     def _redraw(self, text: str, now: float) -> None:
         self._bar.start()

@@ -12,7 +12,9 @@ grids (Roache 1994):
 annuli that resolve the layer behind an advancing edge do not double with the resolution, and with 2 the
 estimates of whole cycles fell short of the true error (by up to 1.7 times in the quick suite). What the
 branches dissipate has p = 1 too, because it squares the stress in the layer at a sharp edge, and so has the
-pull-off: an edge at rest up to a corner of the force begins to move within an element or a step.
+pull-off: an edge at rest up to a corner of the force begins to move within an element or a step. At a limit
+point, where contact is lost, the edge moves as the root of the load: radius and force there have half the
+order.
 
 Curves are known at rows only: what they may do between is added (:mod:`row_interpolation`). Relative to its
 excursion in the worst window a curve has an estimate of its own, so that a small oscillation is not lost in
@@ -51,6 +53,8 @@ SAFETY = 3.0
 """Safety factor on the extrapolated error of two grids, whose order is not observed (Roache 1994)."""
 IN_LAYERS = ("branch_dissipation", "zone_excess")
 """Quantities of first order: squares of the stress in the layer at the edge."""
+AT_LIMIT_POINTS = ("detachment_radius", "detachment_force")
+"""Quantities of first order where others are of second: the edge runs away as the root of the load."""
 RUNAWAY = 1.0 / (math.sqrt(2.0) - 1.0)
 """Distance of the edge from where contact is lost over its last step, if it is lost within one more step of
 that duration: before a limit point the edge moves as the root of the time that is left."""
@@ -103,7 +107,8 @@ def from_two_runs(
         if value is None or there is None or not (column_of(name) or name in ENERGIES):
             continue
         relative_to = scale(name, value, run)
-        order = 1.0 if name in IN_LAYERS or name.startswith("pull_off") else usual
+        first = name in (*IN_LAYERS, *AT_LIMIT_POINTS) or name.startswith("pull_off")
+        order = 1.0 if first else usual
         own = _extrapolated(abs(there - value) / relative_to, order, ratio) if relative_to > 0.0 else 0.0
         errors[name] = max(own, floors[order])
     terms = ("branch_dissipation", "dissipated_energy")
