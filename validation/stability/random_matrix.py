@@ -59,7 +59,7 @@ SCALARS = (
 """Numbers that belong to the scene, not to which row comes next to an extremum."""
 
 
-class Finding(StrEnum):
+class Judgement(StrEnum):
     """What is said of an answer, the worst that applies; the last two are as they should be."""
 
     CRASHED = "crashed"
@@ -74,8 +74,14 @@ class Finding(StrEnum):
     AGREES = "agrees"
 
 
-FAULTS = (Finding.CRASHED, Finding.IMPROPER, Finding.OTHER_ENDING, Finding.WRONG, Finding.UNDERSTATED)
-"""Findings after which the scene is written to a file."""
+FAULTS = (
+    Judgement.CRASHED,
+    Judgement.IMPROPER,
+    Judgement.OTHER_ENDING,
+    Judgement.WRONG,
+    Judgement.UNDERSTATED,
+)
+"""Judgements after which the scene is written to a file."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +91,7 @@ class Answer:
     Parameters
     ----------
     solver : str
-    finding : Finding
+    finding : Judgement
     ending : str
         How the run ended.
     quantity : str
@@ -98,7 +104,7 @@ class Answer:
     """
 
     solver: str
-    finding: Finding
+    finding: Judgement
     ending: str
     quantity: str = ""
     difference: float = 0.0
@@ -130,45 +136,45 @@ def examine(chosen: RandomScene, results: Sequence[TaskResult]) -> JudgedScene:
 
 def _answer(chosen: RandomScene, solver: str, result: TaskResult, base: Run | None) -> Answer:
     if result.ending is TaskEnding.TIMED_OUT:
-        return Answer(solver, Finding.HUNG, "", note=result.failure)
+        return Answer(solver, Judgement.HUNG, "", note=result.failure)
     run: Run | None = result.value
     if run is None or (run.trace is None and not run.refused):
         note = result.failure if run is None else run.failure
-        return Answer(solver, Finding.CRASHED, "", note=note)
+        return Answer(solver, Judgement.CRASHED, "", note=note)
     trace, seconds = run.trace, run.cpu_seconds + run.estimate_seconds
     if trace is None:
-        return Answer(solver, Finding.DECLINED, "refused", note=run.failure)
+        return Answer(solver, Judgement.DECLINED, "refused", note=run.failure)
     ending = str(trace.outcome.kind)
     wrong = trace_invariants.broken(chosen.scene, trace)
     wrong += trace_invariants.energy_gained(chosen.scene, trace, STEP_ACCURACY)
     if wrong:
-        return Answer(solver, Finding.IMPROPER, ending, seconds=seconds, note="; ".join(wrong))
+        return Answer(solver, Judgement.IMPROPER, ending, seconds=seconds, note="; ".join(wrong))
     if not run.finished:
-        return Answer(solver, Finding.DECLINED, ending, seconds=seconds, note=trace.outcome.reason)
+        return Answer(solver, Judgement.DECLINED, ending, seconds=seconds, note=trace.outcome.reason)
     if solver == REFERENCE:
-        return Answer(solver, Finding.AGREES, ending, seconds=seconds)
+        return Answer(solver, Judgement.AGREES, ending, seconds=seconds)
     if base is None or base.trace is None or not base.finished:
-        return Answer(solver, Finding.NO_REFERENCE, ending, seconds=seconds)
+        return Answer(solver, Judgement.NO_REFERENCE, ending, seconds=seconds)
     if base.trace.outcome.kind is not trace.outcome.kind:
         note = f"the reference: {base.trace.outcome.kind} at t = {base.trace.outcome.time:.4g}"
-        return Answer(solver, Finding.OTHER_ENDING, ending, seconds=seconds, note=note)
+        return Answer(solver, Judgement.OTHER_ENDING, ending, seconds=seconds, note=note)
     return _compared(run, trace, base, base.trace, seconds)
 
 
 def _compared(run: Run, trace: Trace, base: Run, base_trace: Trace, seconds: float) -> Answer:
     ending = str(trace.outcome.kind)
     worst: tuple[float, str, float, float] = (-math.inf, "", 0.0, 0.0)
-    finding = Finding.AGREES
+    finding = Judgement.AGREES
     for name, difference, own, others in _differences(run, trace, base, base_trace):
         allowed = own + others
-        now = Finding.AGREES
+        now = Judgement.AGREES
         if difference > WRONG + others:
-            now = Finding.WRONG
+            now = Judgement.WRONG
         elif difference > max(allowed, NOTICEABLE):
-            now = Finding.UNDERSTATED
+            now = Judgement.UNDERSTATED
         elif name in CURVES and LOOSE < own < math.inf:
-            now = Finding.LOOSE
-        ranks = list(Finding)
+            now = Judgement.LOOSE
+        ranks = list(Judgement)
         key = (difference, name, difference, allowed)
         if ranks.index(now) < ranks.index(finding) or (now is finding and key > worst):
             finding, worst = now, key
@@ -204,7 +210,7 @@ def table(judged: Sequence[JudgedScene]) -> str:
     """Findings by solver, then the worst scenes of every finding, as Markdown."""
     lines = [f"{len(judged)} random scenes", "", "| finding | " + " | ".join(SOLVERS) + " |"]
     lines.append("|---" * (len(SOLVERS) + 1) + "|")
-    for finding in Finding:
+    for finding in Judgement:
         counts = [
             sum(answer.finding is finding for one in judged for answer in one.answers if answer.solver == s)
             for s in SOLVERS
@@ -212,10 +218,10 @@ def table(judged: Sequence[JudgedScene]) -> str:
         lines.append(f"| {finding} | " + " | ".join(map(str, counts)) + " |")
     lines += ["", "| finding | solver | seed | loading | indenter | zone/radius | what |", "|---" * 7 + "|"]
     rows = [
-        (list(Finding).index(answer.finding), answer.solver, -answer.difference, one, answer)
+        (list(Judgement).index(answer.finding), answer.solver, -answer.difference, one, answer)
         for one in judged
         for answer in one.answers
-        if answer.finding not in (Finding.AGREES, Finding.DECLINED, Finding.NO_REFERENCE)
+        if answer.finding not in (Judgement.AGREES, Judgement.DECLINED, Judgement.NO_REFERENCE)
     ]
     for *_, one, answer in sorted(rows, key=lambda row: row[:3]):
         what = (
@@ -234,7 +240,7 @@ def read(file: Path) -> list[JudgedScene]:
     for line in file.read_text("utf-8").splitlines():
         entry = json.loads(line)
         answers = tuple(
-            Answer(**(answer | {"finding": Finding(answer["finding"])})) for answer in entry["answers"]
+            Answer(**(answer | {"finding": Judgement(answer["finding"])})) for answer in entry["answers"]
         )
         judged.append(JudgedScene(**(entry | {"answers": answers})))
     return judged

@@ -62,7 +62,7 @@ class _Sizes:
     time: float
 
 
-class _Dice:
+class _RandomNumbers:
     """Random numbers of a seed, rounded to a few digits so that a scene can be read."""
 
     def __init__(self, seed: int) -> None:
@@ -91,141 +91,145 @@ class _Dice:
 
 def random_scene(seed: int) -> RandomScene:
     """The scene of a seed, always the same."""
-    dice = _Dice(seed)
-    si = dice.happens(0.5)
-    time = dice.decades(-4.0, 2.0) if si else 1.0
-    radius = dice.decades(-6.0, -2.0) if si else 1.0
-    material = _material(dice, dice.decades(3.0, 9.0) if si else 1.0, time)
-    contact = dice.between(0.03, 0.3) * radius
+    random = _RandomNumbers(seed)
+    si = random.happens(0.5)
+    time = random.decades(-4.0, 2.0) if si else 1.0
+    radius = random.decades(-6.0, -2.0) if si else 1.0
+    material = _material(random, random.decades(3.0, 9.0) if si else 1.0, time)
+    contact = random.between(0.03, 0.3) * radius
     depth = contact**2 / radius
     sizes = _Sizes(contact, depth, 2.0 * contact * material.relaxed_plane_modulus * depth, time)
-    kind = dice.one_of(tuple(LOADINGS))
-    loading = LOADINGS[kind](dice, sizes)
-    scene = Scene(material, _indenter(dice, radius, sizes), loading, _adhesion(dice, material, sizes))
-    return RandomScene(seed, kind, scene, _stops(dice, loading))
+    kind = random.one_of(tuple(LOADINGS))
+    loading = LOADINGS[kind](random, sizes)
+    scene = Scene(material, _indenter(random, radius, sizes), loading, _adhesion(random, material, sizes))
+    return RandomScene(seed, kind, scene, _stops(random, loading))
 
 
-def _material(dice: _Dice, modulus: float, time: float) -> Material:
+def _material(random: _RandomNumbers, modulus: float, time: float) -> Material:
     """None to six branches over six decades of time, in one scene of three close together."""
-    poisson = dice.one_of((0.0, 0.3, 0.45, 0.49, 0.5, 0.5))
-    spread = 0.02 if dice.happens(0.33) else 3.0
+    poisson = random.one_of((0.0, 0.3, 0.45, 0.49, 0.5, 0.5))
+    spread = 0.02 if random.happens(0.33) else 3.0
     branches = tuple(
-        Branch(modulus * dice.decades(-1.0, 1.3), time * dice.decades(-spread, spread))
-        for _ in range(dice.one_of((0, 1, 1, 1, 2, 3, 6)))
+        Branch(modulus * random.decades(-1.0, 1.3), time * random.decades(-spread, spread))
+        for _ in range(random.one_of((0, 1, 1, 1, 2, 3, 6)))
     )
     return Material(modulus, poisson, branches)
 
 
-def _indenter(dice: _Dice, radius: float, sizes: _Sizes) -> Indenter:
+def _indenter(random: _RandomNumbers, radius: float, sizes: _Sizes) -> Indenter:
     """About as wide as ``sizes.radius`` at ``sizes.depth``."""
-    shape = dice.one_of(("sphere", "sphere", "sphere", "cone", "punch", "power", "profile"))
+    shape = random.one_of(("sphere", "sphere", "sphere", "cone", "punch", "power", "profile"))
     if shape == "cone":
         return Cone(math.degrees(math.atan(sizes.radius / sizes.depth)))
     if shape == "punch":
         return FlatPunch(sizes.radius)
     if shape == "power":
-        exponent = dice.between(1.2, 6.0)
+        exponent = random.between(1.2, 6.0)
         return PowerLaw(exponent, sizes.depth / sizes.radius**exponent)
     if shape == "profile":
-        nodes = np.linspace(0.0, 4.0, dice.count(8, 30))
-        rises = np.diff(0.5 * nodes**2) * np.array([dice.between(0.7, 1.3) for _ in nodes[1:]])
+        nodes = np.linspace(0.0, 4.0, random.count(8, 30))
+        rises = np.diff(0.5 * nodes**2) * np.array([random.between(0.7, 1.3) for _ in nodes[1:]])
         heights = sizes.depth * np.concatenate(([0.0], np.cumsum(rises)))
         return TabulatedProfile(tuple((sizes.radius * nodes).tolist()), tuple(heights.tolist()))
     return Sphere(radius)
 
 
-def _adhesion(dice: _Dice, material: Material, sizes: _Sizes) -> Adhesion | None:
+def _adhesion(random: _RandomNumbers, material: Material, sizes: _Sizes) -> Adhesion | None:
     """``work`` in decades of what holds the contact against its depth; zones of the contact radius."""
-    if dice.happens(SHARE_WITHOUT_ADHESION):
+    if random.happens(SHARE_WITHOUT_ADHESION):
         return None
     held = material.relaxed_plane_modulus * sizes.depth**2 / (2.0 * math.pi * sizes.radius)
-    zone = dice.decades(-2.0, -1.0) if dice.happens(SHARE_OF_LONG_ZONES) else dice.decades(-4.0, -2.0)
-    return Adhesion(held * dice.decades(-2.5, 0.5), sizes.radius * zone)
+    zone = random.decades(-2.0, -1.0) if random.happens(SHARE_OF_LONG_ZONES) else random.decades(-4.0, -2.0)
+    return Adhesion(held * random.decades(-2.5, 0.5), sizes.radius * zone)
 
 
-def _start(dice: _Dice) -> str:
-    return dice.one_of(("jump-in", "relaxed"))
+def _start(random: _RandomNumbers) -> str:
+    return random.one_of(("jump-in", "relaxed"))
 
 
-def _speed(dice: _Dice, sizes: _Sizes) -> float:
+def _speed(random: _RandomNumbers, sizes: _Sizes) -> float:
     """The depth in a thousandth to a thousand relaxation times."""
-    return sizes.depth / (sizes.time * dice.decades(-3.0, 3.0))
+    return sizes.depth / (sizes.time * random.decades(-3.0, 3.0))
 
 
-def _cycle(dice: _Dice, sizes: _Sizes) -> Loading:
+def _cycle(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     """Pressed in, held or not, withdrawn until contact is lost."""
-    speed = _speed(dice, sizes)
-    hold = (Hold(sizes.time * dice.decades(-3.0, 3.0)),) if dice.happens(0.5) else ()
-    away = Ramp(-4.0 * sizes.depth, speed * dice.decades(-1.0, 1.0))
+    speed = _speed(random, sizes)
+    hold = (Hold(sizes.time * random.decades(-3.0, 3.0)),) if random.happens(0.5) else ()
+    away = Ramp(-4.0 * sizes.depth, speed * random.decades(-1.0, 1.0))
     return Loading(
-        _start(dice), sizes.depth * dice.between(0.0, 0.9), (Ramp(sizes.depth, speed), *hold, away)
+        _start(random), sizes.depth * random.between(0.0, 0.9), (Ramp(sizes.depth, speed), *hold, away)
     )
 
 
-def _retraction(dice: _Dice, sizes: _Sizes) -> Loading:
+def _retraction(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     """Withdrawn from rest, mostly fast: the edge is frozen up to a corner of the force."""
-    speed = sizes.depth / (sizes.time * dice.decades(-3.5, 0.5))
+    speed = sizes.depth / (sizes.time * random.decades(-3.5, 0.5))
     return Loading("relaxed", sizes.depth, (Ramp(-4.0 * sizes.depth, speed),))
 
 
-def _oscillation(dice: _Dice, sizes: _Sizes) -> Loading:
+def _oscillation(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     """Small swings about a depth, at rest or on the way out."""
-    amplitude = sizes.depth * dice.decades(-3.0, -0.3)
-    frequency = dice.decades(-1.5, 2.0) / sizes.time
-    cycles = dice.between(1.0, 12.0)
-    drift = sizes.depth * dice.between(-0.2, 0.6) * frequency / (2.0 * math.pi * cycles)
+    amplitude = sizes.depth * random.decades(-3.0, -0.3)
+    frequency = random.decades(-1.5, 2.0) / sizes.time
+    cycles = random.between(1.0, 12.0)
+    drift = sizes.depth * random.between(-0.2, 0.6) * frequency / (2.0 * math.pi * cycles)
     step = Oscillate(
-        amplitude, frequency, 2.0 * math.pi * cycles / frequency, drift if dice.happens(0.5) else 0.0
+        amplitude, frequency, 2.0 * math.pi * cycles / frequency, drift if random.happens(0.5) else 0.0
     )
-    return Loading(_start(dice), sizes.depth * dice.between(0.3, 1.0), (step,))
+    return Loading(_start(random), sizes.depth * random.between(0.3, 1.0), (step,))
 
 
-def _sweep(dice: _Dice, sizes: _Sizes) -> Loading:
+def _sweep(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     """Swings of rising frequency."""
-    duration = sizes.time * dice.decades(-1.0, 1.5)
-    chirp = 4.0 * math.pi * dice.between(1.0, 8.0) / duration**2
-    step = Sweep(sizes.depth * dice.decades(-3.0, -0.5), chirp, duration)
-    return Loading(_start(dice), sizes.depth * dice.between(0.3, 1.0), (step,))
+    duration = sizes.time * random.decades(-1.0, 1.5)
+    chirp = 4.0 * math.pi * random.between(1.0, 8.0) / duration**2
+    step = Sweep(sizes.depth * random.decades(-3.0, -0.5), chirp, duration)
+    return Loading(_start(random), sizes.depth * random.between(0.3, 1.0), (step,))
 
 
-def _table(dice: _Dice, sizes: _Sizes) -> Loading:
+def _table(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     """Up and down through a few depths: the edge passes places where it lingered."""
-    start = sizes.depth * dice.between(0.2, 0.8)
+    start = sizes.depth * random.between(0.2, 0.8)
     times, depths = [0.0], [start]
-    for _ in range(dice.count(2, 6)):
-        times.append(times[-1] + sizes.time * dice.decades(-2.0, 1.0))
-        depths.append(sizes.depth * dice.between(0.0, 1.2))
-    return Loading(_start(dice), start, (Table(tuple(times), tuple(depths)),))
+    for _ in range(random.count(2, 6)):
+        times.append(times[-1] + sizes.time * random.decades(-2.0, 1.0))
+        depths.append(sizes.depth * random.between(0.0, 1.2))
+    return Loading(_start(random), start, (Table(tuple(times), tuple(depths)),))
 
 
-def _dead_load(dice: _Dice, sizes: _Sizes) -> Loading:
+def _dead_load(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     """A load put on at once, then another."""
-    first = sizes.force * dice.between(-0.5, 1.5)
-    second = sizes.force * dice.between(-1.0, 1.0)
-    spans = sizes.time * dice.decades(-1.0, 2.0), sizes.time * dice.decades(-1.0, 2.0)
+    first = sizes.force * random.between(-0.5, 1.5)
+    second = sizes.force * random.between(-1.0, 1.0)
+    spans = sizes.time * random.decades(-1.0, 2.0), sizes.time * random.decades(-1.0, 2.0)
     return Loading(
-        _start(dice), sizes.depth * dice.between(0.3, 1.0), (Force(first, spans[0]), Force(second, spans[1]))
+        _start(random),
+        sizes.depth * random.between(0.3, 1.0),
+        (Force(first, spans[0]), Force(second, spans[1])),
     )
 
 
-def _force_ramp(dice: _Dice, sizes: _Sizes) -> Loading:
+def _force_ramp(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     """Pressed by a growing load, then pulled by a growing tension."""
-    rate = sizes.force / (sizes.time * dice.decades(-2.0, 2.0))
-    down = ForceRamp(-2.0 * sizes.force, rate * dice.decades(-1.0, 1.0))
-    return Loading(_start(dice), sizes.depth * dice.between(0.3, 1.0), (ForceRamp(sizes.force, rate), down))
+    rate = sizes.force / (sizes.time * random.decades(-2.0, 2.0))
+    down = ForceRamp(-2.0 * sizes.force, rate * random.decades(-1.0, 1.0))
+    return Loading(
+        _start(random), sizes.depth * random.between(0.3, 1.0), (ForceRamp(sizes.force, rate), down)
+    )
 
 
-def _mixed(dice: _Dice, sizes: _Sizes) -> Loading:
+def _mixed(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     """Two or three of the others, one after the other."""
-    start = sizes.depth * dice.between(0.3, 1.0)
+    start = sizes.depth * random.between(0.3, 1.0)
     steps: list[Step] = []
-    for _ in range(dice.count(2, 3)):
-        make = dice.one_of((_cycle, _oscillation, _dead_load, _force_ramp))
-        steps += make(dice, sizes).steps[: dice.count(1, 2)]
-    return Loading(_start(dice), start, tuple(steps))
+    for _ in range(random.count(2, 3)):
+        make = random.one_of((_cycle, _oscillation, _dead_load, _force_ramp))
+        steps += make(random, sizes).steps[: random.count(1, 2)]
+    return Loading(_start(random), start, tuple(steps))
 
 
-LOADINGS: dict[str, Callable[[_Dice, _Sizes], Loading]] = {
+LOADINGS: dict[str, Callable[[_RandomNumbers, _Sizes], Loading]] = {
     "cycle": _cycle,
     "retraction": _retraction,
     "oscillation": _oscillation,
@@ -238,9 +242,9 @@ LOADINGS: dict[str, Callable[[_Dice, _Sizes], Loading]] = {
 """Loading by its kind in words."""
 
 
-def _stops(dice: _Dice, loading: Loading) -> tuple[float, ...]:
+def _stops(random: _RandomNumbers, loading: Loading) -> tuple[float, ...]:
     """None to three times within the loading, as far as it is known before the run."""
     ends = [segment.end for _, segment in loading.segments() if math.isfinite(segment.end)]
-    if not ends or dice.happens(0.5):
+    if not ends or random.happens(0.5):
         return ()
-    return tuple(sorted(ends[-1] * dice.between(0.0, 1.0) for _ in range(dice.count(1, 3))))
+    return tuple(sorted(ends[-1] * random.between(0.0, 1.0) for _ in range(random.count(1, 3))))
