@@ -96,6 +96,8 @@ class GradedRun:
         if interval.after_kink:
             state.record.kink()
             short, first = 0.05 * interval.length, 0.01 * interval.length
+            if self.problem.viscoelastic and not interval.jump:  # what has jumped relaxes from the start
+                first = min(first, float(self.problem.chain.retardation.min()))
             state.step = min(state.step, short) if state.step > 0.0 else first
             state.accepted.start(0.0, state.contact.edge, free_load(interval, state.contact))
         else:
