@@ -94,7 +94,8 @@ def test_more_is_never_cheaper(name):
     }
     usual = solver.expected_cost(base)
     assert solver.expected_cost(base, 2 * solver.default_resolution(base)).steps > 1.5 * usual.steps
-    assert solver.expected_cost(more["zone"]).steps > 8.0 * usual.steps
+    over_zones = math.isfinite(solver.cost_model.most_zones_of_radius)
+    assert solver.expected_cost(more["zone"]).steps > (1.0 if over_zones else 8.0) * usual.steps
     assert solver.expected_cost(more["branches"]).seconds > 2.0 * usual.seconds
     assert solver.expected_cost(more["steps"]).steps > 10_000
     assert solver.expected_cost(more["zone"]).bytes > usual.bytes
@@ -126,4 +127,19 @@ def test_forecasts_hold_within_a_factor_of_three(name, label):
 @pytest.mark.parametrize("name", SOLVERS)
 def test_a_scene_beyond_all_bounds_has_a_forecast(name):
     endless = replace(SCENES["one branch"], adhesion=Adhesion(1e-60, 1e-60), indenter=Sphere(1e60))
-    assert SOLVERS[name].expected_cost(endless).seconds > 1e20
+    over_zones = math.isfinite(SOLVERS[name].cost_model.most_zones_of_radius)
+    assert SOLVERS[name].expected_cost(endless).seconds > (0.5 if over_zones else 1e20)
+
+
+def test_short_zones_cost_the_reference_no_more_steps():
+    """It steps over any number of zones; the boundary elements step through each of them."""
+    rubber = replace(HERTZ, material=Material(0.75, 0.5, (Branch(6.75, 1.0),)))
+    steps = {
+        solver: [
+            SOLVERS[solver].expected_cost(replace(rubber, adhesion=Adhesion(5e-4, zone))).steps
+            for zone in (1e-4, 1e-6)
+        ]
+        for solver in ("reference", "bem")
+    }
+    assert steps["reference"][1] == pytest.approx(steps["reference"][0], rel=0.01)
+    assert steps["bem"][1] > 50.0 * steps["bem"][0]

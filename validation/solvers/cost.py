@@ -76,6 +76,9 @@ class CostModel:
         Time of a step without branches, relative to one with a branch.
     bytes_of_row : float
         Memory of a row.
+    most_zones_of_radius : float
+        Process zones in the largest contact radius up to which a step is a share of a zone; with shorter
+        zones it is a share of the radius.
     """
 
     steps_per_division: float = 1.0
@@ -90,6 +93,7 @@ class CostModel:
     share_of_elastic_step: float = 1.0
     bytes_of_run: tuple[float, ...] = (1e7,)
     bytes_of_row: float = 500.0
+    most_zones_of_radius: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -171,7 +175,10 @@ def forecast(model: CostModel, work: SceneWork, resolution: int, unknowns: float
         steps = least + model.steps_of_elastic_interval * work.intervals
     else:
         per_division = model.steps_per_division if work.adhesive else model.adhesionless_steps_per_division
-        steps = least + per_division * resolution * work.zones + model.steps_per_decade * work.decades
+        zones = work.zones
+        if work.adhesive and work.radius_in_zones > model.most_zones_of_radius:
+            zones *= model.most_zones_of_radius / work.radius_in_zones
+        steps = least + per_division * resolution * zones + model.steps_per_decade * work.decades
     unknowns = min(unknowns, MOST_UNKNOWNS)
     setup, step, memory = (
         sum(factor * unknowns**power for power, factor in enumerate(factors))

@@ -26,6 +26,7 @@ class FrontTracking(Solver):
     curve_tolerance = 5e-4
     coarse_tolerance = 2e-3
     cost_model = CostModel(
+        most_zones_of_radius=20.0,
         steps_of_elastic_interval=200.0,
         seconds_of_setup=(0.1,),
         seconds_of_step=(1.5e-3,),
