@@ -1,7 +1,7 @@
 """Every two of indenter, load step, material, adhesion, command and option together (see ``scene_pairs``).
 
 By default with a stand-in for the solvers: what is tested is that every scene passes through every command
-with every option. The slow tests repeat the table with the solvers themselves.
+with every option. Slow and exhaustive tests repeat the table with the solvers themselves.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from support.scene_pairs import COMMANDS, SEPARATE, VALUES, Row, all_pairs, pairs_of, table
 from support.spring_solver import StudiedSolver, named, resumable, spring
+from support.table_rows import sampled
 
 import crosscontact as cc
 from contact_scene import read_scene
@@ -156,9 +157,8 @@ def test_every_scene_passes_through_the_commands_of_many_runs(row, tmp_path, cap
     carry_out(row, tmp_path, capsys, (0, 1))
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("quick_pictures")
-@pytest.mark.parametrize("row", [row for row in TABLE if row.command != "study"], ids=str)
+@pytest.mark.parametrize("row", sampled(row for row in TABLE if row.command != "study"), ids=str)
 def test_every_scene_is_solved(row, tmp_path, capsys):
     if row.command == "python":
         in_python(row, tmp_path)

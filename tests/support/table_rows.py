@@ -1,0 +1,17 @@
+"""Rows of a large table as parameters of a test: some among the slow tests, all the others on demand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import pytest
+
+STRIDE = 4
+"""Every so many rows one is tried whenever the slow tests are; the marker ``exhaustive`` has the others."""
+
+
+def sampled(rows: Iterable[Any]) -> list[Any]:
+    """Parameters of a test, marked ``slow`` or ``exhaustive``."""
+    marks = (pytest.mark.slow, pytest.mark.exhaustive)
+    return [pytest.param(row, marks=marks[index % STRIDE > 0]) for index, row in enumerate(rows)]
