@@ -23,7 +23,7 @@ def test_compare_in_parallel(tmp_path):
         timeout=120,
     )
     assert said.returncode == 0, said.stderr
-    assert "compare: 3/3" in said.stderr
+    assert "compare: runs: 3/3" in said.stderr
     assert "FAIL" not in said.stdout
     data = json.loads((tmp_path / "report.json").read_text())
     assert list(data["scenes"][0]["runs"]) == ["bem", "fem", "reference"]

@@ -228,8 +228,10 @@ def test_slow_approach_resolves_the_layer_behind_the_edge() -> None:
     """Steps of several relaxation times; the layer is a hundredth of the process zone."""
     usual, fine = _run(2e-5), _run(2e-5, 32)
     assert np.diff(usual.time).max() > 3.0
-    for name in ("approach_force", "approach_radius", "pull_off_force"):
-        assert getattr(_seen(usual), name) == pytest.approx(getattr(_seen(fine), name), rel=2e-5), name
+    # creep slows the final instability down, so that the radius reaches the length of the process zone
+    assert {usual.outcome.kind, fine.outcome.kind} == {OutcomeKind.BELOW_ZONE}
+    for name in ("approach_force", "approach_radius", "pull_off_force", "final_penetration"):
+        assert getattr(observe(usual), name) == pytest.approx(getattr(observe(fine), name), rel=2e-5), name
 
 
 @pytest.mark.parametrize("material", ["one", "two"])

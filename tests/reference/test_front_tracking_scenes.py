@@ -201,7 +201,8 @@ def test_flat_punch_without_adhesion() -> None:
 def test_other_profiles_run_through(shape) -> None:  # type: ignore[no-untyped-def]
     scene = _scene((Ramp(0.02, 0.1), Ramp(-0.5, 0.1)), shape=shape, adhesion=Adhesion(WORK, 0.006))
     trace = solve(scene)
-    assert trace.outcome.kind is OutcomeKind.DETACHED
+    # the cone's contact shrinks steadily to its process zone, where the model ends
+    assert trace.outcome.kind is (OutcomeKind.BELOW_ZONE if shape == Cone(80.0) else OutcomeKind.DETACHED)
     assert _finite(trace)
     coarse = solve(scene, Options(resolution=10))
     assert observe(trace).pull_off_force == pytest.approx(observe(coarse).pull_off_force, rel=2e-4)

@@ -52,6 +52,7 @@ class BoundaryElements(Solver):
     coarse_tolerance = 1e-2
     cost_model = CostModel(
         adhesionless_steps_per_division=0.3,
+        steps_of_elastic_interval=60.0,
         seconds_of_step=(5e-3,),
         share_of_branch=0.05,
         share_of_elastic_step=0.2,

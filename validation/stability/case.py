@@ -30,11 +30,11 @@ class Value:
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """Values of a closed form, where they come from, and how the run must end."""
+    """Values of a closed form, where they come from, and how the run may end."""
 
     values: tuple[Value, ...]
     source: str
-    ending: OutcomeKind = OutcomeKind.COMPLETED
+    endings: tuple[OutcomeKind, ...] = (OutcomeKind.COMPLETED,)
 
 
 @dataclass(frozen=True)

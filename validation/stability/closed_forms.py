@@ -27,10 +27,11 @@ def elastic_cycle(
 ) -> ClosedForm:
     """Press to ``top`` and pull off, elastic with one modulus.
 
-    Force and radius at the top, the largest tension, where contact is lost, and, where that happens
+    Force and radius at the top, the largest tension, where contact ends, and, where that happens
     ``at_once``, the loss: that of the model's own process zone, ``int (G - dg) dA`` from the start to where
     contact is lost, relative to the work of adhesion on the largest contact. A half-space that creeps during
-    the final instability loses energy there that no elastic law contains.
+    the final instability loses energy there that no elastic law contains, and its edge, slower than the
+    instability of an elastic one, may be followed down to the process zone.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ def elastic_cycle(
     Returns
     -------
     ClosedForm
-        Ending with detachment.
+        Ending with detachment, or also at the process zone if not ``at_once``.
     """
     law = zone_law(scene, plane_modulus)
     pressed = law.at_penetration(top)
@@ -58,12 +59,13 @@ def elastic_cycle(
         Value("approach_force", pressed.force, max(abs(pressed.force), -pulled.force)),
         Value("approach_radius", pressed.contact_radius),
         Value("pull_off_force", -pulled.force),
-        Value("detachment_penetration", last.penetration, top - last.penetration),
+        Value("final_penetration", last.penetration, top - last.penetration),
     ]
     if at_once:
         first = law.at_penetration(scene.loading.penetration)
         values.append(Value("dissipated_energy", _zone_loss(law, last, first), adhering))
-    return ClosedForm(tuple(values), f"elastic closure of finite zone, {which}", OutcomeKind.DETACHED)
+    endings = (OutcomeKind.DETACHED,) if at_once else (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
+    return ClosedForm(tuple(values), f"elastic closure of finite zone, {which}", endings)
 
 
 def _zone_loss(law: FiniteZone, low: State, high: State) -> float:
@@ -129,7 +131,7 @@ def adhesionless_cycle(material: Material, indenter: Indenter, speed: float, top
         Value("approach_radius", float(cycle.contact_radius(peak))),
         Value("detachment_time", cycle.detachment()),
     )
-    return ClosedForm(values, "Lee and Radok, Ting: hereditary integrals", OutcomeKind.DETACHED)
+    return ClosedForm(values, "Lee and Radok, Ting: hereditary integrals", (OutcomeKind.DETACHED,))
 
 
 def punch_ramp(material: Material, radius: float, speed: float, top: float) -> ClosedForm:

@@ -147,22 +147,22 @@ def _compared(
     if isinstance(expected, NoSolution):
         return _cell(case, solver, CellVerdict.WRONG, *ended, source=expected.why, **facts)
     if isinstance(expected, ClosedForm):
-        errors, own, ending = measure.against_values(trace, expected.values), 0.0, expected.ending
+        errors, own, endings = measure.against_values(trace, expected.values), 0.0, expected.endings
     else:
         runs = [_trace(result) for result in expected_runs]
         first = runs[0]
         if any(run is None or not run.outcome.finished for run in runs) or first is None:
             source = "the run it is measured against has no answer"
             return _cell(case, solver, CellVerdict.UNKNOWN, *ended, source=source, **facts)
-        ending = first.outcome.kind
+        endings = (first.outcome.kind,)
         if isinstance(expected, EquivalentScene):
             errors, own = measure.against_equivalent(trace, first, expected), 0.0
         else:
             errors = measure.against_trace(trace, first, expected)
             own = _own_error(runs, expected)
-    wrong = max(errors.values()) > case.tolerance.limit(solver) + own or outcome.kind is not ending
-    if outcome.kind is not ending:
-        errors = errors | {f"ending ({ending})": measure.MISSING}
+    wrong = max(errors.values()) > case.tolerance.limit(solver) + own or outcome.kind not in endings
+    if outcome.kind not in endings:
+        errors = errors | {f"ending ({' or '.join(endings)})": measure.MISSING}
     verdict = CellVerdict.WRONG if wrong else CellVerdict.WITHIN
     source = source_of(expected)
     return _cell(case, solver, verdict, *ended, source=source, errors=errors, expected_error=own, **facts)

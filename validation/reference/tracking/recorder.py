@@ -124,7 +124,7 @@ class Recorder:
         inner = [entry for entry, is_one in zip(inner, distinct, strict=True) if is_one]
         index, times = index[distinct], times[distinct]
         extra = np.column_stack((times, cubics(rows[:, 0], rows[:, 1:], ends, index, times)))
-        known = np.array([entry[2] is not None for entry in inner])
+        known = np.array([entry[2] is not None for entry in inner], dtype=bool)
         extra[known, DEPTH] = [entry[2] for entry in inner if entry[2] is not None]
         return np.insert(rows, index + 1, extra, axis=0), (ends + index.searchsorted(ends)).tolist()
 
