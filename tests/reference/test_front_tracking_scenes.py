@@ -35,6 +35,7 @@ from contact_scene import (
 from validation.measure.observables import observe
 from validation.reference import Options, solve
 from validation.reference.creep_compliance import creep_compliance
+from validation.reference.ting import Ting
 
 PUNCH = FlatPunch(0.2)
 
@@ -344,3 +345,14 @@ def test_profiles_carry_the_force(shape, time: float) -> None:  # type: ignore[n
     assert total == pytest.approx(profile.force, abs=2e-3 * scale)
     assert np.isfinite(profile.displacement).all()
     assert np.all(np.diff(profile.radius) > 0.0)
+
+
+def test_a_flat_profile_is_left_although_its_radius_vanishes_faster_than_time_resolves() -> None:
+    """Radius like the sixth root of the time left: down to 1e-3 of its largest that is 1e-18 of the run."""
+    steps = (Ramp(0.03, 0.1), Ramp(-0.5, 0.1))
+    flat = PowerLaw(5.9, 0.5)
+    trace = solve(_scene(steps, start="relaxed", shape=flat, adhesion=None), Options(resolution=8))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    exact = Ting(RUBBER, flat, rise=0.1, peak=0.3, fall=0.1)
+    assert trace.time[-1] == pytest.approx(exact.detachment(), rel=1e-5)
+    assert trace.counters.steps + trace.counters.rejected_steps < 2000

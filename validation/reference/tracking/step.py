@@ -21,6 +21,9 @@ REJECTED_ABOVE = 2.0
 """Step error, in allowed deviations, above which a step is rejected."""
 FORCE_NOISE = 1e-10
 """Change of the force, in largest forces, that may be rounding: far above it, far below any deviation."""
+VANISHING_FORCE = 1e-3
+"""Force without adhesion, in allowed deviations of the largest force, from which on contact is lost in one
+step: flat profiles keep a radius to the last, and its speed grows beyond what times can resolve."""
 FIRST_STEP = 100.0
 """First step after a kink, in allowed deviations times the shortest time: it has no error estimate."""
 
@@ -111,7 +114,10 @@ def _vanishing_contact(
     if segment.control == "force":
         if segment.value(state.time + h) <= 0.0:
             return approach_zero_radius(problem, state, segment, h)
-    elif state.history.rate_of_radius() < 0.0 and state.surface.radius <= problem.largest_travel:
+    elif state.history.rate_of_radius() < 0.0 and (
+        state.surface.radius <= problem.largest_travel
+        or state.force <= VANISHING_FORCE * problem.fineness.deviation * state.largest_force
+    ):
         trial = problem.trial(state, segment)
         if trial.residual(left, 0.0) > 0.0:
             return prescribed_travel(problem, state, trial, 0.0, left)
