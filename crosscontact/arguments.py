@@ -83,34 +83,24 @@ def _count(text: str) -> int:
     return int(text)
 
 
-def _bulk(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 2.0 / 3.0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: a number above 2/3, below 1e6")
-    return value
+def _number(is_allowed: Callable[[float], bool], allowed: str) -> Callable[[str], float]:
+    """The type of an option that is a number; ``allowed`` says in words which numbers are."""
+
+    def parse(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not is_allowed(value):
+            raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: {allowed}")
+        return value
+
+    return parse
 
 
-def _ratio(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 1e-8 <= value <= 0.2:
-        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: a number from 1e-8 to 0.2")
-    return value
-
-
-def _time(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not (math.isfinite(value) and value >= 0.0):
-        raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: times >= 0")
-    return value
+_bulk = _number(lambda value: 2.0 / 3.0 < value < 1e6, "a number above 2/3, below 1e6")
+_ratio = _number(lambda value: 1e-8 <= value <= 0.2, "a number from 1e-8 to 0.2")
+_time = _number(lambda value: 0.0 <= value < math.inf, "times >= 0")
 
 
 def parser() -> argparse.ArgumentParser:

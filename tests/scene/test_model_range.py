@@ -163,22 +163,20 @@ def test_a_contact_that_outgrows_the_half_space_is_warned_of():
     assert trace_warnings(scene(indenter=FlatPunch(1.0), work=0), trace(1.0, 1.0)) == ()
 
 
-def preflight(asked: Scene) -> None:
-    """All that is told without solving."""
-    out_of_range(asked)
-    scene_warnings(asked)
-    for solver in SOLVERS.values():
-        cost = solver.expected_cost(asked)
-        assert cost.steps >= 0.0
-        assert cost.seconds >= 0.0
+def can_be_told(asked: Scene) -> bool:
+    """Whether all that is told without solving is told, costs being numbers; no warning is allowed."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        out_of_range(asked)
+        scene_warnings(asked)
+        costs = [solver.expected_cost(asked) for solver in SOLVERS.values()]
+    return all(cost.steps >= 0.0 and cost.seconds >= 0.0 for cost in costs)
 
 
 @settings(max_examples=20)
 @given(scenes.filter(lambda asked: not isinstance(asked.indenter, TabulatedProfile)))
 def test_telling_never_fails_and_never_warns(asked):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        preflight(asked)
+    assert can_be_told(asked)
 
 
 ends = st.sampled_from([1e-60, 1e-59, 1e-31, 1e-30, 1e-12, 1e-3, 1.0, 1e3, 1e9, 1e12, 1e30, 1e31, 1e59, 1e60])
@@ -227,7 +225,7 @@ def test_numbers_at_the_ends_of_their_ranges(data, shape, kinds, relaxed):
             read = scene_from_dict(asked)
         except SceneError:
             return
-        preflight(read)
+    assert can_be_told(read)
 
 
 @pytest.mark.parametrize(
@@ -235,6 +233,4 @@ def test_numbers_at_the_ends_of_their_ranges(data, shape, kinds, relaxed):
 )
 @pytest.mark.parametrize("step", [Ramp(1e60, 1e-60), Force(1e60, 1.0), ForceRamp(-1e60, 1e60), Hold(1e60)])
 def test_powers_that_overflow(indenter, step):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        preflight(scene(step, indenter=indenter))
+    assert can_be_told(scene(step, indenter=indenter))
