@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from contact_scene.errors import LARGEST, SMALLEST, SceneError, number, positive
 from contact_scene.material import Branch, Material
-from contact_scene.readers import DynamicData, RelaxationData
+from contact_scene.measured_moduli import DynamicData, RelaxationData
 
 PER_DECADE = 10
 """Grid times a decade: neighbours differ by a quarter, so refinement starts within an eighth of any time."""

@@ -22,21 +22,29 @@ moduli are Young's (in RepTate's data files shear moduli).
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 import re
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import LARGEST, SMALLEST, SceneError, finite, not_negative, positive, shown
+from contact_scene.errors import SceneError, finite, not_negative, positive, shown
 from contact_scene.files import read_text
 from contact_scene.material import Branch
+from contact_scene.measured_moduli import DynamicData, RelaxationData
+from contact_scene.named_columns import (
+    KNOWN_NAMES,
+    cells_of_line,
+    checked_in_line,
+    kind_of,
+    modulus_letter,
+    named_columns,
+    number_in_line,
+    unknown_columns,
+)
 from contact_scene.temperature_shift import ShiftTable
 
 FORMATS = ("pyvisco", "reptate", "branches", "relaxation", "dynamic")
@@ -48,20 +56,6 @@ MEASURED = ("relaxation", "dynamic")
 SHEAR_FILES = (".tts", ".gt")
 """Ends of RepTate's data files, whose moduli are shear moduli."""
 
-_KINDS = {
-    "time": ("t", "time"),
-    "relaxation time": ("tau", "tau_i", "relaxation_time"),
-    "frequency": ("f", "freq", "frequency"),
-    "angular frequency": ("w", "omega", "ω", "angular_frequency"),
-    "modulus": ("E", "E_i", "E_t", "E_relax", "modulus", "relaxation_modulus"),
-    "storage modulus": ("E'", "E_stor", "E_storage", "storage", "storage_modulus"),
-    "loss modulus": ("E''", 'E"', "E_loss", "loss", "loss_modulus"),
-    "temperature": ("T", "temperature"),
-    "shift factor": ("at", "a_t", "shift_factor"),
-    "log shift factor": ("log_at", "log_a_t", "log10_at", "log10_a_t"),
-}
-"""Names of columns by what they hold, as :func:`_kind` compares them: E stands for G too."""
-
 _TABLES = {
     "branches": (("relaxation time", "modulus"),),
     "relaxation": (("time", "modulus"),),
@@ -71,59 +65,6 @@ _TABLES = {
     ),
 }
 """Columns of each plain format."""
-
-_NAMES = "tau, E | t, E | f, E', E'' (f per unit time) | w, E', E'' (angular), with G for shear moduli"
-
-
-@dataclass(frozen=True)
-class RelaxationData:
-    """Measured relaxation modulus.
-
-    Parameters
-    ----------
-    times : ndarray, shape (n,)
-        > 0, ascending; the moment of the strain step is 0.
-    moduli : ndarray, shape (n,)
-        Relaxation modulus at these, > 0.
-    shear : bool
-        Whether they are shear moduli.
-    units : pair of str
-        Of time and stress, for labels; "" where the file names none.
-    """
-
-    times: NDArray[np.float64]
-    moduli: NDArray[np.float64]
-    shear: bool = False
-    units: tuple[str, str] = ("", "")
-
-    def __post_init__(self) -> None:
-        _set_columns(self, ("times", "moduli"))
-
-
-@dataclass(frozen=True)
-class DynamicData:
-    """Measured storage and loss modulus.
-
-    Parameters
-    ----------
-    angular_frequencies : ndarray, shape (n,)
-        > 0, ascending, radians per unit time.
-    storage, loss : ndarray, shape (n,)
-        > 0.
-    shear : bool
-        Whether they are shear moduli.
-    units : pair of str
-        Of time and stress, for labels; "" where the file names none.
-    """
-
-    angular_frequencies: NDArray[np.float64]
-    storage: NDArray[np.float64]
-    loss: NDArray[np.float64]
-    shear: bool = False
-    units: tuple[str, str] = ("", "")
-
-    def __post_init__(self) -> None:
-        _set_columns(self, ("angular_frequencies", "storage", "loss"))
 
 
 @dataclass(frozen=True)
@@ -140,16 +81,6 @@ class BranchTable:
 
     branches: tuple[Branch, ...]
     shear: bool = False
-
-
-@dataclass(frozen=True)
-class _Table:
-    """A plain table: names of its columns, "" where there are none, and its numbers with their lines."""
-
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    lines: tuple[int, ...]
-    rows: tuple[tuple[float, ...], ...]
 
 
 def read_measured(path: str | os.PathLike[str], format: str | None = None) -> RelaxationData | DynamicData:
@@ -176,15 +107,15 @@ def format_of(text: str, file: str) -> str:
     first = next((row for row in head.split("\n") if row.strip() and not row.lstrip().startswith("#")), "")
     if re.search(r"#\s*(maxwell modes|number of modes)", head) or first.strip().isdecimal():
         return "reptate"
-    table = _table(text, file)
+    table = named_columns(text, file)
     for kind, alternatives in _TABLES.items():
-        if any(set(wanted) <= set(map(_kind, table.names)) for wanted in alternatives):
+        if any(set(wanted) <= set(map(kind_of, table.names)) for wanted in alternatives):
             return kind
     if any(table.names):
-        raise _unknown_columns(table, file)
+        raise unknown_columns(table, file)
     by_width = {2: "relaxation", 3: "dynamic"}
     if len(table.rows[0]) not in by_width:
-        raise SceneError(f"line {table.lines[0]}", f"{len(table.rows[0])} columns", _NAMES, file)
+        raise SceneError(f"line {table.lines[0]}", f"{len(table.rows[0])} columns", KNOWN_NAMES, file)
     return by_width[len(table.rows[0])]
 
 
@@ -223,8 +154,8 @@ def branch_table(text: str, file: str, format: str) -> BranchTable:
 def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
     """Shift factors from a table with the columns ``T`` and ``a_T`` or ``log_aT`` (decadic)."""
     text, file = read_text(Path(path)), str(path)
-    table = _table(text, file)
-    kinds = [_kind(name) for name in table.names]
+    table = named_columns(text, file)
+    kinds = [kind_of(name) for name in table.names]
     logarithmic = "log shift factor" in kinds
     wanted = "log shift factor" if logarithmic else "shift factor"
     if "temperature" not in kinds or wanted not in kinds:
@@ -232,9 +163,9 @@ def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
     at, of = kinds.index("temperature"), kinds.index(wanted)
     temperatures, factors = [], []
     for line, row in zip(table.lines, table.rows, strict=True):
-        temperatures.append(_checked(finite, row[at], "T", line, file))
+        temperatures.append(checked_in_line(finite, row[at], "T", line, file))
         check = finite if logarithmic else positive
-        factor = _checked(check, row[of], table.names[of], line, file)
+        factor = checked_in_line(check, row[of], table.names[of], line, file)
         factors.append(factor if logarithmic else math.log10(factor))
     try:
         return ShiftTable(tuple(temperatures), tuple(factors))
@@ -247,7 +178,7 @@ def _reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
     rows = [
         (line, cells)
         for line, content in enumerate(text.split("\n"), 1)
-        if (cells := _cells(content.partition("#")[0], line, file))
+        if (cells := cells_of_line(content.partition("#")[0], line, file))
     ]
     if not rows:
         raise SceneError("", "the file is empty", "a mode file: number of modes, then i, tau_i, G_i", file)
@@ -261,11 +192,11 @@ def _reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
     for line, cells in rows:
         if len(cells) != 3:
             raise SceneError(f"line {line}", f"{len(cells)} cells", "three: i, tau_i, G_i", file)
-        time, modulus = (_number(cell, line, file) for cell in cells[1:])
+        time, modulus = (number_in_line(cell, line, file) for cell in cells[1:])
         branches.append(
             Branch(
-                _checked(not_negative, modulus, "G_i", line, file),
-                _checked(positive, time, "tau_i", line, file),
+                checked_in_line(not_negative, modulus, "G_i", line, file),
+                checked_in_line(positive, time, "tau_i", line, file),
             )
         )
     if not branches:
@@ -279,19 +210,19 @@ def _reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
 
 def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.float64]], str, dict[str, str]]:
     """Columns of a plain table by what they hold, checked; the letter of their moduli, if any; units."""
-    table = _table(text, file)
-    kinds = [_kind(name) for name in table.names]
+    table = named_columns(text, file)
+    kinds = [kind_of(name) for name in table.names]
     if any(kinds):
         wanted = next((w for w in _TABLES[format] if set(w) <= set(kinds)), None)
         if wanted is None or "" in kinds or any(kinds.count(kind) > 1 for kind in wanted):
-            raise _unknown_columns(table, file)
+            raise unknown_columns(table, file)
     else:
         wanted = _TABLES[format][-1]
         if any(table.names) or len(table.rows[0]) != len(wanted):
-            raise _unknown_columns(table, file)
+            raise unknown_columns(table, file)
         kinds = list(wanted)
     at = {kind: kinds.index(kind) for kind in wanted}
-    letters = {letter for kind in wanted for letter in _letter(table.names[at[kind]])}
+    letters = {letter for kind in wanted for letter in modulus_letter(table.names[at[kind]])}
     if len(letters) > 1:
         raise SceneError("columns", f"got {shown(','.join(table.names))}", "either E or G", file)
     for kind, contradiction in (("frequency", r"rad\W.*"), ("angular frequency", "hz")):
@@ -303,136 +234,8 @@ def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.fl
         zero = kind == "modulus" and format == "branches"
         name = table.names[index] or kind
         checked = [
-            _checked(not_negative if zero else positive, row[index], name, line, file)
+            checked_in_line(not_negative if zero else positive, row[index], name, line, file)
             for line, row in zip(table.lines, table.rows, strict=True)
         ]
         columns[kind] = np.array(checked)
     return columns, "".join(letters), {kind: table.units[index] for kind, index in at.items()}
-
-
-def _table(text: str, file: str) -> _Table:
-    """The numbers of a plain table and, where a line before them names its columns, these names."""
-    headers: list[tuple[bool, list[str]]] = []
-    lines: list[int] = []
-    rows: list[tuple[float, ...]] = []
-    for line, content in enumerate(text.split("\n"), 1):
-        comment = content.lstrip().startswith("#")
-        if comment and rows:
-            continue
-        cells = _cells(content.lstrip().lstrip("#") if comment else content, line, file, strict=not comment)
-        if not cells:
-            continue
-        if comment or (not rows and not any(_is_number(cell) for cell in cells)):
-            headers.append((comment, cells))
-            continue
-        rows.append(tuple(_number(cell, line, file) for cell in cells))
-        lines.append(line)
-        if len(rows[-1]) != len(rows[0]):
-            allowed = f"{len(rows[0])}, as in line {lines[0]}"
-            raise SceneError(f"line {line}", f"{len(rows[-1])} cells", allowed, file)
-    if not rows:
-        reason = "no rows of numbers" if headers else "the file is empty"
-        raise SceneError("", reason, f"a table of numbers: {_NAMES}", file)
-    names, units = _header([header for header in headers if len(header[1]) == len(rows[0])], len(rows[0]))
-    return _Table(names, units, tuple(lines), tuple(rows))
-
-
-def _header(headers: Sequence[tuple[bool, list[str]]], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names and units of ``width`` columns; a header is whether it is a comment, and as many cells.
-
-    The first line with a known name counts (of a comment all must be known), else the first that is neither a
-    comment nor a list of parameters (``Mw = 1000; T = 20``): unknown names are for the caller to refuse.
-    """
-    known = (
-        i
-        for i, (comment, cells) in enumerate(headers)
-        if (all if comment else any)(_kind(_split(cell)[0]) for cell in cells)
-    )
-    plain = (i for i, (comment, cells) in enumerate(headers) if not comment and "=" not in "".join(cells))
-    index = next(known, next(plain, None))
-    if index is None:
-        return ("",) * width, ("",) * width
-    names, units = zip(*map(_split, headers[index][1]), strict=True)
-    if not any(units) and index + 1 < len(headers) and not headers[index + 1][0]:
-        units = tuple(cell.strip() for cell in headers[index + 1][1])
-    return names, units
-
-
-def _cells(content: str, line: int, file: str, strict: bool = True) -> list[str]:
-    """Cells of a line, parted by semicolons, else by commas, else by blanks; empty for a blank line."""
-    if not content.strip():
-        return []
-    if ";" in content:
-        return [cell.strip() for cell in content.strip().rstrip(";").split(";")]
-    if "," in content:
-        try:
-            return [
-                cell.strip() for cell in next(csv.reader([content], strict=strict, skipinitialspace=True))
-            ]
-        except csv.Error as error:
-            raise SceneError(f"line {line}", f"not CSV: {error}", "comma-separated cells", file) from None
-    return content.split()
-
-
-def _split(cell: str) -> tuple[str, str]:
-    """Name and unit of a column: ``E' [MPa]``, ``omega (rad/s)``; the argument of ``E(t)`` is no unit."""
-    bracketed = re.search(r"[\[(]([^\])]*)[\])]", cell)
-    unit = bracketed.group(1).strip() if bracketed else ""
-    name = re.sub(r"[\[(][^\])]*[\])]", "", cell).strip().replace(" ", "_")
-    return name, "" if unit in ("t", "w", "f", "omega", "ω") else unit
-
-
-def _kind(name: str) -> str:
-    """What a column of this name holds; "" if that is not known. ``t`` is a time, ``T`` a temperature."""
-    if _letter(name):
-        name = "E" + name[1:].lower()
-    elif len(name) > 1:
-        name = name.lower()
-    return next((kind for kind, names in _KINDS.items() if name in names), "")
-
-
-def _letter(name: str) -> str:
-    """E or G, where the name of a column is that of a modulus."""
-    return name[0] if re.fullmatch(r"[EG]('|\"|''|_\w+)?", name) else ""
-
-
-def _unknown_columns(table: _Table, file: str) -> SceneError:
-    names = ",".join(table.names) if any(table.names) else f"{len(table.rows[0])} columns without names"
-    return SceneError("columns", f"got {shown(names)}", _NAMES, file)
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return "_" not in cell
-
-
-def _number(cell: str, line: int, file: str) -> float:
-    if not _is_number(cell):
-        raise SceneError(f"line {line}", f"got {shown(cell)}", "a number, with a decimal point", file)
-    return float(cell)
-
-
-def _checked(check: Callable[[Any, str], float], value: float, name: str, line: int, file: str) -> float:
-    """A number that passes ``check`` of :mod:`contact_scene.errors`, or its error with line and file."""
-    try:
-        return float(check(value, f"{name}, line {line}"))
-    except SceneError as error:
-        raise error.in_file(file) from None
-
-
-def _set_columns(data: RelaxationData | DynamicData, names: Sequence[str]) -> None:
-    """Check the columns of measured data: numbers > 0, as many in each, ascending in the first."""
-    for name in names:
-        values = np.array(getattr(data, name), dtype=float)
-        if values.ndim != 1 or values.size == 0 or values.shape != np.shape(getattr(data, names[0])):
-            raise SceneError(name, f"shape {values.shape}", "as many numbers as in the other columns")
-        if not ((values >= SMALLEST) & (values <= LARGEST)).all():
-            index = int(np.argmin((values >= SMALLEST) & (values <= LARGEST)))
-            positive(float(values[index]), f"{name}[{index}]")
-        values.flags.writeable = False
-        object.__setattr__(data, name, values)
-    if np.any(np.diff(getattr(data, names[0])) < 0.0):
-        raise SceneError(names[0], "decreases", "ascending values")

@@ -9,8 +9,9 @@ from contact_scene import Material, SceneError
 from contact_scene.errors import one_of, positive
 from contact_scene.files import read_text
 from contact_scene.material_file import read_material
+from contact_scene.measured_moduli import RelaxationData
 from contact_scene.prony import TOLERANCE, PronyFit, fit_prony, young_over
-from contact_scene.readers import FORMATS, MEASURED, RelaxationData, format_of, measured_data
+from contact_scene.readers import FORMATS, MEASURED, format_of, measured_data
 from contact_scene.scenefile import write_material
 from crosscontact.key_numbers import aligned
 from validation.drawing.export import png, svg_file

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.special import gamma
 
 from contact_scene import Branch, Material, SceneError
+from contact_scene.measured_moduli import DynamicData, RelaxationData
 from contact_scene.prony import MOST_ROWS, PER_DECADE, _Design, fit_prony
-from contact_scene.readers import DynamicData, RelaxationData
 
 TIMES = np.geomspace(1e-3, 1e3, 61)
 KNOWN = Material(1.0, 0.5, (Branch(5.0, 0.0123), Branch(2.0, 0.9), Branch(1.0, 33.0)))

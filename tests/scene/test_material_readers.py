@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from contact_scene import Branch, Material, SceneError, read_scene, scene_from_dict, write_scene
 from contact_scene.material_file import read_material
-from contact_scene.readers import DynamicData, RelaxationData, format_of, measured_data, read_measured
+from contact_scene.measured_moduli import DynamicData, RelaxationData
+from contact_scene.readers import format_of, measured_data, read_measured
 
 # As "Save Modes" of RepTate 1.0 writes it; moduli are shear moduli.
 REPTATE = """# Maxwell modes

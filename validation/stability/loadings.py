@@ -163,7 +163,7 @@ def pull_off() -> list[StabilityCase]:
             )
         )
     at_once = ClosedForm(
-        (Value("detachment_time", 0.0, 1.0),), "beyond the glassy limit", OutcomeKind.DETACHED
+        (Value("detachment_time", 0.0, 1.0),), "beyond the glassy limit", (OutcomeKind.DETACHED,)
     )
     cases.append(
         StabilityCase("dead load", "30 times slow pull-off", _dead_load(-30.0 * limit.force, 1e6), at_once)

@@ -101,7 +101,7 @@ def _faint(scene: Scene) -> ClosedForm:
         Value("start_radius", state.contact_radius),
         Value("detachment_penetration", 0.0, base.TOP),
     )
-    return ClosedForm(values, "elastic closure of finite zone, nearly Hertz", OutcomeKind.DETACHED)
+    return ClosedForm(values, "elastic closure of finite zone, nearly Hertz", (OutcomeKind.DETACHED,))
 
 
 def _zones() -> list[StabilityCase]:
