@@ -55,7 +55,7 @@ LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments", "crosscontact.c
 DEFERRED = {
     ("contact_scene.indenter", "scipy.interpolate"),
     ("contact_scene.material_models", "scipy.special"),
-    ("contact_scene.prony", "scipy.optimize"),
+    ("contact_scene.series_design", "scipy.optimize"),
 }
 
 

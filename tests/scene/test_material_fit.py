@@ -12,7 +12,8 @@ from scipy.special import gamma
 
 from contact_scene import Branch, Material, SceneError
 from contact_scene.measured_moduli import DynamicData, RelaxationData
-from contact_scene.prony import MOST_ROWS, PER_DECADE, _Design, fit_prony
+from contact_scene.prony import PER_DECADE, fit_prony
+from contact_scene.series_design import MOST_ROWS, SeriesDesign
 
 TIMES = np.geomspace(1e-3, 1e3, 61)
 KNOWN = Material(1.0, 0.5, (Branch(5.0, 0.0123), Branch(2.0, 0.9), Branch(1.0, 33.0)))
@@ -116,7 +117,7 @@ def test_fewer_branches_at_a_coarser_tolerance():
 @pytest.mark.parametrize("measured", [relaxation, dynamic])
 def test_slopes_are_those_of_the_responses(measured):
     """Against central differences; the refinement would still end somewhere with wrong ones."""
-    design = _Design(measured(KNOWN), np.array([1e-4, 1e4]), None)
+    design = SeriesDesign(measured(KNOWN), np.array([1e-4, 1e4]), None)
     times, small = np.array([0.01, 0.3, 40.0]), 1e-5
     ends = [design.responses(times * math.exp(sign * small))[0] for sign in (1.0, -1.0)]
     slopes = design.responses(times)[1]
