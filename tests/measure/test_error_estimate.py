@@ -274,3 +274,28 @@ def test_corners_and_layers_are_of_first_order(name):
     run = pulled(np.arange(11.0), np.arange(11.0))
     found = from_two_runs(run, run, {name: 10.0, "start_radius": 10.0}, {name: 10.1, "start_radius": 10.1})
     assert found[name] / found["start_radius"] == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.3, 0.5])
+def test_where_the_penetration_has_a_smooth_maximum_the_end_of_approach_is_uncertain(shift):
+    """Force falls steadily while the penetration turns at t = 0.5: its value there depends on the rows."""
+    rough = spring(1.0, rows=21)
+    t = np.concatenate(([0.0], (np.arange(20) + shift) / 20.0 + 0.02, [1.1]))
+    turning = dataclasses.replace(
+        rough,
+        time=t,
+        penetration=0.03 - 0.1 * (t - 0.5) ** 2,
+        force=2.0 - t,
+        contact_radius=np.full_like(t, 0.2),
+        stored_energy=0.0 * t,
+        external_work=0.0 * t,
+        dissipated_energy=0.0 * t,
+    )
+    found = estimates(turning, turning)
+    measured = measure(turning, CASE.scene, 0.0)
+    assert abs(measured["approach_force"] / 1.5 - 1.0) <= found["approach_force"] < 0.1
+    assert (
+        abs(measured["approach_time"] - 0.5) / scale("approach_time", 0.5, turning) <= found["approach_time"]
+    )
+    corner = spring(1.0)
+    assert estimates(corner, corner)["approach_force"] == 0.0

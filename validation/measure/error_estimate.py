@@ -44,7 +44,7 @@ from validation.measure.norms import (
     movement_distance,
     movement_interpolation_error,
 )
-from validation.measure.observables import ROUND_OFF, pull_off_row
+from validation.measure.observables import ROUND_OFF, end_of_approach, pull_off_row
 from validation.measure.scaling import column_of, scale
 from validation.measure.windows import windows
 from validation.solvers import solver
@@ -123,6 +123,9 @@ def from_two_runs(
             if moved is not None:
                 between = movement_interpolation_error(run, spans, column)
                 errors[column + MOVEMENT] = _extrapolated(moved.rms, usual, ratio) + between
+    deepest, other_deepest = measured.get("approach_penetration"), otherwise.get("approach_penetration")
+    apart = 0.0 if deepest is None or other_deepest is None else abs(other_deepest - deepest)
+    errors = _with_smooth_approach(errors, run, _extrapolated(apart, usual, ratio))
     return _with_last_step(_with_sampling(errors, run), run)
 
 
@@ -155,6 +158,7 @@ def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -
             bound = movement_bound(trace, spans, column) * error
             between = movement_interpolation_error(trace, spans, column)
             errors[column + MOVEMENT] = trace.errors.get(column + MOVEMENT, bound) + between
+    errors = _with_smooth_approach(errors, trace, 0.0)
     return _with_last_step(_with_sampling(errors, trace), trace)
 
 
@@ -169,17 +173,42 @@ def _with_sampling(errors: dict[str, float], trace: Trace) -> dict[str, float]:
         return errors
     touching = np.flatnonzero(trace.contact_radius > 0.0)
     near = [i for i in (row - 1, row + 1) if i in touching]
-    missed = _missed_tension(trace, row)
+    missed = _missed_maximum(trace, -trace.force, row)
     if "pull_off_force" in errors:
         errors["pull_off_force"] += missed / scale("pull_off_force", float(trace.force[row]), trace)
     for name in ("penetration", "radius", "time"):
         column = trace.columns()[column_of(name)]
         relative_to = scale(f"pull_off_{name}", float(column[row]), trace)
         if f"pull_off_{name}" in errors and relative_to > 0.0:
-            away = _reach(trace, column, row, errors.get("pull_off_force", 0.0))
+            tension = -trace.force
+            least = (1.0 - errors.get("pull_off_force", 0.0)) * tension[row]
+            away = _reach(tension, column, row, least)
             if missed > 0.0:
                 away += max((abs(float(column[i] - column[row])) for i in near), default=0.0)
             errors[f"pull_off_{name}"] += away / relative_to
+    return errors
+
+
+def _with_smooth_approach(errors: dict[str, float], trace: Trace, depth_error: float) -> dict[str, float]:
+    """Add to the errors at the end of approach how far the rest goes while the penetration hardly changes.
+
+    The largest penetration is a corner where it is prescribed, and known exactly; where the force is, it is
+    smooth, and the row at which it is largest is a matter of its error and of where the rows are.
+    """
+    if "approach_penetration" not in errors:
+        return errors
+    depth = trace.penetration
+    row = end_of_approach(trace)
+    missed = depth_error
+    if trace.contact_radius[row] > 0.0:
+        missed += _missed_maximum(trace, depth, row)
+    if missed <= ROUND_OFF * float(np.ptp(depth)):
+        return errors
+    for name in ("force", "radius", "time"):
+        column = trace.columns()[column_of(name)]
+        relative_to = scale(f"approach_{name}", float(column[row]), trace)
+        if f"approach_{name}" in errors and relative_to > 0.0:
+            errors[f"approach_{name}"] += _reach(depth, column, row, depth[row] - missed) / relative_to
     return errors
 
 
@@ -203,27 +232,27 @@ def _with_last_step(errors: dict[str, float], trace: Trace) -> dict[str, float]:
     return errors
 
 
-def _missed_tension(trace: Trace, row: int) -> float:
-    """By how much the tension between the rows beside the largest may exceed it.
+def _missed_maximum(trace: Trace, values: Array, row: int) -> float:
+    """By how much a column between the rows beside its largest value may exceed it.
 
-    Around its maximum the tension is a concave curve, smooth or with a corner: between two rows it lies below
-    the straight lines through the two rows before and through the two rows after. Where the maximum is
-    located, at a corner or at the end of the contact, these lines meet in it, to round-off.
+    Around its maximum it is a concave curve, smooth or with a corner: between two rows it lies below the
+    straight lines through the two rows before and through the two rows after. Where the maximum is located,
+    at a corner or at the end of the contact, these lines meet in it, to round-off.
     """
     end = int(np.flatnonzero(trace.contact_radius > 0.0)[-1]) + 1
-    time, tension = trace.time[:end], -trace.force[:end]
-    largest, most = float(tension[row]), float(tension[row])
+    time, values = trace.time[:end], values[:end]
+    largest, most = float(values[row]), float(values[row])
 
     def slope(first: int) -> float | None:
         if first < 0 or first + 1 >= end or time[first + 1] <= time[first]:
             return None
-        return float((tension[first + 1] - tension[first]) / (time[first + 1] - time[first]))
+        return float((values[first + 1] - values[first]) / (time[first + 1] - time[first]))
 
     for first in (row - 1, row):
         if slope(first) is None:
             continue
         h = float(time[first + 1] - time[first])
-        left, right = float(tension[first]), float(tension[first + 1])
+        left, right = float(values[first]), float(values[first + 1])
         before, after = slope(first - 1), slope(first + 1)
         if before is None and after is None:
             most = max(most, largest + 0.5 * abs(right - left))
@@ -245,21 +274,20 @@ def _on_plateau(trace: Trace, row: int) -> bool:
     return bool(abs(trace.force[last] - trace.force[row]) <= ROUND_OFF * abs(trace.force[row]))
 
 
-def _reach(trace: Trace, column: Array, row: int, error: float) -> float:
-    """How far a column goes from the largest tension to where tension is less by a relative error.
+def _reach(height: Array, column: Array, row: int, least: float) -> float:
+    """How far a column goes from the row at the largest height to where the height is ``least``.
 
     Another peak that is hardly lower counts too: the run does not resolve which of the two is larger.
     """
-    least = (1.0 - error) * -trace.force[row]
-    farthest = float(np.abs(column[-trace.force >= least] - column[row]).max())
+    farthest = float(np.abs(column[height >= least] - column[row]).max())
     for side in (slice(row, None, -1), slice(row, None)):
-        tension, values = -trace.force[side], column[side]
-        below = np.flatnonzero(tension < least)
-        last = int(below[0]) if below.size else len(tension) - 1
+        heights, values = height[side], column[side]
+        below = np.flatnonzero(heights < least)
+        last = int(below[0]) if below.size else len(heights) - 1
         if last == 0:
             continue
-        drop = tension[last - 1] - tension[last]
-        share = min((tension[last - 1] - least) / drop, 1.0) if below.size and drop > 0.0 else 1.0
+        drop = heights[last - 1] - heights[last]
+        share = min((heights[last - 1] - least) / drop, 1.0) if below.size and drop > 0.0 else 1.0
         end = values[last - 1] + share * (values[last] - values[last - 1])
         farthest = max(farthest, abs(float(end - column[row])))
     return farthest
