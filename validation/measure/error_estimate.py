@@ -124,8 +124,8 @@ def from_two_runs(
                 between = movement_interpolation_error(run, spans, column)
                 errors[column + MOVEMENT] = _extrapolated(moved.rms, usual, ratio) + between
     deepest, other_deepest = measured.get("approach_penetration"), otherwise.get("approach_penetration")
-    apart = 0.0 if deepest is None or other_deepest is None else abs(other_deepest - deepest)
-    errors = _with_smooth_approach(errors, run, _extrapolated(apart, usual, ratio))
+    change = 0.0 if deepest is None or other_deepest is None else abs(other_deepest - deepest)
+    errors = _with_smooth_approach(errors, run, _extrapolated(change, usual, ratio))
     return _with_last_step(_with_sampling(errors, run), run)
 
 
