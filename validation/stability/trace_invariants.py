@@ -59,10 +59,19 @@ def _not_reached(scene: Scene, trace: Trace) -> list[str]:
     if trace.outcome.kind is not OutcomeKind.COMPLETED or len(trace) == 0 or not scene.loading.steps:
         return []
     depth, force = float(trace.penetration[-1]), float(trace.force[-1])
-    match scene.loading.steps[-1]:
-        case Ramp(to=to) | Table(penetrations=(*_, to)):
+    last = scene.loading.steps[-1]
+    if last.trigger is not None:
+        excess = last.trigger.excess(depth, force, float(trace.contact_radius[-1]))
+        at_level = abs(excess) <= REACHED * abs(last.trigger.level) or bool(trace.events)
+        return [] if at_level else ["the level that ends the last step is missed"]
+    match last:
+        case Ramp(to=to) | Table(values=(*_, to), quantity="penetration"):
+            if scene.loading.compliance > 0.0:
+                stage = trace.extra["stage"]
+                near = abs(float(stage[-1]) - to) <= REACHED * np.abs(stage).max(initial=abs(to))
+                return [] if near else ["the last stage is not the prescribed one"]
             return [] if depth == to else ["the last penetration is not the prescribed one"]
-        case Force(value=to) | ForceRamp(to=to):
+        case Force(value=to) | ForceRamp(to=to) | Table(values=(*_, to), quantity="force"):
             near = abs(force - to) <= REACHED * np.abs(trace.force).max(initial=abs(to))
             return [] if near else ["the last force is not the prescribed one"]
     return []
