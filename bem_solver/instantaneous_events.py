@@ -72,7 +72,7 @@ def without_contact(start: StepStart) -> FreeMotion | EdgeJump | Outcome:
         return Outcome(OutcomeKind.DETACHED, "pulled without contact", contact.time)
     later = min(parameter + length / _STEPS_WITHOUT_CONTACT, length)
     if interval.prescribed(later) <= 0.0:
-        penetration = interval.prescribed(later) if interval.control == "penetration" else contact.penetration
+        penetration = contact.penetration if interval.control == "force" else interval.prescribed(later)
         free = ContactSurface.free(problem.annuli)
         return FreeMotion(later, HalfSpaceState(interval.time(later), penetration, free, contact.history))
     if interval.prescribed(parameter) < 0.0:
@@ -81,7 +81,7 @@ def without_contact(start: StepStart) -> FreeMotion | EdgeJump | Outcome:
     while interval.prescribed(first) <= 0.0 and first < length:
         first = min(parameter + 2.0 * (first - parameter), length)
     load = interval.prescribed(first)
-    scale = contact_scale(problem.scene, load) if interval.control == "penetration" else start.settings.scale
+    scale = start.settings.scale if interval.control == "force" else contact_scale(problem.scene, load)
     trial = equilibrium(problem, contact, interval.control, load, scale)
     if trial is None:
         return Outcome(OutcomeKind.NO_EQUILIBRIUM, "no first contact found", contact.time)
@@ -144,7 +144,19 @@ def lift_off(start: StepStart) -> tuple[HalfSpaceState, Energies]:
     (before, wide, _), (now, narrow, _) = state.accepted.rows[-2:]
     ahead = narrow**2 * (now - before) / (wide**2 - narrow**2) if wide > narrow else 0.0
     end, contact = min(now + ahead, interval.length), state.contact
-    penetration = interval.prescribed(end) if interval.control == "penetration" else contact.penetration
+    penetration = contact.penetration if interval.control == "force" else interval.prescribed(end)
     history = replace(SurfaceHistory.blank(len(problem.chain)), outer=contact.history.outer)
     free = ContactSurface.free(problem.annuli)
     return HalfSpaceState(interval.time(end), penetration, free, history), state.energies.unloaded()
+
+
+def released(start: StepStart) -> tuple[HalfSpaceState, Energies]:
+    """State when contact is lost at once on a spring: the indenter goes to where the stage is."""
+    state, interval = start.state, start.interval
+    free = ContactSurface.free(start.problem.annuli)
+    stage = interval.prescribed(state.parameter)
+    if interval.control == "force":
+        stage = (
+            state.contact.penetration + start.problem.scene.loading.compliance * state.contact.surface.force
+        )
+    return HalfSpaceState(state.contact.time, stage, free, state.contact.history), state.energies.unloaded()

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Protocol
 
-from contact_scene import Outcome, OutcomeKind, Segment
+from contact_scene import Outcome, OutcomeKind, Segment, Trigger
 from contact_scene.loading import Loading
 from contact_scene.run_control import LoadingCursor, stops_within
 
@@ -24,7 +24,8 @@ class LoadingInterval:
     """A smooth part of a load step, followed with a parameter from 0 to ``length``.
 
     Usually the parameter is time since ``start``; for a load jump it is the share of the jump, and time
-    stands still. ``after_kink``: rates from before ``start`` say nothing about those after it.
+    stands still. ``after_kink``: rates from before ``start`` say nothing about those after it. ``trigger``
+    may end the load step within it.
     """
 
     control: str
@@ -34,6 +35,7 @@ class LoadingInterval:
     rate: Callable[[float], float]
     jump: bool
     after_kink: bool
+    trigger: Trigger | None = None
 
     @property
     def length(self) -> float:
@@ -47,7 +49,7 @@ class LoadingInterval:
         return self.start + parameter
 
     def prescribed(self, parameter: float) -> float:
-        """Penetration or force at a parameter."""
+        """Penetration, force or stage at a parameter."""
         return self.value(parameter if self.jump else self.time(parameter))
 
     @cached_property
@@ -81,7 +83,7 @@ def next_interval(
     """The interval of a load step that the cursor stands at; ``None`` at the end of the load step."""
     if not cursor.jump_done and cursor.origin is not None:
         _, penetration, force = cursor.origin
-        before = penetration if segment.control == "penetration" else force
+        before = segment.present(penetration, force)
         after = segment.value(segment.start)
         if after != before:
             return LoadingInterval(
@@ -92,6 +94,7 @@ def next_interval(
                 segment.rate,
                 jump=True,
                 after_kink=True,
+                trigger=segment.trigger,
             )
     stops, reached = stops_within(segment, requested), cursor.stops_reached
     start = stops[reached - 1].time if reached else segment.start
@@ -105,6 +108,7 @@ def next_interval(
         segment.rate,
         jump=False,
         after_kink=reached == 0 or stops[reached - 1].kink,
+        trigger=segment.trigger,
     )
 
 
@@ -113,6 +117,10 @@ class IntervalFollower(Protocol):
 
     def reached(self) -> tuple[float, float, float]:
         """Time, penetration and force of the committed state."""
+        ...
+
+    def reached_radius(self) -> float:
+        """Contact radius of the committed state."""
         ...
 
     def follow(self, interval: LoadingInterval, report: Callable[[float], None]) -> Outcome | None:
@@ -155,7 +163,9 @@ def follow_loading(
     while not cursor.done(loading):
         segment = cursor.segment(loading, *run.reached())
         report = partial(_report, progress, cursor, loading, segment)
-        while (interval := next_interval(cursor, segment, requested)) is not None:
+        while not _level_reached(run, cursor, segment) and (
+            interval := next_interval(cursor, segment, requested)
+        ):
             outcome = run.follow(interval, report)
             if run.reached()[0] in profile_times and (outcome is None or outcome.kind in _ENDS_OF_CONTACT):
                 run.record_profile()
@@ -163,10 +173,18 @@ def follow_loading(
                 return outcome
             if interval.jump:
                 cursor.jump_done = True
-            else:
+            elif not _level_reached(run, cursor, segment):
                 cursor.stop_reached()
+        if segment.trigger is not None and not _level_reached(run, cursor, segment):
+            return segment.trigger.not_reached(run.reached()[0])
         cursor.step_done()
     return Outcome(OutcomeKind.COMPLETED, "all loading steps done", run.reached()[0])
+
+
+def _level_reached(run: IntervalFollower, cursor: LoadingCursor, segment: Segment) -> bool:
+    """Whether the run has reached the level that ends the load step."""
+    _, penetration, force = run.reached()
+    return cursor.triggered(segment, penetration, force, run.reached_radius())
 
 
 def _report(

@@ -97,18 +97,24 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
     elastic = elastic_problem(replace(problem, annuli=Annuli(_ANNULI_OF_ESTIMATE)), scene.material.modulus)
     radius, penetration, force = 0.0, scene.loading.penetration, 0.0
 
+    def by_force(value: float, scale: float) -> float:
+        # force over 2 E* a is a length; the profile is that high somewhere
+        guess = abs(value) / (2.0 * elastic.chain.relaxed)
+        return contact_scale(scene, guess / scale if scale > 0 else guess**0.5)
+
     def settle(control: str, value: float) -> tuple[float, float, float]:
         deepest = penetration if control == "force" else value
         scale = max(contact_scale(scene, deepest), radius)
         if control == "force":
-            # force over 2 E* a is a length; the profile is that high somewhere
-            guess = abs(value) / (2.0 * elastic.chain.relaxed)
-            scale = max(scale, contact_scale(scene, guess / scale if scale > 0 else guess**0.5))
+            scale = max(scale, by_force(value, scale))
+        elif control == "stage":  # no deeper than the stage, no force beyond what moves it there
+            least = max(contact_scale(scene, penetration), radius)
+            scale = min(scale, max(least, by_force(value / scene.loading.compliance, least)))
         if scale == 0.0:
             return 0.0, penetration, 0.0
         trial = equilibrium(elastic, untouched_state(elastic, 0.0, 0.0), control, value, scale)
         if trial is None:
-            return 0.0, value if control == "penetration" else penetration, 0.0
+            return 0.0, penetration if control == "force" else value, 0.0
         return trial.surface.edge, trial.motion.new_penetration, trial.surface.force
 
     radius, penetration, force = settle("penetration", penetration)
@@ -119,10 +125,18 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
     for _, segment in scene.loading.segments(state, own_time=True):
         times = np.unique(np.concatenate((np.linspace(segment.start, segment.end, 129), segment.kinks)))
         values = [segment.value(float(t)) for t in times]
-        edge, _, _ = settle(segment.control, max(values))
+        edge, *reached = settle(segment.control, max(values))
+        trigger = segment.trigger
+        if trigger is not None and trigger.quantity == "radius":
+            edge = min(edge, trigger.level)
+        elif trigger is not None and trigger.quantity == "force":
+            limited, *under = settle("force", trigger.level)
+            edge, reached = (limited, under) if limited < edge else (edge, reached)
         radius = max(radius, edge)
-        if segment.control == "force":
-            _, penetration, force = settle("force", values[-1])
-        else:
+        if segment.control == "penetration" and trigger is None:
             penetration = values[-1]
+        elif trigger is not None and segment.control != "force":
+            penetration, force = reached
+        else:
+            _, penetration, force = settle(segment.control, values[-1])
     return min(radius, scene.indenter.edge)

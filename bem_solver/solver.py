@@ -17,7 +17,7 @@ from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.loading_intervals import follow_loading
 from bem_solver.options import Options
-from bem_solver.paper_scheme.solver import solve_uniform
+from bem_solver.paper_scheme.solver import refusal_of_uniform, solve_uniform
 from bem_solver.recorder import TraceRecorder, trace_without_contact
 from bem_solver.run_state import GradedState, StepSettings
 from bem_solver.size_estimates import (
@@ -31,6 +31,7 @@ from bem_solver.start import contact_scale, start_state
 from bem_solver.stepping import SOLVER, GradedRun
 from bem_solver.trial import Problem
 from contact_scene import Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
+from contact_scene.machine import on_machine
 from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 
@@ -82,7 +83,7 @@ def solve(
         If the process zone does not fit into the contact at the start, or the kept state is another solver's.
     """
     options = options or Options()
-    unsupported = refusal(scene)
+    unsupported = refusal(scene) or (refusal_of_uniform(scene) if options.annuli == "uniform" else None)
     if unsupported is not None:
         raise unsupported
     began = clock.perf_counter()
@@ -120,7 +121,7 @@ def _solve_graded(
         )
     except FloatingPointError as error:
         outcome = Outcome(OutcomeKind.NOT_FINITE, str(error), state.contact.time)
-    return state.record.trace(outcome, counters, problem.work)
+    return on_machine(state.record.trace(outcome, counters, problem.work), scene.machine)
 
 
 def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Problem, float]:

@@ -67,8 +67,8 @@ def equilibrium(
     problem : Problem
     state : HalfSpaceState
         From which the load jumps.
-    control : "penetration" or "force"
-        Which of the two has ``value``.
+    control : "penetration", "force" or "stage"
+        Which of them has ``value``.
     value : float
     scale : float
         Order of magnitude of the contact radius.

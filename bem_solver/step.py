@@ -66,8 +66,8 @@ class Candidate:
 
 
 def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
-    """The quantity that is not prescribed: force under controlled penetration, penetration under force."""
-    return contact.surface.force if interval.control == "penetration" else contact.penetration
+    """The quantity that is not prescribed: penetration under a controlled force, otherwise the force."""
+    return contact.penetration if interval.control == "force" else contact.surface.force
 
 
 def limited_step(start: StepStart) -> tuple[float, float]:
@@ -210,12 +210,15 @@ class TrialStep(StepStart):
         edge_rate, load_rate = self.state.accepted.rates(rate_step)
         edge = trial.motion.new_edge
         stiffness = 2.0 * edge * problem.chain.relaxed
-        force = interval.span * (stiffness if interval.control == "penetration" else 1.0)
+        softer = problem.scene.loading.compliance * stiffness if interval.control == "stage" else 0.0
+        force = interval.span * (1.0 if interval.control == "force" else stiffness / (1.0 + softer))
         scale = max(self.state.largest_force, abs(trial.surface.force), _SCALE_OF_FIRST_LOAD * force)
         load = trial.surface.force
         if interval.control == "force":
             load = trial.motion.new_penetration
             scale /= stiffness
+        elif softer > 1.0:  # on a soft spring it is the penetration that misses its line the farther
+            scale /= softer
         of_edge = departure_from_line(edge - contact.edge - edge_rate * step, problem.length_at(edge))
         of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
         return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0

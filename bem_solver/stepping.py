@@ -18,6 +18,7 @@ from bem_solver.instantaneous_events import (
     FreeMotion,
     contact_lost,
     lift_off,
+    released,
     unstable_motion,
     without_contact,
 )
@@ -34,7 +35,8 @@ from bem_solver.step import (
     limited_step,
 )
 from bem_solver.step_control import grown, shrunk
-from bem_solver.trial import EDGE_ACCURACY, Problem, TrialContact
+from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, Problem, TrialContact
+from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
 from contact_scene.run_control import (
     KeptState,
@@ -43,6 +45,7 @@ from contact_scene.run_control import (
     budget_outcome,
     interruption,
 )
+from contact_scene.trigger import passed
 
 SOLVER = "bem"
 
@@ -62,6 +65,10 @@ class GradedRun:
         """Time, penetration and force of the committed state."""
         contact = self.state.contact
         return contact.time, contact.penetration, contact.surface.force
+
+    def reached_radius(self) -> float:
+        """Contact radius of the committed state."""
+        return self.state.contact.edge
 
     def record_profile(self) -> None:
         """Record the surface in the committed state."""
@@ -85,10 +92,19 @@ class GradedRun:
             )
             if outcome is not None:
                 return outcome
+            if self._triggered(interval, state.contact):
+                break
         state.interval_done()
         if interval.jump:
             state.step = 0.0  # it was a share of the jump, not a time
         return None
+
+    def _triggered(self, interval: LoadingInterval, contact: HalfSpaceState) -> bool:
+        """Whether the committed state has reached the level that ends the load step."""
+        if interval.trigger is None or self.cursor.trigger_side is None:
+            return False
+        excess = interval.trigger.excess(contact.penetration, contact.surface.force, contact.edge)
+        return passed(self.cursor.trigger_side, excess)
 
     def _begin(self, interval: LoadingInterval) -> None:
         """First step and rates of an interval."""
@@ -127,7 +143,13 @@ class GradedRun:
             state.rejected.append((taken, travel))
             state.step = shrunk(taken, result.error)
             return None
-        return self._accept(result, start, report)
+        if interval.trigger is None or interval.jump:
+            return self._accept(result, start, report)
+        located = to_level(TrialStep(problem, self.settings, state, interval, step), interval.trigger, result)
+        outcome = self._accept(located.candidate, start, report)
+        if located.reached:
+            self.cursor.level_reached()
+        return outcome
 
     def _passes_an_annulus(self, step: float, travel: float) -> bool:
         """Whether shorter steps do not shorten the travel: the edge passes an annulus at once."""
@@ -181,6 +203,10 @@ class GradedRun:
         event = unstable_motion(start, failed.receding)
         if isinstance(event, Outcome) or event.event:
             state.record.event("pull-off" if failed.receding else "snap-in", state.contact)
+        lost = isinstance(event, Outcome) and event.kind is OutcomeKind.DETACHED
+        if lost and self.problem.scene.loading.compliance > 0.0:
+            state.contact, state.energies = released(start)
+            state.record.row(self.problem.chain, state.contact, state.energies)
         return self._after_event(event, interval, report)
 
     def _after_event(

@@ -126,8 +126,8 @@ def evaluate(
     duration : float
     edge : float
         Contact radius at the end.
-    control : "penetration" or "force"
-        Which of the two has ``value`` at the end of the step.
+    control : "penetration", "force" or "stage"
+        Which of them has ``value`` at the end of the step.
     value : float
 
     Returns
@@ -156,7 +156,12 @@ def evaluate(
         step = max(abs(state.penetration), 1e-3 * edge)
         first = Motion(duration, state.edge, edge, state.penetration, state.penetration, singular, innermost)
         one, two = under(first), under(replace(first, new_penetration=state.penetration + step))
-        share = (value - one.force) / (two.force - one.force)
+        lacking, gained = value - one.force, two.force - one.force
+        if control == "stage":  # D + F/k
+            compliance = problem.scene.loading.compliance
+            lacking = value - (first.new_penetration + compliance * one.force)
+            gained = step + compliance * gained
+        share = lacking / gained
         motion = replace(first, new_penetration=state.penetration + share * step)
         surface = one.towards(two, share)
     counters.linear_solves += 1

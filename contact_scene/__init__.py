@@ -1,6 +1,7 @@
 """Scene, form of the results and control of a run, shared by all solvers; no method of solving it."""
 
 from contact_scene.adhesion import Adhesion
+from contact_scene.approach import Approach
 from contact_scene.errors import SceneError, UnsupportedScene
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import (
@@ -10,11 +11,9 @@ from contact_scene.loading import (
     Loading,
     Oscillate,
     Ramp,
-    Segment,
-    Step,
     Sweep,
-    Table,
 )
+from contact_scene.machine import Machine
 from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.material_file import read_material
 from contact_scene.material_models import PowerLawRelaxation, StandardLinearSolid
@@ -24,6 +23,8 @@ from contact_scene.readers import read_measured, read_shift_factors
 from contact_scene.run_control import KeptState, LoadingCursor, RunMonitor
 from contact_scene.scene import Scene
 from contact_scene.scenefile import read_scene, scene_from_dict, write_material, write_scene
+from contact_scene.segment import Segment, Step
+from contact_scene.table import Table
 from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature
 from contact_scene.trace import (
     COLUMNS,
@@ -36,11 +37,13 @@ from contact_scene.trace import (
     read_columns,
     write_trace,
 )
+from contact_scene.trigger import Trigger
 
 __all__ = [
     "COLUMNS",
     "WLF",
     "Adhesion",
+    "Approach",
     "Arrhenius",
     "Branch",
     "BulkRelaxation",
@@ -56,6 +59,7 @@ __all__ = [
     "KeptState",
     "Loading",
     "LoadingCursor",
+    "Machine",
     "Material",
     "Oscillate",
     "Outcome",
@@ -78,6 +82,7 @@ __all__ = [
     "Table",
     "TabulatedProfile",
     "Trace",
+    "Trigger",
     "UnsupportedScene",
     "at_temperature",
     "fit_prony",

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import csv
 import glob
+import io
 import os
 import uuid
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+
+import numpy as np
 
 from contact_scene.errors import SceneError, shown
 
@@ -82,9 +85,13 @@ def read_rows(text: str, file: str) -> list[tuple[int, list[str]]]:
 def read_pairs(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Two columns of numbers from a CSV; comments (#) and one header line are allowed."""
     shown_file, allowed = str(file), f"rows of two finite numbers: {names[0]}, {names[1]}"
+    text = read_text(file)
+    columns = _plain_columns(text)
+    if columns is not None:
+        return columns
     first: list[float] = []
     second: list[float] = []
-    for index, (line, cells) in enumerate(read_rows(read_text(file), shown_file)):
+    for index, (line, cells) in enumerate(read_rows(text, shown_file)):
         if index == 0 and len(cells) == 2 and not any(_is_number(cell) for cell in cells):
             continue
         if len(cells) != 2 or not all(_is_number(cell) for cell in cells):
@@ -92,6 +99,21 @@ def read_pairs(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], t
         first.append(float(cells[0]))
         second.append(float(cells[1]))
     return tuple(first), tuple(second)
+
+
+def _plain_columns(text: str) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+    """Two columns of bare numbers below at most one header, read at once; ``None`` for any other text."""
+    head, _, rest = text.partition("\n")
+    cells = head.split(",")
+    headed = len(cells) == 2 and not any(_is_number(cell) for cell in cells)
+    body = rest if headed else text
+    if "#" in text or '"' in text or not body.strip():
+        return None
+    try:
+        first, second = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2, unpack=True)
+    except ValueError:
+        return None
+    return tuple(first.tolist()), tuple(second.tolist())
 
 
 def write_pairs(path: Path, names: Sequence[str], first: Iterable[float], second: Iterable[float]) -> None:

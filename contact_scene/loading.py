@@ -2,120 +2,108 @@
 
 Penetration ``D`` is positive downwards, force ``F`` positive in compression. A step is turned into a
 :class:`Segment` once the state it starts from is known (a ramp after a force step starts where that ended).
-Kinks are declared; a solver steps onto every ``Segment.end`` and every kink exactly.
+Kinks are declared; a solver steps onto every ``Segment.end`` and every kink exactly. Where the machine is a
+spring, steps that drive the indenter drive the stage instead (:mod:`contact_scene.machine`).
 """
 
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from itertools import pairwise
-from typing import ClassVar, Literal
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
-from contact_scene.errors import A_COLUMN, SceneError, as_tuple, finite, not_negative, one_of, positive, shown
+from contact_scene.approach import Approach
+from contact_scene.errors import SceneError, as_tuple, finite, not_negative, one_of, positive, shown
+from contact_scene.machine import Machine
+from contact_scene.segment import Segment, Step, straight
+from contact_scene.table import Table
+from contact_scene.trigger import Trigger, level
 
-Control = Literal["penetration", "force"]
 STARTS = ("jump-in", "relaxed")
 
 
 @dataclass(frozen=True)
-class Segment:
-    """One step of the loading on the time axis.
-
-    Parameters
-    ----------
-    control : "penetration" or "force"
-        Which of the two is prescribed.
-    start, end : float
-        Times; ``end >= start``.
-    value, rate : callable(float) -> float
-        Prescribed quantity and its time derivative (from the right) at an absolute time within the interval.
-    kinks : tuple of float
-        Times strictly inside the interval where the rate jumps.
-    linear : bool
-        Whether ``value`` is linear between kinks.
-
-    Where ``value(start)`` differs from the state reached before, the load jumps, and the half-space answers
-    with its glassy modulus.
-    """
-
-    control: Control
-    start: float
-    end: float
-    value: Callable[[float], float]
-    rate: Callable[[float], float]
-    kinks: tuple[float, ...] = ()
-    linear: bool = True
-
-
-def _straight(control: Control, start: float, end: float, first: float, last: float) -> Segment:
-    rate = (last - first) / (end - start) if end > start else 0.0
-
-    def value(time: float) -> float:
-        if time >= end:
-            return last
-        return first + (last - first) * ((time - start) / (end - start))
-
-    return Segment(control, start, end, value, lambda time: rate)
-
-
-class Step:
-    """A load step; each kind defines :meth:`segment`."""
-
-    kind: ClassVar[str]
-
-    def segment(self, time: float, penetration: float, force: float) -> Segment:
-        """The control law, starting at ``time`` from a penetration and a force."""
-        raise AssertionError("defined by every kind of step")
-
-
-@dataclass(frozen=True)
 class Ramp(Step):
-    """Penetration goes linearly to ``to`` at speed ``rate`` > 0; ends early at detachment."""
+    """Penetration goes linearly to ``to`` at speed ``rate`` > 0; ends early at detachment.
+
+    With ``until_force`` or ``until_radius`` the step ends where the force, or the contact radius, reaches
+    that level; a run that gets to ``to`` without it ends there, and says so.
+    """
 
     to: float
     rate: float
+    until_force: float | None = None
+    until_radius: float | None = None
     kind: ClassVar[str] = "ramp"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "to", finite(self.to, "to"))
         object.__setattr__(self, "rate", positive(self.rate, "rate"))
+        object.__setattr__(self, "until_force", level(self.until_force, "until_force"))
+        object.__setattr__(self, "until_radius", level(self.until_radius, "until_radius", positive))
+        if self.until_force is not None and self.until_radius is not None:
+            raise SceneError("until_radius", "given beside until_force", "one of the two")
+
+    @property
+    def trigger(self) -> Trigger | None:
+        """What ends the step before ``to``."""
+        if self.until_radius is not None:
+            return Trigger("radius", self.until_radius)
+        return None if self.until_force is None else Trigger("force", self.until_force)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
         end = time + abs(self.to - penetration) / self.rate
-        return _straight("penetration", time, end, penetration, self.to)
+        return replace(straight("penetration", time, end, penetration, self.to), trigger=self.trigger)
 
 
 @dataclass(frozen=True)
 class Hold(Step):
-    """Penetration stays for ``duration`` >= 0."""
+    """Penetration stays for ``duration`` >= 0, or until the force has come to ``until_force`` before."""
 
     duration: float
+    until_force: float | None = None
     kind: ClassVar[str] = "hold"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "duration", not_negative(self.duration, "duration"))
+        object.__setattr__(self, "until_force", level(self.until_force, "until_force"))
+
+    @property
+    def trigger(self) -> Trigger | None:
+        """What ends the step before ``duration`` is over."""
+        return None if self.until_force is None else Trigger("force", self.until_force)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        return _straight("penetration", time, time + self.duration, penetration, penetration)
+        held = straight("penetration", time, time + self.duration, penetration, penetration)
+        return replace(held, trigger=self.trigger)
 
 
 @dataclass(frozen=True)
 class Force(Step):
-    """Force steps to ``value`` (compressive positive) and stays for ``duration``; penetration is free."""
+    """Force steps to ``value`` (compressive positive) and stays for ``duration``; penetration is free.
+
+    With ``until_penetration`` it stays until the indenter has come to that penetration before.
+    """
 
     value: float
     duration: float
+    until_penetration: float | None = None
     kind: ClassVar[str] = "force"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "value", finite(self.value, "value"))
         object.__setattr__(self, "duration", not_negative(self.duration, "duration"))
+        object.__setattr__(self, "until_penetration", level(self.until_penetration, "until_penetration"))
+
+    @property
+    def trigger(self) -> Trigger | None:
+        """What ends the step before ``duration`` is over."""
+        return None if self.until_penetration is None else Trigger("penetration", self.until_penetration)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        return _straight("force", time, time + self.duration, self.value, self.value)
+        constant = straight("force", time, time + self.duration, self.value, self.value)
+        return replace(constant, trigger=self.trigger)
 
 
 @dataclass(frozen=True)
@@ -131,7 +119,7 @@ class ForceRamp(Step):
         object.__setattr__(self, "rate", positive(self.rate, "rate"))
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        return _straight("force", time, time + abs(self.to - force) / self.rate, force, self.to)
+        return straight("force", time, time + abs(self.to - force) / self.rate, force, self.to)
 
 
 @dataclass(frozen=True)
@@ -188,61 +176,6 @@ class Sweep(Step):
         return Segment("penetration", time, time + self.duration, value, rate, linear=False)
 
 
-@dataclass(frozen=True)
-class Table(Step):
-    """Penetration by straight lines through ``(times, penetrations)``; times count from the first row.
-
-    If the first penetration differs from the current one, the load jumps to it.
-    """
-
-    times: tuple[float, ...]
-    penetrations: tuple[float, ...]
-    file: str = field(default="", compare=False)
-    kind: ClassVar[str] = "table"
-
-    def __post_init__(self) -> None:
-        given = as_tuple(self.times, "time", A_COLUMN), as_tuple(self.penetrations, "penetration", A_COLUMN)
-        times = tuple(finite(t, f"time, row {row}") for row, t in enumerate(given[0], 1))
-        values = tuple(finite(p, f"penetration, row {row}") for row, p in enumerate(given[1], 1))
-        if len(times) != len(values):
-            raise SceneError(
-                "penetration", f"{len(times)} times but {len(values)} penetrations", "one for each"
-            )
-        if len(times) < 2:
-            raise SceneError("time", f"got {len(times)} rows", "at least 2 rows of time, penetration")
-        for row, (before, after) in enumerate(pairwise(times), 2):
-            if after <= before:
-                raise SceneError(
-                    f"time, row {row}",
-                    f"does not advance ({before:g} -> {after:g})",
-                    "strictly rising times",
-                )
-        object.__setattr__(self, "times", times)
-        object.__setattr__(self, "penetrations", values)
-
-    def segment(self, time: float, penetration: float, force: float) -> Segment:
-        # Rows that round to the same time after a late start are one row, the last of them.
-        rows = dict(zip((time + (t - self.times[0]) for t in self.times), self.penetrations, strict=True))
-        at, values = list(rows), list(rows.values())
-
-        def interval(now: float) -> int:
-            return min(max(bisect_right(at, now) - 1, 0), len(at) - 2)
-
-        def value(now: float) -> float:
-            if len(at) == 1 or now >= at[-1]:
-                return values[-1]
-            i = interval(now)
-            return values[i] + (values[i + 1] - values[i]) * ((now - at[i]) / (at[i + 1] - at[i]))
-
-        def rate(now: float) -> float:
-            if len(at) == 1:
-                return 0.0
-            i = interval(now)
-            return (values[i + 1] - values[i]) / (at[i + 1] - at[i])
-
-        return Segment("penetration", time, at[-1], value, rate, kinks=tuple(at[1:-1]))
-
-
 STEPS: dict[str, type[Step]] = {
     step.kind: step for step in (Ramp, Hold, Force, ForceRamp, Oscillate, Sweep, Table)
 }
@@ -250,7 +183,7 @@ STEPS: dict[str, type[Step]] = {
 
 @dataclass(frozen=True)
 class Loading:
-    """Start state and steps.
+    """Start state, steps, and the machine they drive.
 
     Parameters
     ----------
@@ -260,20 +193,63 @@ class Loading:
     penetration : float
         Penetration of the start state.
     steps : tuple of Step
-        Carried out in order; may be empty (the start state alone).
+        Carried out in order; may be empty (the start state alone). An :class:`Approach` stands for several.
+    machine : Machine, optional
+        What holds the indenter; default: rigid. With a spring the steps that prescribe a penetration
+        prescribe the position of the stage, which is that of the start state at first.
     """
 
     start: str
     penetration: float
     steps: tuple[Step, ...] = ()
+    machine: Machine | None = None
 
     def __post_init__(self) -> None:
         one_of(self.start, "start", STARTS)
         object.__setattr__(self, "penetration", finite(self.penetration, "penetration"))
-        object.__setattr__(self, "steps", as_tuple(self.steps, "steps", "a tuple of loading steps"))
-        for index, step in enumerate(self.steps):
-            if not isinstance(step, Step):
+        steps: list[Step] = []
+        for index, step in enumerate(as_tuple(self.steps, "steps", "a tuple of loading steps")):
+            if isinstance(step, Approach):
+                steps += expanded(step)
+            elif isinstance(step, Step):
+                steps.append(step)
+            else:
                 raise SceneError(f"steps[{index}]", f"got {shown(step)}", "a loading step")
+        object.__setattr__(self, "steps", tuple(steps))
+        if self.machine is not None and not isinstance(self.machine, Machine):
+            raise SceneError("machine", f"got {shown(self.machine)}", "a Machine or None")
+
+    @property
+    def compliance(self) -> float:
+        """Of the machine; 0 where it is rigid."""
+        return 0.0 if self.machine is None else self.machine.compliance
+
+    @property
+    def has_triggers(self) -> bool:
+        """Whether a level ends one of the steps."""
+        return any(step.trigger is not None for step in self.steps)
+
+    def segment(self, step: Step, time: float, penetration: float, force: float) -> Segment:
+        """The control law of a step that starts from a state, on this machine.
+
+        Parameters
+        ----------
+        step : Step
+        time, penetration, force : float
+            State it starts from.
+
+        Returns
+        -------
+        Segment
+        """
+        if self.compliance == 0.0:
+            return step.segment(time, penetration, force)
+        return self._of_stage(step.segment(time, penetration + self.compliance * force, force))
+
+    def _of_stage(self, segment: Segment) -> Segment:
+        if segment.control == "force":
+            return segment
+        return replace(segment, control="stage", compliance=self.compliance)
 
     def segments(
         self, state: Callable[[Step], tuple[float, float]] | None = None, own_time: bool = False
@@ -284,8 +260,8 @@ class Loading:
         ----------
         state : callable(Step) -> (float, float), optional
             Estimated penetration and force from which a load step starts, called when it is reached. Default:
-            what the loading prescribes; the quantity that is not controlled is unknown, nan, and so are the
-            times that depend on it.
+            what the loading prescribes; what is neither prescribed nor a level that ends a step is unknown,
+            nan, and so are the times that depend on it.
         own_time : bool
             Every load step begins at time 0 instead of at the end of the one before.
 
@@ -294,13 +270,32 @@ class Loading:
         step : Step
         segment : Segment
         """
-        time, penetration, force = 0.0, self.penetration, math.nan
+        time, force = 0.0, math.nan
+        driven = self.penetration if self.compliance == 0.0 else math.nan  # indenter, or stage
         for step in self.steps:
             if state is not None:
                 penetration, force = state(step)
-            segment = step.segment(time, penetration, force)
+                segment = self.segment(step, time, penetration, force)
+            elif self.compliance == 0.0:
+                segment = step.segment(time, driven, force)
+            else:
+                segment = self._of_stage(step.segment(time, driven, force))
             yield step, segment
+            trigger = segment.trigger
             if not own_time:
-                time = segment.end
+                time = segment.end if trigger is None else math.nan
             last = segment.value(segment.end) if math.isfinite(segment.end) else math.nan
-            penetration, force = (last, math.nan) if segment.control == "penetration" else (math.nan, last)
+            if trigger is not None and segment.rate(segment.start) != 0.0:
+                last = math.nan
+            driven, force = (math.nan, last) if segment.control == "force" else (last, math.nan)
+            if trigger is not None and trigger.quantity == "force":
+                force = trigger.level
+            elif trigger is not None and trigger.quantity == "penetration" and self.compliance == 0.0:
+                driven = trigger.level
+
+
+def expanded(approach: Approach) -> tuple[Step, ...]:
+    """The steps an approach stands for."""
+    press = Ramp(approach.to, approach.rate, until_force=approach.force)
+    pull = Ramp(approach.away, approach.retract)
+    return (press, Hold(approach.dwell), pull) if approach.dwell > 0.0 else (press, pull)

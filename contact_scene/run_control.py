@@ -18,8 +18,10 @@ from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from contact_scene.errors import SceneError, number
-from contact_scene.loading import Loading, Segment
+from contact_scene.loading import Loading
+from contact_scene.segment import Segment
 from contact_scene.trace import Counters, Outcome, OutcomeKind
+from contact_scene.trigger import passed
 
 MAX_STEPS = 200_000
 """Trial steps, accepted and rejected together, that a run may take where its options name no other number."""
@@ -109,12 +111,16 @@ class LoadingCursor:
         Whether the load jump, if any, with which the present load step begins has been taken.
     stops_reached : int
         Stops of the present load step (see :func:`stops_within`) that are behind.
+    trigger_side : float or None
+        Side of the level of its trigger, if any, on which the present load step is (see ``trigger.passed``);
+        ``None`` before it begins.
     """
 
     step: int = 0
     origin: tuple[float, float, float] | None = None
     jump_done: bool = False
     stops_reached: int = 0
+    trigger_side: float | None = None
 
     @property
     def at_start(self) -> bool:
@@ -136,11 +142,38 @@ class LoadingCursor:
         """
         if self.origin is None:
             self.origin = (time, penetration, force)
-        return loading.steps[self.step].segment(*self.origin)
+        return loading.segment(loading.steps[self.step], *self.origin)
+
+    def triggered(self, segment: Segment, penetration: float, force: float, radius: float) -> bool:
+        """Whether a state has reached the level that ends the present load step.
+
+        The first state asked about is that from which the load step begins.
+
+        Parameters
+        ----------
+        segment : Segment
+            The present load step.
+        penetration, force, radius : float
+            Of the state.
+
+        Returns
+        -------
+        bool
+        """
+        if segment.trigger is None:
+            return False
+        excess = segment.trigger.excess(penetration, force, radius)
+        if self.trigger_side is None:
+            self.trigger_side = segment.trigger.side(excess)
+        return passed(self.trigger_side, excess)
 
     def done(self, loading: Loading) -> bool:
         """Whether all load steps are done."""
         return self.step >= len(loading.steps)
+
+    def level_reached(self) -> None:
+        """The level that ends the present load step is reached, whatever rounding says."""
+        self.trigger_side = 0.0
 
     def stop_reached(self) -> None:
         """The next stop is reached."""
@@ -149,6 +182,7 @@ class LoadingCursor:
     def step_done(self) -> None:
         """The present load step is done."""
         self.step, self.origin, self.jump_done, self.stops_reached = self.step + 1, None, False, 0
+        self.trigger_side = None
 
     def share(self, loading: Loading, segment: Segment, time: float) -> float:
         """Share of the loading that is done at a time within the present load step, 0 to 1."""

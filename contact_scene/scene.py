@@ -8,6 +8,7 @@ from contact_scene.adhesion import Adhesion
 from contact_scene.errors import SceneError, shown
 from contact_scene.indenter import Indenter
 from contact_scene.loading import Loading
+from contact_scene.machine import Machine
 from contact_scene.material import Material
 
 
@@ -39,6 +40,11 @@ class Scene:
             raise SceneError("title", f"got {shown(self.title)}", "a string")
         if self.is_adhesive and self.adhesion is not None and self.adhesion.zone >= self.indenter.edge:
             raise zone_too_long(self.adhesion.zone, self.indenter.edge)
+
+    @property
+    def machine(self) -> Machine | None:
+        """What holds the indenter; ``None``: rigid. Part of the loading."""
+        return self.loading.machine
 
     @property
     def is_adhesive(self) -> bool:

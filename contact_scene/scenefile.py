@@ -16,20 +16,26 @@ from typing import Any
 import tomli_w
 
 from contact_scene.adhesion import Adhesion
+from contact_scene.approach import Approach
 from contact_scene.errors import FINITE, POSITIVE, SceneError, one_of, shown
 from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
-from contact_scene.loading import STARTS, STEPS, Loading, Step, Table
+from contact_scene.loading import STARTS, STEPS, Loading
+from contact_scene.machine import Machine
 from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.material_file import read_material
 from contact_scene.material_models import MODELS
 from contact_scene.readers import FORMATS, read_shift_factors
 from contact_scene.scene import Scene
+from contact_scene.segment import Step
+from contact_scene.table import QUANTITIES, Table
 from contact_scene.temperature_shift import SHIFTS, WLF, Arrhenius, ShiftTable, at_temperature
 
 _SHAPES: dict[str, type[Indenter]] = {
     kind.shape: kind for kind in (Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile)
 }
+_ENTRIES: dict[str, type] = STEPS | {Approach.kind: Approach}
+"""Kinds of entries in ``[[loading.steps]]``."""
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
 
 
@@ -62,7 +68,7 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
     where = Path(folder)
     if not isinstance(data, dict):
         raise SceneError("", f"got {shown(data)}", _A_SCENE)
-    _known(data, "", ("title", "material", "indenter", "adhesion", "loading"))
+    _known(data, "", ("title", "material", "indenter", "adhesion", "machine", "loading"))
     title = data.get("title", "")
     if not isinstance(title, str):
         raise SceneError("title", f"got {shown(title)}", "a string")
@@ -71,7 +77,10 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
     adhesion = None
     if "adhesion" in data:
         adhesion = _under("adhesion", lambda: _build(Adhesion, _table(data, "adhesion")))
-    loading = _under("loading", lambda: _loading(_table(data, "loading"), where))
+    machine = None
+    if "machine" in data:
+        machine = _under("machine", lambda: _build(Machine, _table(data, "machine")))
+    loading = _under("loading", lambda: _loading(_table(data, "loading"), where, machine))
     return Scene(material, indenter, loading, adhesion, title)
 
 
@@ -89,14 +98,20 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
         data["indenter"] = {"shape": scene.indenter.shape} | asdict(scene.indenter)  # type: ignore[call-overload]
     if scene.adhesion is not None:
         data["adhesion"] = asdict(scene.adhesion)
+    if scene.machine is not None:
+        data["machine"] = asdict(scene.machine)
     steps = []
     for index, step in enumerate(scene.loading.steps):
         if isinstance(step, Table):
             name = f"{target.stem}-loading-{index}.csv"
-            write_pairs(target.with_name(name), ("time", "penetration"), step.times, step.penetrations)
-            steps.append({"kind": step.kind, "file": name})
+            write_pairs(target.with_name(name), ("time", step.quantity), step.times, step.values)
+            said = {"quantity": step.quantity, "interpolation": step.interpolation}
+            defaults = {f.name: f.default for f in fields(Table)}
+            differing = {key: value for key, value in said.items() if value != defaults[key]}
+            steps.append({"kind": step.kind, "file": name} | differing)
         else:
-            steps.append({"kind": step.kind} | asdict(step))  # type: ignore[call-overload]
+            entries = asdict(step)  # type: ignore[call-overload]
+            steps.append({"kind": step.kind} | {k: v for k, v in entries.items() if v is not None})
     data["loading"] = {"start": scene.loading.start, "penetration": scene.loading.penetration, "steps": steps}
     write_whole(target, tomli_w.dumps(data))
 
@@ -241,7 +256,7 @@ def _indenter(data: dict[str, Any], where: Path) -> Indenter:
         raise error.in_file(str(path)) from None
 
 
-def _loading(data: dict[str, Any], where: Path) -> Loading:
+def _loading(data: dict[str, Any], where: Path, machine: Machine | None) -> Loading:
     _known(data, "", ("start", "penetration", "steps"))
     start = one_of(_require(data, "start", " | ".join(STARTS)), "start", STARTS)
     penetration = _require(data, "penetration", FINITE)
@@ -251,22 +266,24 @@ def _loading(data: dict[str, Any], where: Path) -> Loading:
     steps = tuple(
         _under(f"steps[{index}]", partial(_step, entry, where)) for index, entry in enumerate(entries)
     )
-    return Loading(start, penetration, steps)
+    return Loading(start, penetration, steps, machine)
 
 
 def _step(entry: Any, where: Path) -> Step:
     if not isinstance(entry, dict):
         raise SceneError("", f"got {shown(entry)}", "a table with a kind")
-    kind = one_of(_require(entry, "kind", ", ".join(STEPS)), "kind", tuple(STEPS))
+    kind = one_of(_require(entry, "kind", ", ".join(_ENTRIES)), "kind", tuple(_ENTRIES))
     if kind != Table.kind:
-        return _build(STEPS[kind], entry, "kind")
-    _known(entry, "", ("kind", "file"))
-    path = _beside(where, _require(entry, "file", "a CSV file of time, penetration"))
-    times, penetrations = read_pairs(path, ("time", "penetration"))
+        return _build(_ENTRIES[kind], entry, "kind")
+    _known(entry, "", ("kind", "file", "quantity", "interpolation"))
+    quantity = one_of(entry.get("quantity", QUANTITIES[0]), "quantity", QUANTITIES)
+    path = _beside(where, _require(entry, "file", f"a CSV file of time, {quantity}"))
+    times, values = read_pairs(path, ("time", quantity))
+    options = {key: entry[key] for key in ("quantity", "interpolation") if key in entry}
     try:
-        return Table(times, penetrations, str(entry["file"]))
+        return Table(times, values, str(entry["file"]), **options)
     except SceneError as error:
-        raise error.in_file(str(path)) from None
+        raise error if error.key in options else error.in_file(str(path)) from None
 
 
 def _beside(where: Path, name: Any) -> Path:

@@ -42,6 +42,7 @@ class OutcomeKind(StrEnum):
     OUT_OF_RANGE = "out of range"
     BELOW_ZONE = "out of the model's range"
     INTERRUPTED = "interrupted"
+    TRIGGER_NOT_REACHED = "trigger not reached"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from contact_scene import Counters
-from contact_scene.loading import Control
+from contact_scene.segment import Control
 from fem_solver.edge import EdgeMotion, EdgePosition
 from fem_solver.release import ContactProblem
 from fem_solver.setup import Setup
@@ -45,8 +45,8 @@ class ContactCandidate:
 
     @property
     def response(self) -> float:
-        """Force or penetration, whichever is not prescribed."""
-        return self.force if self.problem.control == "penetration" else self.penetration
+        """Penetration where the force is prescribed, otherwise the force."""
+        return self.penetration if self.problem.control == "force" else self.force
 
 
 @dataclass
@@ -71,7 +71,7 @@ class ContactSolver:
         ----------
         dt : float
             Length of the step; 0 for a glassy response.
-        control : "penetration" or "force"
+        control : "penetration", "force" or "stage"
         value : float
             Of the controlled quantity at the end of the step.
         start : float
@@ -118,7 +118,8 @@ class ContactSolver:
 
     def _problem(self, dt: float, control: Control, value: float) -> ContactProblem:
         setup = self.setup
-        return ContactProblem(setup.geometry, setup.history.respond(dt), setup.height, control, value)
+        response = setup.history.respond(dt)
+        return ContactProblem(setup.geometry, response, setup.height, control, value, setup.compliance)
 
     def _searched(
         self, dt: float, problem: ContactProblem, search: Callable[[], EdgePosition]

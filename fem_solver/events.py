@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from scipy.optimize import brentq
 
-from contact_scene.loading import Control
+from contact_scene.segment import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import EdgeMotion, EdgePosition
 from fem_solver.recorder import SurfaceState
@@ -34,7 +34,7 @@ class LoadJump:
 
     Parameters
     ----------
-    control : "penetration" or "force"
+    control : "penetration", "force" or "stage"
     first, last : float
         Values of the controlled quantity.
     done, part : float
@@ -62,7 +62,7 @@ class LoadJump:
         if not end.in_equilibrium:
             return None if self.part > _LAST_PART else end
         middle = self._at(solver, state, self.done + 0.5 * self.part)
-        before = state.force if self.control == "penetration" else state.penetration
+        before = state.penetration if self.control == "force" else state.force
         responses = (before, end.response)
         self.response_scale = max(self.response_scale, *(abs(response) for response in responses))
         deviation = abs(middle.response - 0.5 * (responses[0] + responses[1]))

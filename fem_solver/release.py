@@ -97,27 +97,38 @@ class ContactProblem:
         Of the half-space at that instant.
     height : ndarray, shape (n,)
         Indenter profile at the nodes.
-    control : "penetration" or "force"
+    control : "penetration", "force" or "stage"
     value : float
         Of the controlled quantity.
+    compliance : float
+        Of the machine, through which the stage acts.
     """
 
     def __init__(
-        self, geometry: EdgeGeometry, response: Response, height: Array, control: str, value: float
+        self,
+        geometry: EdgeGeometry,
+        response: Response,
+        height: Array,
+        control: str,
+        value: float,
+        compliance: float = 0.0,
     ) -> None:
         self.geometry, self.response = geometry, response
         self.operator = response.operator
-        self.control, self.value = control, value
+        self.control, self.value, self.compliance = control, value, compliance
         self._base = -height - response.free
         self._base_y = self.operator.transform(self._base)
         self._base_force = np.cumsum(self.operator.unit * self._base_y)
         self.evaluations = 0
 
     def penetration(self, s: float) -> float:
-        """Penetration at edge position ``s``; the unknown beside it when the force is prescribed."""
+        """Penetration at edge position ``s``; the unknown beside it when force or stage is prescribed."""
         if self.control == "penetration":
             return self.value
         stiffness, force = self._totals(s)
+        if self.control == "stage":  # X = D + F/k, F = modulus (stiffness D + force)
+            softness = self.compliance * self.response.modulus
+            return (self.value - softness * force) / (1.0 + softness * stiffness)
         if stiffness == 0.0:  # no contact yet: the penetration at which the indenter first touches
             return -float(self._base.max())
         return (self.value / self.response.modulus - force) / stiffness
@@ -127,7 +138,7 @@ class ContactProblem:
         if self.control == "force":
             return self.value
         stiffness, force = self._totals(s)
-        return self.response.modulus * (stiffness * self.value + force)
+        return self.response.modulus * (stiffness * self.penetration(s) + force)
 
     def _totals(self, s: float) -> tuple[float, float]:
         m = int(np.floor(s))

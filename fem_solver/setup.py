@@ -103,6 +103,8 @@ class Setup:
         Smallest contact radius at which the mesh resolves the process zone; 0 without adhesion.
     shortest_time : float
         Shortest relaxation time; infinite for an elastic solid.
+    compliance : float
+        Of the machine; 0 where it is rigid.
     """
 
     space: HalfSpace
@@ -116,6 +118,7 @@ class Setup:
     travel: float
     resolved_from: float
     shortest_time: float
+    compliance: float = 0.0
 
     @property
     def has_history(self) -> bool:
@@ -207,6 +210,7 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
         travel=_edge_travel(geometry, reach, options.resolution),
         resolved_from=_resolved_from(mesh, zone),
         shortest_time=float(times.min()) if times.size else math.inf,
+        compliance=scene.loading.compliance,
     )
 
 

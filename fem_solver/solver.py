@@ -17,6 +17,7 @@ from contact_scene import (
     Scene,
     Trace,
 )
+from contact_scene.machine import on_machine
 from contact_scene.run_control import kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, SurfaceLog, history_log
@@ -132,7 +133,7 @@ def record(
     run.counters.history_updates = setup.history.state.updates
     run.counters.factorisations = setup.history.factorisations
     run.counters.volume_solves = setup.history.volume_solves
-    trace = recorder.trace(outcome, run.counters, clock.perf_counter() - began)
+    trace = on_machine(recorder.trace(outcome, run.counters, clock.perf_counter() - began), scene.machine)
     return Recording(setup, trace, observer.states, observer.rows, recorder.surfaces or [], observer.log)
 
 

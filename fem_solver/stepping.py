@@ -25,7 +25,6 @@ from contact_scene import (
     RunMonitor,
     Segment,
 )
-from contact_scene.loading import Control
 from contact_scene.run_control import (
     Stop,
     below_zone_outcome,
@@ -33,14 +32,16 @@ from contact_scene.run_control import (
     interruption,
     stops_within,
 )
+from contact_scene.segment import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.curved_loads import deviation_from_tangent, swing
-from fem_solver.edge import EdgeMotion
+from fem_solver.edge import NO_CONTACT, EdgeMotion, EdgePosition
 from fem_solver.events import LoadJump, edge_jump, zone_reached
 from fem_solver.recorder import SOLVER, SurfaceRecorder, SurfaceState
 from fem_solver.run_state import NodeReleaseState, StepBefore, StepCandidate, TensionPeak
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator, missed_peak
+from fem_solver.trigger import step_to_level
 
 Array = NDArray[np.float64]
 
@@ -180,8 +181,11 @@ class NodeReleaseRun:
         """One load step: its jump, if any, then the intervals between its stops."""
         cursor = self.cursor
         if not cursor.jump_done:
+            self._triggered(segment)
             self._load_jump(segment)
             cursor.jump_done, self.step = True, None
+        if self._triggered(segment):
+            return
         self._check_clock(segment)
         span = swing(segment)
         stops = stops_within(segment, self.requested)
@@ -190,7 +194,18 @@ class NodeReleaseRun:
             start = stops[reached - 1].time if reached else segment.start
             if stops[reached].time > start:
                 self._carry_out_interval(loading, segment, start, stops[reached], span)
+            if self._triggered(segment):
+                self.estimator.reset()
+                self.interval = self.step = self.before = None
+                return
             cursor.stop_reached()
+        if segment.trigger is not None:
+            raise _RunEnded(segment.trigger.not_reached(self.time))
+
+    def _triggered(self, segment: Segment) -> bool:
+        """Whether the accepted state has reached the level that ends the load step."""
+        state = self.state
+        return self.cursor.triggered(segment, state.penetration, state.force, state.radius)
 
     def _carry_out_interval(
         self, loading: Loading, segment: Segment, start: float, stop: Stop, span: float
@@ -205,6 +220,8 @@ class NodeReleaseRun:
             self._advance(segment, self.interval, span)
             if self.progress is not None:
                 self.progress(self.cursor.share(loading, segment, self.time))
+            if self._triggered(segment):
+                return
         self.on_stop(stop.time)
         if stop.kink:
             self.estimator.reset()
@@ -237,6 +254,13 @@ class NodeReleaseRun:
             if peak is None or not self._divide_last_step(peak, interval):
                 break
         contact, slopes = candidate.contact, candidate.slopes
+        if segment.trigger is not None:
+            at_level = step_to_level(self, segment, segment.trigger, interval.dt, contact)
+            if at_level is not None:
+                self.time += at_level.dt
+                self._commit(at_level)
+                self.cursor.level_reached()
+                return
         radius, travel, jumped = self.state.radius, self._travel(), not contact.in_equilibrium
         if jumped:
             contact, slopes, error = self._edge_jump(contact), {}, 0.0
@@ -341,7 +365,7 @@ class NodeReleaseRun:
         """The load jump, if any, with which a load step begins."""
         self.estimator.reset()
         state, target = self.state, segment.value(segment.start)
-        before = state.penetration if segment.control == "penetration" else state.force
+        before = segment.present(state.penetration, state.force)
         if abs(target - before) <= 1e-12 * max(abs(before), abs(target)):
             return
         jump = LoadJump(segment.control, before, target)
@@ -393,7 +417,12 @@ class NodeReleaseRun:
 
     def _pulled_off(self) -> NoReturn:
         self.recorder.event("pull-off")
-        self._end(OutcomeKind.DETACHED, f"contact lost at penetration {self.state.penetration:.6g}")
+        reason = f"contact lost at penetration {self.state.penetration:.6g}"
+        if self.setup.compliance > 0.0:  # the spring takes the indenter to where the stage is
+            stage = self.state.penetration + self.setup.compliance * self.state.force
+            free = EdgePosition(EdgeMotion.RESTING, NO_CONTACT)
+            self._commit(self.solver.held(0.0, "stage", stage, free), contact=False)
+        self._end(OutcomeKind.DETACHED, reason)
 
     def _below_zone(self, candidate: ContactCandidate) -> bool:
         zone = self.setup.geometry.zone
@@ -429,14 +458,14 @@ class NodeReleaseRun:
     def _end(self, kind: OutcomeKind, reason: str) -> NoReturn:
         raise _RunEnded(Outcome(kind, reason, self.time))
 
-    def _commit(self, candidate: ContactCandidate) -> None:
-        """Accept a contact state: history, row, counters."""
+    def _commit(self, candidate: ContactCandidate, contact: bool = True) -> None:
+        """Accept a state, in contact or free: history, row, counters."""
         forces = candidate.problem.forces(candidate.edge.s)
         penetration, force, radius = candidate.penetration, candidate.force, self.solver.radius(candidate)
         if not (np.isfinite(forces).all() and all(map(math.isfinite, (penetration, force, radius)))):
             self._end(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
         least = self.setup.resolved_from
-        if radius < least:
+        if contact and radius < least:
             reason = f"the contact shrinks below the radius {least:.6g} the mesh is made for"
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
         history = self.setup.history

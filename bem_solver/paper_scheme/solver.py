@@ -77,6 +77,17 @@ class UniformState:
     steps_done: int = 0
 
 
+def refusal_of_uniform(scene: Scene) -> UnsupportedScene | None:
+    """Why uniform annuli do not take a scene; ``None`` if they do."""
+    if scene.loading.compliance > 0.0:
+        return UnsupportedScene("machine.stiffness", "uniform annuli know no spring", 'annuli = "graded"')
+    if scene.loading.has_triggers:
+        return UnsupportedScene(
+            "loading.steps", "uniform annuli know no level that ends a step", 'annuli = "graded"'
+        )
+    return None
+
+
 def solve_uniform(
     scene: Scene, options: Options, progress: Callable[[float], None] | None, monitor: RunMonitor | None
 ) -> Trace:
@@ -206,6 +217,10 @@ class _Run:
             replace(surface, strains=strains), start_energies(self.chain, self.annuli, surface, relaxed)
         )
         return True
+
+    def reached_radius(self) -> float:
+        """Contact radius of the committed state."""
+        return self.state.surface.contact * self.annuli.width
 
     def follow(self, interval: LoadingInterval, report: Callable[[float], None]) -> Outcome | None:
         """Take the run through an interval in equal steps; an outcome if it ends there."""

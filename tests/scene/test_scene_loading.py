@@ -20,7 +20,7 @@ STEPS = [
     ForceRamp(to=-0.9, rate=0.3),
     Oscillate(amplitude=0.1, angular_frequency=3.0, duration=2.5, drift=0.01),
     Sweep(amplitude=0.1, chirp=0.7, duration=2.5),
-    Table(times=(5.0, 5.5, 7.0, 7.25), penetrations=(0.4, 0.1, 0.1, -0.2)),
+    Table(times=(5.0, 5.5, 7.0, 7.25), values=(0.4, 0.1, 0.1, -0.2)),
 ]
 
 

@@ -44,11 +44,15 @@ class Observables:
     detachment_time, detachment_penetration, detachment_radius, detachment_force : float or None
         Last state in contact of a run that lost contact. ``None`` where the contact shrank to its process
         zone: there the model ends, not the contact, and the state is ``final_*``.
+    detachment_stage : float or None
+        Position of the stage there; only of a machine with a spring.
     loop_energy : float or None
-        ``integral F dD`` over the run.
+        ``integral F dD`` over the run; on a spring the work of the stage, ``integral F dX``.
     dissipated_energy : float or None
         The solver's own loss at the end of the run, or at detachment: what the snap to the free surface sets
         free then is no viscous loss.
+    instability_loss : float or None
+        Lost in instabilities of the whole run, at constant stage; only of a machine with a spring.
     final_time, final_penetration, final_force, final_radius : float or None
         Last row.
     """
@@ -67,8 +71,10 @@ class Observables:
     detachment_penetration: float | None = None
     detachment_radius: float | None = None
     detachment_force: float | None = None
+    detachment_stage: float | None = None
     loop_energy: float | None = None
     dissipated_energy: float | None = None
+    instability_loss: float | None = None
     final_time: float | None = None
     final_penetration: float | None = None
     final_force: float | None = None
@@ -113,6 +119,10 @@ def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> 
         at = _row(trace, pulling, "pull_off")
         values |= at | {"pull_off_force": -at["pull_off_force"]}
     values |= _detachment(trace, zone)
+    if "stage" in trace.extra:
+        values["instability_loss"] = trace.extra["instability_loss"][-1]
+        if "detachment_force" in values:
+            values["detachment_stage"] = trace.extra["stage"][_last_in_contact(trace, zone)]
     return Observables(**{name: float(value) for name, value in values.items()})
 
 

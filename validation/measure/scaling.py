@@ -25,7 +25,7 @@ from contact_scene import Trace
 
 LEAST_SHARE = 0.05
 """Least scale of a force, radius or time, relative to the largest magnitude of its column in the run."""
-LOSSES = ("dissipated_energy", "branch_dissipation", "zone_excess")
+LOSSES = ("dissipated_energy", "instability_loss", "branch_dissipation", "zone_excess")
 """Quantities that are what an energy balance leaves."""
 WORKS = {"loop_energy": "external_work", "peak_cycle_loss": "stored_energy"}
 """Work done over a run or a cycle: the column it is a small part of where it nearly vanishes."""

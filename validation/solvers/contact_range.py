@@ -44,7 +44,8 @@ def largest_contact_radius(scene: Scene) -> float:
     """Upper estimate of the contact radius over the whole loading; at most the largest that is searched."""
     if math.isfinite(scene.indenter.edge):
         return scene.indenter.edge
-    depth, force = _largest_load(scene)
+    depth, force, stage = _largest_load(scene)
+    compliance = scene.loading.compliance
     stiffness = scene.material.relaxed_plane_modulus
     work = scene.adhesion.work if scene.adhesion is not None else 0.0
 
@@ -55,7 +56,11 @@ def largest_contact_radius(scene: Scene) -> float:
         by_depth = depth - (sneddon.depth(scene.indenter, a) - pull)
         resisting = sneddon.force(scene.indenter, a, stiffness) - 2.0 * stiffness * a * pull
         by_force = (force - resisting) / (2.0 * stiffness * a)
-        return _finite(np.fmax(by_depth, by_force))
+        loads = np.fmax(by_depth, by_force)
+        if stage > -math.inf:
+            reached = sneddon.depth(scene.indenter, a) - pull + compliance * resisting
+            loads = np.fmax(loads, (stage - reached) / (1.0 + 2.0 * compliance * stiffness * a))
+        return _finite(loads)
 
     radii = _searched(scene.indenter)
     zone = scene.adhesion.zone if scene.adhesion is not None else 0.0
@@ -95,14 +100,15 @@ def start_radius(scene: Scene) -> float:
     return float(brentq(excess, *ends, xtol=1e-300, rtol=1e-13))
 
 
-def _largest_load(scene: Scene) -> tuple[float, float]:
-    """Largest penetration and largest force of the loading.
+def _largest_load(scene: Scene) -> tuple[float, float, float]:
+    """Largest penetration, force and position of the stage of the loading; minus infinity without.
 
     A force ramp takes over the force it finds: at most the glassy one at the penetration reached, the relaxed
-    one at a relaxed start.
+    one at a relaxed start. A stage starts no farther than where the glassy contact puts it.
     """
     depth, force, before = scene.loading.penetration, 0.0, "start"
-    deepest, strongest = depth, -math.inf
+    deepest, strongest, farthest = depth, -math.inf, -math.inf
+    compliance = scene.loading.compliance
 
     def state(step: Step) -> tuple[float, float]:
         if isinstance(step, ForceRamp) and before != "force":
@@ -111,15 +117,32 @@ def _largest_load(scene: Scene) -> tuple[float, float]:
 
     for step, segment in scene.loading.segments(state):
         values = [segment.value(at) for at in (segment.start, *segment.kinks, segment.end)]
-        before = segment.control
-        if segment.control == "penetration":
-            depth = values[-1]
-            sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
-            deepest = max(deepest, *values, values[0] + abs(getattr(step, "amplitude", 0.0)) + sinking)
-        else:
+        before, trigger = segment.control, segment.trigger
+        if segment.control == "force":
             force = values[-1]
             strongest = max(strongest, *values)
-    return deepest, strongest
+            continue
+        sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
+        values.append(values[0] + abs(getattr(step, "amplitude", 0.0)) + sinking)
+        if trigger is not None and trigger.quantity == "force" and values[0] < max(values):
+            force = trigger.level  # which is reached before the end of the ramp
+            strongest, depth = max(strongest, force), max(depth, _deepest_under(scene, force))
+        elif segment.control == "stage":
+            farthest = max(farthest, *values)
+            force = (values[-2] - depth) / compliance
+        else:
+            depth = values[-2]
+            deepest = max(deepest, *values)
+    return deepest, strongest, farthest
+
+
+def _deepest_under(scene: Scene, force: float) -> float:
+    """More than the penetration of the relaxed contact with a sharp edge under a force."""
+    radii, stiffness = _searched(scene.indenter), scene.material.relaxed_plane_modulus
+    work = scene.adhesion.work if scene.adhesion is not None else 0.0
+    pull = np.sqrt(8.0 * np.pi * radii**3 * stiffness * work)
+    held = np.flatnonzero(sneddon.force(scene.indenter, radii, stiffness) - pull <= force)
+    return float(sneddon.depth(scene.indenter, radii[held[-1] : held[-1] + 1])[0]) if held.size else 0.0
 
 
 def _pressing(scene: Scene, depth: float, relaxed: bool) -> float:

@@ -20,7 +20,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contact_scene import Force, ForceRamp, Oscillate, Scene, SceneError, Step, Sweep
+from contact_scene import Oscillate, Scene, SceneError, Step, Sweep
 from validation.reference import sneddon
 from validation.solvers.contact_range import largest_contact_radius
 
@@ -200,12 +200,18 @@ def _edge_travel(scene: Scene, largest: float) -> tuple[float, float]:
     pull = np.sqrt(2.0 * np.pi * radii * work / stiffness)
     depths = sneddon.depth(scene.indenter, radii) - pull
     forces = sneddon.force(scene.indenter, radii, stiffness) - 2.0 * stiffness * radii * pull
+    loads = {
+        "penetration": depths,
+        "force": forces,
+        "stage": depths + scene.loading.compliance * forces,
+        "radius": radii,
+    }
     edge = scene.indenter.edge
 
     def radius(control: str, value: float) -> float:
         if math.isfinite(edge):
-            return edge if value > (depths if control == "penetration" else forces).min() else 0.0
-        held = np.flatnonzero((depths if control == "penetration" else forces) <= value)
+            return edge if value > loads[control].min() else 0.0
+        held = np.flatnonzero(loads[control] <= value)
         return float(radii[held[-1]]) if held.size else 0.0
 
     present = radius("penetration", scene.loading.penetration)
@@ -218,17 +224,22 @@ def _edge_travel(scene: Scene, largest: float) -> tuple[float, float]:
     for step, segment in scene.loading.segments(state):
         amplitude = abs(getattr(step, "amplitude", 0.0))
         if amplitude > 0.0:
-            between = abs(radius("penetration", depth + amplitude) - radius("penetration", depth - amplitude))
+            control, middle = segment.control, segment.value(segment.start)
+            between = abs(radius(control, middle + amplitude) - radius(control, middle - amplitude))
             travel += 2.0 * between * _cycles(step)
         times = (segment.start, *segment.kinks, segment.end)
         values = [segment.value(at) for at in times]
         path = [present, *(radius(segment.control, value) for value in values)]
+        if segment.trigger is not None:
+            path[-1] = min(path[-1], radius(segment.trigger.quantity, segment.trigger.level))
         travel += sum(abs(after - before) for before, after in pairwise(path))
         intervals += len(times) - 1
         present = path[-1]
-        if isinstance(step, (Force, ForceRamp)):
+        if segment.control == "force":
             force = values[-1]
             depth = float(np.interp(present, radii, depths)) if present > 0.0 else depth
+        elif segment.control == "stage" or segment.trigger is not None:
+            depth, force = (float(np.interp(present, radii, known)) for known in (depths, forces))
         else:
             depth = values[-1]
         if present == 0.0 and work > 0.0:

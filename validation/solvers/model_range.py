@@ -50,7 +50,7 @@ def out_of_range(scene: Scene) -> SceneError | None:
 
 
 def _reasons(scene: Scene) -> Iterator[SceneError]:
-    material, steps = scene.material, scene.loading.steps
+    material = scene.material
     branches = len(material.branches) + len(getattr(material.bulk, "branches", ()))
     if branches > MOST_BRANCHES:
         yield SceneError("material.branches", f"got {branches} branches", f"at most {MOST_BRANCHES}")
@@ -58,7 +58,8 @@ def _reasons(scene: Scene) -> Iterator[SceneError]:
     if contrast > LARGEST_CONTRAST:
         problem = f"the glassy modulus is {contrast:.3g} times the relaxed one"
         yield SceneError("material.branches", problem, f"at most {LARGEST_CONTRAST:g} times")
-    rows = sum(len(getattr(step, "times", ())) or 1 for step in steps)
+    kinks = [len(segment.kinks) for _, segment in scene.loading.segments(own_time=True)]
+    rows = sum(count + 2 if count else 1 for count in kinks)
     if rows > MOST_STEPS:
         yield SceneError("loading.steps", f"got {rows} steps and rows of tables", f"at most {MOST_STEPS}")
     cycles = cycle_count(scene)

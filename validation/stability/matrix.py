@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from validation.stability import loadings, materials, rates, surfaces, unit_invariance
+from validation.stability import loadings, machines, materials, rates, surfaces, unit_invariance
 from validation.stability.case import StabilityCase
 
 AXES: dict[str, Callable[[], list[StabilityCase]]] = {
@@ -18,6 +18,7 @@ AXES: dict[str, Callable[[], list[StabilityCase]]] = {
     "indenter": surfaces.indenters,
     "loading": loadings.loading,
     "dead-load": loadings.pull_off,
+    "spring": machines.springs,
     "scale": unit_invariance.unit_systems,
 }
 

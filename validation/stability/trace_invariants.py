@@ -8,12 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Force, ForceRamp, OutcomeKind, Ramp, Scene, Table, Trace
+from contact_scene.machine import COLUMNS_OF_MACHINE
 
 ROUND_OFF = 1e-12
 """Of an energy, relative to the largest effort of the run: what is negative by less is zero."""
 REACHED = 1e-6
 """Largest distance of the last force from the prescribed one, relative to the largest force."""
-CLEAR = (OutcomeKind.NO_EQUILIBRIUM, OutcomeKind.OUT_OF_RANGE, OutcomeKind.BELOW_ZONE)
+CLEAR = (
+    OutcomeKind.NO_EQUILIBRIUM,
+    OutcomeKind.OUT_OF_RANGE,
+    OutcomeKind.BELOW_ZONE,
+    OutcomeKind.TRIGGER_NOT_REACHED,
+)
 """Endings that are no full answer, and no failure either: there is none, or none within the model."""
 
 
@@ -52,17 +58,48 @@ def broken(scene: Scene, trace: Trace) -> list[str]:
         found.append("time runs back")
     if np.any(trace.contact_radius < 0.0):
         found.append("a contact radius is negative")
-    return found + _not_reached(scene, trace)
+    return found + _not_reached(scene, trace) + _off_the_spring(scene, trace)
+
+
+def _off_the_spring(scene: Scene, trace: Trace) -> list[str]:
+    """On a spring: stage and energy of the machine in every row, no work of a stage that stands still."""
+    compliance = scene.loading.compliance
+    if compliance == 0.0 or len(trace) == 0:
+        return []
+    missing = [f"there is no column {name}" for name in COLUMNS_OF_MACHINE if name not in trace.extra]
+    if missing:
+        return missing
+    found = []
+    stage, energy = (trace.extra[name] for name in ("stage", "machine_energy"))
+    if not np.allclose(stage, trace.penetration + compliance * trace.force, rtol=ROUND_OFF, atol=0.0):
+        found.append("the stage is not D + F/k")
+    if not np.allclose(energy, 0.5 * compliance * trace.force**2, rtol=ROUND_OFF, atol=0.0):
+        found.append("the energy of the machine is not F^2/(2 k)")
+    most = np.abs(stage).max()
+    at_once = (np.diff(trace.time) == 0.0) & (np.abs(np.diff(stage)) <= ROUND_OFF * most)
+    work = np.abs(np.diff(trace.external_work)[at_once]).max(initial=0.0)
+    if work > REACHED * (effort(scene, trace) + energy.max()):
+        found.append("a stage that stands still does work")
+    return found
 
 
 def _not_reached(scene: Scene, trace: Trace) -> list[str]:
     if trace.outcome.kind is not OutcomeKind.COMPLETED or len(trace) == 0 or not scene.loading.steps:
         return []
     depth, force = float(trace.penetration[-1]), float(trace.force[-1])
-    match scene.loading.steps[-1]:
-        case Ramp(to=to) | Table(penetrations=(*_, to)):
+    last = scene.loading.steps[-1]
+    if last.trigger is not None:
+        excess = last.trigger.excess(depth, force, float(trace.contact_radius[-1]))
+        at_level = abs(excess) <= REACHED * abs(last.trigger.level) or bool(trace.events)
+        return [] if at_level else ["the level that ends the last step is missed"]
+    match last:
+        case Ramp(to=to) | Table(values=(*_, to), quantity="penetration"):
+            if scene.loading.compliance > 0.0:
+                stage = trace.extra["stage"]
+                near = abs(float(stage[-1]) - to) <= REACHED * np.abs(stage).max(initial=abs(to))
+                return [] if near else ["the last stage is not the prescribed one"]
             return [] if depth == to else ["the last penetration is not the prescribed one"]
-        case Force(value=to) | ForceRamp(to=to):
+        case Force(value=to) | ForceRamp(to=to) | Table(values=(*_, to), quantity="force"):
             near = abs(force - to) <= REACHED * np.abs(trace.force).max(initial=abs(to))
             return [] if near else ["the last force is not the prescribed one"]
     return []

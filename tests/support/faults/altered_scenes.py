@@ -99,11 +99,9 @@ def _not_repressed(scene: Scene) -> Scene:
     """A table that turns back goes straight on from its first deepest row to the last one."""
 
     def smoothed(step: Table) -> Table:
-        inner = [
-            i for i, depth in enumerate(step.penetrations) if i == 0 or depth >= max(step.penetrations[:i])
-        ]
+        inner = [i for i, depth in enumerate(step.values) if i == 0 or depth >= max(step.values[:i])]
         kept = sorted({*inner, len(step.times) - 1})
-        return Table(tuple(step.times[i] for i in kept), tuple(step.penetrations[i] for i in kept))
+        return Table(tuple(step.times[i] for i in kept), tuple(step.values[i] for i in kept))
 
     return _steps(Table, smoothed)(scene)  # type: ignore[arg-type]
 
@@ -135,7 +133,7 @@ ALTERATIONS = (
     ),
     Alteration(
         "tables 2 % too slow",
-        _steps(Table, lambda s: Table(tuple(1.02 * t for t in s.times), s.penetrations)),
+        _steps(Table, lambda s: Table(tuple(1.02 * t for t in s.times), s.values)),
         PUNCH,
     ),
     Alteration("cones half a degree too sharp", _sharper, CONE),

@@ -184,3 +184,12 @@ def _(true):
 @fault("gap longer by a length of 1e-6", "trial:gap_outside", ("cycle-si-small",))
 def _(true):
     return lambda *given: true(*given) + 1e-6
+
+
+@fault("the stage taken for the indenter", "trial:evaluate", ("spring-elastic",))
+def _(true):
+    def evaluate(problem, state, duration, edge, control, value):
+        rigid = "penetration" if control == "stage" else control
+        return true(problem, state, duration, edge, rigid, value)
+
+    return evaluate

@@ -134,3 +134,11 @@ def _(true):
         return replace(found, recovery=found.recovery**0.97)
 
     return update
+
+
+@fault("the spring 2 % too soft in the balance", "control:balanced", ("spring-elastic",))
+def _(true):
+    def balanced(surface, body, segment, *given):
+        return true(surface, body, replace(segment, compliance=1.02 * segment.compliance), *given)
+
+    return balanced

@@ -13,14 +13,14 @@ import numpy as np
 from support.faults.injection import Fault, registry
 
 from contact_scene import Cone
-from contact_scene.loading import Segment
+from contact_scene.segment import Segment
 
 FAULTS: list[Fault] = []
 _, scene_fault = registry("reference", "contact_scene", FAULTS, shared=True)
 _, measure_fault = registry("reference", "validation.measure", FAULTS, shared=True)
 _, elements_fault = registry("fem", "contact_scene", FAULTS, shared=True)
 _, mesh_fault = registry("fem", "meshes", FAULTS, shared=False)
-PUNCH, CONE = ("punch-programme",), ("cone-force-ramp",)
+PUNCH, CONE, SPRING = ("punch-programme",), ("cone-force-ramp",), ("spring-elastic",)
 
 
 @scene_fault("holds half as long", "loading:Hold.segment", PUNCH)
@@ -81,6 +81,32 @@ def _(true):
 @scene_fault("force ramps twice as fast", "loading:ForceRamp.segment", CONE)
 def _(true):
     return lambda self, *given: true(replace(self, rate=2.0 * self.rate), *given)
+
+
+@scene_fault("spring 1 % too soft", "machine:Machine.compliance", SPRING)
+def _(true):
+    return lambda self: 1.01 * true(self)
+
+
+@scene_fault("a step ends at 1.001 of its level", "trigger:Trigger.excess", SPRING)
+def _(true):
+    return lambda self, *given: true(self, *given) - 0.001 * self.level
+
+
+@scene_fault("energy of the machine without its half", "machine:machine_columns", SPRING)
+def _(true):
+    def columns(of, machine, events):
+        found = true(of, machine, events)
+        energy = found["machine_energy"]
+        work = found["external_work"] + energy - energy[:1]
+        return found | {"machine_energy": 2.0 * energy, "external_work": work}
+
+    return columns
+
+
+@scene_fault("losses of instabilities left with the viscous ones", "machine:_row_of", SPRING)
+def _(true):
+    return lambda columns, event: None
 
 
 @scene_fault("a cone's angle from the surface", "indenter:Cone.cotangent", CONE)

@@ -106,7 +106,8 @@ def closes_the_energy_balance(solver: CoarseSolver, scene: Scene) -> None:
         crossed = scene.is_adhesive & (np.diff(columns["time"]) > shortest)
         residual = np.cumsum(np.where(crossed, 0.0, np.diff(columns["balance_residual"])))
     else:
-        gain = np.diff(columns["external_work"] - columns["stored_energy"]) + _tip_work(scene, columns)
+        stored = columns["stored_energy"] + columns.get("machine_energy", 0.0)
+        gain = np.diff(columns["external_work"] - stored) + _tip_work(scene, columns)
         residual = np.cumsum(np.where(flows, gain - dissipated, 0.0))
     assert np.abs(residual).max(initial=0.0) <= solver.declared(scene) * effort(scene, trace)
 

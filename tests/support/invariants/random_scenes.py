@@ -23,6 +23,7 @@ from contact_scene import (
     Hold,
     Indenter,
     Loading,
+    Machine,
     Material,
     Oscillate,
     PowerLaw,
@@ -143,6 +144,39 @@ STEPS: dict[str, st.SearchStrategy] = {
 }
 
 
+TRIGGERED: dict[str, st.SearchStrategy[Step]] = {
+    "ramp to a force": st.builds(
+        lambda to, span, until: Ramp(to, DEPTH / span, until_force=until), DEPTHS, SPANS, FORCES
+    ),
+    "ramp to a radius": st.builds(
+        lambda to, span, until: Ramp(to, DEPTH / span, until_radius=until),
+        DEPTHS,
+        SPANS,
+        shares(0.2, 1.5, WIDTH),
+    ),
+    "hold": st.builds(Hold, RESTS, FORCES),
+    "force": st.builds(Force, FORCES, RESTS, DEPTHS),
+    "table of forces": st.builds(
+        lambda table, forces: Table(table.times, tuple(f * LOAD / DEPTH for f in table.values), "", *forces),
+        STEPS["table"],
+        st.sampled_from([("force", "linear"), ("force", "cubic"), ("penetration", "cubic")]),
+    ),
+}
+"""Steps that end at a level, and tables of another kind than those of ``STEPS``."""
+
+
+def machines() -> st.SearchStrategy[Machine | None]:
+    """Rigid, and springs of any stiffness about that of the contact."""
+    return st.one_of(st.none(), decades(-3.0, 3.0).map(lambda x: Machine(x * 2.0 * WIDTH)))
+
+
+def instruments() -> st.SearchStrategy[Loading]:
+    """What only an instrument can do: one to four steps, some of which end at a level, on a machine."""
+    steps = st.lists(st.one_of(*STEPS.values(), *TRIGGERED.values()), min_size=1, max_size=4)
+    starts = st.sampled_from(["jump-in", "relaxed"])
+    return st.builds(Loading, starts, shares(-0.3, 1.0, DEPTH), steps, machines())
+
+
 def loadings(*kinds: str) -> st.SearchStrategy[Loading]:
     """One to four steps of the given kinds (all, if none is named), from either start."""
     steps = st.lists(st.one_of(*(STEPS[kind] for kind in kinds or STEPS)), min_size=1, max_size=4)
@@ -164,22 +198,28 @@ def in_units(scene: Scene, length: float, modulus: float, time: float) -> tuple[
     """The scene in other units (each given in the old ones), and the units of the trace's columns."""
     force = modulus * length**2
 
+    def scaled_level(level: float | None, unit: float) -> float | None:
+        return None if level is None else level * unit
+
     def step(old: Step) -> Step:
         match old:
-            case Ramp(to, rate):
-                return Ramp(to * length, rate * length / time)
-            case Hold(duration):
-                return Hold(duration * time)
-            case Force(value, duration):
-                return Force(value * force, duration * time)
+            case Ramp(to, rate, until_force, until_radius):
+                levels = scaled_level(until_force, force), scaled_level(until_radius, length)
+                return Ramp(to * length, rate * length / time, *levels)
+            case Hold(duration, until_force):
+                return Hold(duration * time, scaled_level(until_force, force))
+            case Force(value, duration, until_penetration):
+                return Force(value * force, duration * time, scaled_level(until_penetration, length))
             case ForceRamp(to, rate):
                 return ForceRamp(to * force, rate * force / time)
             case Oscillate(amplitude, frequency, duration, drift):
                 return Oscillate(amplitude * length, frequency / time, duration * time, drift * length / time)
             case Sweep(amplitude, chirp, duration):
                 return Sweep(amplitude * length, chirp / time**2, duration * time)
-            case Table(times, depths):
-                return Table(tuple(t * time for t in times), tuple(d * length for d in depths))
+            case Table(times, values, _, quantity, interpolation):
+                unit = force if quantity == "force" else length
+                scaled_values = tuple(v * unit for v in values)
+                return Table(tuple(t * time for t in times), scaled_values, "", quantity, interpolation)
         raise AssertionError(f"no unit for {old}")
 
     def indenter(old: Indenter) -> Indenter:
@@ -199,7 +239,12 @@ def in_units(scene: Scene, length: float, modulus: float, time: float) -> tuple[
     scaled = Scene(
         Material(material.modulus * modulus, material.poisson, branches),
         indenter(scene.indenter),
-        Loading(loading.start, loading.penetration * length, tuple(step(s) for s in loading.steps)),
+        Loading(
+            loading.start,
+            loading.penetration * length,
+            tuple(step(s) for s in loading.steps),
+            loading.machine and Machine(loading.machine.stiffness * modulus * length),
+        ),
         adhesion and Adhesion(adhesion.work * modulus * length, adhesion.zone * length),
     )
     energy = force * length

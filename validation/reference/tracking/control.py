@@ -1,4 +1,4 @@
-"""Prescribed penetration during a step, and the penetration that balances a prescribed force."""
+"""Prescribed penetration during a step, and the penetration that balances a prescribed force or stage."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from validation.reference.tracking.surface import Body, Surface, after_step, fie
 Array = NDArray[np.float64]
 
 TRIAL_SEPARATION = 1e-3
-"""Least difference of two trial forces, relative to the force: closer ones lose digits."""
+"""Least difference of two trials, relative to the force (or stage): closer ones lose digits."""
 
 
 def prescribed_penetration(
@@ -49,9 +49,10 @@ def prescribed_penetration(
     return replace(shape, start=start, jump=jump)
 
 
-def force_balanced(
+def balanced(
     surface: Surface,
     body: Body,
+    segment: Segment,
     target: float,
     duration: float,
     depths: RowExtrapolation,
@@ -59,7 +60,7 @@ def force_balanced(
     fractions: Array,
     over_zones: bool = False,
 ) -> Surface:
-    """The surface at the end of a step that carries the force ``target``.
+    """The surface at the end of a step at which the force, or the stage ``D + F/k``, is ``target``.
 
     For a given path of the edge every field is affine in the penetration at the end of the step, so that the
     surfaces for two penetrations give the balanced one.
@@ -69,8 +70,10 @@ def force_balanced(
     surface : Surface
         State at the start.
     body : Body
+    segment : Segment
+        Load step under force or stage control.
     target : float
-        Force at the end of the step.
+        Force, or stage, at the end of the step.
     duration : float
     depths : RowExtrapolation
         Penetration at the rows before, for the curvature of its path.
@@ -86,21 +89,28 @@ def force_balanced(
     Surface
     """
 
+    by_force = segment.control == "force"
+
     def measure(state: Surface) -> float:
         # A contact that ends in a point carries no force; there the stress at the point has to vanish.
-        return state.force(body) if state.radius > 0.0 else state.edge_stress(body)
+        if by_force and state.radius == 0.0:
+            return state.edge_stress(body)
+        return segment.present(state.penetration, state.force(body))
 
     def trial(end: float) -> Surface:
         depth = _through_rows(duration, surface.penetration, end, depths, over_zones)
         return after_step(surface, body, field_update(surface, body, depth), path, fractions)
 
-    wanted = target if path.start + path.travel > 0.0 else 0.0
+    wanted = target if path.start + path.travel > 0.0 or not by_force else 0.0
     one = trial(surface.penetration)
     lacking = wanted - measure(one)
     if lacking == 0.0:
         return one
     difference = math.copysign(max(abs(lacking), TRIAL_SEPARATION * abs(wanted)), lacking)
-    two = trial(surface.penetration + _first_guess(body, duration, path, difference))
+    stiffness = _stiffness(body, duration, path)
+    if not by_force:
+        stiffness = 1.0 + segment.compliance * stiffness
+    two = trial(surface.penetration + difference / stiffness)
     gained = measure(two) - measure(one)
     if gained == 0.0:  # a force too small for its own round-off
         return two
@@ -114,12 +124,12 @@ def force_balanced(
     )
 
 
-def _first_guess(body: Body, duration: float, path: EdgePath, lacking: float) -> float:
-    """Change of penetration for a change of force, with the edge at rest."""
+def _stiffness(body: Body, duration: float, path: EdgePath) -> float:
+    """Change of force for a change of penetration, with the edge at rest."""
     y = duration / body.rheology.times
     shared = np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
     radius = max(path.start, path.start + path.travel)
-    return lacking / (2.0 * radius * (body.rheology.relaxed + float((body.rheology.moduli * shared).sum())))
+    return 2.0 * radius * (body.rheology.relaxed + float((body.rheology.moduli * shared).sum()))
 
 
 def _through_rows(

@@ -134,6 +134,22 @@ def pressed_radius(body: Body, force: float, edge: float) -> float:
     return min(bracketed(excess, 0.5 * high, excess(0.5 * high), high, excess(high), 0.0, 1e-9 * high), edge)
 
 
+def staged_radius(body: Body, stage: float, compliance: float, edge: float) -> float:
+    """Radius of the adhesionless relaxed contact under a stage at ``stage``, ``G(a) + F(a)/k = X``."""
+    if stage <= 0.0:
+        return 0.0
+
+    def excess(radius: float) -> float:
+        depth = float(body.transform(np.array([radius]))[0])
+        force = 2.0 * body.rheology.relaxed * (depth * radius - body.transform.integral(radius))
+        return depth + compliance * force - stage
+
+    high = touching_radius(body, stage, edge)
+    if excess(high) <= 0.0:
+        return high
+    return bracketed(excess, 0.0, excess(0.0), high, excess(high), 0.0, 1e-9 * high)
+
+
 def elastic_surface(body: Body, depth: float, radius: float, glassy: bool) -> Surface:
     """Fields of the elastic contact of that radius.
 

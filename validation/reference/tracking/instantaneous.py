@@ -40,13 +40,13 @@ BISECTIONS = 24
 
 def at_rest(segment: Segment, value: float) -> Segment:
     """The control of a segment, held at a value."""
-    return Segment(segment.control, segment.start, segment.end, lambda time: value, lambda time: 0.0)
+    return replace(segment, value=lambda time: value, rate=lambda time: 0.0, kinks=(), linear=True)
 
 
 def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> StepOutcome:
     """The load jumps to the first value of the segment."""
     start, force_controlled = state.surface, segment.control == "force"
-    before = state.force if force_controlled else start.penetration
+    before = segment.present(start.penetration, state.force)
     change = segment.value(segment.start) - before
     begins = start.radius == 0.0
     whole = problem.trial(state, segment)
@@ -211,7 +211,7 @@ def flat_first_contact(problem: FrontProblem, state: FrontState, segment: Segmen
     edge = problem.edge_radius
     if math.isinf(edge) or state.surface.radius > 0.0 or isinstance(problem.condition, Griffith):
         return None
-    load = at_rest(segment, state.surface.penetration if segment.control == "penetration" else 0.0)
+    load = at_rest(segment, segment.present(state.surface.penetration, 0.0))
     trial = problem.trial(state, load)
     if abs(trial.residual(0.0, edge)) > TOUCHING_STRESS:
         return None

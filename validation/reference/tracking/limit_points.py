@@ -49,7 +49,7 @@ def prescribed_travel(
     if radius == a0:
         return StepOutcome(longest, rejected=True, below_zone=a0 <= problem.condition.smallest_radius)
     extremum = state.history.distance_to_extremum(FORCE, RADIUS) / (radius - a0)
-    if trial.segment.control == "penetration" and 0.1 < extremum < 1.0 and radius > 0.0:
+    if trial.segment.control != "force" and 0.1 < extremum < 1.0 and radius > 0.0:
         radius = a0 + rounded_length(extremum) * (radius - a0)
     h = trial.duration_to_radius(radius, longest)
     if h is not None and h > 0.0:

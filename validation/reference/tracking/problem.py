@@ -9,7 +9,7 @@ import numpy as np
 
 from contact_scene import Scene, Segment
 from validation.reference.tracking.abel import transform
-from validation.reference.tracking.equilibrium import pressed_radius, touching_radius
+from validation.reference.tracking.equilibrium import pressed_radius, staged_radius, touching_radius
 from validation.reference.tracking.law import EdgeCondition, Griffith, NoTension
 from validation.reference.tracking.node_placement import NodePlacement
 from validation.reference.tracking.options import Fineness
@@ -142,7 +142,7 @@ def with_elastic_travel(problem: FrontProblem, radius: float) -> FrontProblem:
 def front_problem(scene: Scene, fineness: Fineness) -> FrontProblem:
     """Material and indenter in Abel space, the edge condition, and the scales of a scene."""
     body = Body(rheology(scene.material), transform(scene.indenter))
-    depth, load = _largest_load(scene)
+    depth, load = _largest_load(scene, body)
     edge = scene.indenter.edge
     radius = max(touching_radius(body, depth, edge), pressed_radius(body, load, edge))
     deepest = max(depth, float(body.transform(np.array([radius]))[0]))
@@ -157,15 +157,34 @@ def front_problem(scene: Scene, fineness: Fineness) -> FrontProblem:
     return FrontProblem(scene, body, condition, fineness, travel, radius, max(weight, load), deepest)
 
 
-def _largest_load(scene: Scene) -> tuple[float, float]:
-    """Largest penetration and largest force that the loading prescribes."""
+def _largest_load(scene: Scene, body: Body) -> tuple[float, float]:
+    """Largest penetration and largest force that the loading prescribes.
+
+    A stage presses with the relaxed contact under it; a level that ends a step bounds the step.
+    """
     depth = deepest = scene.loading.penetration
     force = hardest = 0.0
+    edge = scene.indenter.edge
     for step in scene.loading.steps:
-        segment = step.segment(0.0, depth, force)
+        segment = scene.loading.segment(step, 0.0, depth, force)
         values = [segment.value(t) for t in np.linspace(0.0, segment.end, 257)]
-        if segment.control == "penetration":
-            deepest, depth = max(deepest, *values), values[-1]
-        else:
+        trigger = segment.trigger
+        if segment.control == "force":
             hardest, force = max(hardest, *values), values[-1]
+            continue
+        if segment.control == "stage":
+            radius = staged_radius(body, max(values), segment.compliance, edge)
+            values = [float(body.transform(np.array([radius]))[0])] if radius > 0.0 else [depth]
+        if trigger is not None and trigger.quantity == "force":
+            hardest, force = max(hardest, trigger.level), trigger.level
+            values = [min(max(values), _depth_under(body, trigger.level, edge))]
+        elif trigger is not None and trigger.quantity == "radius":
+            values = [min(max(values), float(body.transform(np.array([min(trigger.level, edge)]))[0]))]
+        deepest, depth = max(deepest, *values), values[-1]
     return deepest, hardest
+
+
+def _depth_under(body: Body, force: float, edge: float) -> float:
+    """Penetration of the adhesionless relaxed contact under a force."""
+    radius = pressed_radius(body, force, edge)
+    return float(body.transform(np.array([radius]))[0]) if radius > 0.0 else 0.0

@@ -24,6 +24,7 @@ from contact_scene import (
     Trace,
     UnsupportedScene,
 )
+from contact_scene.machine import machine_columns
 from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
@@ -142,6 +143,9 @@ def _run(
     interrupted = outcome.kind is OutcomeKind.INTERRUPTED
     with np.errstate(all="ignore"):
         columns = stepper.recorder.columns(whole=not interrupted)
+    machine = scene.machine
+    if machine is not None and machine.compliance > 0.0:
+        columns |= machine_columns(columns, machine, stepper.state.events)
     columns, outcome = _finite_rows(columns, outcome)
     if interrupted:
         outcome = replace(outcome, time=float(columns["time"][-1]))

@@ -99,7 +99,7 @@ def _duration(problem: FrontProblem, state: FrontState, segment: Segment, left: 
     if abs(slope) * h > 0.95 * state.travel:
         h = 0.9 * state.travel / abs(slope)
     noise = {RADIUS: problem.fineness.deviation * state.largest_radius}
-    if segment.control == "penetration":
+    if segment.control != "force":
         noise = {FORCE: FORCE_NOISE * state.largest_force, **noise}
     h = state.history.limited_to_extremum(h, noise)
     if tick < h < left:
@@ -148,7 +148,7 @@ def _first_duration(problem: FrontProblem, state: FrontState, segment: Segment, 
     """Duration of the first step after a kink: a small part of every time scale."""
     part = FIRST_STEP * problem.fineness.deviation
     quick = min(part * problem.shortest_time, 1e-2 * left)
-    scale = state.largest_depth if segment.control == "penetration" else state.largest_force
+    scale = segment.present(state.largest_depth, state.largest_force)
     rate = abs(segment.rate(state.time))
     if rate > 0.0 and scale > 0.0:
         quick = min(quick, part * scale / rate)

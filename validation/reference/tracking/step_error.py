@@ -83,4 +83,4 @@ class StepErrorEstimator:
 
 def free_columns(control: str) -> tuple[int, ...]:
     """Columns that are not prescribed under a control."""
-    return (RADIUS, FORCE, PENETRATION) if control == "force" else (RADIUS, FORCE)
+    return (RADIUS, FORCE) if control == "penetration" else (RADIUS, FORCE, PENETRATION)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from contact_scene import Event, Outcome, OutcomeKind, RunMonitor, Segment
+from contact_scene import Event, Outcome, OutcomeKind, RunMonitor, Segment, Trigger
 from contact_scene.run_control import (
     KeptState,
     LoadingCursor,
@@ -15,6 +15,7 @@ from contact_scene.run_control import (
     interruption,
     stops_within,
 )
+from contact_scene.trigger import passed
 from validation.reference.tracking.coarsening import coarsened
 from validation.reference.tracking.instantaneous import (
     flat_first_contact,
@@ -31,6 +32,7 @@ from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step import RowTolerances, trial_step
 from validation.reference.tracking.step_history import FORCE, TIME
 from validation.reference.tracking.step_outcome import FrontCandidate, StepOutcome
+from validation.reference.tracking.step_to_level import excess_of, step_to_level
 
 NAME = "reference"
 COARSEN_EVERY = 12
@@ -124,8 +126,9 @@ class FrontStepper:
                 return
             segment = loaded
         if not cursor.jump_done:
+            self._triggered(segment)
             self._begin(segment)
-        if self.outcome is not None:
+        if self.outcome is not None or self._triggered(segment):
             return
         stops = stops_within(segment, {*self.options.stop_times, *self.options.profile_times})
         for stop in stops[cursor.stops_reached :]:
@@ -133,11 +136,21 @@ class FrontStepper:
                 self._step(segment, stop.time)
                 if self.outcome is not None:
                     return
+                if self._triggered(segment):
+                    self._add_extremum(segment, 1)
+                    return
             self._add_profile(stop.time)
             if stop.kink:
                 self._add_extremum(segment, 1)
                 self._kink()
             cursor.stop_reached()
+        if segment.trigger is not None:
+            self.outcome = segment.trigger.not_reached(state.time)
+
+    def _triggered(self, segment: Segment) -> bool:
+        """Whether the state has reached the level that ends the load step."""
+        surface = self.state.surface
+        return self.cursor.triggered(segment, surface.penetration, self.state.force, surface.radius)
 
     def _without_contact(self, segment: Segment) -> Segment | None:
         """Load on an indenter that touches nothing, lowered until it touches; ``None`` if it is pulled."""
@@ -156,8 +169,7 @@ class FrontStepper:
         """The load jump, if any, with which a load step begins."""
         state = self.state
         self._kink()
-        present = state.surface.penetration if segment.control == "penetration" else state.force
-        if segment.value(segment.start) != present:
+        if segment.value(segment.start) != segment.present(state.surface.penetration, state.force):
             self._apply(load_jump(self.problem, state, segment), segment)
         self.cursor.jump_done = True
 
@@ -172,9 +184,26 @@ class FrontStepper:
         if state.counters.rejected_steps - state.rejected_before >= MOST_REJECTED:
             self._end(OutcomeKind.STEP_UNDERFLOW, f"no step of {MOST_REJECTED} could be taken")
             return
-        self._apply(trial_step(self.problem, state, segment, stop, self.row_tolerances), segment)
+        outcome = trial_step(self.problem, state, segment, stop, self.row_tolerances)
+        reached = False
+        if segment.trigger is not None and self._passes(segment.trigger, outcome):
+            outcome, reached = step_to_level(
+                segment.trigger,
+                state,
+                outcome,
+                lambda end: trial_step(self.problem, state, segment, end, self.row_tolerances),
+            )
+        self._apply(outcome, segment)
+        if reached:
+            self.cursor.level_reached()
         if self.progress is not None:
             self.progress(self.cursor.share(self.problem.scene.loading, segment, state.time))
+
+    def _passes(self, trigger: Trigger, outcome: StepOutcome) -> bool:
+        """Whether a step that takes time would pass the level of a trigger."""
+        if not outcome.candidates or outcome.candidates[-1].time <= self.state.time:
+            return False
+        return passed(self.cursor.trigger_side or 0.0, excess_of(trigger, outcome.candidates[-1]))
 
     def _kept(self) -> KeptState:
         return KeptState(NAME, self.cursor, self.state.counters, self.state)
@@ -222,25 +251,24 @@ class FrontStepper:
     def _interpolate(self, segment: Segment, before: float, intervals: int) -> None:
         """Rows that divide the last step into intervals, and rows at an extremum of the force before it."""
         now = self.state.time
-        prescribed = segment.control == "penetration"
         for part in range(1, intervals):
             at = before + (now - before) * part / intervals
-            self.recorder.interpolate(at, segment.value(at) if prescribed else None, 1)
-        if prescribed:
+            self.recorder.interpolate(at, self._prescribed_depth(segment, at), 1)
+        if segment.control != "force":
             self._add_turning_point(segment, before)
         self._add_extremum(segment, 2)
 
     def _add_turning_point(self, segment: Segment, before: float) -> None:
-        """A row in the last step where the prescribed penetration turns."""
+        """A row in the last step where the prescribed penetration, or stage, turns."""
         now = self.state.time
         first, last = segment.rate(before), segment.rate(now)
         if first * last < 0.0:
             at = bracketed(segment.rate, before, first, now, last, 0.0, 2.0 * math.ulp(now))
-            self.recorder.interpolate(at, segment.value(at), 1)
+            self.recorder.interpolate(at, self._prescribed_depth(segment, at), 1)
 
     def _add_extremum(self, segment: Segment, back: int) -> None:
         """Rows at and beside an extremum of the force in the ``back``-th step from the last."""
-        if segment.control != "penetration":
+        if segment.control == "force":
             return
         state = self.state
         extremum = state.history.extremum_within(FORCE, back, EXTREMUM_HEIGHT * state.largest_force)
@@ -250,7 +278,12 @@ class FrontStepper:
         ends = [state.history.rows[-back - 1][TIME], state.history.rows[-back][TIME]]
         for time in (at - BESIDE_EXTREMUM * length, at, at + BESIDE_EXTREMUM * length):
             if ends[0] < time < ends[1]:
-                self.recorder.interpolate(time, segment.value(time), back)
+                self.recorder.interpolate(time, self._prescribed_depth(segment, time), back)
+
+    @staticmethod
+    def _prescribed_depth(segment: Segment, time: float) -> float | None:
+        """Penetration where it is prescribed."""
+        return segment.value(time) if segment.control == "penetration" else None
 
     def _flat_first_contact(self, segment: Segment) -> None:
         candidate = flat_first_contact(self.problem, self.state, segment)
@@ -270,7 +303,9 @@ class FrontStepper:
         state.events.append(Event("pull-off", state.time, surface.penetration, state.force, surface.radius))
         self._end(OutcomeKind.DETACHED, reason)
         if surface.radius > 0.0:
-            state.surface, state.force = surface.after_detachment(self.problem.body), 0.0
+            stage = surface.penetration + self.problem.scene.loading.compliance * state.force
+            free = surface.after_detachment(self.problem.body)
+            state.surface, state.force = replace(free, penetration=stage), 0.0
             self.recorder.add(state.time, state.surface, state.force)
 
     def _end(self, kind: OutcomeKind, reason: str) -> None:

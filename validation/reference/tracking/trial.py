@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Counters, Segment
-from validation.reference.tracking.control import force_balanced, prescribed_penetration
+from validation.reference.tracking.control import balanced, prescribed_penetration
 from validation.reference.tracking.edge_path import EdgePath, parabolic_path, polynomial_path
 from validation.reference.tracking.law import EdgeCondition
 from validation.reference.tracking.node_placement import NodePlacement
@@ -98,10 +98,18 @@ class Trial:
         start = self.surface
         path = self._edge_path(duration, radius)
         fractions = self._node_fractions(duration, path.travel)
-        if self.segment.control == "force":
+        if self.segment.control != "penetration":
             target = self.segment.value(self.time + duration)
-            return force_balanced(
-                start, self.body, target, duration, self.depths, path, fractions, self.over_zones
+            return balanced(
+                start,
+                self.body,
+                self.segment,
+                target,
+                duration,
+                self.depths,
+                path,
+                fractions,
+                self.over_zones,
             )
         update = self._updates.get(duration)
         if update is None:

@@ -1,0 +1,104 @@
+"""The machine that holds the indenter: a spring between the indenter and the stage that is driven.
+
+An atomic force microscope is a spring of known stiffness, and every test rig has one in series. With the
+stage at ``X`` the spring of stiffness ``k`` leaves the indenter at the penetration
+
+    ``D = X - F/k``,
+
+and holds the energy ``F^2/(2 k)``. ``X`` is positive downwards as ``D`` is, and equals it without force. The
+work done on contact and machine together is that of the stage, ``int F dX = int F dD + [F^2/(2 k)]``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene.errors import LARGEST, SMALLEST, number
+from contact_scene.trace import Event, Trace
+
+Array = NDArray[np.float64]
+
+COLUMNS_OF_MACHINE = ("stage", "machine_energy", "instability_loss")
+"""Columns of a trace beside the others where the machine is a spring."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A spring of ``stiffness`` > 0 (force per length) in series with the contact; ``inf`` is rigid."""
+
+    stiffness: float
+
+    def __post_init__(self) -> None:
+        if isinstance(self.stiffness, float) and self.stiffness == math.inf:
+            return
+        allowed = f"a number > 0, from {SMALLEST:g} to {LARGEST:g} (force per length), or inf: rigid"
+        object.__setattr__(self, "stiffness", number(self.stiffness, "stiffness", allowed, low=SMALLEST))
+
+    @property
+    def compliance(self) -> float:
+        """``1/k``; 0 for a rigid machine."""
+        return 1.0 / self.stiffness
+
+
+class Rows(Protocol):
+    """Columns by name."""
+
+    def __getitem__(self, name: str) -> Array: ...
+
+
+def machine_columns(columns: Rows, machine: Machine, events: Sequence[Event]) -> dict[str, Array]:
+    """Columns that follow from the machine, and the external work as that of the stage.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray (n,)
+        Columns of a trace; its external work that of the indenter, ``int F dD``, a straight line in force and
+        penetration where the edge moves at once.
+    machine : Machine
+    events : sequence of Event
+        Instabilities, each of which starts from a row.
+
+    Returns
+    -------
+    dict of str to ndarray (n,)
+        ``stage`` (D + F/k), ``machine_energy`` (F^2/(2 k)), ``instability_loss`` (lost so far in
+        instabilities, at constant stage and within no time; part of the dissipated energy) and
+        ``external_work``.
+    """
+    force, compliance = columns["force"], machine.compliance
+    energy = 0.5 * compliance * force**2
+    loss = np.zeros_like(force)
+    for event in events:
+        row = _row_of(columns, event)
+        if row is not None and row + 1 < len(force):
+            loss[row + 1 :] += columns["dissipated_energy"][row + 1] - columns["dissipated_energy"][row]
+    return {
+        "stage": columns["penetration"] + compliance * force,
+        "machine_energy": energy,
+        "instability_loss": loss,
+        "external_work": columns["external_work"] + (energy - energy[:1]),
+    }
+
+
+def on_machine(trace: Trace, machine: Machine | None) -> Trace:
+    """The trace with the columns of its machine; as it is without one, or with a rigid one."""
+    if machine is None or machine.compliance == 0.0:
+        return trace
+    columns = machine_columns(trace.columns(), machine, trace.events)
+    extra = trace.extra | {name: columns[name] for name in COLUMNS_OF_MACHINE}
+    return replace(trace, external_work=columns["external_work"], extra=extra)
+
+
+def _row_of(columns: Rows, event: Event) -> int | None:
+    """The row from which an instability starts."""
+    found: Any = columns["time"] == event.time
+    for name in ("penetration", "force", "contact_radius"):
+        found = found & (columns[name] == getattr(event, name))
+    rows = np.flatnonzero(found)
+    return int(rows[-1]) if rows.size else None

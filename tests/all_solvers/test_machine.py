@@ -1,0 +1,105 @@
+"""A machine with a spring, and steps that end at a level, by all three solvers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.invariants.coarse_solvers import SOLVERS
+
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Force,
+    Hold,
+    Loading,
+    Machine,
+    Material,
+    OutcomeKind,
+    Ramp,
+    Scene,
+    Sphere,
+)
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.spring import SpringContact
+
+WORK, ZONE = 5.026548e-4, 0.03
+ELASTIC, RELAXING = Material(0.75, 0.5), Material(0.75, 0.5, (Branch(0.75, 1.0),))
+LAW = FiniteZone(1.0, 1.0, WORK, ZONE)
+STIFFNESS = 2.0 * LAW.pull_off_force_control().contact_radius  # of the contact at pull-off
+every_solver = pytest.mark.parametrize("solver", SOLVERS.values(), ids=list(SOLVERS))
+
+
+def scene(material, *steps, machine=None):
+    return Scene(material, Sphere(1.0), Loading("jump-in", 0.0, steps, machine), Adhesion(WORK, ZONE))
+
+
+def pulled(stiffness):
+    """From the start state until contact is lost, on an elastic half-space."""
+    spring = SpringContact(LAW, stiffness)
+    lost = 1.2 * spring.stage(spring.pull_off()) - 0.2 * spring.stage(LAW.at_penetration(0.0))
+    return scene(ELASTIC, Ramp(lost, 1.0), machine=Machine(stiffness)), spring
+
+
+@every_solver
+@pytest.mark.parametrize("share", [pytest.param(0.03, marks=pytest.mark.slow), 1.0])
+def test_contact_is_lost_at_the_limit_point_of_the_stage(solver, share):
+    asked, spring = pulled(share * STIFFNESS)
+    trace, limit = solver.solve(asked), spring.pull_off()
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    (event,) = trace.events
+    accuracy = {"reference": 1e-4, "bem": 1e-3, "fem": 5e-3}[solver.name]
+    stage, columns = spring.stage(limit), trace.columns()
+    assert columns["stage"].min() == pytest.approx(stage, rel=accuracy)
+    assert event.penetration + event.force / asked.machine.stiffness == pytest.approx(stage, rel=accuracy)
+    # where the stage is least it is flat: an error of it moves the point by its root
+    assert event.force == pytest.approx(limit.force, rel=math.sqrt(accuracy))
+    assert trace.force.min() == pytest.approx(spring.largest_tension().force, rel=accuracy)
+    assert columns["instability_loss"][-1] == pytest.approx(spring.lost_in_snap(), rel=3 * accuracy)
+    assert (trace.force[-1], trace.contact_radius[-1]) == (0.0, 0.0)
+    assert trace.penetration[-1] == pytest.approx(columns["stage"][-2], abs=1e-12)  # at constant stage
+    assert columns["machine_energy"][-1] == 0.0
+    # work of the stage, by itself: nothing at constant stage, straight lines where rows are dense
+    along = np.sum(0.5 * (trace.force[1:] + trace.force[:-1]) * np.diff(columns["stage"]))
+    assert trace.external_work[-1] == pytest.approx(along, rel=2e-2)
+
+
+@every_solver
+def test_rigid_spring_is_no_spring_bit_for_bit(solver):
+    plain = scene(RELAXING, Ramp(0.004, 0.1))
+    rigid = replace(plain, loading=replace(plain.loading, machine=Machine(math.inf)))
+    one, two = (solver.solve(asked).columns() for asked in (plain, rigid))
+    assert list(one) == list(two)
+    assert all(np.array_equal(one[name], two[name]) for name in one)
+
+
+@every_solver
+def test_steps_end_where_the_level_is_reached(solver):
+    steps = (
+        Ramp(0.05, 0.1, until_force=0.001),
+        Hold(9.0, until_force=0.0009),
+        Ramp(-0.1, 0.1, until_radius=0.13),
+        Force(0.0012, 9.0, until_penetration=0.0125),
+    )
+    trace = solver.solve(scene(RELAXING, *steps))
+    assert trace.outcome.kind is OutcomeKind.COMPLETED, trace.outcome.reason
+    depth, force, radius = trace.penetration, trace.force, trace.contact_radius
+    reached = [
+        np.abs(column - level).min() / level
+        for column, level in ((force, 0.001), (force, 0.0009), (radius, 0.13))
+    ]
+    assert max(reached) < 1e-9
+    assert depth[-1] == pytest.approx(0.0125, rel=1e-9)
+    assert force[-1] == pytest.approx(0.0012, rel=1e-9)
+    assert np.all(depth[force > 0.00100001] <= 0.0125 * (1.0 + 1e-9))
+
+
+@every_solver
+def test_level_that_is_not_reached_ends_the_run_and_says_so(solver):
+    trace = solver.solve(scene(ELASTIC, Ramp(0.002, 0.1, until_force=1.0), Hold(1.0)))
+    assert trace.outcome.kind is OutcomeKind.TRIGGER_NOT_REACHED
+    assert not trace.outcome.finished
+    assert "force was 1" in trace.outcome.reason
+    assert trace.penetration[-1] == pytest.approx(0.002)

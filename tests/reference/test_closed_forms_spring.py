@@ -1,0 +1,79 @@
+"""Adhesive contact on a spring: both ideal machines, the limit point, energies, frozen retraction."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+
+from contact_scene import Branch, Cone, Material, Sphere
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.frozen import FrozenRetraction
+from validation.reference.jkr import JKR, NoEquilibrium
+from validation.reference.spring import FrozenSpring, SpringContact
+
+WORK, MODULUS = 5e-4, 1.0
+LAW = JKR(Sphere(1.0), MODULUS, WORK)
+STIFFNESS = 2.0 * MODULUS * LAW.pull_off_force_control().contact_radius  # of the contact at pull-off
+
+
+@pytest.mark.parametrize("law", [LAW, JKR(Cone(70.0), 2.0, WORK), FiniteZone(1.0, MODULUS, WORK, 0.01)])
+def test_rigid_machine_and_dead_load_are_the_limits(law):
+    stiff, soft = (SpringContact(law, k).pull_off() for k in (1e9, 1e-9))
+    rigid, dead = law.pull_off_penetration_control(), law.pull_off_force_control()
+    assert_allclose(stiff.penetration, rigid.penetration, rtol=1e-7)
+    assert_allclose(stiff.contact_radius, rigid.contact_radius, rtol=1e-6)
+    assert_allclose(soft.force, dead.force, rtol=1e-7)
+    assert_allclose(soft.contact_radius, dead.contact_radius, rtol=1e-6)
+
+
+@pytest.mark.parametrize("law", [LAW, JKR(Cone(70.0), 2.0, WORK), FiniteZone(1.0, MODULUS, WORK, 0.01)])
+@pytest.mark.parametrize("share", [1e-2, 1.0, 30.0])
+def test_stage_is_least_at_the_pull_off(law, share):
+    spring = SpringContact(law, share * STIFFNESS)
+    limit = spring.pull_off()
+    beside = [spring.stage(law.state(x * limit.contact_radius)) for x in (0.999, 1.0, 1.001)]
+    assert beside[1] < min(beside[0], beside[2])
+    ahead = spring.at_stage(beside[2])
+    assert_allclose(ahead.contact_radius, 1.001 * limit.contact_radius, rtol=1e-7)
+    with pytest.raises(NoEquilibrium):
+        spring.at_stage(beside[1] - 1e-6 * abs(beside[1]))
+
+
+def test_short_zone_tends_to_the_vanishing_one():
+    spring, short = SpringContact(LAW, STIFFNESS), FiniteZone(1.0, MODULUS, WORK, 1e-6)
+    assert_allclose(SpringContact(short, STIFFNESS).pull_off().force, spring.pull_off().force, rtol=1e-4)
+
+
+def test_loss_of_the_snap_is_what_an_unloading_at_the_rigid_limit_would_give_back():
+    """Energy at the limit point less that of the free state, by the work along the unstable branch.
+
+    Along equilibria ``dU = F dD + dg dA``: from the limit point down to nothing the loss is the work ``int F
+    dX`` of a stage that would follow the unstable branch, with its sign.
+    """
+    spring = SpringContact(LAW, STIFFNESS)
+    top = spring.pull_off().contact_radius
+
+    def power(a):
+        h = 1e-6 * a
+        rise = spring.stage(LAW.state(a + h)) - spring.stage(LAW.state(a - h))
+        return float(LAW.force(a)) * rise / (2.0 * h)
+
+    along = quad(power, 0.0, top, epsrel=1e-8)[0]
+    assert_allclose(spring.lost_in_snap(), along, rtol=1e-5)
+    assert spring.lost_in_snap() > 0.0
+
+
+def test_frozen_retraction_on_a_spring():
+    material = Material(0.75, 0.5, (Branch(6.75, 1.0),))
+    retraction = FrozenRetraction(material, Sphere(1.0), WORK, 0.032)
+    dead = retraction.pull_off()
+    soft = FrozenSpring(retraction, 1e-9).pull_off()
+    assert_allclose(soft.force, dead.force, rtol=1e-8)
+    middle = FrozenSpring(retraction, 1.0)
+    lost = middle.pull_off()
+    assert lost.contact_radius <= dead.contact_radius
+    assert middle.largest_tension().force <= lost.force
+    radii = np.linspace(0.02, 1.0, 400) * retraction.relaxed.contact_radius
+    stages = retraction.penetration(radii) + retraction.force(radii)
+    assert middle.stage(lost) <= stages.min() + 1e-12
+    assert_allclose(middle.stage(lost), stages.min(), rtol=1e-4)

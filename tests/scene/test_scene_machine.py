@@ -1,0 +1,213 @@
+"""Machine, triggers, approach and tables of a scene: checks, control laws, columns; nothing is solved."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.scene_text import GOOD
+
+from contact_scene import (
+    Approach,
+    Event,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    LoadingCursor,
+    Machine,
+    Ramp,
+    SceneError,
+    Table,
+    Trigger,
+    read_scene,
+    write_scene,
+)
+from contact_scene.machine import machine_columns
+
+K = 0.5
+
+
+def read(tmp_path, text):
+    (tmp_path / "scene.toml").write_text(text)
+    return read_scene(tmp_path / "scene.toml")
+
+
+def with_steps(*entries):
+    """The good scene with other load steps."""
+    return GOOD[: GOOD.index("[[loading.steps]]")] + "\n".join(f"[[loading.steps]]\n{e}" for e in entries)
+
+
+def test_machine_is_read_and_written(tmp_path):
+    scene = read(tmp_path, GOOD + "\n[machine]\nstiffness = 2\n")
+    assert scene.machine == Machine(2.0)
+    assert read(tmp_path, GOOD).machine is None
+    assert read(tmp_path, GOOD + "\n[machine]\nstiffness = inf\n").loading.compliance == 0.0
+    write_scene(scene, tmp_path / "again.toml")
+    assert read_scene(tmp_path / "again.toml") == scene
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        (GOOD + "[machine]\nstiffness = 0\n", "machine.stiffness"),
+        (GOOD + "[machine]\nstiffness = -1\n", "machine.stiffness"),
+        (GOOD + "[machine]\nstiffness = nan\n", "machine.stiffness"),
+        (GOOD + '[machine]\nstiffness = "soft"\n', "machine.stiffness"),
+        (GOOD + "[machine]\n", "machine.stiffness"),
+        (GOOD + "[machine]\nstiffness = 1\nmass = 2\n", "machine.mass"),
+        (with_steps('kind = "ramp"\nto = 1\nrate = 1\nuntil_force = inf'), "loading.steps[0].until_force"),
+        (with_steps('kind = "ramp"\nto = 1\nrate = 1\nuntil_radius = 0'), "loading.steps[0].until_radius"),
+        (
+            with_steps('kind = "ramp"\nto = 1\nrate = 1\nuntil_radius = 1\nuntil_force = 1'),
+            "loading.steps[0].until_radius",
+        ),
+        (with_steps('kind = "hold"\nduration = 1\nuntil_force = true'), "loading.steps[0].until_force"),
+        (
+            with_steps('kind = "force-ramp"\nto = 1\nrate = 1\nuntil_force = 1'),
+            "loading.steps[0].until_force",
+        ),
+        (with_steps('kind = "approach"\nrate = 1\nforce = 1'), "loading.steps[0].to"),
+        (with_steps('kind = "approach"\nrate = 1\nforce = 1\nto = 1\naway = 2'), "loading.steps[0].away"),
+        (
+            with_steps('kind = "approach"\nrate = 1\nforce = 1\nto = 1\nretract = -2'),
+            "loading.steps[0].retract",
+        ),
+        (with_steps('kind = "table"\nfile = "t.csv"\nquantity = "stage"'), "loading.steps[0].quantity"),
+        (
+            with_steps('kind = "table"\nfile = "t.csv"\ninterpolation = "spline"'),
+            "loading.steps[0].interpolation",
+        ),
+    ],
+)
+def test_bad_values_are_named(tmp_path, text, key):
+    (tmp_path / "t.csv").write_text("0,0\n1,1\n")
+    with pytest.raises(SceneError) as caught:
+        read(tmp_path, text)
+    assert key in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_steps_drive_the_stage_of_a_spring_and_forces_the_indenter():
+    loading = Loading("relaxed", 0.1, (Ramp(1.0, 0.5), ForceRamp(0.2, 1.0), Hold(2.0)), Machine(K))
+    ramp, pull, hold = (loading.segment(step, 3.0, 0.1, 0.2) for step in loading.steps)
+    assert (ramp.control, pull.control, hold.control) == ("stage", "force", "stage")
+    assert ramp.value(3.0) == pytest.approx(0.1 + 0.2 / K)
+    assert ramp.end == pytest.approx(3.0 + (1.0 - 0.5) / 0.5)
+    assert hold.value(4.0) == ramp.value(3.0)
+    assert ramp.present(0.3, 0.1) == pytest.approx(0.5)
+    assert pull.present(0.3, 0.1) == 0.1
+    rigid = replace(loading, machine=Machine(math.inf)).segment(loading.steps[0], 3.0, 0.1, 0.2)
+    assert (rigid.control, rigid.value(3.0), rigid.compliance) == ("penetration", 0.1, 0.0)
+
+
+def test_what_a_loading_knows_before_a_run():
+    known = [s.end for _, s in Loading("relaxed", 0.0, (Ramp(1.0, 1.0), Hold(1.0))).segments()]
+    assert known == [1.0, 2.0]
+    sprung = Loading("relaxed", 0.0, (Ramp(1.0, 1.0), Hold(1.0)), Machine(K))
+    ends = [s.end - s.start for _, s in sprung.segments(own_time=True)]
+    assert math.isnan(ends[0])  # the force of the start state is not known, and the stage with it
+    assert ends[1:] == [1.0]
+    until = Loading("relaxed", 0.0, (Ramp(1.0, 1.0, until_force=0.5), ForceRamp(0.0, 0.25)))
+    (_, press), (_, release) = until.segments()
+    assert press.end == 1.0
+    assert math.isnan(release.start)
+    assert release.control == "force"
+    assert math.isnan(release.value(release.end))
+    knowing = until.segments(lambda step: (0.1, 0.5), own_time=True)
+    assert [segment.end for _, segment in knowing] == [0.9, 2.0]
+
+
+def test_triggers_are_reached_from_either_side_and_at_once():
+    ramp = Ramp(1.0, 1.0, until_force=0.5).segment(0.0, 0.0, 0.0)
+    assert ramp.trigger == Trigger("force", 0.5)
+    for before, within, beyond in ((0.1, 0.49, 0.51), (0.9, 0.51, 0.49)):
+        cursor = LoadingCursor()
+        assert not cursor.triggered(ramp, 0.0, before, 0.0)
+        assert not cursor.triggered(ramp, 0.0, within, 0.0)
+        assert cursor.triggered(ramp, 0.0, beyond, 0.0)
+        cursor.step_done()
+        assert cursor.trigger_side is None
+    assert LoadingCursor().triggered(ramp, 0.0, 0.5 * (1.0 + 1e-12), 0.0)
+    creep = Force(1.0, 2.0, until_penetration=0.3).segment(0.0, 0.0, 0.0)
+    cursor = LoadingCursor()
+    assert [cursor.triggered(creep, depth, 1.0, 0.0) for depth in (0.1, 0.29, 0.31)] == [False, False, True]
+    wide = Ramp(1.0, 1.0, until_radius=0.2).segment(0.0, 0.0, 0.0)
+    assert wide.trigger is not None
+    assert wide.trigger.excess(0.0, 0.0, 0.3) == pytest.approx(0.1)
+
+
+def test_approach_stands_for_ramp_hold_ramp(tmp_path):
+    entry = 'kind = "approach"\nrate = 2\nforce = 0.5\nto = 3\ndwell = 4\nretract = 0.1'
+    expected = (Ramp(3.0, 2.0, until_force=0.5), Hold(4.0), Ramp(-3.0, 0.1))
+    scene = read(tmp_path, with_steps(entry))
+    assert scene.loading.steps == expected
+    assert Loading("relaxed", 0.0, (Approach(2.0, 0.5, 3.0, 4.0, 0.1),)).steps == expected
+    assert Loading("relaxed", 0.0, (Approach(2.0, 0.5, 3.0, away=1.0),)).steps == (
+        Ramp(3.0, 2.0, until_force=0.5),
+        Ramp(1.0, 2.0),
+    )
+    write_scene(scene, tmp_path / "again.toml")
+    assert read_scene(tmp_path / "again.toml") == scene
+
+
+def test_cubic_table_has_no_kinks_and_no_extremum_between_rows(tmp_path):
+    times, values = (0.0, 1.0, 2.0, 3.5, 4.0), (0.0, 1.0, 1.0, 0.2, 0.3)
+    linear, cubic = (
+        Table(times, values, interpolation=how).segment(10.0, 0.0, 0.0) for how in ("linear", "cubic")
+    )
+    assert linear.kinks == (11.0, 12.0, 13.5)
+    assert (cubic.kinks, cubic.linear) == ((), False)
+    assert [cubic.value(10.0 + t) for t in times] == pytest.approx(values)
+    assert cubic.value(cubic.end) == values[-1]
+    between = [cubic.value(t) for t in np.linspace(11.0, 12.0, 20)]
+    assert between == pytest.approx([1.0] * 20)
+    for t in (10.3, 12.7, 13.6):
+        assert cubic.rate(t) == pytest.approx(
+            (cubic.value(t + 1e-6) - cubic.value(t - 1e-6)) / 2e-6, rel=1e-6
+        )
+    (tmp_path / "t.csv").write_text("time,force\n0,0\n1,2\n3,1\n")
+    entry = 'kind = "table"\nfile = "t.csv"\nquantity = "force"\ninterpolation = "cubic"'
+    scene = read(tmp_path, with_steps(entry))
+    assert scene.loading.steps == (Table((0.0, 1.0, 3.0), (0.0, 2.0, 1.0), "", "force", "cubic"),)
+    assert scene.loading.steps[0].segment(0.0, 0.0, 0.0).control == "force"
+    write_scene(scene, tmp_path / "again.toml")
+    assert read_scene(tmp_path / "again.toml") == scene
+
+
+def test_long_records_are_read_fast(tmp_path):
+    """100 000 rows; row by row, with a kink each, it would take a hundred times as long to solve."""
+    t = np.arange(100_000) * 1e-3
+    rows = "\n".join(f"{a:.3f},{b:.6g}" for a, b in zip(t, np.sin(t), strict=True))
+    (tmp_path / "t.csv").write_text(f"time,penetration\n{rows}\n")
+    text = with_steps('kind = "table"\nfile = "t.csv"\ninterpolation = "cubic"')
+    began = time.process_time()
+    scene = read(tmp_path, text)
+    segment = scene.loading.steps[0].segment(0.0, 0.0, 0.0)
+    assert time.process_time() - began < 2.0
+    assert segment.kinks == ()
+    assert segment.value(50.0005) == pytest.approx(math.sin(50.0005), abs=1e-5)
+
+
+def test_energies_of_machine_and_losses_of_instabilities():
+    """Two rows before a snap at constant stage, two after it: the balance closes over the snap."""
+    force = np.array([0.2, -0.3, 0.0, 0.0])
+    depth = np.array([0.1, 0.0, -0.3 / K, -1.0])
+    work = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(depth))))
+    rows = {
+        "time": np.array([0.0, 1.0, 1.0, 2.0]),
+        "penetration": depth,
+        "force": force,
+        "contact_radius": np.array([0.3, 0.2, 0.0, 0.0]),
+        "external_work": work,
+        "dissipated_energy": np.array([0.0, 0.01, 0.11, 0.12]),
+    }
+    found = machine_columns(rows, Machine(K), [Event("pull-off", 1.0, 0.0, -0.3, 0.2)])
+    assert found["stage"] == pytest.approx([0.5, -0.6, -0.6, -1.0])
+    assert found["machine_energy"] == pytest.approx([0.04, 0.09, 0.0, 0.0])
+    assert found["instability_loss"] == pytest.approx([0.0, 0.0, 0.1, 0.1])
+    along_stage = np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(found["stage"]))
+    assert found["external_work"][1:] == pytest.approx(along_stage, abs=1e-15)
