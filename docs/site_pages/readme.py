@@ -67,8 +67,8 @@ def _caption(report: Report, scenes: int) -> str:
     processor = report.environment["processor"]
     return f"""\
 Relative difference from the reference (for `{REFERENCE}`: its own error estimate), median and in brackets
-the largest over the {scenes} adhesive scenes of `report --suite {report.suite}`, default resolution; processor
-time of a run on one core ({processor})."""
+the largest over the {scenes} adhesive scenes of `report --suite {report.suite}`, default resolution;
+processor time of a run on one core ({processor})."""
 
 
 def update(readme: Path, report: Path) -> None:
