@@ -17,8 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 from crosscontact.shadowing import check_packages
 
-__version__ = "0.1.0"
-
 check_packages()
 
 if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and SciPy unloaded
@@ -67,6 +65,8 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     )
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
     from crosscontact.result import ContactState, Result, load
+
+    __version__: str
 
 __all__ = [
     "WLF",
@@ -126,7 +126,19 @@ _API = ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers")
 _RESULT = ("ContactState", "Result", "load")
 
 
+def _installed_version() -> str:
+    """The version the package was installed with, from the git tags."""
+    from importlib import metadata
+
+    try:
+        return metadata.version("crosscontact")
+    except metadata.PackageNotFoundError:
+        return "0+unknown"
+
+
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return _installed_version()
     if name not in __all__:
         raise AttributeError(f"module 'crosscontact' has no attribute {name!r}")
     if name in _API:

@@ -1,4 +1,4 @@
-"""Draws the second figure of the README: the stress under the contact at the key moments of a cycle.
+"""Draws the figure of the page on fields: the stress under the contact at the key moments of a cycle.
 
 Run ``python docs/make_fields.py``; writes ``docs/fields.png``.
 """

@@ -1,4 +1,4 @@
-"""Draws the README's first scene, as ``crosscontact solve my-scene.toml --plot`` does.
+"""Draws the first scene of the tutorial, as ``crosscontact solve my-scene.toml --plot`` does.
 
 Run ``python docs/make_first_scene.py``; writes ``docs/first-scene.png``.
 """
@@ -10,18 +10,17 @@ import tomllib
 from pathlib import Path
 
 from matplotlib.figure import Figure
-from validation.drawing.figures import png
 
 import crosscontact as cc
+from validation.drawing.export import png
 
 HERE = Path(__file__).parent
 
 
 def draw() -> Figure:
-    """Force against penetration and radius against force of the scene in the README."""
-    (block,) = re.findall(
-        r"```toml\n(.*?)```", (HERE.parent / "README.md").read_text("utf-8"), flags=re.DOTALL
-    )
+    """Force against penetration and radius against force of the scene in the reference of scene files."""
+    page = (HERE / "reference" / "scene-file.md").read_text("utf-8")
+    block = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)[0]
     return cc.solve(cc.scene_from_dict(tomllib.loads(block))).figure()
 
 

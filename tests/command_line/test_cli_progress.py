@@ -1,22 +1,14 @@
-"""Progress: a bar on a terminal, plain lines elsewhere; and the README's words against the program."""
+"""Progress: a bar on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
 import io
-import re
-import shlex
 import threading
-import tomllib
-from pathlib import Path
 
 import pytest
 
-from contact_scene import scene_from_dict
-from crosscontact.arguments import parser
 from validation.execution import progress, tasks
 from validation.execution.store import Store
-
-README = Path("README.md").read_text("utf-8")
 
 
 class Terminal(io.StringIO):
@@ -195,28 +187,3 @@ def test_tasks_tell_the_time_left_by_their_forecasts(clock, monkeypatch, tmp_pat
     told.clear()
     tasks.run_tasks(made, store=kept, progress=lambda done, text: told.append(text))
     assert [text.partition(", ")[2] for text in told] == ["", "about 6 s left", ""]
-
-
-def test_scene_in_the_readme_is_a_scene():
-    (block,) = re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL)
-    scene = scene_from_dict(tomllib.loads(block))
-    assert scene.material.glassy_modulus == 7.5
-    assert len(scene.loading.steps) == 2
-
-
-def test_commands_in_the_readme_are_commands():
-    commands = re.findall(r"\.venv/bin/crosscontact (\w[^\n`&]*)", README)
-    assert len(commands) >= 2
-    for command in commands:
-        assert parser().parse_args(shlex.split(command)).command
-
-
-def test_files_named_in_the_readme_exist():
-    named = re.findall(r"`((?:validation|contact_scene|bem_solver|crosscontact)/[\w/]*(?:\.py)?)`", README)
-    assert len(named) >= 8
-    assert [name for name in named if not Path(name).exists()] == []
-    for script in ("docs/make_figure.py", "docs/make_fields.py", "docs/make_first_scene.py"):
-        assert Path(script).exists()
-    pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", README)
-    assert len(pictures) == 3
-    assert [picture for picture in pictures if not Path(picture).exists()] == []

@@ -134,17 +134,22 @@ class Fold:
     kind: ClassVar[str] = "fold"
     title: str
     parts: tuple[Part, ...]
+    anchor: str = ""
 
 
 @dataclass(frozen=True)
 class Section:
-    """A heading and its parts; sections within sections are headings of a lower rank."""
+    """A heading and its parts; sections within sections are headings of a lower rank.
+
+    A page shows only the heading of one that is ``folded``, until it is opened.
+    """
 
     kind: ClassVar[str] = "section"
     title: str
     parts: tuple[Part, ...]
     anchor: str = ""
     verdict: VerdictCell | None = None
+    folded: bool = False
 
 
 Part = Paragraph | Bullets | DataTable | Figures | Fold | Section
@@ -152,11 +157,15 @@ Part = Paragraph | Bullets | DataTable | Figures | Fold | Section
 
 @dataclass(frozen=True)
 class Document:
-    """A whole report: what stands at its head, and its sections."""
+    """A whole report: what stands at its head, and its sections.
+
+    ``contents_depth`` is the number of ranks of headings in a page's table of contents.
+    """
 
     title: str
     lead: tuple[Paragraph, ...]
     parts: tuple[Part, ...]
+    contents_depth: int = 1
 
 
 def figures_of(parts: tuple[Part, ...]) -> Iterator[Figure]:

@@ -1,22 +1,87 @@
-"""A document as one HTML page that loads nothing: for screen, phone and paper, light and dark."""
+"""A document as one HTML page that loads nothing: for screen, phone and paper, light and dark.
+
+Beside the text stands a table of contents that stays in sight. A script of the page sorts tables by a column
+and opens the fold that a link leads to; without it the page shows the same.
+"""
 
 from __future__ import annotations
 
 import base64
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from validation.report.document import Document
+from validation.report.document import Document, Fold, Part, Section, VerdictCell
+from validation.report.pictures import valid_id
+
+
+@dataclass(frozen=True)
+class ContentsEntry:
+    """A line of the table of contents, and those below it."""
+
+    title: str
+    anchor: str
+    verdict: VerdictCell | None
+    entries: tuple[ContentsEntry, ...]
 
 
 def text(document: Document) -> str:
-    """The whole page, the style sheet inside it."""
+    """The whole page, style sheet and script inside it."""
+    parts = _with_anchors(document.parts, document.contents_depth, set())
+    return (
+        _templates()
+        .get_template("document.html")
+        .render(
+            document=replace(document, parts=parts),
+            contents=tuple(_entries(parts, document.contents_depth)),
+            style=source("style.css"),
+            script=source("script.js"),
+        )
+    )
+
+
+def fragment(parts: Iterable[Part], level: int) -> str:
+    """Some parts as a piece of a page that has the style and the script of :func:`source`.
+
+    ``level`` is the rank of the first headings.
+    """
+    macro = _templates().get_template("parts.html").module.part  # type: ignore[attr-defined]
+    return "\n".join(str(macro(part, level)) for part in parts)
+
+
+def source(name: str) -> str:
+    """The style sheet or the script of every page."""
     templates = _templates()
-    loader = templates.loader
-    assert loader is not None
-    style = loader.get_source(templates, "style.css")[0]
-    return templates.get_template("document.html").render(document=document, style=style)
+    assert templates.loader is not None
+    return templates.loader.get_source(templates, name)[0]
+
+
+def _with_anchors(parts: Iterable[Part], depth: int, taken: set[str]) -> tuple[Part, ...]:
+    """The parts, of which those in the table of contents have anchors, each another."""
+    anchored: list[Part] = []
+    for part in parts:
+        if isinstance(part, (Section, Fold)) and depth > 0:
+            below = _with_anchors(part.parts, depth - 1, taken)
+            part = replace(part, parts=below, anchor=part.anchor or _free_anchor(part.title, taken))
+        anchored.append(part)
+    return tuple(anchored)
+
+
+def _free_anchor(title: str, taken: set[str]) -> str:
+    name = f"part-{valid_id(title)}"
+    while name in taken:
+        name += "-"
+    taken.add(name)
+    return name
+
+
+def _entries(parts: Iterable[Part], depth: int) -> Iterator[ContentsEntry]:
+    for part in parts:
+        if isinstance(part, (Section, Fold)) and depth > 0:
+            below = tuple(_entries(part.parts, depth - 1))
+            yield ContentsEntry(part.title, part.anchor, getattr(part, "verdict", None), below)
 
 
 @cache

@@ -10,7 +10,7 @@ from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
 from validation.execution.run_folder import write_run
 from validation.report import html, json_data, junit, markdown
-from validation.report.document import Document, Paragraph, figures_of
+from validation.report.document import Document, figures_of
 from validation.report.figures import zone_chart
 from validation.report.report import Report
 from validation.report.sections import (
@@ -44,9 +44,7 @@ def page(report: Report) -> Document:
     parts += [] if report.fields is None else [fields.section(report.fields)]
     parts += map(scene.section, report.scenes)
     parts += [costs.section(report.runs), environment.section(report.environment, report.wall_seconds)]
-    return Document(
-        overview.title(report), (overview.lead(report), Paragraph(overview.EXPLAINED)), tuple(parts)
-    )
+    return Document(overview.title(report), (overview.lead(report),), tuple(parts))
 
 
 def summary(report: Report) -> Document:

@@ -87,6 +87,8 @@ class Solver(ABC):
         Short name: on the command line, in ``Trace.solver``, in reports.
     title : str
         The method in words, for tables and legends.
+    description : str
+        How it works, in a sentence or two, for readers of a report.
     order : float
         Observed order of convergence of whole runs, for error estimates from two runs.
     tolerance, curve_tolerance : float
@@ -117,6 +119,7 @@ class Solver(ABC):
 
     name: ClassVar[str]
     title: ClassVar[str]
+    description: ClassVar[str] = ""
     order: ClassVar[float] = 1.0
     tolerance: ClassVar[float] = 5e-3
     curve_tolerance: ClassVar[float] = 5e-3

@@ -37,6 +37,10 @@ class BoundaryElements(Solver):
 
     name = "bem"
     title = "boundary elements"
+    description = (
+        "Rings of constant pressure on the surface, which travel with the contact edge; the history is "
+        "carried at points of the surface. The paper's own discretisation is a setting of it."
+    )
     order = 1.0
     tolerance = 5e-3
     curve_tolerance = 5e-3

@@ -55,6 +55,10 @@ class FiniteElements(Solver):
 
     name = "fem"
     title = "finite elements"
+    description = (
+        "Axisymmetric elements of the body, on a mesh fitted to the scene; the contact edge moves by "
+        "releasing the forces of nodes."
+    )
     order = 2.0
     tolerance = 2e-2
     curve_tolerance = 1e-2

@@ -16,6 +16,7 @@ from validation.report.document import (
     Record,
     Section,
     counted,
+    formatted,
     number,
     passed_or_not,
     plain,
@@ -23,6 +24,7 @@ from validation.report.document import (
 from validation.report.report import Report
 from validation.report.sections import checks
 from validation.report.sections.scene import anchor, skipped_work
+from validation.solvers import SOLVERS
 
 EXPLAINED = (
     "Differences are relative; each stands beside the error estimates of solver and reference and beside the "
@@ -48,7 +50,7 @@ def lead(report: Report) -> Paragraph:
 
 
 def section(report: Report) -> Section:
-    """One line for each scene, which leads to its section."""
+    """What did not pass, a line for each scene, which leads to its section, and who the solvers are."""
     rows: Iterator[Record] = (
         {
             "scene": LinkCell(scene.case.name, anchor(scene)),
@@ -59,7 +61,39 @@ def section(report: Report) -> Section:
         }
         for scene in report.scenes
     )
-    return Section("Overview", (DataTable.of(rows),))
+    parts: tuple[Part, ...] = (DataTable.of(rows), Paragraph(EXPLAINED), *solvers(report))
+    if report.failures:
+        parts = (Section("Not passed", (_failures(report),), "not-passed"), *parts)
+    return Section("Overview", parts, "overview")
+
+
+def solvers(report: Report) -> tuple[Part, ...]:
+    """The solvers of the runs, with their methods in words; nothing without a run."""
+    names = dict.fromkeys(name for scene in report.scenes for name in scene.runs)
+    known = [SOLVERS[name] for name in names if name in SOLVERS]
+    rows: Iterator[Record] = (
+        {"solver": one.name, "method": one.title, "how it works": one.description} for one in known
+    )
+    return (Section("The solvers", (DataTable.of(rows),)),) if known else ()
+
+
+def _failures(report: Report) -> DataTable:
+    """Every check that did not pass, in the order of the scenes; details are in their sections."""
+    anchors = {scene.case.name: anchor(scene) for scene in report.scenes}
+    rows: Iterator[Record] = (
+        {
+            "scene": LinkCell(one.scene, anchors[one.scene]) if one.scene in anchors else one.scene,
+            "solver": one.solver,
+            "quantity": plain(one.quantity),
+            "found": number(one.found),
+            "expected": number(one.expected),
+            "difference": formatted(one.difference, "+.1e"),
+            "allowed": formatted(one.limit, ".1e"),
+            "why": one.note or one.source,
+        }
+        for one in report.failures
+    )
+    return DataTable.of(rows)
 
 
 def summary(report: Report) -> tuple[Part, ...]:

@@ -42,7 +42,8 @@ def section(scene: SceneComparison) -> Section:
         Section("Runs", (runs(scene), Paragraph(skipped_work(scene)))),
         Section("Checks", (checks.table(scene.checks),)),
     )
-    return Section(case.scene.title or case.name, parts, anchor(scene), passed_or_not(scene.passed))
+    verdict = passed_or_not(scene.passed)
+    return Section(case.scene.title or case.name, parts, anchor(scene), verdict, folded=scene.passed)
 
 
 def verdicts(scene: SceneComparison) -> Section:

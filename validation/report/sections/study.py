@@ -29,13 +29,19 @@ from validation.report.figures import study_charts
 from validation.report.pictures import valid_id, with_drawing
 from validation.report.sections import environment
 from validation.report.sections.scene import COUNTERS
-from validation.studies import work_precision
+from validation.studies import schemes, work_precision
 from validation.studies.convergence import Convergence, LevelRun, Row
 from validation.studies.schemes import scheme
 from validation.studies.study import SceneStudy, Study
 
 TITLE = "crosscontact study"
 HEADLINE = ("pull_off_force", "loop_energy", "approach_force", "approach_radius", "detachment_penetration")
+SCHEMES = (
+    "The methods: "
+    + "; ".join(f"{name}: {one.title}" for name, one in schemes.SCHEMES.items())
+    + ". Each is refined level by level, a ladder; the front tracking is nearly exact, and the others are "
+    "measured against it."
+)
 NOTES = (
     "Order against the reference: signed, of neighbouring levels, coarse to fine; negative where the error "
     "grows. Order of values alone: from three neighbouring levels; none where values go to and fro. Index: "
@@ -62,7 +68,7 @@ def document(study: Study, figures: bool = True) -> Document:
     """The whole study; ``figures`` leaves them out where nobody looks at them."""
     parts = (*(_scene(scene, study, figures) for scene in study.scenes),
              environment.section(study.environment, study.wall_seconds))  # fmt: skip
-    return Document(TITLE, (Paragraph(verdict(study)),), parts)
+    return Document(TITLE, (Paragraph(verdict(study)), Paragraph(SCHEMES)), parts, contents_depth=2)
 
 
 def short(study: Study) -> Section:

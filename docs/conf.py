@@ -1,0 +1,53 @@
+"""The documentation site: ``python -m sphinx -W -b html docs out/docs``.
+
+Pages that come from the program or from a saved report are written to ``docs/generated`` first; nothing is
+run for them. ``CROSSCONTACT_REPORT`` names the folder of another report than ``docs/data/report.zip``.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+os.environ.setdefault("MPLBACKEND", "agg")
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH")]))
+
+import site_pages  # noqa: E402 - found by the path above
+
+import crosscontact  # noqa: E402
+
+project = "crosscontact"
+author = "the crosscontact authors"
+copyright = "2026, the crosscontact authors"
+version = release = crosscontact.__version__
+extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton", "site_pages.mathml"]
+exclude_patterns = ["data", "site_pages", "**/.ipynb_checkpoints"]
+templates_path: list[str] = []
+
+html_theme = "furo"
+html_title = "crosscontact"
+html_static_path = ["_static"]
+html_css_files = ["site.css", "report-parts.css"]
+html_js_files = [("report-parts.js", {"defer": "defer"})]
+html_copy_source = False
+html_show_sourcelink = False
+html_math_renderer = "mathml"
+
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "attrs_block"]
+myst_heading_anchors = 3
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True
+nb_execution_timeout = 120
+
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+numpydoc_show_class_members = False
+copybutton_exclude = ".linenos, .gp, .go"
+
+
+def setup(app):
+    """Write the generated pages before Sphinx looks for pages."""
+    report = Path(os.environ.get("CROSSCONTACT_REPORT", HERE / "data" / "report.zip"))
+    site_pages.write(HERE, report)

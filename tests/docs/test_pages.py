@@ -1,0 +1,120 @@
+"""The words of the README and of the documentation against the program, and their examples run."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from contact_scene import read_scene, scene_from_dict
+from crosscontact.arguments import parser
+from crosscontact.cli import main
+
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+PAGES = [path for path in sorted((ROOT / "docs").rglob("*.md")) if "generated" not in path.parts]
+TEXTS = {path: path.read_text("utf-8") for path in [README, *PAGES]}
+BLOCK = re.compile(
+    r"^(`{3,})(?:\{code-block\} )?(\w+)\n(?::caption: (\S+)\n\n?)?(.*?)^\1$", re.DOTALL | re.MULTILINE
+)
+EXECUTED = [path for path, text in TEXTS.items() if "\nrun: true\n" in text[:200]]
+
+
+def _name(path):
+    return str(path.relative_to(ROOT))
+
+
+def _blocks(text, language=None):
+    """Language, caption and contents of the fenced blocks of a page, in their order."""
+    found = [(kind, caption, body) for _, kind, caption, body in BLOCK.findall(text)]
+    return [block for block in found if language in (None, block[0])]
+
+
+def _commands(text):
+    """Arguments of the program's commands in the blocks of shell lines."""
+    lines = "\n".join(body for _, _, body in _blocks(text, "sh")).replace("\\\n", " ").splitlines()
+    calls = [part.partition("#")[0].strip() for line in lines for part in line.split("&&")]
+    called = re.compile(r"(?:\.venv/bin/)?crosscontact +(.*)")
+    return [shlex.split(found.group(1)) for call in calls if (found := called.fullmatch(call))]
+
+
+def test_scene_in_the_reference_is_a_scene():
+    block = _blocks(TEXTS[ROOT / "docs/reference/scene-file.md"], "toml")[0][2]
+    scene = scene_from_dict(tomllib.loads(block))
+    assert scene.material.glassy_modulus == 7.5
+    assert len(scene.loading.steps) == 2
+
+
+@pytest.mark.parametrize("page", TEXTS, ids=_name)
+def test_commands_are_commands(page):
+    for command in _commands(TEXTS[page]):
+        if command == ["--version"]:
+            continue
+        assert parser().parse_args(command).command, command
+
+
+def test_most_pages_are_about_commands():
+    assert len(_commands(TEXTS[README])) == 1
+    assert sum(map(len, map(_commands, TEXTS.values()))) > 5
+
+
+def test_files_named_exist():
+    pattern = r"`((?:validation|contact_scene|bem_solver|fem_solver|crosscontact|docs|tests)/[\w/.-]*)`"
+    named = [name for text in TEXTS.values() for name in re.findall(pattern, text)]
+    made = ("docs/generated", "docs/data/report.zip")
+    assert len(named) >= 8
+    assert [name for name in named if not name.startswith(made) and not (ROOT / name).exists()] == []
+    for script in ("docs/make_figure.py", "docs/make_fields.py", "docs/make_first_scene.py"):
+        assert (ROOT / script).exists()
+
+
+def test_pictures_and_pages_linked_exist():
+    pictures, links = [], []
+    for path, text in TEXTS.items():
+        pictures += [path.parent / name for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", text)]
+        links += [
+            path.parent / name for name in re.findall(r"(?<!!)\[[^]]+\]\(([\w./-]+\.(?:md|cff))\)", text)
+        ]
+    assert len(re.findall(r"!\[", TEXTS[README])) == 1
+    assert len({path.resolve() for path in pictures}) == 3
+    assert [path for path in pictures if not path.exists()] == []
+    assert len(links) > 20
+    assert [path for path in links if not path.exists() and "generated" not in path.parts] == []
+
+
+def test_readme_fits_a_screen_and_its_table_is_that_of_the_saved_report():
+    from site_pages.readme import accuracy, with_table
+
+    text = TEXTS[README]
+    assert len(text.splitlines()) < 100
+    assert with_table(text, accuracy(ROOT / "docs" / "data" / "report.zip")) == text
+    assert "| `fem` |" in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", EXECUTED, ids=_name)
+def test_examples_run(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names: dict = {}
+    done = 0
+    for kind, caption, body in _blocks(TEXTS[page]):
+        if caption:
+            Path(caption).write_text(body, "utf-8")
+            if kind == "toml":
+                assert read_scene(caption).loading.steps
+        elif kind == "sh":
+            for command in _commands(f"```sh\n{body}```"):
+                assert main(command) == 0, command
+                done += 1
+        elif kind == "python":
+            exec(body, names)
+            done += 1
+    assert done >= 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+sys.path.append(str(ROOT / "docs"))  # of the modules that write pages

@@ -1,0 +1,129 @@
+"""Wheel and source distribution, built from a clone and installed in fresh environments. Needs a package index.
+
+Run by ``pytest -m exhaustive tests/packaging -n 0``, with the extra ``release`` installed.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tomllib
+import zipfile
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+TRIED = {
+    "": "cc.solve('relaxed-equilibrium')",
+    "data": "len(cc.solve('relaxed-equilibrium').to_pandas()); cc.solve('relaxed-equilibrium').to_xarray()",
+    "dask": "__import__('distributed').Client",
+    "docs": "[__import__(name) for name in ('sphinx', 'myst_nb', 'furo', 'numpydoc', 'latex2mathml')]",
+}
+"""An expression that needs what an extra brings."""
+EXTRAS = ["", *(name for name in PROJECT["optional-dependencies"] if name not in ("dev", "release"))]
+
+pytestmark = [
+    pytest.mark.exhaustive,
+    pytest.mark.skipif(find_spec("build") is None, reason="needs the extra `release`"),
+    pytest.mark.skipif(not (ROOT / ".git").exists(), reason="needs the repository, for the version"),
+]
+
+
+def _run(*command, **options):
+    ended = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    assert ended.returncode == 0, ended.stdout[-2000:] + ended.stderr[-2000:]
+    return ended.stdout
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory):
+    """The last commit, without tags."""
+    folder = tmp_path_factory.mktemp("clone") / "crosscontact"
+    _run("git", "clone", "--quiet", "--no-tags", ROOT, folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def built(clone):
+    """The folder of sdist and wheel, built from a clone with the tag v7.8.9."""
+    _run("git", "-c", "user.name=t", "-c", "user.email=t@t", "tag", "v7.8.9", cwd=clone)
+    _run(sys.executable, "-m", "build", "--outdir", clone / "dist", clone)
+    return clone / "dist"
+
+
+@pytest.fixture(scope="module", params=EXTRAS)
+def installed(request, built, tmp_path_factory):
+    """A fresh environment with the wheel and one extra, and the name of the extra."""
+    folder = tmp_path_factory.mktemp("environment")
+    _run(sys.executable, "-m", "venv", folder)
+    (wheel,) = built.glob("*.whl")
+    extra = f"[{request.param}]" if request.param else ""
+    _run(folder / "bin" / "pip", "install", "--quiet", f"crosscontact{extra} @ {wheel.as_uri()}")
+    yield folder, request.param
+    shutil.rmtree(folder)
+
+
+def test_a_clone_without_tags_has_a_version(clone):
+    code = "import setuptools_scm; print(setuptools_scm.get_version())"
+    version = _run(sys.executable, "-c", code, cwd=clone).strip()
+    assert re.match(r"0\.1\.dev\d+|\d+\.\d+\.\d+", version), version
+
+
+def test_wheel_holds_code_data_and_types(built):
+    (wheel,) = built.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+        (metadata,) = (name for name in names if name.endswith("/METADATA"))
+        text = archive.read(metadata).decode()
+    assert "Version: 7.8.9\n" in text
+    assert "License-Expression: MIT" in text
+    packages = {path.parent.name for path in ROOT.glob("*/py.typed")}
+    assert {f"{package}/py.typed" for package in packages} <= set(names)
+    sources = [path for package in packages for path in (ROOT / package).rglob("*") if path.is_file()]
+    data = [path.relative_to(ROOT).as_posix() for path in sources if path.suffix not in (".pyc", "")]
+    assert sorted(set(data) - set(names)) == []
+    assert not any(name.startswith(("tests/", "docs/")) for name in names)
+
+
+def test_source_distribution_holds_tests_and_documentation(built):
+    (sdist,) = built.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    for name in (
+        "README.md",
+        "LICENSE",
+        "CHANGELOG.md",
+        "docs/conf.py",
+        "tests/conftest.py",
+        "pyproject.toml",
+    ):
+        assert name in names
+
+
+def test_installed_alone_it_works(installed, tmp_path):
+    environment, extra = installed
+    _run(environment / "bin" / "pip", "check")
+    assert _run(environment / "bin" / "crosscontact", "--version", cwd=tmp_path).split()[-1] == "7.8.9"
+    expression = TRIED.get(extra, TRIED[""])
+    code = f"import crosscontact as cc; assert cc.__version__ == '7.8.9'; {expression}"
+    _run(
+        environment / "bin" / "python",
+        "-W",
+        "error::DeprecationWarning:crosscontact",
+        "-c",
+        code,
+        cwd=tmp_path,
+    )
+    if not extra:
+        run = ("solve", "relaxed-equilibrium", "--solver", "fem", "--plot", "--out", tmp_path / "out")
+        _run(environment / "bin" / "crosscontact", *run, cwd=tmp_path)
+        assert {"force.png", "summary.json", "trace.csv"} <= {
+            path.name for path in (tmp_path / "out").iterdir()
+        }
+        _run(environment / "bin" / "crosscontact", "report", "--help", cwd=tmp_path)

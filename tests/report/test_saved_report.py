@@ -1,0 +1,79 @@
+"""A report read back from its folder or archive: the same checks, figures and findings, nothing run."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+
+from contact_scene import SceneError
+from validation.claims.claim import Finding, Part, Verdict
+from validation.report import json_data, saved
+from validation.report.sections import scene as scene_section
+from validation.stability.runner import StabilityMatrix
+from validation.stability.verdict import Cell, CellVerdict
+
+ARCHIVE = Path(__file__).parents[2] / "docs" / "data" / "report.zip"
+
+
+@pytest.fixture(scope="module")
+def report():
+    return saved.read(ARCHIVE)
+
+
+def test_checks_and_runs_are_those_of_report_json(report):
+    with zipfile.ZipFile(ARCHIVE) as archive:
+        data = json.loads(archive.read("report.json"))
+    assert len(report.checks) == data["checks"] > 1000
+    assert len(report.failures) == data["failed"]
+    by_name = {scene.case.name: scene for scene in report.scenes}
+    for scene in data["scenes"]:
+        assert [asdict(check) for check in by_name[scene["name"]].checks] == scene["checks"]
+        assert by_name[scene["name"]].case.statement == scene["statement"]
+    runs = {run.scene: run for run in report.runs if run.solver == "reference"}
+    forces = {s["name"]: s["runs"]["reference"].get("pull_off_force") for s in data["scenes"]}
+    assert {name: runs[name].measures.get("pull_off_force") for name in runs} == forces
+    assert any(run.refused for run in report.runs)
+
+
+def test_a_packed_report_is_the_same_report(report, tmp_path):
+    saved.unpack(ARCHIVE, tmp_path / "folder")
+    (tmp_path / "folder" / "index.html").write_text("not packed")
+    for run in (tmp_path / "folder" / "runs").glob("[!r]*/*/*"):  # few runs are enough
+        run.unlink()
+    saved.pack(tmp_path / "folder", tmp_path / "few.zip")
+    with zipfile.ZipFile(ARCHIVE) as whole, zipfile.ZipFile(tmp_path / "few.zip") as few:
+        names = [name for name in whole.namelist() if name.startswith(("runs/r", "report"))]
+        assert few.namelist() == names
+        assert [few.read(name) for name in names] == [whole.read(name) for name in names]
+
+
+def test_figures_are_drawn_from_the_saved_rows(report):
+    scene = next(one for one in report.scenes if one.case.name == "relaxed-equilibrium")
+    figures = scene_section.figures(scene).figures
+    assert [figure.picture.startswith("<svg") for figure in figures] == [True] * 5
+
+
+def test_findings_and_cells_survive():
+    finding = Finding("a", "Sec. 1", "it sticks", Verdict.IN_PART, (Part("1 > 2", False, {"x": 1.0}),))
+    data = json.loads(json.dumps([json_data._finding(finding)]))
+    assert saved.findings(data) == (finding,)
+    cell = Cell(
+        "stiff", "1e3", "bem", CellVerdict.WITHIN, "completed", "", errors={"force": 1e-3}, tolerance=1e-2
+    )
+    written = json.loads(json.dumps(json_data.of_matrix(StabilityMatrix((cell,), 2.0))))
+    assert saved.matrix(written) == StabilityMatrix((cell,), 2.0)
+
+
+def test_what_is_damaged_is_said_in_one_line(tmp_path):
+    with pytest.raises(SceneError, match=r"report\.json.*No such file"):
+        saved.read(tmp_path)
+    (tmp_path / "report.zip").write_text("no archive")
+    with pytest.raises(SceneError, match="not a zip file"):
+        saved.read(tmp_path / "report.zip")
+    (tmp_path / "report.json").write_text('{"scenes": []}')
+    with pytest.raises(SceneError, match="damaged"):
+        saved.read(tmp_path)

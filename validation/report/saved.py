@@ -1,0 +1,157 @@
+"""A report read back from its folder, and packed small enough to be kept beside the code.
+
+The folder is what ``crosscontact report --out`` wrote, or a ZIP archive of it made by
+``python -m validation.report.saved out/report docs/data/report.zip``. Nothing is run.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import shutil
+import sys
+import tempfile
+import zipfile
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from contact_scene import COLUMNS, SceneError, read_columns, read_scene
+from validation.cases import Case
+from validation.claims.claim import Finding, Part, Verdict
+from validation.compare.suite import SceneComparison
+from validation.execution.run_folder import read_run
+from validation.execution.runs import Run
+from validation.measure.check import Check
+from validation.report.report import Report
+from validation.stability.runner import StabilityMatrix
+from validation.stability.verdict import Cell, CellVerdict
+
+DIGITS = 7
+"""Significant digits of a packed trace: its figures are drawn to four."""
+EARLIEST = (1980, 1, 1, 0, 0, 0)
+"""Date of the files in an archive, so that the same report gives the same archive."""
+DOCUMENTS = ("report.json", "stability.json", "study.md")
+"""Files of a folder that are packed as they are, beside the runs."""
+
+
+def read(source: Path) -> Report:
+    """A report from its folder or archive, as far as its pages need it.
+
+    Raises
+    ------
+    SceneError
+        One line, if a file is missing or damaged.
+    """
+    if source.is_dir():
+        return _report(source)
+    with tempfile.TemporaryDirectory() as folder:
+        unpack(source, Path(folder))
+        return _report(Path(folder))
+
+
+def unpack(archive: Path, folder: Path) -> None:
+    """Unpack an archive that :func:`pack` made.
+
+    Raises
+    ------
+    SceneError
+    """
+    try:
+        with zipfile.ZipFile(archive) as packed:
+            packed.extractall(folder)
+    except (OSError, zipfile.BadZipFile) as error:
+        raise SceneError("", f"cannot be read: {error}", "the archive of a report", str(archive)) from None
+
+
+def findings(data: list[dict[str, Any]]) -> tuple[Finding, ...]:
+    """The findings on the paper's statements, of ``report.json``."""
+    return tuple(
+        Finding(
+            one["name"],
+            one["place"],
+            one["wording"],
+            Verdict(one["recorded"]),
+            tuple(Part(**part) for part in one["parts"]),
+            one["failure"],
+        )
+        for one in data
+    )
+
+
+def matrix(data: dict[str, Any]) -> StabilityMatrix:
+    """The stiff and extreme cases, of ``stability.json`` or of ``report.json``."""
+    names = {entry.name for entry in fields(Cell)}
+    cells = (
+        Cell(**{k: v for k, v in cell.items() if k in names} | {"verdict": CellVerdict(cell["verdict"])})
+        for cell in data["cells"]
+    )
+    return StabilityMatrix(tuple(cells), data["wall_seconds"])
+
+
+def pack(folder: Path, archive: Path) -> None:
+    """Pack a report: every number, the scenes, the runs with the columns that are drawn, its figures.
+
+    Parameters
+    ----------
+    folder : Path
+        Written by ``crosscontact report --out``; ``study.md`` of ``crosscontact study``, ``stability.json``
+        of ``crosscontact stability`` and their ``figures`` may have been copied into it.
+    archive : Path
+        A ZIP file; replaced.
+    """
+    with tempfile.TemporaryDirectory() as stage:
+        packed = Path(stage) / "packed.zip"
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_LZMA) as target:
+            for path in sorted(folder.rglob("*")):
+                name = path.relative_to(folder)
+                if name.parts[0] == "runs" and path.suffix in (".toml", ".json", ".csv"):
+                    data = _drawn_columns(path) if path.name == "trace.csv" else path.read_bytes()
+                elif (name.parts[0] == "figures" and path.suffix == ".png") or str(name) in DOCUMENTS:
+                    data = path.read_bytes()
+                else:
+                    continue
+                target.writestr(zipfile.ZipInfo(name.as_posix(), EARLIEST), data, zipfile.ZIP_LZMA)
+        shutil.copyfile(packed, archive)
+
+
+def _drawn_columns(path: Path) -> bytes:
+    columns = read_columns(path)
+    text = io.StringIO()
+    text.write(",".join(COLUMNS) + "\n")
+    for row in zip(*(columns[name].tolist() for name in COLUMNS), strict=True):
+        text.write(",".join(f"{value:.{DIGITS}g}" for value in row) + "\n")
+    return text.getvalue().encode()
+
+
+def _report(folder: Path) -> Report:
+    file = folder / "report.json"
+    try:
+        data = json.loads(file.read_text("utf-8"))
+        scenes = [_scene(folder, scene) for scene in data["scenes"]]
+        stability = matrix(data["stability"]) if "stability" in data else None
+        return Report(data["suite"], scenes, data["environment"], data["wall_seconds"], stability=stability)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        if isinstance(error, SceneError):
+            raise
+        raise SceneError("", f"damaged: {error}", "report.json as written", str(file)) from None
+
+
+def _scene(folder: Path, data: dict[str, Any]) -> SceneComparison:
+    runs = {
+        solver: _run(folder / "runs" / data["name"] / solver, run) for solver, run in data["runs"].items()
+    }
+    scene = read_scene(folder / "runs" / data["name"] / next(iter(runs)) / "scene.toml")
+    case = Case(data["name"], scene, data["figure"], data["statement"])
+    return SceneComparison(case, runs, [Check(**check) for check in data["checks"]])
+
+
+def _run(folder: Path, data: dict[str, Any]) -> Run:
+    if data["outcome"] not in ("failed", "refused"):
+        return read_run(folder)[1]
+    details = data.get("traceback") or ""
+    return Run(data["scene"], data["solver"], None, data["reason"], data["outcome"] == "refused", details)
+
+
+if __name__ == "__main__":
+    pack(Path(sys.argv[1]), Path(sys.argv[2]))
