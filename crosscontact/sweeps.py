@@ -25,6 +25,7 @@ from validation.sweeps.plan import plan_from_dict
 from validation.sweeps.run_plan import carry_out
 from validation.sweeps.samples import SAMPLES
 from validation.sweeps.scene_table import builtin_or_file, of_scene
+from validation.sweeps.traces import check_writable
 from validation.sweeps.write import write_results
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def sweep(
     seed: int = 0,
     estimate_errors: bool = True,
     measures: Sequence[str] = (),
+    traces: str | None = None,
     max_steps: int | None = None,
     out: str | os.PathLike[str] | None = None,
     executor: Executor | JobQueue | None = None,
@@ -71,6 +73,8 @@ def sweep(
         Whether errors are estimated.
     measures : sequence of str
         Those that the data set holds; by default all.
+    traces : str, optional
+        "hdf5" or "parquet": keep the time series too, in files in ``out``.
     max_steps : int, optional
         Bounds the steps of every run, accepted and rejected together.
     out : path, optional
@@ -116,10 +120,14 @@ def sweep(
             "seed": seed,
             "estimate": estimate_errors,
             "measures": measures,
+            "traces": traces,
             "coordinates": [_entry(key, entry, design in SAMPLES) for key, entry in values.items()],
         }
         plan = plan_from_dict(table if points is None else table | {"points": points}, Path(), base)
         plan.check()
+        if traces is not None and out is None:
+            raise SceneError("traces", "given without out", "a folder for the traces, out")
+        check_writable(plan)
         folder = None if out is None else opened.enter_context(locked_folder(checked_path(out), "out"))
         stored = opened.enter_context(RunTable(folder))
         if executor is None:

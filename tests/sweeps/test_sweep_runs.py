@@ -55,7 +55,7 @@ def swept(scene_file, rates=RATES, **more):
         ("loading.steps.0.rate", "loading.steps.1.rate"): rates,
         "loading.steps.0.to": DEPTHS,
     }
-    return cc.sweep(scene_file, values, "bem", estimate_errors=False, **more)
+    return cc.sweep(scene_file, values, "bem", estimate_errors=False, measures=["approach_force"], **more)
 
 
 def test_a_sweep_is_labelled_by_its_coordinates(scene_file, calls):
@@ -196,11 +196,12 @@ def test_stored_runs_give_their_numbers_back_and_damage_is_told(tmp_path):
         assert not table.holds("x")
 
 
-def write_plan(tmp_path, scene_file, more=""):
+def write_plan(tmp_path, scene_file):
     file = tmp_path / "plan.toml"
     file.write_text(
-        f'title = "A plan"\nscene = "{scene_file}"\nsolver = "bem"\nestimate = false\n{more}\n'
-        'drawn = ["approach_force"]\n[[coordinates]]\nname = "speed"\nkey = "loading.steps.0.rate"\n'
+        f'title = "A plan"\nscene = "{scene_file}"\nsolver = "bem"\nestimate = false\n'
+        'drawn = ["approach_force"]\nmeasures = ["approach_force"]\n'
+        '[[coordinates]]\nname = "speed"\nkey = "loading.steps.0.rate"\n'
         f"values = {json.dumps(RATES)}\n"
     )
     return str(file)
@@ -237,19 +238,26 @@ def test_the_command_refuses_in_one_line(capsys, tmp_path, scene_file):
 
 
 @pytest.mark.parametrize("kind", ["hdf5", "parquet"])
-def test_traces_are_kept_on_request(capsys, tmp_path, scene_file, calls, kind):
-    package = pytest.importorskip({"hdf5": "h5py", "parquet": "pyarrow.parquet"}[kind], reason="an extra")
+def test_traces_are_kept_on_request(tmp_path, scene_file, calls, kind):
+    package = pytest.importorskip(
+        {"hdf5": "h5py", "parquet": "pyarrow.parquet"}[kind], reason="it is not installed"
+    )
     out = tmp_path / "out"
-    main(["sweep", write_plan(tmp_path, scene_file), "--out", str(out), "--jobs", "1"])
-    main(["sweep", write_plan(tmp_path, scene_file, f'traces = "{kind}"'), "--out", str(out), "--jobs", "1"])
-    assert len(calls) == 5  # the refused one has no trace to be run for
+    swept(scene_file, out=out)
+    swept(scene_file, out=out, traces=kind)
+    assert len(calls) == 11  # the refused one has no trace to be run for
     if kind == "hdf5":
-        with package.File(out / "traces" / "runs-0000000-0000002.h5") as file:
-            assert sorted(file) == ["0000000", "0000001"]
-            group = file["0000001"]
-            assert group.attrs["speed"] == 0.02
+        with package.File(out / "traces" / "runs-0000000-0000005.h5") as file:
+            assert sorted(file) == [f"000000{run}" for run in range(5)]
+            group = file["0000003"]
+            assert (group.attrs["loading.steps.0.rate"], group.attrs["loading.steps.0.to"]) == (0.02, 0.03)
             assert group["force"][:].max() == pytest.approx(0.06)
     else:
-        table = package.read_table(out / "traces" / "runs-0000000-0000002.parquet").to_pydict()
-        assert sorted(set(zip(table["run"], table["speed"], strict=True))) == [(0, 0.01), (1, 0.02)]
+        table = package.read_table(out / "traces" / "runs-0000000-0000005.parquet").to_pydict()
+        found = set(
+            zip(table["run"], table["loading.steps.0.rate"], table["loading.steps.0.to"], strict=True)
+        )
+        assert sorted(found)[:4] == [(0, 0.01, 0.02), (1, 0.01, 0.03), (2, 0.02, 0.02), (3, 0.02, 0.03)]
         assert max(table["force"]) == pytest.approx(0.06)
+    with pytest.raises(cc.SceneError, match="traces: given without out"):
+        swept(scene_file, traces=kind)

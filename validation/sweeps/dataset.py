@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import shutil
 import tempfile
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,7 +13,7 @@ import tomli_w
 from numpy.typing import NDArray
 
 from contact_scene.errors import SceneError
-from contact_scene.files import remove_partial
+from validation.execution.files import move_whole
 from validation.sweeps.coordinates import Coordinate
 from validation.sweeps.plan import SweepPlan
 from validation.sweeps.run_plan import SweepRuns
@@ -27,6 +27,7 @@ ERROR = "_error"
 """Ending of the relative error estimate of a measure."""
 RUN = "run"
 """Dimension of a list of points and of a sample."""
+_STAGE = ".sweep."
 PACKAGES = ("xarray", "h5netcdf")
 
 
@@ -143,11 +144,11 @@ def drawn_measures(data: xarray.Dataset) -> list[str]:
 
 def write_dataset(data: xarray.Dataset, path: Path) -> None:
     """Write a netCDF file, whole or not at all; the same data give the same bytes."""
-    remove_partial(path)
-    handle, partial = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    os.close(handle)
-    data.to_netcdf(partial, engine="h5netcdf")
-    os.replace(partial, path)
+    for left in path.parent.glob(f"{_STAGE}*"):  # by a program that was killed
+        shutil.rmtree(left, ignore_errors=True)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=_STAGE) as stage:
+        data.to_netcdf(Path(stage) / path.name, engine="h5netcdf")
+        move_whole(Path(stage), path.parent)
 
 
 def read_dataset(folder: Path) -> xarray.Dataset:

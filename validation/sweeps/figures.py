@@ -128,7 +128,7 @@ def _map(
             label.set_path_effects(outline)
     if not known.all():
         box = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5}
-        note = {"fontsize": 7, "color": INK, "ha": "right", "va": "bottom", "bbox": box}
+        note: dict[str, Any] = {"fontsize": 7, "color": INK, "ha": "right", "va": "bottom", "bbox": box}
         axes.text(0.98, 0.02, "grey: no value", transform=axes.transAxes, **note)
     _scales(axes, data, across, up)
     axes.set(xlabel=_label(data, across), ylabel=_label(data, up))
