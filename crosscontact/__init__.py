@@ -65,6 +65,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     )
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
     from crosscontact.result import ContactState, Result, load
+    from crosscontact.sweeps import sweep
 
     __version__: str
 
@@ -118,6 +119,7 @@ __all__ = [
     "scenes",
     "solve",
     "solvers",
+    "sweep",
     "write_material",
     "write_scene",
 ]
@@ -149,6 +151,10 @@ def __getattr__(name: str) -> Any:
         from crosscontact import result
 
         return getattr(result, name)
+    if name == "sweep":
+        from crosscontact import sweeps
+
+        return sweeps.sweep
     import contact_scene
 
     return getattr(contact_scene, name)

@@ -122,6 +122,9 @@ def parser() -> argparse.ArgumentParser:
     _fields_arguments(
         commands.add_parser("fields", help="stresses, energies and losses in the body, for ParaView")
     )
+    _sweep_arguments(
+        commands.add_parser("sweep", help="one scene over many values of its keys, as a data set and maps")
+    )
     _stability_arguments(
         commands.add_parser("stability", help="stiff and extreme cases: where each solver holds")
     )
@@ -241,6 +244,29 @@ def _fields_arguments(command: argparse.ArgumentParser) -> None:
         help="what to draw, of %(choices)s; default: von_mises stress_zz dissipation_rate",
     )
     drawn.add_argument("--no-figures", action="store_true", help="files for ParaView only")
+
+
+def _sweep_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "plan",
+        metavar="PLAN",
+        nargs="?",
+        help="a TOML file or the name of a built-in plan; without: list those",
+    )
+    command.add_argument(
+        "--out", metavar="DIR", help="keep every run and write data set, table and figures there"
+    )
+    command.add_argument("--jobs", type=_count, metavar="N", help="processes; default: the number of cores")
+    command.add_argument(
+        "--dask",
+        metavar="ADDRESS",
+        help="run on the workers of this Dask scheduler, or of a cluster of its own: local",
+    )
+    command.add_argument(
+        "--dry-run", action="store_true", help="say how many runs there are, how long they take, how large"
+    )
+    command.add_argument("--plot", metavar="DIR", help="draw the figures of an earlier sweep again")
+    _fresh(command)
 
 
 def _stability_arguments(command: argparse.ArgumentParser) -> None:

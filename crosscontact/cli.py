@@ -52,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     """Run the command, alone in its folder."""
-    if getattr(options, "out", None) is None:
+    if getattr(options, "out", None) is None or getattr(options, "dry_run", False):
         return _command(options)
     from validation.execution.folder_lock import locked_folder
 
@@ -113,6 +113,14 @@ def _command(options: argparse.Namespace) -> int:
         from crosscontact.commands import stability
 
         return stability.run(options.out, jobs, options.solver, options.only, options.fresh)
+    if options.command == "sweep":
+        from crosscontact.commands import sweep
+
+        if options.plot is not None:
+            return sweep.plot(options.plot)
+        if options.plan is None:
+            return sweep.list_plans()
+        return sweep.run(options.plan, options.out, jobs, options.dask, options.dry_run, options.fresh)
     if options.command == "fields":
         from crosscontact.commands import fields
         from validation.fields.figures.figure_set import of_options

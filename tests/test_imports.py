@@ -23,7 +23,8 @@ PACKAGES = {
     "crosscontact": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation"},
 }
 # Inside ``validation``, upwards only: exact solutions, scenes and solvers; measuring, and carrying out runs,
-# which measures each at its end; drawing; five kinds of evidence beside each other; the report.
+# which measures each at its end; drawing; five kinds of evidence beside each other, and sweeps, which ask for
+# runs as the evidence does and judge nothing; the report.
 BELOW_RUNS = {"reference", "scenes", "solvers", "cases"}
 BELOW_EVIDENCE = BELOW_RUNS | {"measure", "execution", "drawing"}
 EVIDENCE = {"compare", "studies", "stability", "claims", "fields"}
@@ -36,6 +37,7 @@ ROOMS = {
     "execution": BELOW_RUNS | {"measure"},
     "drawing": BELOW_RUNS | {"measure", "execution"},
     **dict.fromkeys(EVIDENCE, BELOW_EVIDENCE),
+    "sweeps": BELOW_EVIDENCE,
     "report": BELOW_EVIDENCE | EVIDENCE,
 }
 # What one kind of evidence may use of another, module by module: the accuracy of fields is a study of them.
@@ -46,7 +48,7 @@ BESIDE = {
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.
 HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
-HEAVY |= {"dask", "distributed"}
+HEAVY |= {"dask", "distributed", "h5py", "pyarrow"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
 LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments", "crosscontact.cli"}

@@ -1,7 +1,8 @@
 """Independent tasks: taken from a store where it has their answers, else carried out here or by an executor.
 
 Any ``concurrent.futures`` executor will do: :class:`~validation.execution.processes.WorkerProcesses`, Dask's
-``Client.get_executor()``, an MPI pool. Only the first enforces time limits.
+``Client.get_executor()``, an MPI pool. Only the first enforces time limits. However many tasks there are, an
+executor holds a bounded number of them at a time.
 """
 
 from __future__ import annotations
@@ -10,14 +11,20 @@ import signal
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import islice
+from queue import SimpleQueue
 from typing import Any
 
 from validation.execution.processes import WorkerProcesses
 from validation.execution.progress import time_left
 from validation.execution.store import Store
+
+OUTSTANDING = 512
+"""Tasks that an executor holds at a time: more than the workers of a large cluster, so that none waits for
+its next one, and few enough that neither their arguments nor their futures count in memory."""
 
 
 class TaskEnding(StrEnum):
@@ -133,8 +140,10 @@ def run_tasks(
                 on_result(results[index])
     if results:
         show("taken over from an earlier attempt")
-    missing = {index: task for index, task in enumerate(tasks) if index not in results}
-    for index, result in _carried_out(missing, executor):
+    missing = [(index, task) for index, task in enumerate(tasks) if index not in results]
+    if executor is not None:
+        missing.sort(key=lambda pair: -pair[1].expected_seconds)
+    for index, result in completed_tasks(missing, executor):
         results[index] = result
         breakdown = result.failure or getattr(result.value, "breakdown", "")
         if not breakdown:
@@ -156,22 +165,52 @@ def _share_done(tasks: Sequence[Task], results: Mapping[int, TaskResult]) -> flo
     return done / (sum(work.values()) or 1.0)
 
 
-def _carried_out(tasks: dict[int, Task], executor: Executor | None) -> Iterator[tuple[int, TaskResult]]:
-    """Results as they come."""
+def completed_tasks(
+    numbered: Iterable[tuple[int, Task]], executor: Executor | None = None, outstanding: int = OUTSTANDING
+) -> Iterator[tuple[int, TaskResult]]:
+    """Results as they come, each with the number of its task.
+
+    Parameters
+    ----------
+    numbered : iterable of (int, Task)
+        May be a generator: a task is taken from it when there is room for it, so that what is known by then
+        can shape it.
+    executor : Executor or None
+        ``None``: one after the other in this process.
+    outstanding : int
+        Most tasks that the executor holds at a time.
+
+    Yields
+    ------
+    (int, TaskResult)
+    """
     if executor is None:
-        for index, task in tasks.items():
-            yield index, TaskResult(task, *execute(task.function, task.arguments))
+        for number, task in numbered:
+            yield number, TaskResult(task, *execute(task.function, task.arguments))
         return
-    futures: dict[Future[Any], int] = {}
-    for index in sorted(tasks, key=lambda index: -tasks[index].expected_seconds):
-        task = tasks[index]
-        if task.time_limit is not None and isinstance(executor, WorkerProcesses):
-            future = executor.submit_limited(task.time_limit, execute, task.function, task.arguments)
-        else:
-            future = executor.submit(execute, task.function, task.arguments)
-        futures[future] = index
-    for future in as_completed(futures):
-        yield futures[future], _collected(tasks[futures[future]], future)
+    done: SimpleQueue[Future[Any]] = SimpleQueue()
+    submitted: dict[Future[Any], tuple[int, Task]] = {}
+    coming = iter(numbered)
+    try:
+        while True:
+            for number, task in islice(coming, outstanding - len(submitted)):
+                future = _submit(executor, task)
+                submitted[future] = (number, task)
+                future.add_done_callback(done.put)
+            if not submitted:
+                return
+            future = done.get()
+            number, task = submitted.pop(future)
+            yield number, _collected(task, future)
+    finally:
+        for future in submitted:  # the reader of the results has gone
+            future.cancel()
+
+
+def _submit(executor: Executor, task: Task) -> Future[Any]:
+    if task.time_limit is not None and isinstance(executor, WorkerProcesses):
+        return executor.submit_limited(task.time_limit, execute, task.function, task.arguments)
+    return executor.submit(execute, task.function, task.arguments)
 
 
 def execute(

@@ -1,0 +1,155 @@
+"""Sweeps from Python: one scene over many values of its keys, as an ``xarray.Dataset``."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contact_scene import Scene, SceneError
+from contact_scene.errors import shown
+from contact_scene.run_control import whole_number
+from crosscontact import registry
+from crosscontact.result import checked_path
+from validation.execution.engines import engine_of, own_engine
+from validation.execution.folder_lock import locked_folder
+from validation.execution.polled_jobs import JobQueue
+from validation.execution.run_table import RunTable
+from validation.sweeps.dataset import check_installed, to_dataset
+from validation.sweeps.plan import plan_from_dict
+from validation.sweeps.run_plan import carry_out
+from validation.sweeps.samples import SAMPLES
+from validation.sweeps.scene_table import builtin_or_file, of_scene
+from validation.sweeps.traces import check_writable
+from validation.sweeps.write import write_results
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def sweep(
+    scene: Scene | str | os.PathLike[str],
+    values: Mapping[str | tuple[str, ...], Any],
+    solver: str = registry.REFERENCE,
+    resolution: int | None = None,
+    *,
+    design: str = "grid",
+    points: int | None = None,
+    seed: int = 0,
+    estimate_errors: bool = True,
+    measures: Sequence[str] = (),
+    traces: str | None = None,
+    max_steps: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    executor: Executor | JobQueue | None = None,
+    jobs: int = 1,
+    batch_seconds: float | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> xarray.Dataset:
+    """Solve a scene for many values of its keys.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a built-in one, or a scene file.
+    values : mapping
+        By dotted path, such as ``"loading.steps.1.rate"``, the values in units of the scene; by a tuple of
+        paths, values that all of them take, or a tuple of values for each. Of a sample: lowest and highest
+        value, and ``"log"`` where it is to be even in the logarithm.
+    solver : str
+        One of :func:`crosscontact.solvers`.
+    resolution : int, optional
+        As for :func:`crosscontact.solve`.
+    design : str
+        "grid", "points" (the first values of all, the second values, ...), "latin-hypercube" or "sobol".
+    points, seed : int
+        Of a sample: how many, and which.
+    estimate_errors : bool
+        Whether errors are estimated.
+    measures : sequence of str
+        Those that the data set holds; by default all.
+    traces : str, optional
+        "hdf5" or "parquet": keep the time series too, in files in ``out``.
+    max_steps : int, optional
+        Bounds the steps of every run, accepted and rejected together.
+    out : path, optional
+        Folder that keeps every finished run and receives ``sweep.nc`` and ``sweep.csv``, of which
+        ``crosscontact sweep --plot`` makes figures; the same call with the same folder continues an
+        interrupted one, and one with other values shares runs.
+    executor : Executor or submitit executor, optional
+        Carries out batches of runs; by default this process or ``jobs`` processes.
+    jobs : int
+        Processes, where there is no executor.
+    batch_seconds : float, optional
+        Processor time of a batch; by default what the engine's overhead asks for.
+    progress : callable, optional
+        Called with the share that is done, 0 to 1, and a line of text.
+
+    Returns
+    -------
+    xarray.Dataset
+        A variable for each measure, ``*_error`` for its relative error estimate, and how each run ended; runs
+        that failed or were refused are NaN, with their reason.
+
+    Raises
+    ------
+    SceneError
+        If an argument is wrong or the scene refuses a value, before anything runs; one line.
+    """
+    check_installed()
+    if not isinstance(values, Mapping) or not values:
+        raise SceneError("values", f"got {shown(values)}", "values by dotted path of the scene")
+    with ExitStack() as opened:
+        if isinstance(scene, Scene):
+            base = of_scene(scene, Path(opened.enter_context(tempfile.TemporaryDirectory())))
+        elif isinstance(scene, (str, os.PathLike)):
+            base = builtin_or_file(os.fspath(scene), Path())
+        else:
+            allowed = "a Scene, the name of a built-in scene, or a scene file"
+            raise SceneError("scene", f"got {shown(scene)}", allowed)
+        table = {
+            "solver": solver,
+            "resolution": resolution,
+            "max_steps": max_steps,
+            "design": design,
+            "seed": seed,
+            "estimate": estimate_errors,
+            "measures": measures,
+            "traces": traces,
+            "coordinates": [_entry(key, entry, design in SAMPLES) for key, entry in values.items()],
+        }
+        plan = plan_from_dict(table if points is None else table | {"points": points}, Path(), base)
+        plan.check()
+        if traces is not None and out is None:
+            raise SceneError("traces", "given without out", "a folder for the traces, out")
+        check_writable(plan)
+        folder = None if out is None else opened.enter_context(locked_folder(checked_path(out), "out"))
+        stored = opened.enter_context(RunTable(folder))
+        if executor is None:
+            engine = opened.enter_context(own_engine(whole_number(jobs, "jobs", 1)))
+        else:
+            engine = engine_of(executor)
+        if batch_seconds is not None:
+            engine = replace(engine, batch_seconds=float(batch_seconds))
+        runs = carry_out(plan, stored, engine, progress)
+        return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)
+
+
+def _entry(key: Any, entry: Any, sampled: bool) -> dict[str, Any]:
+    """A coordinate as a plan file has it; its name is its first key."""
+    paths = list(key) if isinstance(key, tuple) else [key]
+    if not paths or not all(isinstance(path, str) for path in paths):
+        raise SceneError("values", f"got the key {shown(key)}", "a dotted path, or a tuple of them")
+    listed = entry.tolist() if hasattr(entry, "tolist") else entry
+    if not isinstance(listed, (list, tuple)):
+        raise SceneError(f"values[{shown(key)}]", f"got {shown(entry)}", "several values")
+    table: dict[str, Any] = {"keys": paths}
+    if sampled:
+        ends, scale = (listed[:2], listed[2]) if len(listed) == 3 else (listed, "linear")
+        return table | {"range": list(ends), "scale": scale}
+    return table | {"values": list(listed)}

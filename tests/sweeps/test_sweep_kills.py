@@ -1,0 +1,120 @@
+"""Killed in the middle: nothing is lost, nothing runs twice, the same bytes as without."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from validation.execution.engines import BATCH_SECONDS, Engine
+from validation.execution.run_table import RunTable
+from validation.sweeps.dataset import to_dataset
+from validation.sweeps.plan import read_plan
+from validation.sweeps.run_plan import carry_out
+from validation.sweeps.write import write_results
+
+ROOT = Path(__file__).parents[2]
+PLAN = """
+scene = "scene.toml"
+resolution = 4
+estimate = false
+drawn = []
+[[coordinates]]
+key = "indenter.radius"
+linspace = [1.0, 2.0, 6]
+[[coordinates]]
+name = "depth"
+key = "loading.steps.0.to"
+linspace = [0.011, 0.02, 10]
+"""
+SCENE = """
+[material]
+modulus = 1.0
+poisson = 0.5
+[indenter]
+shape = "sphere"
+radius = 1.0
+[loading]
+start = "relaxed"
+penetration = 0.01
+[[loading.steps]]
+kind = "ramp"
+to = 0.02
+rate = 0.01
+"""
+
+
+@pytest.fixture
+def plan(tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    file = tmp_path / "plan.toml"
+    file.write_text(PLAN)
+    return file
+
+
+def command(plan, out):
+    return [sys.executable, "-m", "crosscontact", "sweep", str(plan), "--out", str(out), "--jobs", "2"]
+
+
+def stored(file):
+    with closing(sqlite3.connect(file)) as connection:
+        return dict(connection.execute("SELECT fingerprint, seconds FROM runs").fetchall())
+
+
+@pytest.mark.slow
+def test_a_killed_sweep_goes_on_where_it_was(plan, tmp_path):
+    out = tmp_path / "out"
+    process = subprocess.Popen(command(plan, out), cwd=ROOT, stderr=subprocess.DEVNULL)
+    log, deadline = out / "runs.sqlite-wal", time.monotonic() + 120.0
+    while not (log.exists() and log.stat().st_size > 30_000):
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.002)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    before = stored(out / "runs.sqlite")
+    assert 0 < len(before) < 60
+    again = subprocess.run(command(plan, out), cwd=ROOT, capture_output=True, text=True)
+    assert again.returncode == 0, again.stderr
+    after = stored(out / "runs.sqlite")
+    assert len(after) == 60
+    assert {key: after[key] for key in before} == before  # a run done again would have another run time
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    task = read_plan(str(plan))
+    with RunTable(whole) as table:
+        write_results(task, carry_out(task, table), whole)
+    assert (out / "sweep.nc").read_bytes() == (whole / "sweep.nc").read_bytes()
+    assert (out / "sweep.csv").read_bytes() == (whole / "sweep.csv").read_bytes()
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan):
+    distributed = pytest.importorskip("distributed", reason="the optional extra `dask` is not installed")
+    task, killed = read_plan(str(plan)), []
+    with RunTable() as table:
+        here = to_dataset(task, carry_out(task, table))
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+        client.get_executor() as executor,
+        RunTable() as table,
+    ):
+
+        def kill_one(share, text):
+            if share > 0.3 and not killed:
+                killed.append(next(iter(client.run(os.getpid).values())))
+                os.kill(killed[0], signal.SIGKILL)
+
+        runs = carry_out(task, table, Engine(executor, 16, BATCH_SECONDS / 5.0), kill_one)
+        there = to_dataset(task, runs)
+    assert killed
+    assert not runs.failed
+    assert there.identical(here)

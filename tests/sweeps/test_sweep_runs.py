@@ -1,0 +1,263 @@
+"""Sweeps carried out: labelled, nothing dropped, nothing run twice, the same bytes on any engine."""
+
+from __future__ import annotations
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+import xarray
+from support.spring_solver import SCENE, FunctionSolver, named, spring
+
+import crosscontact as cc
+from contact_scene import UnsupportedScene
+from crosscontact.cli import main
+from validation import solvers
+from validation.execution.engines import Engine
+from validation.execution.polled_jobs import PolledJobs
+from validation.execution.run_table import RunTable, StoredRun
+from validation.sweeps import run_plan
+from validation.sweeps.batch import OtherVersion, SweepOptions, run_batch
+from validation.sweeps.dataset import to_dataset
+from validation.sweeps.plan import plan_from_dict
+
+RATES = [0.01, 0.02, 0.05]
+DEPTHS = [0.02, 0.03]
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    file = tmp_path / "small.toml"
+    file.write_text(SCENE)
+    return str(file)
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """Scenes that a stand-in for the boundary elements was asked for."""
+    asked = []
+
+    def solve(scene, resolution=None, **options):
+        asked.append((scene.loading.steps[0].rate, scene.loading.steps[0].to))
+        if scene.loading.steps[0].rate == 0.05 and scene.loading.steps[0].to == 0.03:
+            raise UnsupportedScene("loading", "too fast", "slower ones")
+        if scene.loading.steps[0].rate == 0.04:
+            raise ArithmeticError("lost its way")
+        return spring(2.0)(scene, resolution, **options)
+
+    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", FunctionSolver(solve, "bem")))
+    return asked
+
+
+def swept(scene_file, rates=RATES, **more):
+    values = {
+        ("loading.steps.0.rate", "loading.steps.1.rate"): rates,
+        "loading.steps.0.to": DEPTHS,
+    }
+    return cc.sweep(scene_file, values, "bem", estimate_errors=False, measures=["approach_force"], **more)
+
+
+def test_a_sweep_is_labelled_by_its_coordinates(scene_file, calls):
+    data = swept(scene_file)
+    assert data.approach_force.dims == ("loading.steps.0.rate", "loading.steps.0.to")
+    found = data.approach_force.sel({"loading.steps.0.rate": 0.02, "loading.steps.0.to": 0.03})
+    assert float(found) == pytest.approx(0.06)
+    assert data.approach_force.attrs["units"] == "force"
+    assert data["loading.steps.0.rate"].attrs["units"] == "length time-1"
+    assert len(calls) == 6
+
+
+def test_what_is_refused_or_breaks_down_stays_with_its_reason(scene_file, calls):
+    data = swept(scene_file, [0.04, 0.05])
+    assert data.outcome.values.tolist() == [["failed", "failed"], ["detached", "refused"]]
+    assert data.reason.values[0, 0] == "ArithmeticError: lost its way"
+    assert data.reason.values[1, 1] == "loading: too fast; allowed: slower ones"
+    assert np.isnan(data.approach_force.values).tolist() == [[True, True], [False, True]]
+
+
+def test_a_changed_plan_shares_its_runs_with_the_old_one(tmp_path, scene_file, calls):
+    out = tmp_path / "out"
+    first = swept(scene_file, out=out)
+    bytes_of = {name: (out / name).read_bytes() for name in ("sweep.nc", "sweep.csv")}
+    assert len(calls) == 6
+    swept(scene_file, out=out)
+    assert len(calls) == 6
+    assert {name: (out / name).read_bytes() for name in bytes_of} == bytes_of
+    wider = swept(scene_file, [*RATES, 0.03], out=out)
+    assert sorted(calls[6:]) == [(0.03, 0.02), (0.03, 0.03)]
+    assert first.approach_force.equals(wider.approach_force.isel({"loading.steps.0.rate": slice(3)}))
+
+
+def test_a_repeated_point_is_run_once(scene_file, calls):
+    data = swept(scene_file, [0.02, 0.02])
+    assert len(calls) == 2
+    assert data.approach_force.values[0].tolist() == data.approach_force.values[1].tolist()
+
+
+def test_the_file_opens_with_stock_xarray(tmp_path, scene_file, calls):
+    data = swept(scene_file, out=tmp_path / "out")
+    with xarray.open_dataset(tmp_path / "out" / "sweep.nc") as stored:
+        xarray.testing.assert_identical(stored.load(), data)
+    rows = (tmp_path / "out" / "sweep.csv").read_text().splitlines()
+    assert len(rows) == 7
+    assert rows[0].startswith("loading.steps.0.rate,loading.steps.0.to,approach_force,")
+    assert rows[-1].endswith("refused,loading: too fast; allowed: slower ones,")
+
+
+class Job:
+    """A job of a queue that is done when it is asked for the second time."""
+
+    def __init__(self, value):
+        self.value, self.asked = value, 0
+
+    def done(self):
+        self.asked += 1
+        return self.asked > 1
+
+    def result(self):
+        return self.value()
+
+
+class Queue:
+    def submit(self, function, *arguments):
+        return Job(lambda: function(*arguments))
+
+
+@pytest.mark.parametrize("kind", ["threads", "queue"])
+def test_any_executor_gives_the_same(scene_file, calls, kind):
+    here = swept(scene_file)
+    if kind == "threads":
+        with ThreadPoolExecutor(2) as executor:
+            there = swept(scene_file, executor=executor)
+    else:
+        with PolledJobs(Queue(), interval=0.001) as executor:
+            there = swept(scene_file, executor=executor)
+    assert there.identical(here)
+    with pytest.raises(cc.SceneError, match="executor: got list"):
+        swept(scene_file, executor=[])
+
+
+def test_a_batch_that_ends_its_process_is_run_again_one_by_one(tmp_path, scene_file, calls, monkeypatch):
+    sizes = []
+
+    def dying(scenes, *arguments):
+        sizes.append(len(scenes))
+        if any(scene.loading.steps[0].rate == 0.02 for _, scene in scenes):
+            raise MemoryError("killed")
+        return run_batch(scenes, *arguments)
+
+    monkeypatch.setattr(run_plan, "run_batch", dying)
+    plan = plan_from_dict(
+        {
+            "scene": scene_file,
+            "solver": "bem",
+            "estimate": False,
+            "coordinates": [
+                {"name": "rate", "key": "loading.steps.0.rate", "values": [0.01, 0.02, 0.03, 0.06]}
+            ],
+        },
+        tmp_path,
+    )
+    with ThreadPoolExecutor(1) as executor, RunTable() as table:
+        runs = run_plan.carry_out(plan, table, Engine(executor, 1, batch_seconds=1e6))
+        data = to_dataset(plan, runs)
+        assert data.outcome.values.tolist() == ["detached", "failed", "detached", "detached"]
+        assert data.reason.values[1] == "MemoryError: killed"
+        assert sum(sizes) == 6  # a batch of two, twice
+        again = run_plan.missing_runs(plan, table)[1]
+        assert len(again) == 1  # another attempt may end otherwise
+
+
+def test_a_worker_with_other_sources_is_refused(monkeypatch):
+    with pytest.raises(OtherVersion, match="another version"):
+        run_batch([], SweepOptions("bem"), False, "other")
+
+
+def test_stored_runs_give_their_numbers_back_and_damage_is_told(tmp_path):
+    numbers = {"rows": 2, "measures": {"a": 0.1 + 0.2, "b": 5e-324}}
+    columns = {"time": np.array([0.0, 1.0 / 3.0])}
+    with RunTable(tmp_path) as table:
+        table.put([StoredRun("x", numbers, 1.5, columns), StoredRun("y", numbers, 0.5)])
+    with RunTable(tmp_path) as table:
+        assert table.record("x") == numbers
+        assert table.columns("x")["time"].tobytes() == columns["time"].tobytes()
+        assert table.seconds("x") == 1.5
+        assert [table.holds("x", trace=True), table.holds("y"), table.holds("y", trace=True)] == [
+            True,
+            True,
+            False,
+        ]
+        assert table.record("z") is None
+    (tmp_path / "runs.sqlite").write_bytes(b"no database, but long enough to be one" * 100)
+    with pytest.raises(cc.SceneError, match=r"runs\.sqlite cannot be used"):
+        RunTable(tmp_path)
+    with RunTable(tmp_path, fresh=True) as table:
+        assert not table.holds("x")
+
+
+def write_plan(tmp_path, scene_file):
+    file = tmp_path / "plan.toml"
+    file.write_text(
+        f'title = "A plan"\nscene = "{scene_file}"\nsolver = "bem"\nestimate = false\n'
+        'drawn = ["approach_force"]\nmeasures = ["approach_force"]\n'
+        '[[coordinates]]\nname = "speed"\nkey = "loading.steps.0.rate"\n'
+        f"values = {json.dumps(RATES)}\n"
+    )
+    return str(file)
+
+
+def test_the_command_writes_draws_and_says_what_did_not_end(capsys, tmp_path, scene_file, calls):
+    plan, out = write_plan(tmp_path, scene_file), tmp_path / "out"
+    assert main(["sweep", plan, "--dry-run"]) == 0
+    assert "3 runs of small by bem, 0 stored, 3 to do" in capsys.readouterr().out
+    assert main(["sweep", plan, "--out", str(out), "--jobs", "1"]) == 1  # one is refused
+    shown = capsys.readouterr()
+    assert "2 detached: as told" in shown.out
+    assert "1 refused: loading: too fast" in shown.out
+    assert shown.err.splitlines()[-1] == "crosscontact: 1 of 3 runs did not reach their end"
+    assert (out / "approach_force.png").exists()
+    (out / "approach_force.png").unlink()
+    assert main(["sweep", "--plot", str(out)]) == 0
+    assert (out / "approach_force.png").exists()
+    assert main(["sweep", plan, "--dry-run", "--out", str(out)]) == 0
+    assert "3 stored, 0 to do" in capsys.readouterr().out
+    assert len(calls) == 3
+
+
+def test_the_command_refuses_in_one_line(capsys, tmp_path, scene_file):
+    plan = write_plan(tmp_path, scene_file)
+    assert main(["sweep", plan]) == 2
+    assert capsys.readouterr().err == (
+        "crosscontact: error: --out: is missing; allowed: a folder for the results, or --dry-run\n"
+    )
+    assert main(["sweep", "--plot", str(tmp_path / "nothing")]) == 2
+    assert "has no sweep.nc" in capsys.readouterr().err
+    assert main(["sweep"]) == 0
+    assert "speed-preload" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("kind", ["hdf5", "parquet"])
+def test_traces_are_kept_on_request(tmp_path, scene_file, calls, kind):
+    package = pytest.importorskip(
+        {"hdf5": "h5py", "parquet": "pyarrow.parquet"}[kind], reason="it is not installed"
+    )
+    out = tmp_path / "out"
+    swept(scene_file, out=out)
+    swept(scene_file, out=out, traces=kind)
+    assert len(calls) == 11  # the refused one has no trace to be run for
+    if kind == "hdf5":
+        with package.File(out / "traces" / "runs-0000000-0000005.h5") as file:
+            assert sorted(file) == [f"000000{run}" for run in range(5)]
+            group = file["0000003"]
+            assert (group.attrs["loading.steps.0.rate"], group.attrs["loading.steps.0.to"]) == (0.02, 0.03)
+            assert group["force"][:].max() == pytest.approx(0.06)
+    else:
+        table = package.read_table(out / "traces" / "runs-0000000-0000005.parquet").to_pydict()
+        found = set(
+            zip(table["run"], table["loading.steps.0.rate"], table["loading.steps.0.to"], strict=True)
+        )
+        assert sorted(found)[:4] == [(0, 0.01, 0.02), (1, 0.01, 0.03), (2, 0.02, 0.02), (3, 0.02, 0.03)]
+        assert max(table["force"]) == pytest.approx(0.06)
+    with pytest.raises(cc.SceneError, match="traces: given without out"):
+        swept(scene_file, traces=kind)

@@ -1,0 +1,115 @@
+"""Where many runs are carried out: in this process, in processes of this machine, by Dask, by an executor."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+
+from contact_scene.errors import SceneError
+from validation.execution.polled_jobs import JobQueue, PolledJobs
+from validation.execution.processes import processes
+from validation.execution.tasks import OUTSTANDING
+
+LOCAL_CLUSTER = "local"
+"""In place of the address of a Dask scheduler: a cluster of this command's own, on this machine."""
+PER_WORKER = 4
+"""Batches that wait or run for each worker, so that none is idle while a result travels and the next batch is
+made; a few, since batches are sized by the cost of the runs that are done."""
+BATCH_SECONDS = 0.25
+"""Processor time of a batch: a hundred times what a task costs the processes or Dask, 1 to 2 ms; what a kill
+can lose of runs that are done, for each worker."""
+QUEUE_SECONDS = 300.0
+"""The same where every batch is a job in the queue of a cluster, which takes seconds to start."""
+CONNECT_SECONDS = 20.0
+"""Seconds to wait for a Dask scheduler: what a cluster on its way up may take; Dask's own limit is 30."""
+
+
+@dataclass(frozen=True)
+class Engine:
+    """An executor and how it is supplied.
+
+    Parameters
+    ----------
+    executor : Executor or None
+        ``None``: this process.
+    outstanding : int
+        Batches it holds at a time.
+    batch_seconds : float
+        Length of a batch that its overhead asks for.
+    """
+
+    executor: Executor | None = None
+    outstanding: int = 1
+    batch_seconds: float = BATCH_SECONDS
+
+
+@contextmanager
+def own_engine(jobs: int, dask: str | None = None) -> Iterator[Engine]:
+    """Processes of this machine, or a Dask cluster.
+
+    Parameters
+    ----------
+    jobs : int
+        Processes; of a Dask cluster of this command's own, its workers.
+    dask : str or None
+        Address of a Dask scheduler, or ``LOCAL_CLUSTER``.
+
+    Yields
+    ------
+    Engine
+
+    Raises
+    ------
+    SceneError
+        If Dask is not installed or the address does not answer.
+    """
+    if dask is None:
+        with processes(jobs) as pool:
+            yield Engine(pool, 1 if pool is None else PER_WORKER * jobs)
+        return
+    try:
+        import distributed
+    except ImportError:
+        allowed = "Dask.distributed: pip install 'crosscontact[dask]'"
+        raise SceneError("--dask", "distributed is not installed", allowed) from None
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # a lost worker is no error: its runs go on
+    with ExitStack() as opened:
+        if dask == LOCAL_CLUSTER:
+            cluster = distributed.LocalCluster(
+                n_workers=jobs, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
+            )
+            address: object = opened.enter_context(cluster)
+        else:
+            address = dask
+        try:
+            client = opened.enter_context(distributed.Client(address, timeout=CONNECT_SECONDS))
+        except (OSError, ValueError) as error:
+            problem, allowed = (
+                f"no scheduler answers at {dask}: {error}",
+                f"tcp://HOST:8786, or {LOCAL_CLUSTER}",
+            )
+            raise SceneError("--dask", problem, allowed) from None
+        workers = len(client.nthreads())
+        executor = opened.enter_context(client.get_executor())
+        try:
+            yield Engine(executor, max(PER_WORKER * workers, 64))
+        except BaseException:
+            executor.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def engine_of(executor: Executor | JobQueue | None) -> Engine:
+    """A user's executor; objects that only have ``submit``, as of submitit, are asked for their jobs."""
+    if executor is None:
+        return Engine()
+    if isinstance(executor, Executor):
+        return Engine(executor, OUTSTANDING)
+    if callable(getattr(executor, "submit", None)):
+        return Engine(PolledJobs(executor), OUTSTANDING, QUEUE_SECONDS)
+    allowed = (
+        "an executor of concurrent.futures, or an object whose submit gives jobs with done() and result()"
+    )
+    raise SceneError("executor", f"got {type(executor).__name__}", allowed)
