@@ -64,6 +64,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
         write_scene,
     )
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
+    from crosscontact.exam import export_exam, judge
     from crosscontact.result import ContactState, Result, load
     from crosscontact.sweeps import sweep
 
@@ -109,7 +110,9 @@ __all__ = [
     "at_temperature",
     "builtin",
     "compare",
+    "export_exam",
     "fit_prony",
+    "judge",
     "load",
     "read_material",
     "read_measured",
@@ -125,6 +128,7 @@ __all__ = [
 ]
 
 _API = ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers")
+_EXAM = ("export_exam", "judge")
 _RESULT = ("ContactState", "Result", "load")
 
 
@@ -147,6 +151,10 @@ def __getattr__(name: str) -> Any:
         from crosscontact import api
 
         return getattr(api, name)
+    if name in _EXAM:
+        from crosscontact import exam
+
+        return getattr(exam, name)
     if name in _RESULT:
         from crosscontact import result
 

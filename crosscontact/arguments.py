@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import NoReturn
 
 from crosscontact import __version__
+from crosscontact.exam_arguments import add_exam, add_judge
 from crosscontact.limits import SMALLEST_RESOLUTION
 from validation.scenes import SUITES
 
@@ -133,6 +134,14 @@ def parser() -> argparse.ArgumentParser:
     )
     _material_arguments(
         commands.add_parser("material", help="read a Prony series, or fit one to measured moduli")
+    )
+    add_exam(
+        commands.add_parser("exam", help="scenes for other codes to answer: export, answer, reproduce"),
+        _count,
+        _resolution,
+    )
+    add_judge(
+        commands.add_parser("judge", help="grade the traces of other codes; exit 1 when one fails"), _count
     )
     return top
 

@@ -13,6 +13,7 @@ import sys
 
 from crosscontact.arguments import parser
 from crosscontact.commands import scenes
+from crosscontact.exam_arguments import run_exam, run_judge
 from validation.execution.memory import keep_freed
 from validation.execution.signals import interrupting
 
@@ -77,6 +78,10 @@ def _command(options: argparse.Namespace) -> int:
             tolerance=options.tolerance,
             plot=options.plot,
         )
+    if options.command == "exam":
+        return run_exam(options, jobs)
+    if options.command == "judge":
+        return run_judge(options, jobs)
     from crosscontact import registry
 
     if options.command == "solve":

@@ -38,7 +38,9 @@ ROOMS = {
     "drawing": BELOW_RUNS | {"measure", "execution"},
     **dict.fromkeys(EVIDENCE, BELOW_EVIDENCE),
     "sweeps": BELOW_EVIDENCE,
-    "report": BELOW_EVIDENCE | EVIDENCE,
+    # Beside the evidence: it judges answers of other codes, as the evidence does runs of our solvers.
+    "exam": BELOW_EVIDENCE,
+    "report": BELOW_EVIDENCE | EVIDENCE | {"exam"},
 }
 # What one kind of evidence may use of another, module by module: the accuracy of fields is a study of them.
 BESIDE = {
@@ -52,6 +54,7 @@ HEAVY |= {"dask", "distributed", "h5py", "pyarrow"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
 LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments", "crosscontact.cli"}
+LOADED_AT_FIRST_USE |= {"crosscontact.exam_arguments"}
 # Single imports of that kind, each about as long as the rest of contact_scene: only scenes with a tabulated
 # indenter, a power-law material or measured moduli need them.
 DEFERRED = {

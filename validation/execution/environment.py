@@ -27,6 +27,11 @@ def stamp() -> dict[str, object]:
     }
 
 
+def program_version() -> str:
+    """Version of this program, as it is installed."""
+    return _version("crosscontact") or "unknown"
+
+
 def _version(package: str) -> str | None:
     try:
         return importlib.metadata.version(package)

@@ -1,0 +1,64 @@
+"""The exam from Python: scenes for other codes to answer, and the judgement of their answers."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from contact_scene.errors import one_of
+from validation.exam.answer_folder import read_folder
+from validation.exam.export import exam_cases, export_reference, export_scenes
+from validation.exam.judge import Judgement, judge_folder
+from validation.execution.files import output_folder
+from validation.execution.store import Store
+from validation.report import exam_report
+from validation.scenes import SUITES
+
+
+def export_exam(
+    folder: str | os.PathLike[str], suite: str = "quick", *, with_reference: bool = False
+) -> tuple[str, ...]:
+    """Write an exam: a folder for each scene, as ``crosscontact exam export`` does.
+
+    Parameters
+    ----------
+    folder : path
+        Is made if it is not there.
+    suite : str
+        "quick", "paper" or "full".
+    with_reference : bool
+        Whether the reference's traces and measures are written beside; takes seconds for each scene.
+
+    Returns
+    -------
+    tuple of str
+        Names of the scenes.
+    """
+    target = output_folder(folder, "folder")
+    cases = exam_cases(one_of(suite, "suite", SUITES))
+    export_scenes(target, cases)
+    if with_reference:
+        export_reference(target, cases)
+    return tuple(case.name for case in cases)
+
+
+def judge(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = None) -> Judgement:
+    """Judge the answers in a folder, as ``crosscontact judge`` does.
+
+    Parameters
+    ----------
+    folder : path
+        Holds answers: ``SCENE/trace.csv`` at any depth.
+    out : path, optional
+        Folder of a report as page, Markdown, JSON and JUnit.
+
+    Returns
+    -------
+    Judgement
+        ``scenes``, each with a ``verdict`` in words for every code.
+    """
+    store = Store()
+    judgement = judge_folder(read_folder(Path(folder)))
+    if out is not None:
+        exam_report.write(judgement, output_folder(out, "out"), store.seconds)
+    return judgement

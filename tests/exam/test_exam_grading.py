@@ -1,0 +1,171 @@
+"""Grades: exact passes, two percent off fails, another sign is told, half an answer is judged on half."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as tree
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.exam_answers import SCENE, case, hertz, hertz_run, put, text
+from support.unlaid_figures import without_layout
+
+from contact_scene import COLUMNS
+from validation.exam import griffith_limit, judge
+from validation.exam.answer import Answer
+from validation.exam.answer_folder import read_folder
+from validation.exam.grading import Difference, Grade, decade, grade
+from validation.exam.header import Header
+from validation.exam.judge import VerdictKind, judge_folder
+from validation.reference.maugis_dugdale import MaugisDugdale
+from validation.report import exam_report
+
+BASE = hertz_run()
+
+
+def graded(columns: dict[str, np.ndarray]) -> Grade:
+    return grade(Answer(Header("a code"), "x", columns), case().scene, BASE)
+
+
+def test_the_exact_answer_passes():
+    found = graded(hertz(800))
+    assert found.decade >= 5
+    names = {one.quantity for one in found.differences}
+    assert {"force, curve", "approach_force", "loop_energy", "energy balance", "detachment_time"} <= names
+    assert graded(hertz(60)).decade in (2, 3, 4)
+
+
+@pytest.mark.parametrize("column", COLUMNS[1:-1])
+def test_one_column_two_percent_off_fails(column):
+    columns = hertz(400)
+    columns[column] = 1.02 * columns[column]
+    found = graded(columns)
+    assert not found.passed
+    assert f"{column.replace('_', ' ')} is 1.02 times the reference throughout" in found.remarks
+    columns[column] = columns[column] / 1.02 * 1.002
+    assert graded(columns).passed
+
+
+def test_another_sign_unit_or_diameter_is_told():
+    columns = hertz(400)
+    wrong = {
+        "force": (-1.0, "force has the other sign: compression is positive"),
+        "penetration": (-1.0, "penetration has the other sign: downwards is positive"),
+        "contact_radius": (2.0, "contact radius is 2 times the reference throughout, a diameter?"),
+        "stored_energy": (1e3, "stored energy is 1000 times the reference throughout, another unit or sign?"),
+    }
+    for column, (factor, said) in wrong.items():
+        found = graded(columns | {column: factor * columns[column]})
+        assert said in found.remarks
+        assert not found.passed
+
+
+def test_missing_columns_are_not_graded():
+    columns = hertz(400)
+    found = graded({name: columns[name] for name in ("time", "force")})
+    assert {one.quantity for one in found.differences} == {"force, curve", "start_force", "time covered"}
+    assert found.passed
+    assert graded({"time": columns["time"]} | {"dissipated_energy": 0 * columns["time"]}).decade >= 2
+
+
+def test_what_stops_early_or_never_lets_go_fails():
+    half = {name: column[:399] for name, column in hertz(400).items()}
+    found = graded({name: half[name] for name in ("time", "force")})
+    assert not found.passed
+    assert found.error("time covered") == pytest.approx(0.5, abs=0.01)
+    held = graded(half)
+    assert any(one.note == "does not lose contact" for one in held.differences)
+    assert not held.passed
+
+
+def test_energies_that_do_not_close_fail():
+    columns = hertz(400)
+    columns["dissipated_energy"] = 0.03 * columns["stored_energy"].max() * columns["time"] / 6.0
+    found = graded(columns)
+    assert found.error("energy balance") == pytest.approx(0.03, rel=0.1)
+    assert not found.passed
+
+
+def test_decades():
+    exact = replace(BASE, errors={})
+    assert decade([Difference("force", 0.9e-3), Difference("loop_energy", -0.9e-4)], exact) == 3
+    assert decade([Difference("pull_off_radius", 0.03)], exact) == 3
+    assert decade([Difference("force", 0.9e-3, known_to=1e-3)], exact) == 6
+    assert decade([Difference("force", 0.0)], replace(BASE, errors={"force": 0.5e-4})) == 4
+    assert decade([Difference("force", np.inf)], exact) == decade([], exact) == 0
+
+
+@pytest.fixture(scope="module")
+def judged(tmp_path_factory):
+    """Four codes on a scene: a good one at two sizes, one off, one that declines, one that cannot be read."""
+    folder = tmp_path_factory.mktemp("exam")
+    put(folder / "good", text(hertz(400), "good", seconds=2.0, resolution=400))
+    put(folder / "good", text(hertz(12), "good", seconds=0.1, resolution=12), "trace-12.csv")
+    off = hertz(400)
+    off["force"] = -off["force"]
+    put(folder / "off", text(off, "off", seconds=1.0))
+    put(folder / "shy", "shy: has <no> springs | at all", "declined.txt")
+    put(folder / "broken", "# code: broken\ntime,force\n0,x\n")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(judge, "reference_runs", lambda cases, *rest: {SCENE: BASE})
+        judgement = judge_folder(read_folder(folder))
+    with without_layout():
+        exam_report.write(judgement, folder / "report", 1.0)
+    return judgement, folder / "report"
+
+
+def test_verdicts(judged):
+    (scene,) = judged[0].scenes
+    verdicts = {one.code: one for one in scene.verdicts}
+    assert {code: one.kind for code, one in verdicts.items()} == {
+        "broken": VerdictKind.FAILED,
+        "good": VerdictKind.PASSED,
+        "off": VerdictKind.FAILED,
+        "shy": VerdictKind.DECLINED,
+    }
+    assert verdicts["good"].verdict in ("passed at 1e-4", "passed at 1e-5")
+    assert [one.answer.header.resolution for one in verdicts["good"].answers] == ["12", "400"]
+    assert "the other sign" in verdicts["off"].reason
+    assert "line 3, force: got 'x'" in verdicts["broken"].reason
+    assert [check.passed for check in judged[0].checks] == [False, True, False]
+
+
+def test_the_report_in_its_forms(judged):
+    folder = judged[1]
+    page, summary = (folder / "index.html").read_text(), (folder / "exam.md").read_text()
+    for said in ("passed at 1e-", "the other sign", "good", "broken", "declined"):
+        assert said in page
+        assert said in summary
+    assert "has &lt;no&gt; springs" in page
+    assert page.count("<svg") == 1
+    assert (folder / "figures" / f"exam-{SCENE}.png").read_bytes().startswith(b"\x89PNG")
+    suites = tree.parse(folder / "junit.xml").getroot()
+    assert suites.attrib["failures"] == "2"
+    assert suites.attrib["tests"] == "3"
+    data = json.loads((folder / "exam.json").read_text())
+    assert data["scenes"][0]["verdicts"][1]["answers"][1]["seconds"] == 2.0
+
+
+def test_the_zone_of_a_transition_parameter_is_that_of_maugis():
+    radius, modulus, work, transition, contact = 2.0, 3.0, 5e-4, 100.0, 0.3
+    strength = 0.5 * transition * np.cbrt(np.pi * work * (4.0 * modulus / 3.0) ** 2 / radius)
+    exact = MaugisDugdale(radius, modulus, work, strength)
+    ring = (exact.ring_ratio(contact) - 1.0) * contact
+    assert griffith_limit.zone_of(exact.transition, radius, modulus, work) == pytest.approx(ring, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("errors", "converges"),
+    [
+        ((0.2, 0.05, 0.0125), True),
+        ((0.2, 0.15, 0.14), False),
+        ((0.05, 0.2, 0.01), False),
+        ((0.2, 0.2, 0.2), False),
+    ],
+)
+def test_a_code_of_finite_range_has_to_converge(errors, converges):
+    points = [
+        griffith_limit.RangeError(x, x**-2, error) for x, error in zip((1.0, 2.0, 4.0), errors, strict=True)
+    ]
+    assert griffith_limit.track_of(points).converges is converges

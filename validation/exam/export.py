@@ -1,0 +1,126 @@
+"""Writing an exam: a folder for each scene, with or without the reference's answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from pathlib import Path
+
+from contact_scene import Trace, write_scene
+from validation.cases import Case, load
+from validation.exam.answer_folder import EXAM
+from validation.exam.header import Header
+from validation.exam.judge import reference_resolution, reference_runs
+from validation.exam.scene_json import expanded
+from validation.exam.statement import COLUMNS, HOW_TO_ANSWER, page
+from validation.exam.tags import tags
+from validation.execution import environment
+from validation.execution.files import to_json, write_whole
+from validation.execution.fingerprints import version
+from validation.execution.runs import Run
+from validation.execution.store import Store
+from validation.scenes import names
+from validation.scenes import suite as of_suite
+from validation.solvers import REFERENCE
+
+FORMAT = 1
+REFERENCE_TRACE, REFERENCE_MEASURES = "reference.csv", "reference.json"
+ALWAYS = ("adhesionless-force", "elastic-press")
+"""Scenes that are in every exam, for codes that answer nothing else."""
+
+
+def exam_cases(suite: str) -> list[Case]:
+    """Scenes of a suite that the reference has an answer to, and those of every exam."""
+    chosen = {*of_suite(suite), *ALWAYS}
+    cases = [replace(load(name), profile_times=()) for name in names() if name in chosen]
+    return [case for case in cases if REFERENCE not in case.refused_by]
+
+
+def export_scenes(folder: Path, cases: Sequence[Case]) -> None:
+    """Write ``exam.json``, ``README.md`` and, for each scene, ``scene.toml``, ``scene.json``, ``page.md``."""
+    for case in cases:
+        (folder / case.name).mkdir(parents=True, exist_ok=True)
+        write_scene(case.scene, folder / case.name / "scene.toml")
+        data = {"name": case.name, "tags": tags(case.scene)} | expanded(case.scene)
+        write_whole(folder / case.name / "scene.json", to_json(data | {"columns": COLUMNS}))
+        write_whole(folder / case.name / "page.md", page(case))
+    columns = "\n".join(f"- `{name}`: {text}" for name, text in COLUMNS.items())
+    scenes = "\n".join(f"- `{case.name}`: {', '.join(tags(case.scene))}" for case in cases)
+    text = f"# The exam\n\n{HOW_TO_ANSWER}\n{columns}\n\n{DECLINING}\nScenes and their tags:\n\n{scenes}\n"
+    write_whole(folder / "README.md", text)
+    listed = [{"name": case.name, "tags": tags(case.scene), "title": case.scene.title} for case in cases]
+    write_whole(folder / EXAM, to_json({"format": FORMAT, "program": version(), "scenes": listed}))
+
+
+DECLINING = """\
+What a code does not do it declines by tag, in a file `code.toml` beside its answers:
+
+```toml
+code = "my code"
+declines = ["adhesive", "oscillation"]
+```
+"""
+
+
+def export_reference(
+    folder: Path,
+    cases: Sequence[Case],
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> dict[str, Run]:
+    """Write ``reference.csv`` and ``reference.json`` into the folder of every scene.
+
+    Parameters
+    ----------
+    folder : Path
+        As of :func:`export_scenes`.
+    cases : sequence of Case
+    executor, store, progress
+        As of :func:`~validation.execution.tasks.run_tasks`.
+
+    Returns
+    -------
+    dict of str to Run
+        By scene; those without a trace are not written.
+    """
+    runs = reference_runs(cases, executor, store, progress)
+    for case in cases:
+        run = runs[case.name]
+        if run.trace is None:
+            continue
+        header = header_of(case, run, reference_resolution(case.scene))
+        write_whole(folder / case.name / REFERENCE_TRACE, trace_text(header, run.trace))
+        outcome = run.trace.outcome
+        data = {
+            "outcome": str(outcome.kind),
+            "ends_at": outcome.time,
+            "measures": {k: v for k, v in run.measures.items() if not k.startswith("counters.")},
+            "relative_errors": run.errors,
+        }
+        write_whole(folder / case.name / REFERENCE_MEASURES, to_json(data))
+    return runs
+
+
+def header_of(case: Case, run: Run, resolution: int | None) -> Header:
+    """Header of a run of one of the registered solvers, from which alone it can be computed again."""
+    outcome = "" if run.trace is None else str(run.trace.outcome.kind)
+    return Header(
+        run.solver,
+        version=environment.program_version(),
+        author="crosscontact",
+        resolution="" if resolution is None else str(resolution),
+        seconds=max(run.wall_seconds, 1e-6),
+        scene=case.name,
+        outcome=outcome if outcome in ("completed", "detached") else "",
+        problem=expanded(case.scene),
+    )
+
+
+def trace_text(header: Header, trace: Trace) -> str:
+    """The contents of a ``trace.csv`` with its header, numbers with all their digits."""
+    columns = {name: getattr(trace, name) for name in COLUMNS}
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    lines = [*header.lines(), ",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    return "\n".join(lines) + "\n"

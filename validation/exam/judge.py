@@ -1,0 +1,230 @@
+"""The judgement of a folder of answers: a verdict for every code on every scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from contact_scene import Scene
+from validation.cases import Case
+from validation.exam.answer import Answer
+from validation.exam.answer_folder import AnswerFolder
+from validation.exam.grading import COARSEST, Grade, grade
+from validation.exam.griffith_limit import GriffithTrack, tracks
+from validation.execution.runs import Run, run_of, run_task
+from validation.execution.store import Store
+from validation.execution.tasks import run_tasks
+from validation.measure.check import Check
+from validation.solvers import REFERENCE, SOLVERS
+
+FINER = 2
+"""Resolution of the reference that answers are graded against, over its default."""
+
+
+class VerdictKind(StrEnum):
+    """What can be said of a code on a scene."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    CONVERGES = "converges to the Griffith limit"
+    DECLINED = "declined"
+    NO_ANSWER = "no answer"
+
+
+@dataclass(frozen=True)
+class GradedAnswer:
+    """An answer and its grade; ``None`` where it cannot be read."""
+
+    answer: Answer
+    grade: Grade | None
+
+    @property
+    def decade(self) -> int:
+        """Decade of accuracy reached; 0 if none."""
+        return 0 if self.grade is None else self.grade.decade
+
+
+@dataclass(frozen=True)
+class CodeOnScene:
+    """A code on a scene: its answers, the best one last, and the verdict on them.
+
+    Parameters
+    ----------
+    code, scene : str
+    kind : VerdictKind
+    answers : tuple of GradedAnswer
+    reason : str
+        Why it failed or declined.
+    track : GriffithTrack, optional
+        Of a code with a finite range of attraction.
+    """
+
+    code: str
+    scene: str
+    kind: VerdictKind
+    answers: tuple[GradedAnswer, ...] = ()
+    reason: str = ""
+    track: GriffithTrack | None = None
+
+    @property
+    def best(self) -> GradedAnswer | None:
+        """The most accurate answer."""
+        return self.answers[-1] if self.answers else None
+
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        if self.kind is VerdictKind.PASSED and self.best is not None:
+            return f"passed at 1e-{self.best.decade}"
+        if self.kind is VerdictKind.DECLINED:
+            return f"declined {self.reason}" if self.reason.startswith("by tag") else "declined"
+        return str(self.kind)
+
+    @property
+    def passed(self) -> bool | None:
+        """``None`` where there is nothing to judge."""
+        if self.kind in (VerdictKind.DECLINED, VerdictKind.NO_ANSWER):
+            return None
+        return self.kind is not VerdictKind.FAILED
+
+
+@dataclass(frozen=True)
+class SceneJudgement:
+    """All codes on one scene, and the run of the reference they are graded against."""
+
+    case: Case
+    reference: Run
+    verdicts: tuple[CodeOnScene, ...]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """All scenes; ``remarks`` are lines on files that could not be used."""
+
+    scenes: tuple[SceneJudgement, ...]
+    codes: tuple[str, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def checks(self) -> list[Check]:
+        """A check for every verdict on answers."""
+        return [
+            Check(
+                one.scene,
+                one.code,
+                "verdict",
+                "exam",
+                f"passed at 1e-{COARSEST} or better",
+                one.verdict,
+                one.passed,
+                note=one.reason,
+            )
+            for scene in self.scenes
+            for one in scene.verdicts
+            if one.passed is not None
+        ]
+
+
+def judge_folder(
+    folder: AnswerFolder,
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> Judgement:
+    """Judge everything in a folder.
+
+    Parameters
+    ----------
+    folder : AnswerFolder
+    executor, store, progress
+        As of :func:`~validation.execution.tasks.run_tasks`, for the runs of the reference.
+
+    Returns
+    -------
+    Judgement
+    """
+    runs = reference_runs(folder.cases, executor, store, progress)
+    remarks = list(folder.remarks)
+    scenes = []
+    for case in folder.cases:
+        base = runs[case.name]
+        if base.trace is None:
+            remarks.append(f"{case.name}: not judged: the reference has no answer: {base.failure}")
+            continue
+        verdicts = tuple(_verdict(folder, code, case, base) for code in folder.codes)
+        scenes.append(SceneJudgement(case, base, verdicts))
+    remarks += [remark for one in folder.answers for remark in one.remarks]
+    return Judgement(tuple(scenes), folder.codes, tuple(remarks))
+
+
+def reference_runs(
+    cases: Sequence[Case],
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> dict[str, Run]:
+    """Runs of the reference at ``FINER`` times its default resolution, with error estimates, by scene.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+    executor, store, progress
+        As of :func:`~validation.execution.tasks.run_tasks`.
+
+    Returns
+    -------
+    dict of str to Run
+    """
+    tasks = [run_task(case, REFERENCE, reference_resolution(case.scene), estimate=True) for case in cases]
+    return {one.scene: one for one in map(run_of, run_tasks(tasks, executor, store, progress))}
+
+
+def reference_resolution(scene: Scene) -> int:
+    """Resolution of the reference for answers to a scene."""
+    return FINER * SOLVERS[REFERENCE].default_resolution(scene)
+
+
+def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run) -> CodeOnScene:
+    graded = [
+        GradedAnswer(one, None if one.problem else grade(one, case.scene, base))
+        for one in folder.answers
+        if one.header.code == code and one.header.scene == case.name
+    ]
+    bare = CodeOnScene(code, case.name, VerdictKind.NO_ANSWER)
+    if not graded:
+        reason = folder.declined.get((code, case.name))
+        return bare if reason is None else replace(bare, kind=VerdictKind.DECLINED, reason=reason)
+    graded.sort(key=_accuracy)
+    whole = replace(bare, answers=tuple(graded), track=tracks(graded, case))
+    best = graded[-1]
+    if best.decade >= COARSEST:
+        return replace(whole, kind=VerdictKind.PASSED)
+    if whole.track is not None and whole.track.converges:
+        return replace(whole, kind=VerdictKind.CONVERGES, reason=whole.track.in_words)
+    return replace(whole, kind=VerdictKind.FAILED, reason=_why(whole, best))
+
+
+def _accuracy(one: GradedAnswer) -> tuple[int, float]:
+    worst = None if one.grade is None else one.grade.worst
+    return one.decade, -float("inf") if one.grade is None else -(0.0 if worst is None else worst.counted)
+
+
+def _why(whole: CodeOnScene, best: GradedAnswer) -> str:
+    """Why the best answer does not pass, in a line."""
+    if best.grade is None:
+        return best.answer.problem
+    worst = best.grade.worst
+    if worst is None:
+        return "the answer has no column that can be compared"
+    told = list(best.grade.remarks)
+    size = (
+        f"{worst.quantity}: off by {abs(worst.error):.2g}"
+        if abs(worst.error) < float("inf")
+        else worst.quantity
+    )
+    if worst.note not in told:
+        size += f" ({worst.note})" if worst.note else ""
+    track = [] if whole.track is None else [whole.track.in_words]
+    return "; ".join([*told, size, *track])

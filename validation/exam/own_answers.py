@@ -1,0 +1,110 @@
+"""Answers of the registered solvers in the form of any other, and answers computed again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from contact_scene import COLUMNS, SceneError
+from contact_scene.errors import shown
+from validation.cases import Case
+from validation.exam.answer import read_answer
+from validation.exam.answer_folder import DECLINED
+from validation.exam.export import header_of, trace_text
+from validation.exam.scene_json import scene_of
+from validation.execution.files import write_whole
+from validation.execution.runs import Run, run, run_of, run_task
+from validation.execution.tasks import run_tasks
+
+ANSWERS = "answers"
+"""Folder of these answers, below that of the exam."""
+
+
+def answer_all(
+    folder: Path,
+    cases: Sequence[Case],
+    solvers: Sequence[str],
+    resolutions: Sequence[int | None] = (None,),
+    executor: Executor | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> list[Run]:
+    """Answer every scene by every solver, and write the answers.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the exam.
+    cases : sequence of Case
+    solvers : sequence of str
+        Names of registered solvers.
+    resolutions : sequence of int or None
+        As of ``Solver.solve``; ``None``: the solver's choice.
+    executor, progress
+        As of :func:`~validation.execution.tasks.run_tasks`.
+
+    Returns
+    -------
+    list of Run
+        Those that broke down: they are not written. A scene that a solver does not take is declined.
+    """
+    asked = [(case, name, size) for name in solvers for size in resolutions for case in cases]
+    tasks = [run_task(case, name, size) for case, name, size in asked]
+    failed = []
+    for (case, name, size), done in zip(asked, run_tasks(tasks, executor, None, progress), strict=True):
+        result = run_of(done)
+        place = folder / ANSWERS / f"{name}{'' if size is None else f'-{size}'}" / case.name
+        place.mkdir(parents=True, exist_ok=True)
+        if result.trace is not None:
+            write_whole(place / "trace.csv", trace_text(header_of(case, result, size), result.trace))
+        elif result.refused:
+            write_whole(place / DECLINED, f"{name}: {result.failure}\n")
+        else:
+            failed.append(result)
+    return failed
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """A trace computed again from its header; ``largest`` difference over the largest value of a column."""
+
+    rows: int
+    rows_again: int
+    largest: float
+
+    @property
+    def same(self) -> bool:
+        """Whether every bit is the same."""
+        return self.rows == self.rows_again and self.largest == 0.0
+
+
+def reproduce(path: Path) -> Reproduction:
+    """Compute a trace of a registered solver again, from nothing but its header.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, or its header lacks the scene or a resolution.
+    """
+    answer = read_answer(path, str(path))
+    header = answer.header
+    if answer.problem:
+        raise SceneError("", answer.problem, "an answer with its header", str(path))
+    if header.problem is None:
+        raise SceneError("header: problem", "is missing", "a trace written by this program", str(path))
+    if header.resolution and not header.resolution.isdecimal():
+        raise SceneError("header: resolution", f"got {shown(header.resolution)}", "a number", str(path))
+    resolution = int(header.resolution) if header.resolution else None
+    again = run(Case(header.scene or "scene", scene_of(header.problem)), header.code, resolution)
+    if again.trace is None:
+        raise SceneError("header", again.failure, "a solver and a scene it takes", str(path))
+    rows, rows_again = len(answer.columns["time"]), len(again.trace)
+    largest = np.inf
+    if rows == rows_again:
+        pairs = [(answer.columns[name], getattr(again.trace, name)) for name in COLUMNS]
+        apart = [float(np.abs(a - b).max()) / (float(np.abs(b).max()) or 1.0) for a, b in pairs]
+        largest = max(apart)
+    return Reproduction(rows, rows_again, float(largest))

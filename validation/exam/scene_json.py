@@ -1,0 +1,88 @@
+"""A scene as JSON that needs no reader of ours: every default filled in, every table expanded.
+
+The keys are those of a scene file. A table that a scene file names is a list here: ``radii`` and ``heights``
+of a profile, ``times`` and ``penetrations`` of a load step. ``adhesion`` and ``material.bulk`` are ``null``
+where a scene has none.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from contact_scene import Scene, SceneError, TabulatedProfile, scene_from_dict, write_scene
+from contact_scene.errors import shown
+from contact_scene.files import write_pairs
+from contact_scene.loading import Table
+
+DERIVED = "derived"
+"""Key of what follows from the rest; left out where a scene is read."""
+
+
+def expanded(scene: Scene) -> dict[str, Any]:
+    """The scene as nested plain data."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scene.toml"
+        write_scene(scene, file)
+        data = tomllib.loads(file.read_text("utf-8"))
+    if isinstance(scene.indenter, TabulatedProfile):
+        points = {"radii": list(scene.indenter.radii), "heights": list(scene.indenter.heights)}
+        data["indenter"] = {"shape": scene.indenter.shape} | points
+    data["loading"]["steps"] = [
+        {"kind": step.kind, "times": list(step.times), "penetrations": list(step.penetrations)}
+        if isinstance(step, Table)
+        else entry
+        for step, entry in zip(scene.loading.steps, data["loading"].get("steps", []), strict=True)
+    ]
+    data["material"] = {"branches": [], "bulk": None} | data["material"]
+    material = scene.material
+    data[DERIVED] = {
+        "glassy_modulus": material.glassy_modulus,
+        "relaxed_plane_modulus": material.relaxed_plane_modulus,
+        "glassy_plane_modulus": material.glassy_plane_modulus,
+    }
+    return {"adhesion": None} | data
+
+
+def scene_of(data: Any) -> Scene:
+    """The scene of such data.
+
+    Raises
+    ------
+    SceneError
+        If the data are those of no scene.
+    """
+    if not isinstance(data, dict):
+        raise SceneError("scene", f"got {shown(data)}", "an object with the keys of a scene file")
+    with tempfile.TemporaryDirectory() as folder:
+        return scene_from_dict(_with_files(_without_null(data), Path(folder)), folder)
+
+
+def _with_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The same with its lists as files in a folder, as a scene file has them."""
+    data = {key: value for key, value in data.items() if key != DERIVED}
+    indenter, loading = data.get("indenter"), data.get("loading")
+    try:
+        if isinstance(indenter, dict) and "radii" in indenter:
+            columns = indenter["radii"], indenter["heights"]
+            write_pairs(folder / "profile.csv", ("radius", "height"), *columns)
+            data["indenter"] = {"shape": indenter.get("shape"), "file": "profile.csv"}
+        if isinstance(loading, dict) and isinstance(loading.get("steps"), list):
+            steps = list(loading["steps"])
+            for index, step in enumerate(steps):
+                if isinstance(step, dict) and "times" in step:
+                    columns = step["times"], step["penetrations"]
+                    write_pairs(folder / f"{index}.csv", ("time", "penetration"), *columns)
+                    steps[index] = {"kind": step.get("kind"), "file": f"{index}.csv"}
+            data["loading"] = {**loading, "steps": steps}
+    except (KeyError, TypeError, ValueError):
+        raise SceneError("scene", "has a table that is not two lists", "lists of equal length") from None
+    return data
+
+
+def _without_null(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_null(entry) for key, entry in value.items() if entry is not None}
+    return [_without_null(entry) for entry in value] if isinstance(value, list) else value

@@ -1,0 +1,157 @@
+"""The page of a scene in words: what is asked, the formulas, the units and the columns of the answer."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from contact_scene import (
+    Cone,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Indenter,
+    Oscillate,
+    PowerLaw,
+    Ramp,
+    Scene,
+    Sphere,
+    Step,
+    Sweep,
+    Table,
+    TabulatedProfile,
+)
+from validation.cases import Case
+from validation.exam.tags import tags
+
+COLUMNS = {
+    "time": "time, 0 at the start state; never falls, two rows of equal time are a jump",
+    "penetration": "D, positive downwards: the lowest point of the indenter is at D below the free surface",
+    "force": "F, compression positive, tension negative",
+    "contact_radius": "a, a radius; 0 once contact is lost",
+    "stored_energy": "elastic energy of the half-space, in all branches of the material",
+    "external_work": "integral of F dD from the start, jumps included; 0 in the first row",
+    "dissipated_energy": "viscous loss from the start: external work + work of adhesion * change of contact "
+    "area - change of stored energy",
+}
+HOW_TO_ANSWER = """\
+Write `trace.csv` into the folder of the scene (or of the same name anywhere below the folder that is judged):
+
+```
+# code: my code
+# version: 1.0
+# author: who
+# resolution: 128
+# seconds: 3.2
+time,penetration,force,contact_radius
+0.0,0.0,0.0,0.0
+```
+
+Only `code` is needed above the columns, `time` and one more column below. `seconds` is the run time, for the
+figure of error against run time; `resolution` tells several answers of one code apart, the files of which are
+`trace-64.csv`, `trace-128.csv`, ... Where contact is lost, write the last row in contact and, at the same
+time, a row with contact radius 0. Columns:
+"""
+FORMULAS = """\
+The half-space is linear viscoelastic with relaxation modulus `E(t) = modulus + sum_k branches[k].modulus *
+exp(-t/branches[k].time)` (Young's modulus; times are relaxation times) and constant Poisson's ratio `nu`;
+where a modulus of the surface is needed it is `E* = E/(1 - nu^2)`. Contact is frictionless, axisymmetric, a
+full disc of radius `a(t)`, within small slopes: the surface under the indenter is displaced downwards by
+`D - f(r)`."""
+ADHESION = """\
+Adhesion acts within a process zone of length `da` (`zone`) at the contact edge: at every instant the edge is
+where
+
+    (1/(2 da)) * integral from a - da to a of sigma(r) g(r + da) dr = work,
+
+`sigma` the tension inside the contact, `g` the gap outside. The zone is part of the model, not of the
+discretisation. Where the integral is larger the edge recedes, where it is smaller it advances; of several
+roots that one holds at which it rises with `a`. Contact is lost where there is none."""
+
+
+def page(case: Case) -> str:
+    """The page as Markdown."""
+    scene = case.scene
+    parts = [
+        f"# {scene.title or case.name}",
+        case.statement,
+        f"Tags: {', '.join(tags(scene))}. All numbers are in one consistent system of units, and so is the "
+        "answer.",
+        "## Material",
+        FORMULAS,
+        _material(scene),
+        "## Indenter",
+        _shape(scene.indenter),
+    ]
+    if scene.adhesion is not None and scene.is_adhesive:
+        values = ", ".join(f"`{name} = {value!r}`" for name, value in asdict(scene.adhesion).items() if value)
+        parts += ["## Adhesion", ADHESION, values + "."]
+    else:
+        parts += [
+            "## No adhesion",
+            "The pressure is nowhere negative, and contact is lost where it would be.",
+        ]
+    steps = "\n".join(f"{i}. {_step(step)}" for i, step in enumerate(scene.loading.steps, 1))
+    parts += ["## Loading", _start(scene), steps or "1. nothing: the start state alone is asked for"]
+    columns = "\n".join(f"- `{name}`: {text}" for name, text in COLUMNS.items())
+    parts += ["## The answer", HOW_TO_ANSWER.rstrip(), columns]
+    return "\n\n".join(filter(None, parts)) + "\n"
+
+
+def _material(scene: Scene) -> str:
+    material = scene.material
+    branches = "".join(f"\n- modulus {b.modulus!r}, time {b.time!r}" for b in material.branches)
+    relaxes = f" Branches:\n{branches}" if branches else " It has no branches: it is elastic."
+    glassy = f"glassy modulus E(0) = {material.glassy_modulus!r}"
+    return f"`modulus = {material.modulus!r}` (relaxed), `poisson = {material.poisson!r}`; {glassy}.{relaxes}"
+
+
+def _shape(indenter: Indenter) -> str:
+    """Its profile ``f(r)``, the height above the lowest point."""
+    match indenter:
+        case Sphere(radius=radius):
+            return f"A paraboloid `f(r) = r^2/(2 R)`, `R = {radius!r}`."
+        case Cone(half_angle=angle):
+            return f"A cone `f(r) = r cot(alpha)`, half angle `alpha = {angle!r}` degrees."
+        case FlatPunch(radius=radius):
+            return f"A flat-ended cylinder of radius `{radius!r}`; contact never goes beyond it."
+        case PowerLaw(exponent=exponent, coefficient=coefficient):
+            return f"`f(r) = c r^n`, `c = {coefficient!r}`, `n = {exponent!r}`."
+        case TabulatedProfile():
+            return (
+                "A profile through the points `radii`, `heights` of `scene.json`: cubic Hermite curve with "
+                "three-point slopes, each limited to three times the smaller neighbouring secant, straight "
+                "beyond the last point."
+            )
+    return f"Shape `{indenter.shape}`, see `scene.json`."
+
+
+def _start(scene: Scene) -> str:
+    state = "glassy" if scene.loading.start == "jump-in" else "fully relaxed"
+    depth = scene.loading.penetration
+    return f"At `t = 0` the contact is in {state} equilibrium at penetration `{depth!r}`. Then:"
+
+
+def _step(step: Step) -> str:
+    match step:
+        case Ramp(to=to, rate=rate):
+            end = "the run ends where contact is lost"
+            return f"the penetration goes linearly to `{to!r}` at speed `{rate!r}`; {end}"
+        case Hold(duration=duration):
+            return f"the penetration stays for `{duration!r}`"
+        case Force(value=value, duration=duration):
+            return f"the force jumps to `{value!r}` and stays for `{duration!r}`; the penetration is free"
+        case ForceRamp(to=to, rate=rate):
+            return f"the force goes linearly to `{to!r}` at `{rate!r}` per time; the penetration is free"
+        case Oscillate(amplitude=amplitude, angular_frequency=w, duration=duration, drift=drift):
+            return (
+                f"`D = D_start + {amplitude!r} sin({w!r} t) - {drift!r} t` for `{duration!r}`, `t` from the "
+                "start of the step"
+            )
+        case Sweep(amplitude=amplitude, chirp=chirp, duration=duration):
+            return (
+                f"`D = D_start + {amplitude!r} sin({chirp!r} t^2/2)` for `{duration!r}`, `t` from its start"
+            )
+        case Table():
+            return "the penetration goes by straight lines through `times`, `penetrations` of `scene.json`"
+    return f"step of kind `{step.kind}`, see `scene.json`"
