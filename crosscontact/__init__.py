@@ -66,6 +66,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
         write_scene,
     )
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
+    from crosscontact.fitting import Fit, MeasuredCurve, fit, read_curves, synthetic, write_curve
     from crosscontact.result import ContactState, Result, load
 
 __all__ = [
@@ -77,12 +78,14 @@ __all__ = [
     "Cone",
     "ContactState",
     "DynamicData",
+    "Fit",
     "FlatPunch",
     "Force",
     "ForceRamp",
     "Hold",
     "Loading",
     "Material",
+    "MeasuredCurve",
     "Oscillate",
     "Outcome",
     "OutcomeKind",
@@ -108,8 +111,10 @@ __all__ = [
     "at_temperature",
     "builtin",
     "compare",
+    "fit",
     "fit_prony",
     "load",
+    "read_curves",
     "read_material",
     "read_measured",
     "read_scene",
@@ -118,11 +123,14 @@ __all__ = [
     "scenes",
     "solve",
     "solvers",
+    "synthetic",
+    "write_curve",
     "write_material",
     "write_scene",
 ]
 
 _API = ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers")
+_FIT = ("Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve")
 _RESULT = ("ContactState", "Result", "load")
 
 
@@ -133,6 +141,10 @@ def __getattr__(name: str) -> Any:
         from crosscontact import api
 
         return getattr(api, name)
+    if name in _FIT:
+        from crosscontact import fitting
+
+        return getattr(fitting, name)
     if name in _RESULT:
         from crosscontact import result
 
