@@ -65,6 +65,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     )
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
     from crosscontact.exam import export_exam, judge
+    from crosscontact.fitting import Fit, MeasuredCurve, fit, read_curves, synthetic, write_curve
     from crosscontact.result import ContactState, Result, load
     from crosscontact.sweeps import sweep
 
@@ -79,12 +80,14 @@ __all__ = [
     "Cone",
     "ContactState",
     "DynamicData",
+    "Fit",
     "FlatPunch",
     "Force",
     "ForceRamp",
     "Hold",
     "Loading",
     "Material",
+    "MeasuredCurve",
     "Oscillate",
     "Outcome",
     "OutcomeKind",
@@ -111,9 +114,11 @@ __all__ = [
     "builtin",
     "compare",
     "export_exam",
+    "fit",
     "fit_prony",
     "judge",
     "load",
+    "read_curves",
     "read_material",
     "read_measured",
     "read_scene",
@@ -123,12 +128,15 @@ __all__ = [
     "solve",
     "solvers",
     "sweep",
+    "synthetic",
+    "write_curve",
     "write_material",
     "write_scene",
 ]
 
 _API = ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers")
 _EXAM = ("export_exam", "judge")
+_FIT = ("Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve")
 _RESULT = ("ContactState", "Result", "load")
 
 
@@ -155,6 +163,10 @@ def __getattr__(name: str) -> Any:
         from crosscontact import exam
 
         return getattr(exam, name)
+    if name in _FIT:
+        from crosscontact import fitting
+
+        return getattr(fitting, name)
     if name in _RESULT:
         from crosscontact import result
 

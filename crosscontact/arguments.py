@@ -143,7 +143,53 @@ def parser() -> argparse.ArgumentParser:
     add_judge(
         commands.add_parser("judge", help="grade the traces of other codes; exit 1 when one fails"), _count
     )
+    _fit_arguments(commands.add_parser("fit", help="material and adhesion from measured curves, with errors"))
     return top
+
+
+def _fit_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("data", metavar="DATA", nargs="+", help="CSV files, or files that afmformats reads")
+    command.add_argument("scene", metavar="SCENE", help="the first guess: a TOML file or a built-in name")
+    command.add_argument(
+        "--vary",
+        nargs="+",
+        default=[],
+        metavar="PATH[=LOW:HIGH]",
+        help="numbers of the scene, as adhesion.work or material.branches[0].time=0.1:10",
+    )
+    command.add_argument(
+        "--per-curve", nargs="+", default=[], metavar="PATH", help="the same, another value for each curve"
+    )
+    command.add_argument(
+        "--tie", nargs="+", default=[], metavar="PATH=OTHER", help="PATH keeps its ratio to OTHER"
+    )
+    command.add_argument(
+        "--free",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="of each curve: contact_point, baseline, drift, time_offset",
+    )
+    command.add_argument(
+        "--prony", nargs="+", type=float, default=[], metavar="TIME", help="moduli on these relaxation times"
+    )
+    command.add_argument(
+        "--regularisation",
+        type=float,
+        metavar="X",
+        help="weight of the bending of these moduli; default: 0.1",
+    )
+    command.add_argument("--starts", type=_count, default=3, metavar="N", help="default: %(default)s")
+    command.add_argument("--seed", type=int, default=0, metavar="N", help="of the starts that are drawn")
+    command.add_argument(
+        "--profile", nargs="+", default=[], metavar="NAME", help="profile likelihood of these, or all"
+    )
+    _solver_option(command, "default: the reference")
+    command.add_argument("--check-solver", default="bem", metavar="NAME", help="or none; default: bem")
+    command.add_argument("--resolution", type=_resolution, metavar="N", help="default: by the noise")
+    command.add_argument("--out", metavar="DIR", help="write page, fit.json, scene.toml and figure there")
+    command.add_argument("--jobs", type=_count, metavar="N", help="processes; default: the number of cores")
+    _fresh(command, replaces=True)
 
 
 def _solve_arguments(command: argparse.ArgumentParser) -> None:

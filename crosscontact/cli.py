@@ -84,6 +84,12 @@ def _command(options: argparse.Namespace) -> int:
         return run_judge(options, jobs)
     from crosscontact import registry
 
+    if options.command == "fit":
+        from crosscontact.commands import fit
+
+        return fit.run(
+            options.data, options.scene, fit.settings_of(options), options.out, jobs, options.fresh
+        )
     if options.command == "solve":
         from crosscontact.commands import solve
 

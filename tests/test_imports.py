@@ -23,11 +23,12 @@ PACKAGES = {
     "crosscontact": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation"},
 }
 # Inside ``validation``, upwards only: exact solutions, scenes and solvers; measuring, and carrying out runs,
-# which measures each at its end; drawing; five kinds of evidence beside each other, and sweeps, which ask for
-# runs as the evidence does and judge nothing; the report.
+# which measures each at its end; drawing; six kinds of evidence beside each other, fits of measured curves
+# among them, which compare runs with a record instead of another run; sweeps, which ask for runs as the
+# evidence does and judge nothing; the report.
 BELOW_RUNS = {"reference", "scenes", "solvers", "cases"}
 BELOW_EVIDENCE = BELOW_RUNS | {"measure", "execution", "drawing"}
-EVIDENCE = {"compare", "studies", "stability", "claims", "fields"}
+EVIDENCE = {"compare", "studies", "stability", "claims", "fields", "fits"}
 ROOMS = {
     "reference": set(),
     "scenes": set(),
@@ -50,7 +51,7 @@ BESIDE = {
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.
 HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
-HEAVY |= {"dask", "distributed", "h5py", "pyarrow"}
+HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
 LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments", "crosscontact.cli"}

@@ -67,6 +67,10 @@ class RowCurve:
         """Value at one time, at a jump the later one."""
         return float(self._between(np.array([time]), np.array([time]), self.slopes)[0])
 
+    def values(self, times: Array) -> Array:
+        """Values at times of any order, shape (m,), at a jump the later one."""
+        return self._between(times, times, self.slopes)
+
     def _cubic(self, grid: Array, slopes: tuple[Array, Array]) -> Array:
         middle = 0.5 * (grid[1:] + grid[:-1])
         return self._between(middle, grid[:-1] + POINTS[:, None] * np.diff(grid), slopes)

@@ -1,0 +1,212 @@
+"""Fits from Python: curves read or made, and what a fit found."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from contact_scene import Scene, SceneError
+from contact_scene.errors import shown
+from crosscontact import registry
+from crosscontact.key_numbers import aligned
+from crosscontact.result import checked_path
+from validation import cases
+from validation.execution.files import output_folder
+from validation.execution.store import Store
+from validation.fits.afm_files import is_afm_file, read_afm, write_afm
+from validation.fits.curve_files import read_csv, write_csv
+from validation.fits.fit import FitResult, FitSettings, InterruptedFit, fit_curves
+from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.statistics import Estimate
+from validation.fits.synthetic import synthetic
+from validation.report.figures import fit_chart
+from validation.report.sections.fit import lead, statements, table
+from validation.report.write_fit import write_fit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve"]
+
+
+class Fit:
+    """What a fit found.
+
+    Parameters
+    ----------
+    result : FitResult
+        Everything, as it stands in ``fit.json``.
+    """
+
+    def __init__(self, result: FitResult) -> None:
+        self.result = result
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with the fitted numbers."""
+        return self.result.scene
+
+    @property
+    def explained(self) -> bool:
+        """Whether the model explains the data within their noise."""
+        return self.result.goodness.explained
+
+    @property
+    def statements(self) -> list[str]:
+        """What to know before using a number."""
+        return statements(self.result)
+
+    def __getitem__(self, name: str) -> Estimate:
+        """A parameter by name: ``value``, ``deviation``, ``low`` and ``high`` of its 95 % interval."""
+        for one in self.result.estimates:
+            if one.name == name:
+                return one
+        names = ", ".join(one.name for one in self.result.estimates)
+        raise SceneError("name", f"no parameter {shown(name)}", names)
+
+    def figure(self) -> Figure:
+        """Data, fit and residuals."""
+        return fit_chart.draw_curves(self.result.curves)
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Write ``index.html``, ``fit.json``, ``scene.toml``, ``fit.png`` and ``fit.svg``."""
+        write_fit(self.result, output_folder(checked_path(folder), "folder"))
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        made = table(self.result)
+        return [made.head, *(tuple(map(str, row)) for row in made.rows)]
+
+    def __repr__(self) -> str:
+        lines = [lead(self.result).text, *aligned(self._rows()), *(f"  {one}" for one in self.statements)]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        head, *rows = self._rows()
+        cells = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+        body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
+        notes = "".join(f"<li>{escape(one)}</li>" for one in self.statements)
+        return (
+            f"<p><b>{escape(lead(self.result).text)}</b></p><table><thead><tr>{cells}</tr></thead>"
+            f"<tbody>{body}</tbody></table><ul>{notes}</ul>"
+        )
+
+
+def fit(
+    curves: MeasuredCurve | str | os.PathLike[str] | Sequence[MeasuredCurve | str | os.PathLike[str]],
+    scene: Scene | str | os.PathLike[str],
+    vary: Sequence[str] = (),
+    *,
+    tie: Sequence[str] = (),
+    per_curve: Sequence[str] = (),
+    free: Sequence[str] = (),
+    prony: Sequence[float] = (),
+    regularisation: float | None = None,
+    starts: int = 3,
+    seed: int = 0,
+    profile: Sequence[str] = (),
+    solver: str = registry.REFERENCE,
+    resolution: int | None = None,
+    check_solver: str | None = "bem",
+    executor: Executor | None = None,
+    out: str | os.PathLike[str] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Fit:
+    """Fit numbers of a scene to measured curves.
+
+    Parameters
+    ----------
+    curves : MeasuredCurve, path, or several of them
+        Paths as of :func:`read_curves`.
+    scene : Scene, str or path
+        First guess and all that is known; its loading steps give way to the measured motions.
+    vary : sequence of str
+        Numbers of the scene by dotted path, each with bounds if wanted: ``"adhesion.work=0.01:1"``.
+    tie : sequence of str
+        ``"PATH=OTHER"``: the first keeps the ratio to the second that it has in the scene.
+    per_curve : sequence of str
+        Like ``vary``, with a value of its own for each curve.
+    free : sequence of str
+        Of ``contact_point``, ``baseline``, ``drift``, ``time_offset``.
+    prony : sequence of float
+        Relaxation times of a fixed grid whose moduli are fitted.
+    regularisation : float, optional
+        Weight of the bending of these moduli.
+    starts, seed : int
+        Starts of the search, and the seed of those that are drawn.
+    profile : sequence of str
+        Parameters whose profile likelihood is worked out; ``["all"]`` for all.
+    solver : str
+    resolution : int, optional
+        By default the coarsest with an error of a twentieth of the noise.
+    check_solver : str or None
+        Solves the fitted curves once more.
+    executor : Executor, optional
+        Any of ``concurrent.futures``; carries out the runs of a derivative side by side.
+    out : path, optional
+        Folder of the results, from which an interrupted fit goes on.
+    progress : callable, optional
+        Called with a line of text at each point of the search.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    SceneError
+        One line, if data or arguments are no good.
+    """
+    several = [curves] if isinstance(curves, (MeasuredCurve, str, os.PathLike)) else list(curves)
+    measured: list[MeasuredCurve] = []
+    for one in several:
+        measured += [one] if isinstance(one, MeasuredCurve) else read_curves(one)
+    for key, name in (("solver", solver), ("check_solver", check_solver)):
+        if name is not None and name not in registry.names():
+            raise SceneError(key, f"got {shown(name)}", f"one of {', '.join(registry.names())}")
+    chosen = {} if regularisation is None else {"regularisation": regularisation}
+    settings = FitSettings(
+        vary=tuple(vary) if not isinstance(vary, str) else (vary,),
+        tie=tuple(tie),
+        per_curve=tuple(per_curve),
+        free=tuple(free),
+        prony=tuple(prony),
+        starts=starts,
+        seed=seed,
+        profile=tuple(profile),
+        solver=solver,
+        resolution=resolution,
+        check_solver=check_solver,
+        **chosen,
+    )
+    guess = scene if isinstance(scene, Scene) else cases.load(os.fspath(scene)).scene
+    folder = None if out is None else output_folder(checked_path(out), "out")
+    store = Store(folder)
+    try:
+        result = fit_curves(measured, guess, settings, executor, store, progress)
+    except InterruptedFit as interrupted:
+        if folder is not None and interrupted.result is not None:
+            write_fit(interrupted.result, folder)
+        raise
+    if folder is not None:
+        write_fit(result, folder)
+        store.clear()
+    return Fit(result)
+
+
+def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:
+    """The curves of a file: one of a CSV, all of a file that ``afmformats`` reads (extra ``fit``)."""
+    file = checked_path(path)
+    return read_afm(file) if is_afm_file(file) else [read_csv(file)]
+
+
+def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
+    """Write a curve: as CSV, or by its ending (``.h5``, ``.tab``) as a file that AFM programs open."""
+    file = Path(checked_path(path))
+    if is_afm_file(file):
+        write_afm(curve, file)
+    else:
+        write_csv(curve, file)

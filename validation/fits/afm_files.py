@@ -1,0 +1,121 @@
+"""Curves in the formats of force microscopes, by ``afmformats`` (extra ``fit``), in SI units.
+
+There a height grows away from the sample, and the height of the tip is that of the stage plus the deflection
+``force/k``; here positions grow into the sample. A file with a spring constant gives the stage, one without
+the tip. A file may hold many curves.
+"""
+
+from __future__ import annotations
+
+import warnings
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact_scene.errors import SceneError
+from validation.fits.measured_curve import MeasuredCurve
+
+STAGE, TIP = "height (measured)", "tip position"
+WRITTEN = {".h5": "hdf5", ".tab": "tab"}
+"""Formats that can be written, by their ending."""
+READ = (".h5", ".ibw", ".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".tab", ".txt", ".zip")
+"""Endings that are left to ``afmformats``; all others are CSV."""
+
+
+def is_afm_file(path: Path) -> bool:
+    """Whether the ending is one of a microscope's formats."""
+    return path.suffix.lower() in READ
+
+
+def read_afm(path: Path) -> list[MeasuredCurve]:
+    """All curves of a file.
+
+    Raises
+    ------
+    SceneError
+        One line, if it cannot be read or a curve lacks time, force or position.
+    ImportError
+        If ``afmformats`` is not installed.
+    """
+    package = _package()
+    if not path.is_file():
+        raise SceneError("", "cannot be read: no such file", "an existing file", str(path))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            records = list(package.load_data(path))
+    except Exception as error:  # whatever a reader of foreign files may raise
+        reason = " ".join(f"{type(error).__name__} {error}".split())
+        raise SceneError("", f"cannot be read: {reason}", "a file of afmformats", str(path)) from None
+    if not records:
+        raise SceneError("", "holds no curve", "a file of force-distance curves", str(path))
+    return [
+        _curve(record, path.stem if len(records) == 1 else f"{path.stem}-{number}", str(path))
+        for number, record in enumerate(records)
+    ]
+
+
+def write_afm(curve: MeasuredCurve, path: Path) -> None:
+    """Write a curve so that afmformats, and what is built on it, reads it.
+
+    Raises
+    ------
+    SceneError
+        If the ending is none of those that can be written.
+    """
+    package = _package()
+    if path.suffix.lower() not in WRITTEN:
+        raise SceneError("path", f"cannot write {path.suffix}", ", ".join((".csv", *WRITTEN)))
+    columns = {
+        "time": curve.time,
+        "force": curve.force,
+        TIP: -curve.motion,
+        "segment": (np.arange(curve.time.size) > int(np.argmax(curve.motion))).astype(np.uint8),
+    }
+    metadata: dict[str, Any] = {
+        "imaging mode": "force-distance",
+        "path": path,
+        "enum": 0,
+        "point count": curve.time.size,
+        "duration": float(curve.time[-1] - curve.time[0]),
+        "software": "crosscontact",
+        "software version": "0",
+    }
+    if curve.stage is not None:
+        columns[STAGE] = -curve.stage
+        metadata["spring constant"] = curve.stiffness
+    record = package.AFMForceDistance(columns, metadata)
+    record.export_data(
+        path, metadata=[key for key in metadata if key != "path"], fmt=WRITTEN[path.suffix.lower()]
+    )
+
+
+def _curve(record: Any, name: str, file: str) -> MeasuredCurve:
+    for needed in ("time", "force"):
+        if needed not in record.columns:
+            raise SceneError("", f"{name} has no column {needed}", "time, force and a height", file)
+    stiffness = dict(record.metadata).get("spring constant", np.nan)
+    known: dict[str, Any] = {
+        "time": np.asarray(record["time"], float),
+        "force": np.asarray(record["force"], float),
+    }
+    if STAGE in record.columns and np.isfinite(stiffness):
+        known |= {"stage": -np.asarray(record[STAGE], float), "stiffness": float(stiffness)}
+    elif TIP in record.columns:
+        known["penetration"] = -np.asarray(record[TIP], float)
+    else:
+        allowed = f"{STAGE} with a spring constant, or {TIP}"
+        raise SceneError("", f"{name} has no position of the tip", allowed, file)
+    try:
+        return MeasuredCurve(**known, name=name)
+    except SceneError as error:
+        raise error.in_file(file) from None
+
+
+def _package() -> Any:
+    try:
+        return import_module("afmformats")
+    except ImportError:
+        raise ImportError("afmformats is not installed: pip install 'crosscontact[fit]'") from None

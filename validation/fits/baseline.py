@@ -1,0 +1,172 @@
+"""What a record shows before any model: beginning and end of contact, baseline, noise, jumps of the force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.fits.measured_curve import Array, MeasuredCurve
+
+CONTACT = 6.0
+"""Deviations of the noise from which a row lies off the baseline: below one in 10^8 rows by chance."""
+IN_A_ROW = 3
+"""Rows off the baseline, one after the other, with which contact begins: one alone may be a disturbance."""
+ENOUGH_ROWS = 20
+"""Rows of a baseline from which its standard deviation is known to a sixth."""
+JUMP = 8.0
+"""Deviations of the noise from which the change between two rows may be a jump, and is not compared."""
+JUMP_OVER_NEIGHBOURS = 3.0
+"""The same over the change beside it on the side in contact, from which it is one for certain: a smooth curve
+has them about equal."""
+EXCLUDED = 2
+"""Rows on both sides of a jump that are not compared: between them the force tells the moment of the jump
+only, for which there is a residual of its own, and the force would make misfit a step function of it."""
+LEAST_NOISE = 1e-6
+"""Noise over the range of the force, at least: of records without noise, so that weights remain finite."""
+MEDIAN_EFFICIENCY = 0.37
+"""Variance of the standard deviation over that of the median magnitude, both of as many normal numbers."""
+_THIRD_DIFFERENCE = np.sqrt(20.0)  # standard deviation of 1, -3, 3, -1 times independent noise
+_NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard normal number
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A jump of the force between two rows.
+
+    Parameters
+    ----------
+    row : int
+        The last row before it.
+    time, deviation : float
+        Middle of the interval, and standard deviation of a moment somewhere in it.
+    timed : bool
+        Whether contact begins or ends in this interval for certain: where the force is as steep beside it, it
+        may have come to nothing on a continuous curve.
+    """
+
+    row: int
+    time: float
+    deviation: float
+    timed: bool = True
+
+
+@dataclass(frozen=True)
+class CurveFeatures:
+    """What a record shows of itself.
+
+    Parameters
+    ----------
+    noise : float
+        Standard deviation of the force.
+    noise_degrees : float
+        Degrees of freedom from which it is known; infinite if it was stated.
+    noise_source : str
+        Where it comes from, in words.
+    baseline, drift : float
+        Force without contact at the first row, and its change over time.
+    first, last : int
+        First row in contact, and the row after the last; ``last`` is the number of rows if contact is not
+        seen to end, ``first`` equals ``last`` if there is no contact.
+    snap_in, pull_off : Jump or None
+    """
+
+    noise: float
+    noise_degrees: float
+    noise_source: str
+    baseline: float
+    drift: float
+    first: int
+    last: int
+    snap_in: Jump | None
+    pull_off: Jump | None
+
+    def compared(self, rows: int) -> NDArray[np.bool_]:
+        """Which rows are compared with a model, shape (rows,): all but those around the jumps."""
+        kept = np.ones(rows, bool)
+        for jump in (self.snap_in, self.pull_off):
+            if jump is not None:
+                kept[max(jump.row + 1 - EXCLUDED, 0) : jump.row + 1 + EXCLUDED] = False
+        return kept
+
+
+def noise_of_differences(values: Array) -> float:
+    """Standard deviation of independent noise on a smooth curve, from third differences, outliers aside."""
+    third = np.diff(values, 3)
+    return float(np.median(np.abs(third)) / _NORMAL_MEDIAN / _THIRD_DIFFERENCE)
+
+
+def features(curve: MeasuredCurve) -> CurveFeatures:
+    """Read them off a curve."""
+    force, time = curve.force, curve.time
+    least = LEAST_NOISE * float(np.ptp(force))
+    noise = max(noise_of_differences(force), least)
+    level = float(np.median(force[: max(IN_A_ROW, force.size // 50)]))
+    first = _leaves(np.abs(force - level) > CONTACT * noise)
+    leading = np.arange(max(first - 1, 0))  # the row before may hold the beginning of contact
+    if leading.size < IN_A_ROW:  # in contact from the first row on: the end tells the level, or nothing does
+        end = float(np.median(force[-max(IN_A_ROW, force.size // 50) :]))
+        flat = float(np.abs(force[-IN_A_ROW:] - end).max()) <= CONTACT * noise
+        level, first = (end, 0) if flat else (0.0, 0)
+    last = force.size - _leaves((np.abs(force - level) > CONTACT * noise)[::-1])
+    last = max(last, first)
+    trailing = np.arange(min(last + 1, force.size), force.size)
+    # Contact that does not end leaves a last row off the baseline, and no row behind it.
+    outside = np.concatenate([leading, trailing])
+    baseline, drift, source = level, 0.0, "differences of neighbouring rows"
+    degrees = MEDIAN_EFFICIENCY * force.size
+    if outside.size >= ENOUGH_ROWS:
+        baseline, drift, spread = _line(time[outside] - time[0], force[outside])
+        noise, source = max(spread, least), f"baseline, {outside.size} rows"
+        degrees = outside.size - 2.0
+    if curve.noise is not None:
+        noise, source, degrees = curve.noise, "stated", np.inf
+    snap_in = _jump(curve, first - 1, noise, 1) if first > 0 else None
+    pull_off = _jump(curve, last - 1, noise, -1) if last < force.size else None
+    return CurveFeatures(noise, degrees, source, baseline, drift, first, last, snap_in, pull_off)
+
+
+def _leaves(off: NDArray[np.bool_]) -> int:
+    """The first of ``IN_A_ROW`` rows off the baseline; the number of rows if there are none."""
+    run = np.convolve(off, np.ones(IN_A_ROW, int), mode="valid") == IN_A_ROW
+    return int(np.argmax(run)) if run.any() else off.size
+
+
+def _line(time: Array, force: Array) -> tuple[float, float, float]:
+    """Level at time zero, slope and standard deviation about the line."""
+    slope, level = np.polyfit(time, force, 1)
+    spread = force - level - slope * time
+    deviation = float(np.sqrt(np.sum(spread**2) / (force.size - 2)))
+    middle = time - time.mean()
+    if abs(slope) < 3.0 * deviation / float(np.sqrt(np.sum(middle**2))):  # no slope that can be seen
+        return float(force.mean()), 0.0, float(np.std(force, ddof=1))
+    return float(level), float(slope), deviation
+
+
+def _jump(curve: MeasuredCurve, row: int, noise: float, inward: int) -> Jump | None:
+    """The jump behind a row, if the force jumps there.
+
+    Parameters
+    ----------
+    curve : MeasuredCurve
+    row : int
+        Last row before it.
+    noise : float
+    inward : int
+        1 if contact lies behind the jump, -1 if before.
+
+    Returns
+    -------
+    Jump or None
+    """
+    force, time = curve.force, curve.time
+    beside = row + 1 if inward > 0 else row - 1
+    if row < 0 or beside < 0 or max(row, beside) + 1 >= force.size:
+        return None
+    change, neighbour = abs(force[row + 1] - force[row]), abs(force[beside + 1] - force[beside])
+    if change < JUMP * noise:
+        return None
+    width = float(time[row + 1] - time[row])
+    timed = bool(change >= JUMP_OVER_NEIGHBOURS * (neighbour + noise))
+    return Jump(row, float(0.5 * (time[row] + time[row + 1])), width / float(np.sqrt(12.0)), timed)

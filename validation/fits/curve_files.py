@@ -1,0 +1,100 @@
+"""Curves as CSV: a header, one row a sample, and comments that state what holds for the whole curve.
+
+::
+
+    # stiffness = 0.05
+    # indenter_radius = 2.5e-6
+    time,stage,force
+    0.0,-1e-6,2e-12
+
+Columns are found by name; a unit in brackets behind a name is passed over, other columns are ignored.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from contact_scene.errors import SceneError, shown
+from contact_scene.files import read_rows, read_text, write_whole
+from validation.fits.measured_curve import COLUMNS, MeasuredCurve
+
+REMARKS = ("stiffness", "indenter_radius", "noise")
+_HEADER = "a header: time, penetration or stage, force and, if measured, contact_radius"
+_REMARK = re.compile(r"#\s*(\w+)\s*[=:]\s*(\S+)")
+
+
+def read_csv(path: Path) -> MeasuredCurve:
+    """One curve.
+
+    Raises
+    ------
+    SceneError
+        One line: file, line or column, what is wrong.
+    """
+    text, file = read_text(path), str(path)
+    (_, header), *rows = read_rows(text, file)
+    names = [re.sub(r"[\[(].*", "", cell).strip().lower().replace(" ", "_") for cell in header]
+    for needed in ("time", "force"):
+        if needed not in names:
+            raise SceneError("", f"no column {needed}", _HEADER, file)
+    columns = {}
+    for name in COLUMNS:
+        if names.count(name) > 1:
+            raise SceneError(name, "stands twice in the header", _HEADER, file)
+        if name in names:
+            columns[name] = _column(rows, names.index(name), len(names), name, file)
+    remarks = {found[1]: found[2] for line in text.split("\n") if (found := _REMARK.match(line.strip()))}
+    stated = {key: _number(remarks[key], key, file) for key in REMARKS if key in remarks}
+    try:
+        return MeasuredCurve(**columns, **stated, name=path.stem)  # type: ignore[arg-type]
+    except SceneError as error:
+        raise SceneError(error.key, error.problem, error.allowed, file) from None
+
+
+def write_csv(curve: MeasuredCurve, path: Path) -> None:
+    """Write a curve with all its digits."""
+    lines = [f"# {key} = {getattr(curve, key)!r}" for key in REMARKS if getattr(curve, key) is not None]
+    columns = {name: getattr(curve, name) for name in COLUMNS if getattr(curve, name) is not None}
+    lines.append(",".join(columns))
+    lines += [",".join(map(repr, row)) for row in zip(*(c.tolist() for c in columns.values()), strict=True)]
+    write_whole(path, "\n".join(lines) + "\n")
+
+
+def _column(
+    rows: Sequence[tuple[int, list[str]]], place: int, width: int, name: str, file: str
+) -> np.ndarray:
+    """One column of numbers.
+
+    Parameters
+    ----------
+    rows : sequence of (int, list of str)
+        Line numbers and cells.
+    place, width : int
+        Of the column; columns of the header.
+    name, file : str
+        For errors.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+    """
+    values = np.empty(len(rows))
+    for index, (line, cells) in enumerate(rows):
+        if len(cells) != width:
+            raise SceneError(f"line {line}", f"{len(cells)} cells", f"{width}, as in the header", file)
+        values[index] = _number(cells[place], f"line {line}, {name}", file)
+    return values
+
+
+def _number(cell: str, key: str, file: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        raise SceneError(key, f"got {shown(cell)}", "a finite number", file) from None
+    if not np.isfinite(value):
+        raise SceneError(key, f"got {cell}", "a finite number", file)
+    return value

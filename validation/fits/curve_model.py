@@ -1,0 +1,218 @@
+"""What a solver says a curve should have been: the scene under the measured motion, at the measured times.
+
+The loading of the scene gives way to the measured motion; its start and the penetration it starts from stay:
+contact begins where the motion first comes to that penetration (``jump-in``), or with the first row
+(``relaxed``, or a record that begins in contact). Before, and after contact is lost, the force is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Loading, OutcomeKind, Scene, SceneError, Sphere, Table
+from contact_scene.scene_values import with_values
+from validation import solvers
+from validation.execution.tasks import one_line
+from validation.fits.baseline import CurveFeatures, features
+from validation.fits.measured_curve import Array, MeasuredCurve
+from validation.fits.measured_path import straight_lines
+from validation.measure.row_interpolation import RowCurve
+
+PATH_SHARE = 0.3
+"""Force that a deviation of the straight lines from the motion may cost, over the noise of the force:
+together with the noise it is 4 % more than the noise alone."""
+
+
+@dataclass(frozen=True)
+class FitRun:
+    """The part of a run that a fit compares.
+
+    Parameters
+    ----------
+    time, force, contact_radius : ndarray, shape (n,)
+        Rows; empty if there is no contact at all.
+    lost : float or None
+        When contact was lost.
+    failure : str
+        Why the run did not reach its end; its rows up to there count.
+    """
+
+    time: Array
+    force: Array
+    contact_radius: Array
+    lost: float | None = None
+    failure: str = ""
+
+
+NO_CONTACT = FitRun(np.empty(0), np.empty(0), np.empty(0))
+
+
+@dataclass(frozen=True)
+class CurvePrediction:
+    """A run at the times of a curve.
+
+    Parameters
+    ----------
+    force, contact_radius : ndarray, shape (N,)
+    touching : ndarray of bool, shape (N,)
+        Rows in contact.
+    first_contact, lost : float or None
+        When contact begins and is lost, in the time of the curve.
+    failure : str
+        As of the run.
+    """
+
+    force: Array
+    contact_radius: Array
+    touching: NDArray[np.bool_]
+    first_contact: float | None
+    lost: float | None
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class CurveModel:
+    """A curve and the scene that is to explain it.
+
+    Parameters
+    ----------
+    curve : MeasuredCurve
+    scene : Scene
+    features : CurveFeatures
+    knots, heights : ndarray, shape (K,)
+        The measured motion as straight lines.
+    """
+
+    curve: MeasuredCurve
+    scene: Scene
+    features: CurveFeatures
+    knots: Array
+    heights: Array
+
+    @classmethod
+    def of(cls, curve: MeasuredCurve, scene: Scene) -> CurveModel:
+        """Prepare a curve.
+
+        Raises
+        ------
+        SceneError
+            If it cannot be compared with the scene, one line.
+        """
+        seen = features(curve)
+        if curve.indenter_radius is not None:
+            if not isinstance(scene.indenter, Sphere):
+                allowed = "a scene with a sphere, or a file without a radius"
+                problem = f"stated for a {scene.indenter.shape}"
+                raise SceneError("indenter_radius", problem, allowed, curve.name)
+            scene = replace(scene, indenter=Sphere(curve.indenter_radius))
+        reach = float(np.ptp(curve.motion))
+        if reach == 0.0:
+            raise SceneError("penetration", "does not move", "an approach or a retraction", curve.name)
+        slope = float(np.ptp(curve.force)) / reach
+        tolerance = PATH_SHARE * seen.noise / slope if slope > 0.0 else reach
+        motion = curve.motion
+        if curve.stage is not None and curve.stiffness is not None:
+            level = seen.baseline + seen.drift * (curve.time - curve.time[0])
+            motion = motion + level / curve.stiffness
+        try:
+            knots, heights = straight_lines(curve.time, motion, tolerance)
+        except SceneError as error:
+            raise error.in_file(curve.name) from None
+        return cls(curve, scene, seen, knots, heights)
+
+    def scene_of(self, values: Mapping[str, float], contact_point: float = 0.0) -> tuple[Scene, float] | None:
+        """The scene to solve and the time its clock starts at; ``None`` if the motion never comes to contact.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            Numbers of the scene by path.
+        contact_point : float
+            Measured position at which the penetration is zero.
+
+        Returns
+        -------
+        (Scene, float) or None
+
+        Raises
+        ------
+        SceneError
+            If the scene does not take the values.
+        """
+        scene = with_values(self.scene, values)
+        heights = self.heights - contact_point
+        first = scene.loading.penetration
+        begin, place = float(self.knots[0]), 0
+        if scene.loading.start == "relaxed" or heights[0] >= first:
+            first = float(heights[0])
+        else:
+            above = np.flatnonzero(heights >= first)
+            if not above.size:
+                return None
+            place = int(above[0]) - 1
+            share = (first - heights[place]) / (heights[place + 1] - heights[place])
+            begin += float(self.knots[place] - begin + share * (self.knots[place + 1] - self.knots[place]))
+        later = self.knots > begin
+        times = (begin, *self.knots[later].tolist())
+        table = Table(times, (first, *heights[later].tolist()))
+        return replace(scene, loading=Loading(scene.loading.start, first, (table,))), begin
+
+    def prediction(self, run: FitRun, begin: float | None, time_offset: float = 0.0) -> CurvePrediction:
+        """A run at the rows of the curve.
+
+        Parameters
+        ----------
+        run : FitRun
+        begin : float or None
+            When the clock of the run starts; ``None`` without contact.
+        time_offset : float
+            By which the force is recorded later than the motion.
+
+        Returns
+        -------
+        CurvePrediction
+        """
+        nothing = np.zeros(self.curve.time.size)
+        if begin is None or run.time.size < 2:
+            return CurvePrediction(nothing, nothing, nothing > 0.0, None, None, run.failure)
+        at = self.curve.time - time_offset - begin
+        touching = (at >= 0.0) & (at <= run.time[-1] if run.lost is not None or run.failure else True)
+        inside = np.clip(at, 0.0, run.time[-1])
+        force = np.where(touching, RowCurve(run.time, run.force).values(inside), 0.0)
+        radius = np.where(touching, RowCurve(run.time, run.contact_radius).values(inside), 0.0)
+        lost = None if run.lost is None else begin + run.lost + time_offset
+        return CurvePrediction(force, radius, touching, begin + time_offset, lost, run.failure)
+
+
+def run_of(scene: Scene, solver: str, resolution: int | None) -> FitRun:
+    """Solve a scene; what goes wrong is part of the answer.
+
+    Parameters
+    ----------
+    scene : Scene
+    solver : str
+    resolution : int or None
+
+    Returns
+    -------
+    FitRun
+    """
+    method = solvers.solver(solver)
+    method.load()
+    try:
+        trace = method.solve(scene, resolution)
+    except SceneError as error:
+        return replace(NO_CONTACT, failure=str(error))
+    except Exception as error:
+        return replace(NO_CONTACT, failure=one_line(error))
+    columns = trace.time, trace.force, trace.contact_radius
+    finite = np.isfinite(columns).all(axis=0)
+    if not finite.all():
+        return replace(NO_CONTACT, failure="the run is not finite")
+    ended = trace.outcome.finished and trace.outcome.kind is not OutcomeKind.COMPLETED
+    failure = "" if trace.outcome.finished else f"{trace.outcome.kind}: {trace.outcome.reason}"
+    return FitRun(*columns, float(trace.time[-1]) if ended else None, failure)

@@ -1,0 +1,111 @@
+"""A recorded curve: force over time and over the motion of the indenter or of the stage that carries it.
+
+Signs and units are the scene's: penetration and stage positive towards the body, force positive in
+compression. The zero of penetration and force need not be known: both may be parameters of a fit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact_scene.errors import SceneError, positive
+
+Array = NDArray[np.float64]
+
+FEWEST_ROWS = 20
+"""Rows of a curve, at least: fewer hardly outnumber the parameters of a fit and those of its baseline."""
+COLUMNS = ("time", "penetration", "stage", "force", "contact_radius")
+
+
+@dataclass(frozen=True)
+class MeasuredCurve:
+    """One record of an instrument.
+
+    Parameters
+    ----------
+    time : array_like, shape (N,)
+        Rising.
+    force : array_like, shape (N,)
+    penetration, stage : array_like, shape (N,), optional
+        Exactly one of them: the position of the indenter, or of the stage that drives it through a spring.
+    contact_radius : array_like, shape (N,), optional
+    stiffness : float, optional
+        Spring constant between stage and indenter; needed with ``stage``.
+    indenter_radius : float, optional
+        Of this curve's indenter, where it is not the scene's.
+    noise : float, optional
+        Standard deviation of the force; by default estimated from the baseline.
+    name : str
+
+    Raises
+    ------
+    SceneError
+        One line, if the columns are no record of a curve.
+    """
+
+    time: Array
+    force: Array
+    penetration: Array | None = None
+    stage: Array | None = None
+    contact_radius: Array | None = None
+    stiffness: float | None = None
+    indenter_radius: float | None = None
+    noise: float | None = None
+    name: str = "curve"
+
+    def __post_init__(self) -> None:
+        for column in COLUMNS:
+            given = getattr(self, column)
+            if given is not None:
+                object.__setattr__(self, column, self._checked(given, column))
+        if self.time.size < FEWEST_ROWS:
+            raise self._error("", f"{self.time.size} rows", f"at least {FEWEST_ROWS}")
+        stuck = np.flatnonzero(np.diff(self.time) <= 0.0)
+        if stuck.size:
+            row = int(stuck[0])
+            problem = f"does not advance from row {row + 1} to {row + 2}"
+            raise self._error("time", problem, "strictly rising times; are two columns swapped?")
+        if (self.penetration is None) == (self.stage is None):
+            raise self._error("", "needs penetration or stage, and not both", "one of the two columns")
+        if self.stage is not None and self.stiffness is None:
+            allowed = "the spring constant between stage and indenter"
+            raise self._error("stiffness", "is missing beside stage", allowed)
+        for key in ("stiffness", "indenter_radius", "noise"):
+            if getattr(self, key) is not None:
+                try:
+                    object.__setattr__(self, key, positive(getattr(self, key), key))
+                except SceneError as error:
+                    raise error.in_file(self.name) from None
+
+    def _checked(self, given: ArrayLike, column: str) -> Array:
+        try:
+            values = np.asarray(given, float)
+        except (TypeError, ValueError):
+            raise self._error(column, "is no column of numbers", "finite numbers") from None
+        if values.ndim != 1 or (column != "time" and values.shape != self.time.shape):
+            raise self._error(column, f"has shape {values.shape}", "one number for each time")
+        broken = np.flatnonzero(~np.isfinite(values))
+        if broken.size:
+            row = int(broken[0])
+            raise self._error(column, f"{values[row]} in row {row + 1}", "finite numbers")
+        return values
+
+    def _error(self, key: str, problem: str, allowed: str) -> SceneError:
+        return SceneError(key, problem, allowed, self.name)
+
+    @property
+    def motion(self) -> Array:
+        """Measured position of the indenter, shape (N,): the stage less the extension of the spring."""
+        if self.penetration is not None:
+            return self.penetration
+        assert self.stage is not None
+        assert self.stiffness is not None
+        return self.stage - self.force / self.stiffness
+
+    @property
+    def sampling(self) -> float:
+        """Time between two rows, the median."""
+        return float(np.median(np.diff(self.time)))

@@ -1,0 +1,104 @@
+"""Measured curves with the fit through them, what is left over, and correlations of the parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.drawing.axes import format_axes
+from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
+from validation.fits.fit import FitResult, FittedCurve
+from validation.fits.profile_likelihood import LikelihoodProfile
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WIDTH, HEIGHT = 3.6, 4.6  # inches of a curve's column
+MOST_COLUMNS = 4  # curves side by side
+MANY_LABELS = 8  # parameters whose correlations are written into the map
+SIZE = 2.2  # points of a marker
+
+
+def draw_curves(curves: Sequence[FittedCurve]) -> Figure:
+    """A column for each curve: force over penetration, residuals over time."""
+    from matplotlib.figure import Figure
+
+    columns = min(len(curves), MOST_COLUMNS)
+    rows = -(-len(curves) // MOST_COLUMNS)
+    figure = Figure(figsize=(WIDTH * max(columns, 1.4), HEIGHT * rows), layout="constrained")
+    panels = figure.subplots(2 * rows, columns, squeeze=False, height_ratios=[2.2, 1.0] * rows)
+    for place in range(columns * rows):
+        upper, lower = panels[2 * (place // columns) : 2 * (place // columns) + 2, place % columns]
+        if place >= len(curves):
+            upper.set_axis_off()
+            lower.set_axis_off()
+            continue
+        one = curves[place]
+        kept, colour = one.compared, SERIES[0]
+        measured = {"linestyle": "none", "marker": "o", "markersize": SIZE, "rasterized": True}
+        upper.plot(one.penetration[kept], one.curve.force[kept], color=colour, label="measured", **measured)
+        if not kept.all():
+            left = one.penetration[~kept], one.curve.force[~kept]
+            upper.plot(*left, color=GREY, label="not compared", **measured)
+        upper.plot(one.penetration, one.force, color=VERMILION, linewidth=1.1, label="fit")
+        upper.set(xlabel="penetration (unit of the scene)", title=one.curve.name)
+        lower.plot(one.curve.time[kept], one.residuals[kept], color=colour, **measured)
+        lower.axhline(0.0, color=INK, linewidth=0.8)
+        lower.set(xlabel="time (unit of the scene)")
+        if place % columns == 0:
+            upper.set_ylabel("force (unit of the scene)")
+            lower.set_ylabel("(measured - fit)/noise")
+        for axes in (upper, lower):
+            format_axes(axes)
+            axes.locator_params(axis="x", nbins=5)
+        upper.title.set_fontsize("medium")
+    panels[0, 0].legend(frameon=False, fontsize="small", labelcolor=INK)
+    return figure
+
+
+def draw_correlations(result: FitResult) -> Figure:
+    """Correlations of all parameters as a map."""
+    from matplotlib.figure import Figure
+
+    names = [one.name for one in result.estimates]
+    side = 2.6 + 0.32 * len(names)
+    figure = Figure(figsize=(side, side - 0.6), layout="constrained")
+    axes = figure.add_subplot()
+    picture = axes.imshow(result.correlations, cmap="PuOr", vmin=-1.0, vmax=1.0)
+    axes.set_xticks(range(len(names)), names, rotation=90, fontsize="small")
+    axes.set_yticks(range(len(names)), names, fontsize="small")
+    axes.tick_params(colors=INK, labelcolor=INK)
+    if len(names) <= MANY_LABELS:
+        for (row, column), value in np.ndenumerate(result.correlations):
+            colour = "white" if abs(value) > 0.6 else "black"
+            axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7, color=colour)
+    bar = figure.colorbar(picture, ax=axes, shrink=0.8)
+    bar.set_label("correlation", color=INK)
+    bar.ax.tick_params(colors=INK, labelcolor=INK)
+    return figure
+
+
+def draw_profiles(profiles: Sequence[LikelihoodProfile]) -> Figure:
+    """Increase of the sum of squares over each parameter, the 95 % limit drawn in."""
+    from matplotlib.figure import Figure
+
+    columns = min(len(profiles), MOST_COLUMNS)
+    rows = -(-len(profiles) // MOST_COLUMNS)
+    figure = Figure(figsize=(2.6 * max(columns, 1.5), 2.4 * rows), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False)
+    for place, axes in enumerate(panels.flat):
+        if place >= len(profiles):
+            axes.set_axis_off()
+            continue
+        one = profiles[place]
+        axes.plot(one.values, one.increases, color=SERIES[0], marker=MARKERS[0], markersize=3, linewidth=1.0)
+        axes.axhline(3.84, color=VERMILION, linestyle="--", linewidth=1.0, label="95 %")
+        axes.set(xlabel=one.name, ylim=(0.0, 12.0))
+        if place % columns == 0:
+            axes.set_ylabel("increase of the sum of squares")
+        format_axes(axes)
+        axes.locator_params(axis="x", nbins=4)
+    panels[0, 0].legend(frameon=False, fontsize="small", labelcolor=INK)
+    return figure
