@@ -30,7 +30,7 @@ from bem_solver.size_estimates import (
 from bem_solver.start import contact_scale, start_state
 from bem_solver.stepping import SOLVER, GradedRun
 from bem_solver.trial import Problem
-from contact_scene import Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
+from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
 from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 from contact_scene.scene import zone_too_long
 
@@ -41,6 +41,10 @@ root at the edge, which is taken out: without adhesion, and in an elastic contac
 
 def refusal(scene: Scene) -> UnsupportedScene | None:
     """Why the boundary elements do not take a scene; ``None`` if they do."""
+    if scene.adhesion is not None and scene.adhesion.stress is not None:
+        return UnsupportedScene(
+            "adhesion.stress", "the boundary elements have process zones of fixed length", "zone instead"
+        )
     if scene.material.bulk is None:
         return None
     return UnsupportedScene(
@@ -86,10 +90,23 @@ def solve(
     if unsupported is not None:
         raise unsupported
     began = clock.perf_counter()
+    if options.annuli == "uniform" and scene.adhesion is not None:
+        _check_paper_adhesion(scene.adhesion)
     run = solve_uniform if options.annuli == "uniform" else _solve_graded
     with np.errstate(all="ignore"):  # non-finite numbers are looked for where state is committed
         trace = run(scene, options, progress, monitor)
     return replace(trace, wall_seconds=clock.perf_counter() - began)
+
+
+def _check_paper_adhesion(adhesion: Adhesion) -> None:
+    """Refuse what the paper's own discretisation leaves out."""
+    for key in ("work_closing", "rate", "stress"):
+        if getattr(adhesion, key) is not None:
+            raise UnsupportedScene(
+                f"adhesion.{key}",
+                "uniform annuli know one work of adhesion and one process zone",
+                'annuli "graded"',
+            )
 
 
 def _solve_graded(
@@ -120,7 +137,7 @@ def _solve_graded(
         )
     except FloatingPointError as error:
         outcome = Outcome(OutcomeKind.NOT_FINITE, str(error), state.contact.time)
-    return state.record.trace(outcome, counters, problem.work)
+    return state.record.trace(outcome, counters, problem.work, problem.irreversible is None)
 
 
 def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Problem, float]:

@@ -127,7 +127,8 @@ def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energie
     if trial is None:
         return None
     surface = trial.surface
-    state = HalfSpaceState(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
+    history = _start_history(problem, surface, penetration, relaxed)
+    state = HalfSpaceState(0.0, penetration, surface, history, trial.closure)
     forces = surface.edge * problem.annuli.areas * surface.scaled
     load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
     return state, initial_energies(problem.chain, load_work, relaxed)

@@ -1,6 +1,7 @@
 """Scene, form of the results and control of a run, shared by all solvers; no method of solving it."""
 
 from contact_scene.adhesion import Adhesion
+from contact_scene.edge_rate import PowerRate, RateTable
 from contact_scene.errors import SceneError, UnsupportedScene
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import (
@@ -61,8 +62,10 @@ __all__ = [
     "OutcomeKind",
     "PowerLaw",
     "PowerLawRelaxation",
+    "PowerRate",
     "PronyFit",
     "Ramp",
+    "RateTable",
     "RelaxationData",
     "RunMonitor",
     "Scene",

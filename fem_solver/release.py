@@ -22,12 +22,47 @@ of two, and ripple from node to node.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.condensed import Response
 
 Array = NDArray[np.float64]
+
+
+_LEAST_SPEED = 0.01
+"""Speed at the end of a step, relative to its mean, that the formula is not allowed to fall below."""
+
+
+@dataclass(frozen=True)
+class EdgeOrigin:
+    """Where the edge starts a step, and how it came there.
+
+    Parameters
+    ----------
+    edge, radius : float
+        Edge position in nodes, and the contact radius.
+    rate, duration : float
+        Mean rate of the radius over the step before, and the length of that; ``duration`` 0 after a kink.
+    """
+
+    edge: float
+    radius: float
+    rate: float = 0.0
+    duration: float = 0.0
+
+    def opening_speed(self, radius: float, dt: float) -> float:
+        """Speed at which the edge recedes at the end of a step to ``radius``; infinite in no time."""
+        if dt <= 0.0:
+            return math.inf
+        mean = (self.radius - radius) / dt
+        if self.duration <= 0.0:
+            return mean
+        slope = mean + (mean + self.rate) * dt / (dt + self.duration)
+        return max(slope, _LEAST_SPEED * mean)
 
 
 class EdgeGeometry:
@@ -100,14 +135,26 @@ class ContactProblem:
     control : "penetration" or "force"
     value : float
         Of the controlled quantity.
+    dt : float
+        Time since the last accepted state; infinite for a relaxed response.
+    origin : EdgeOrigin, optional
+        Edge of that state.
     """
 
     def __init__(
-        self, geometry: EdgeGeometry, response: Response, height: Array, control: str, value: float
+        self,
+        geometry: EdgeGeometry,
+        response: Response,
+        height: Array,
+        control: str,
+        value: float,
+        dt: float = 0.0,
+        origin: EdgeOrigin | None = None,
     ) -> None:
         self.geometry, self.response = geometry, response
         self.operator = response.operator
         self.control, self.value = control, value
+        self.dt, self.origin = dt, origin
         self._base = -height - response.free
         self._base_y = self.operator.transform(self._base)
         self._base_force = np.cumsum(self.operator.unit * self._base_y)

@@ -16,6 +16,7 @@ from fem_solver.condensed import CondensedHistory
 from fem_solver.cost import run_cost
 from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
 from fem_solver.halfspace import Factorisation, HalfSpace
+from fem_solver.irreversible_edge import IrreversibleEdge
 from fem_solver.options import Options
 from fem_solver.prony import Prony
 from fem_solver.quadrature import QuadratureHistory
@@ -166,6 +167,10 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
             raise SetUpInterrupted
 
     material = moduli(scene.material)
+    if scene.adhesion is not None and scene.adhesion.stress is not None:
+        raise UnsupportedScene(
+            "adhesion.stress", "the finite elements have process zones of fixed length", "zone instead"
+        )
     _check(material, options)
     _check_memory(mesh, len(material.shear.times), not material.alike)
     space = HalfSpace(mesh, options.form == "mixed", options.far_field)
@@ -191,7 +196,12 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge)
     law: EdgeLaw
     if scene.adhesion is not None and zone is not None:
-        law = AdhesiveEdge(geometry, scene.adhesion.work)
+        reversible = scene.adhesion.reversible
+        law = (
+            AdhesiveEdge(geometry, scene.adhesion.work)
+            if reversible
+            else IrreversibleEdge(geometry, scene.adhesion)
+        )
     else:
         law = AdhesionlessEdge(geometry, history.operator.transform_radii(radii).tolist())
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)

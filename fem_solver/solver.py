@@ -106,7 +106,9 @@ def record(
     proceed = None if monitor is None else monitor.continue_set_up
     setup = set_up(scene, mesh, options, proceed)
     recorder = SurfaceRecorder(
-        scene.adhesion.work if scene.adhesion else 0.0, [] if options.records else None
+        scene.adhesion.work if scene.adhesion else 0.0,
+        scene.adhesion is None or scene.adhesion.reversible,
+        [] if options.records else None,
     )
     observer = _Observer(options, setup, recorder)
     if monitor is not None and recorder.surfaces is not None and isinstance(observer.log, SurfaceLog):

@@ -2,10 +2,14 @@
 
 The residual rises with the radius through zero at a stable edge. An edge at rest may satisfy the condition
 with an interval of values; it moves when one of its two driving forces, inward or outward, is positive.
+
+``velocity`` is the rate of the radius at the end of a step: negative where the edge opens, infinite where it
+moves at fixed time.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,7 +20,7 @@ from validation.reference.tracking.surface import Body, Surface
 
 @dataclass(frozen=True)
 class Griffith:
-    """``I(a)/dg - 1`` (paper, Eq. closure)."""
+    """``I(a)/w - 1`` (paper, Eq. closure); ``w`` is what the edge takes up in its direction, at its speed."""
 
     adhesion: Adhesion
     tolerance: ClassVar[float] = 1e-10  # residual at an accepted edge
@@ -31,16 +35,26 @@ class Griffith:
         """Smallest contact radius the condition is defined for: one zone, which then reaches the axis."""
         return self.adhesion.zone
 
-    def residual(self, surface: Surface, body: Body) -> float:
-        """Residual at an edge that has just moved to its present radius."""
+    def closure(self, surface: Surface, body: Body) -> float:
+        """The closure integral at an edge that has just moved to its present radius."""
         zone = self.adhesion.zone
         edge = surface.near(surface.radius - zone, surface.radius + zone).edge_fields()
-        return closure_integral(edge, zone, body.rheology.relaxed, body.transform) / self.adhesion.work - 1.0
+        return closure_integral(edge, zone, body.rheology.relaxed, body.transform)
 
-    def driving_forces(self, surface: Surface, body: Body) -> tuple[float, float]:
-        """Inward and outward; opposite to each other, for the integral is continuous as the edge departs."""
-        value = self.residual(surface, body)
-        return value, -value
+    def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:
+        """Residual at an edge that has just moved to its present radius; at rest that of opening."""
+        adhesion = self.adhesion
+        taken = adhesion.closing if velocity > 0.0 else adhesion.opening(-velocity)
+        return self.closure(surface, body) / taken - 1.0
+
+    def driving_forces(self, surface: Surface, body: Body, at_once: bool = False) -> tuple[float, float]:
+        """Inward and outward: what the integral exceeds opening by, and falls short of closing.
+
+        It is continuous as the edge departs. ``at_once``: at fixed time, where the edge has no finite speed.
+        """
+        value = self.closure(surface, body)
+        taken = self.adhesion.opening(math.inf) if at_once else self.adhesion.work
+        return value / taken - 1.0, 1.0 - value / self.adhesion.closing
 
 
 @dataclass(frozen=True)
@@ -52,11 +66,11 @@ class NoTension:
     zone_length: ClassVar[float] = 0.0
     smallest_radius: ClassVar[float] = 0.0
 
-    def residual(self, surface: Surface, body: Body) -> float:
-        """Residual at an edge that has just moved to its present radius."""
+    def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:
+        """Residual at an edge that has just moved to its present radius, at any velocity."""
         return -surface.edge_stress(body) / self.scale
 
-    def driving_forces(self, surface: Surface, body: Body) -> tuple[float, float]:
+    def driving_forces(self, surface: Surface, body: Body, at_once: bool = False) -> tuple[float, float]:
         """Tension at the edge, and overlap next to it; both negative while the edge is at rest."""
         inward = -surface.edge_stress(body) / self.scale if surface.radius > 0.0 else -1.0
         return inward, surface.edge_overlap(body) * body.rheology.glassy / self.scale

@@ -86,7 +86,9 @@ class FrontStepper:
     @property
     def recorder(self) -> Recorder:
         """Recorder of the rows of the state."""
-        return Recorder(self.problem.body, self.problem.work_of_adhesion, self.state.recorded)
+        return Recorder(
+            self.problem.body, self.problem.work_of_adhesion, self.problem.irreversible, self.state.recorded
+        )
 
     def run(self) -> Outcome:
         """Carry out all load steps, from the present position in the loading."""
