@@ -32,7 +32,6 @@ from bem_solver.stepping import SOLVER, GradedRun
 from bem_solver.trial import Problem
 from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
 from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
-from contact_scene.scene import zone_too_long
 
 _SMOOTH_SHARE = 0.01
 """Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the
@@ -41,10 +40,6 @@ root at the edge, which is taken out: without adhesion, and in an elastic contac
 
 def refusal(scene: Scene) -> UnsupportedScene | None:
     """Why the boundary elements do not take a scene; ``None`` if they do."""
-    if scene.adhesion is not None and scene.adhesion.stress is not None:
-        return UnsupportedScene(
-            "adhesion.stress", "the boundary elements have process zones of fixed length", "zone instead"
-        )
     if scene.material.bulk is None:
         return None
     return UnsupportedScene(
@@ -124,8 +119,6 @@ def _solve_graded(
             reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
             return trace_without_contact(scene.loading.penetration, reason, counters, problem.work)
         contact, energies = started
-        if problem.zone >= contact.edge > 0.0:
-            raise zone_too_long(problem.zone, contact.edge)
         record = TraceRecorder()
         record.row(problem.chain, contact, energies)
         state = GradedState(contact, energies, record, abs(contact.surface.force), contact.edge)

@@ -151,7 +151,7 @@ class GradedRun:
         edge = state.contact.edge
         state.accepted.add(state.parameter, edge, free_load(interval, state.contact))
         state.travel_share = min(1.0, 2.0 * state.travel_share)
-        if edge <= self.problem.zone:
+        if edge <= max(self.problem.zone, candidate.trial.zone):
             return below_zone_outcome(record.forces, state.contact.time)
         if contact_lost(start):
             state.contact, state.energies = lift_off(start)

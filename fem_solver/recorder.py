@@ -49,6 +49,8 @@ class SurfaceState:
         Energy of the half-space, and of the springs by which the interface holds a partly released node.
     branch_dissipation : float
         Energy dissipated in the branches so far.
+    zone : float
+        Length of the process zone; 0 without adhesion.
     closure, spent, rate, duration : float
         Closure integral at the edge, energy that the interface has taken up, mean rate of the radius over the
         last step and its length: where adhesion is irreversible.
@@ -64,6 +66,7 @@ class SurfaceState:
     stored: float
     interface: float
     branch_dissipation: float
+    zone: float = 0.0
     closure: float = 0.0
     spent: float = 0.0
     rate: float = 0.0

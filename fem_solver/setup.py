@@ -167,10 +167,6 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
             raise SetUpInterrupted
 
     material = moduli(scene.material)
-    if scene.adhesion is not None and scene.adhesion.stress is not None:
-        raise UnsupportedScene(
-            "adhesion.stress", "the finite elements have process zones of fixed length", "zone instead"
-        )
     _check(material, options)
     _check_memory(mesh, len(material.shear.times), not material.alike)
     space = HalfSpace(mesh, options.form == "mixed", options.far_field)
@@ -193,7 +189,8 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
     # contact radii are those of the glassy response, in which the edge moves
     effective = glassy.effective_radii(material.unit_plane_modulus)
-    geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge)
+    stress = scene.adhesion.stress if scene.adhesion is not None else None
+    geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge, stress)
     law: EdgeLaw
     if scene.adhesion is not None and zone is not None:
         reversible = scene.adhesion.reversible

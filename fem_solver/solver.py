@@ -145,9 +145,9 @@ def _start(scene: Scene, run: NodeReleaseRun, monitor: RunMonitor | None) -> Out
         run.restore(kept)
         return None
     outcome = run.start(scene.loading)
-    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
-    if outcome is None and run.state.radius < zone:
-        raise zone_too_long(zone, run.state.radius)
+    state = run.recorder.content.last
+    if state is not None and (state.radius < state.zone or (outcome is not None and state.zone > 0.0)):
+        raise zone_too_long(state.zone, state.radius)
     return outcome
 
 

@@ -477,9 +477,13 @@ class NodeReleaseRun:
                 stored=history.stored_energy,
                 interface=-0.5 * float(forces @ gap),
                 branch_dissipation=history.state.dissipated,
+                zone=candidate.problem.zone(candidate.edge.s),
                 **self._interface(candidate, radius),
             )
         )
+        if self.setup.geometry.stress is not None and self.state.zone >= radius:
+            forces_so_far = [row[2] for row in self.recorder.content.rows]
+            raise _RunEnded(below_zone_outcome(forces_so_far, self.time))
 
     def _interface(self, candidate: ContactCandidate, radius: float) -> dict[str, float]:
         """Closure, energy spent and rate of the edge, where they do not follow from the contact radius."""

@@ -71,7 +71,11 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
                 f"the process zone {zone:.4g} is lost in the rounding of the contact radius {outermost:.4g}",
                 f"a zone of at least {LEAST_ZONE:g} of the contact radius",
             )
-        return elastic_surface(body, depth, outermost, glassy)
+        surface = elastic_surface(body, depth, outermost, glassy)
+        longest = law.zone_at(surface, body)
+        if longest >= outermost and law.adhesion.stress is not None:
+            raise zone_too_long(longest, outermost)
+        return surface
     longest = law.smallest_radius
     while longest > SHORTEST:
         short = _outermost(tip_residual, 1e-6 * longest, longest)

@@ -15,7 +15,11 @@ from typing import ClassVar
 
 from contact_scene import Adhesion
 from validation.reference.tracking.closure import closure_integral
+from validation.reference.tracking.cohesive_zone import zone_at
 from validation.reference.tracking.surface import Body, Surface
+
+SHORTEST_ZONE = 1e-3
+"""Shortest zone of fixed stress that is followed, in zones at rest: the edge pulls a thirtieth as much."""
 
 
 @dataclass(frozen=True)
@@ -27,17 +31,33 @@ class Griffith:
 
     @property
     def zone_length(self) -> float:
-        """Distance from the edge within which the condition looks at the fields."""
+        """Length of the process zone, at fixed stress that at rest: what the edge is resolved on."""
         return self.adhesion.zone
 
     @property
     def smallest_radius(self) -> float:
-        """Smallest contact radius the condition is defined for: one zone, which then reaches the axis."""
+        """Smallest contact radius the condition is defined for: one zone, which then reaches the axis.
+
+        At fixed stress a contact ends before if its zone is longer than at rest.
+        """
         return self.adhesion.zone
+
+    @property
+    def reach(self) -> float:
+        """Distance from the edge beyond which no field enters the condition."""
+        return self.adhesion.zone if self.adhesion.stress is None else math.inf
+
+    def zone_at(self, surface: Surface, body: Body) -> float:
+        """Length of the process zone; at fixed stress at most the contact radius."""
+        adhesion = self.adhesion
+        if adhesion.stress is None:
+            return adhesion.zone
+        least = min(SHORTEST_ZONE * adhesion.zone, 0.5 * surface.radius)
+        return zone_at(surface.edge_fields(), adhesion.stress, body.rheology.relaxed, body.transform, least)
 
     def closure(self, surface: Surface, body: Body) -> float:
         """The closure integral at an edge that has just moved to its present radius."""
-        zone = self.adhesion.zone
+        zone = self.zone_at(surface, body)
         edge = surface.near(surface.radius - zone, surface.radius + zone).edge_fields()
         return closure_integral(edge, zone, body.rheology.relaxed, body.transform)
 
@@ -64,6 +84,7 @@ class NoTension:
     scale: float
     tolerance: ClassVar[float] = 1e-13  # a shrinking contact ends in a point, where the residual is flat
     zone_length: ClassVar[float] = 0.0
+    reach: ClassVar[float] = 0.0
     smallest_radius: ClassVar[float] = 0.0
 
     def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:

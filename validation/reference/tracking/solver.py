@@ -44,10 +44,6 @@ DENSE_ROW_TOLERANCES = RowTolerances(0.25, 0.25)
 
 def refusal(scene: Scene) -> UnsupportedScene | None:
     """Why front tracking does not take a scene; ``None`` if it does."""
-    if scene.adhesion is not None and scene.adhesion.stress is not None:
-        return UnsupportedScene(
-            "adhesion.stress", "the front tracking has process zones of fixed length", "zone instead"
-        )
     if scene.material.bulk is None:
         return None
     return UnsupportedScene(

@@ -110,8 +110,8 @@ class Trial:
             depth: PenetrationPath = prescribed_penetration(self.segment, self.time, duration, start)
             update = self._updates[duration] = field_update(start, self.body, depth)
         if not whole:
-            zone = self.condition.zone_length
-            start = start.near(min(radius, start.radius) - zone, max(radius, start.radius) + zone)
+            reach = self.condition.reach
+            start = start.near(min(radius, start.radius) - reach, max(radius, start.radius) + reach)
         return after_step(start, self.body, update, path, fractions)
 
     def _edge_path(self, duration: float, radius: float) -> EdgePath:
