@@ -23,7 +23,7 @@ class TraceRecorder:
     kinks: list[int] = field(default_factory=list)
 
     def row(self, chain: Chain, state: HalfSpaceState, energies: Energies) -> None:
-        """One accepted state."""
+        """One accepted state; ``state.spent`` counts where adhesion is irreversible."""
         surface = state.surface
         self.rows.append(
             (
@@ -34,6 +34,7 @@ class TraceRecorder:
                 energies.stored(chain),
                 energies.dissipated,
                 surface.stress_intensity,
+                state.spent,
             )
         )
 
@@ -54,19 +55,24 @@ class TraceRecorder:
         """The surface at a requested time; of two at one time (a jump) the later stays."""
         self.profiles = [p for p in self.profiles if p.time != profile.time] + [profile]
 
-    def trace(self, outcome: Outcome, counters: Counters, work: float) -> Trace:
+    def trace(self, outcome: Outcome, counters: Counters, work: float, reversible: bool = True) -> Trace:
         """The finished trace; the loss is what the energy balance (Eq. energybalance) leaves.
 
-        ``work`` is the work of adhesion. ``zone_excess`` is what the branches dissipate beyond the loss: at a
+        ``work`` is the work of adhesion. What the interface takes up, its ``separation_energy``, follows from
+        the contact area where adhesion is ``reversible``.
+
+        ``zone_excess`` is what the branches dissipate beyond the loss: at a
         sharp edge the whole field moves as if the process zone had no length, and the tip takes only the
         glassy ``K^2/(2 Einf*)``.
         """
-        time, penetration, force, radius, stored, branch, intensity = (
+        time, penetration, force, radius, stored, branch, intensity, spent = (
             np.array(column) for column in zip(*self.rows, strict=True)
         )
         external = external_work(time, penetration, force, self.kinks)
         area = np.pi * radius**2
-        dissipated = external + work * (area - area[0]) - (stored - stored[0])
+        if reversible:
+            spent = -work * (area - area[0])
+        dissipated = external - spent - (stored - stored[0])
         return Trace(
             solver="bem",
             time=time,
@@ -83,6 +89,7 @@ class TraceRecorder:
                 "zone_excess": branch - dissipated,
                 "stress_intensity_factor": intensity,
                 "energy_release_rate": release_rate(stored, force, penetration, area, work),
+                "separation_energy": spent,
             },
             events=tuple(self.events),
             profiles=tuple(self.profiles),
@@ -105,7 +112,7 @@ def trace_without_contact(penetration: float, reason: str, counters: Counters, w
     -------
     Trace
     """
-    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0)])
+    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)])
     return recorder.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters, work)
 
 

@@ -30,10 +30,9 @@ from bem_solver.size_estimates import (
 from bem_solver.start import contact_scale, start_state
 from bem_solver.stepping import SOLVER, GradedRun
 from bem_solver.trial import Problem
-from contact_scene import Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
+from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
 from contact_scene.machine import on_machine
 from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
-from contact_scene.scene import zone_too_long
 
 _SMOOTH_SHARE = 0.01
 """Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the
@@ -87,10 +86,23 @@ def solve(
     if unsupported is not None:
         raise unsupported
     began = clock.perf_counter()
+    if options.annuli == "uniform" and scene.adhesion is not None:
+        _check_paper_adhesion(scene.adhesion)
     run = solve_uniform if options.annuli == "uniform" else _solve_graded
     with np.errstate(all="ignore"):  # non-finite numbers are looked for where state is committed
         trace = run(scene, options, progress, monitor)
     return replace(trace, wall_seconds=clock.perf_counter() - began)
+
+
+def _check_paper_adhesion(adhesion: Adhesion) -> None:
+    """Refuse what the paper's own discretisation leaves out."""
+    for key in ("work_closing", "rate", "stress"):
+        if getattr(adhesion, key) is not None:
+            raise UnsupportedScene(
+                f"adhesion.{key}",
+                "uniform annuli know one work of adhesion and one process zone",
+                'annuli "graded"',
+            )
 
 
 def _solve_graded(
@@ -108,8 +120,6 @@ def _solve_graded(
             reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
             return trace_without_contact(scene.loading.penetration, reason, counters, problem.work)
         contact, energies = started
-        if problem.zone >= contact.edge > 0.0:
-            raise zone_too_long(problem.zone, contact.edge)
         record = TraceRecorder()
         record.row(problem.chain, contact, energies)
         state = GradedState(contact, energies, record, abs(contact.surface.force), contact.edge)
@@ -121,7 +131,8 @@ def _solve_graded(
         )
     except FloatingPointError as error:
         outcome = Outcome(OutcomeKind.NOT_FINITE, str(error), state.contact.time)
-    return on_machine(state.record.trace(outcome, counters, problem.work), scene.machine)
+    trace = state.record.trace(outcome, counters, problem.work, problem.irreversible is None)
+    return on_machine(trace, scene.machine)
 
 
 def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Problem, float]:

@@ -17,6 +17,7 @@ from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, advanced
 from bem_solver.trial import HalfSpaceState, Problem, TrialContact, evaluate, points_at
 from contact_scene import Indenter, Material, Scene
+from contact_scene.scene import zone_too_long
 
 Array = NDArray[np.float64]
 
@@ -127,7 +128,10 @@ def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energie
     if trial is None:
         return None
     surface = trial.surface
-    state = HalfSpaceState(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
+    if trial.zone >= surface.edge > 0.0:
+        raise zone_too_long(trial.zone, surface.edge)
+    history = _start_history(problem, surface, penetration, relaxed)
+    state = HalfSpaceState(0.0, penetration, surface, history, trial.closure)
     forces = surface.edge * problem.annuli.areas * surface.scaled
     load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
     return state, initial_energies(problem.chain, load_work, relaxed)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
+from bem_solver.edge_energy import EdgeStep, energy_spent
 from bem_solver.energy import Energies, updated_energies, work_increment
 from bem_solver.history import (
     NodalVariables,
@@ -126,7 +129,13 @@ def updated_state(
         problem.chain, state.surface, surface, variables, points.load, points.variables
     )
     after = updated_energies(problem.chain, energies, increment, motion.duration)
-    return HalfSpaceState(time, motion.new_penetration, surface, history), after
+    contact = HalfSpaceState(time, motion.new_penetration, surface, history)
+    if problem.irreversible is not None:
+        closures = (state.closure, trial.closure)
+        spent = state.spent + energy_spent(problem.irreversible, motion.edge, motion.new_edge, closures)
+        step = EdgeStep(motion.duration, motion.edge)
+        contact = replace(contact, closure=trial.closure, spent=spent, last_step=step)
+    return contact, after
 
 
 def _new_history(

@@ -12,6 +12,7 @@ from enum import Enum, auto
 
 from scipy.optimize import brentq
 
+from bem_solver.edge_energy import drive
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
@@ -27,6 +28,11 @@ _LOAD_WEIGHT_AT_LIMIT = 16.0
 there, the largest tension of the run; an eighth of the departure understates how far a row may miss it."""
 _SCALE_OF_FIRST_LOAD = 0.01
 """Part of the load to be expected in an interval against which a load that starts from zero is measured."""
+_RATED_WEIGHT = 5.0
+"""Weight of the departure from a straight line relative to the length the edge is resolved on against that
+relative to its travel, where the speed counts: the edge may then change its speed by a sixth in a step."""
+_LEAST_RATED_TRAVEL = 1e-4
+"""Least travel for that, in contact radii: below it an edge is about to set out."""
 _BESIDE_EXTREMUM = 0.125
 """Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row
 by a sixty-fourth of what it would with the whole step."""
@@ -130,6 +136,11 @@ class TrialStep(StepStart):
             resting = self._in_full_contact()
             if resting is not None:
                 return resting
+        if problem.irreversible is not None:
+            pinned = self._pinned()
+            if isinstance(pinned, Candidate):
+                return pinned
+            low, high = (low, edge) if pinned > 0.0 else (edge, high)
         root = rising_root(
             lambda radius: self._trial(self.end, radius),
             state.accepted.edge_after(step),
@@ -180,6 +191,28 @@ class TrialStep(StepStart):
         trial = self._trial(end, edge)
         return Candidate(end, trial, self._error(trial, end - start))
 
+    def _pinned(self) -> Candidate | float:
+        """A step of an edge at rest, up to where it sets out; if it moves at once, the way it would open."""
+        start, edge, jump = self.state.parameter, self.state.contact.edge, self.interval.jump
+        adhesion = self.problem.irreversible
+        assert adhesion is not None
+
+        def driven(trial: TrialContact) -> float:
+            return drive(adhesion, trial.closure, jump)
+
+        trial = self._trial(self.end, edge)
+        excess = driven(trial)
+        if excess <= 0.0:
+            return Candidate(self.end, trial, self._error(trial, self.end - start))
+        if driven(self._trial(start, edge)) < -_RESIDUAL_ACCURACY * self.settings.tolerance:
+            end = brentq(
+                lambda p: driven(self._trial(p, edge)), start, self.end, xtol=1e-14 * self.end, rtol=1e-14
+            )
+            if end > start:
+                trial = self._trial(end, edge)
+                return Candidate(end, trial, self._error(trial, end - start))
+        return trial.closure - adhesion.work
+
     def _trial(self, parameter: float, edge: float) -> TrialContact:
         interval, contact = self.interval, self.state.contact
         duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
@@ -219,7 +252,11 @@ class TrialStep(StepStart):
             scale /= stiffness
         elif softer > 1.0:  # on a soft spring it is the penetration that misses its line the farther
             scale /= softer
-        of_edge = departure_from_line(edge - contact.edge - edge_rate * step, problem.length_at(edge))
+        missed = edge - contact.edge - edge_rate * step
+        of_edge = departure_from_line(missed, problem.length_at(edge))
+        if problem.rated:
+            travel = max(abs(edge - contact.edge), _LEAST_RATED_TRAVEL * contact.edge)
+            of_edge = max(of_edge, departure_from_line(missed, _RATED_WEIGHT * travel))
         of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
         return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
 

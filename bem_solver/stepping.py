@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bem_solver.instantaneous_events import (
     LARGEST_TRAVEL_SHARE,
@@ -111,6 +111,7 @@ class GradedRun:
         state = self.state
         if interval.after_kink:
             state.record.kink()
+            state.contact = replace(state.contact, last_step=None)
             short, first = 0.05 * interval.length, 0.01 * interval.length
             if self.problem.viscoelastic and not interval.jump:  # what has jumped relaxes from the start
                 first = min(first, float(self.problem.chain.retardation.min()))
@@ -172,7 +173,7 @@ class GradedRun:
         edge = state.contact.edge
         state.accepted.add(state.parameter, edge, free_load(interval, state.contact))
         state.travel_share = min(1.0, 2.0 * state.travel_share)
-        if edge <= self.problem.zone:
+        if edge <= max(self.problem.zone, candidate.trial.zone):
             return below_zone_outcome(record.forces, state.contact.time)
         if contact_lost(start):
             state.contact, state.energies = lift_off(start)
@@ -225,6 +226,7 @@ class GradedRun:
             state.record.row(self.problem.chain, state.contact, state.energies)
             return None
         self._commit(event.trial, interval.time(event.parameter), report)
+        state.contact = replace(state.contact, last_step=None)
         state.accepted.start(event.parameter, state.contact.edge, free_load(interval, state.contact))
         state.travel_share, state.step = 1.0, event.next_step
         state.record.kink()

@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 
 from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
+from bem_solver.cohesive_zone import zone_at
 from bem_solver.creep import Chain
+from bem_solver.edge_energy import EdgeStep, end_velocity, energy_taken
 from bem_solver.history import SurfaceHistory
 from bem_solver.kinks import EdgeKinks
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, SurfacePoints, advanced, displacement_outside, load_inside
-from contact_scene import Counters, Scene
+from contact_scene import Adhesion, Counters, Scene
 
 Array = NDArray[np.float64]
 
@@ -30,8 +32,8 @@ EDGE_ACCURACY = 4e-3
 class Problem:
     """What stays the same over a run.
 
-    ``zone`` and ``work`` are zero without adhesion; ``length`` is the length on which the edge is resolved in
-    the largest contact.
+    ``zone`` (at fixed stress its length at rest) and ``work`` are zero without adhesion; ``length`` is the
+    length on which the edge is resolved in the largest contact.
     """
 
     scene: Scene
@@ -48,6 +50,17 @@ class Problem:
         """Whether the material has branches, so that the surface has a history."""
         return len(self.chain) > 0
 
+    @property
+    def irreversible(self) -> Adhesion | None:
+        """The adhesion, if what the edge takes up depends on its direction or speed."""
+        adhesion = self.scene.adhesion
+        return adhesion if self.work > 0.0 and adhesion is not None and not adhesion.reversible else None
+
+    @property
+    def rated(self) -> bool:
+        """Whether what the edge takes up follows its speed: its radius is then an integral over time."""
+        return self.irreversible is not None and self.irreversible.rate is not None
+
     def length_at(self, edge: float) -> float:
         """Length on which the motion of an edge at radius ``edge`` is resolved.
 
@@ -59,12 +72,19 @@ class Problem:
 
 @dataclass(frozen=True)
 class HalfSpaceState:
-    """Committed state: the surface, its history, time and penetration."""
+    """Committed state: the surface, its history, time and penetration.
+
+    ``closure`` is the integral of the edge, ``spent`` what the interface has taken up, ``last_step`` the step
+    of the edge that led here, ``None`` after a kink: known where adhesion is irreversible.
+    """
 
     time: float
     penetration: float
     surface: ContactSurface
     history: SurfaceHistory
+    closure: float = 0.0
+    spent: float = 0.0
+    last_step: EdgeStep | None = None
 
     @property
     def edge(self) -> float:
@@ -74,12 +94,13 @@ class HalfSpaceState:
 
 @dataclass(frozen=True)
 class TrialContact:
-    """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes."""
+    """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes; length of its ``zone``."""
 
     motion: Motion
     surface: ContactSurface
     residual: float
     closure: float
+    zone: float = 0.0
 
 
 def points_at(problem: Problem, state: HalfSpaceState, radius: Array) -> SurfacePoints:
@@ -133,7 +154,8 @@ def evaluate(
     Returns
     -------
     TrialContact
-        Its residual is ``I - dgamma`` (Eq. closure); without adhesion the negative edge singularity.
+        Its residual is ``I - dgamma`` (Eq. closure), or its share of what the edge takes up in its direction,
+        at its speed, times ``dgamma``; without adhesion the negative edge singularity.
     """
     annuli, counters = problem.annuli, problem.counters
     kinks = _kinks_inside(problem, state, duration, edge)
@@ -168,10 +190,23 @@ def evaluate(
     if problem.work == 0.0:
         return TrialContact(motion, surface, -surface.kappa, 0.0)
     counters.closure_evaluations += 1
-    value_of = _closure(problem, state, motion, surface)
+    zone = _zone(problem, surface)
+    value_of = _closure(problem, state, motion, surface, zone)
     if surface.kappa > 0.0:
         value_of = -abs(value_of)
-    return TrialContact(motion, surface, value_of - problem.work, value_of)
+    if problem.irreversible is None:
+        return TrialContact(motion, surface, value_of - problem.work, value_of, zone)
+    velocity = end_velocity(state.edge, edge, duration, state.last_step)
+    excess = value_of / energy_taken(problem.irreversible, velocity) - 1.0
+    return TrialContact(motion, surface, excess * problem.work, value_of, zone)
+
+
+def _zone(problem: Problem, surface: ContactSurface) -> float:
+    """Length of the process zone."""
+    adhesion = problem.scene.adhesion
+    if adhesion is None or adhesion.stress is None:
+        return problem.zone
+    return zone_at(surface, problem.rule, adhesion.stress, problem.zone)
 
 
 def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge: float) -> EdgeKinks | None:
@@ -195,9 +230,11 @@ def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge
     return (kinks or none).and_at(turning, reach)
 
 
-def _closure(problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface) -> float:
+def _closure(
+    problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface, zone: float
+) -> float:
     """``I``, the punches at kinks integrated from their own edges on."""
-    rule, zone, edge, kinks = problem.rule, problem.zone, surface.edge, surface.kinks
+    rule, edge, kinks = problem.rule, surface.edge, surface.kinks
     inner = rule.inside(zone, edge)
     if kinks is None or surface.strengths is None:
         gap = gap_outside(problem, state, motion, surface, edge + zone - inner)

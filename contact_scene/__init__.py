@@ -2,6 +2,7 @@
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach import Approach
+from contact_scene.edge_rate import PowerRate, RateTable
 from contact_scene.errors import SceneError, UnsupportedScene
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import (
@@ -66,8 +67,10 @@ __all__ = [
     "OutcomeKind",
     "PowerLaw",
     "PowerLawRelaxation",
+    "PowerRate",
     "PronyFit",
     "Ramp",
+    "RateTable",
     "RelaxationData",
     "RunMonitor",
     "Scene",

@@ -36,6 +36,9 @@ class Scene:
                 raise SceneError(name, f"got {shown(getattr(self, name))}", f"a {kind.__name__}")
         if self.adhesion is not None and not isinstance(self.adhesion, Adhesion):
             raise SceneError("adhesion", f"got {shown(self.adhesion)}", "an Adhesion or None")
+        if self.adhesion is not None and self.adhesion.stress is not None:
+            at_rest = self.adhesion.at_rest_on(self.material.relaxed_plane_modulus)
+            object.__setattr__(self, "adhesion", at_rest)
         if not isinstance(self.title, str):
             raise SceneError("title", f"got {shown(self.title)}", "a string")
         if self.is_adhesive and self.adhesion is not None and self.adhesion.zone >= self.indenter.edge:

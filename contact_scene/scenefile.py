@@ -17,6 +17,7 @@ import tomli_w
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach import Approach
+from contact_scene.edge_rate import PowerRate, RateTable
 from contact_scene.errors import FINITE, POSITIVE, SceneError, one_of, shown
 from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
@@ -36,6 +37,7 @@ _SHAPES: dict[str, type[Indenter]] = {
 }
 _ENTRIES: dict[str, type] = STEPS | {Approach.kind: Approach}
 """Kinds of entries in ``[[loading.steps]]``."""
+_RATE_COLUMNS = ("speed", "work")
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
 
 
@@ -76,7 +78,7 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
     indenter = _under("indenter", lambda: _indenter(_table(data, "indenter"), where))
     adhesion = None
     if "adhesion" in data:
-        adhesion = _under("adhesion", lambda: _build(Adhesion, _table(data, "adhesion")))
+        adhesion = _under("adhesion", lambda: _adhesion(_table(data, "adhesion"), where))
     machine = None
     if "machine" in data:
         machine = _under("machine", lambda: _build(Machine, _table(data, "machine")))
@@ -97,7 +99,7 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     else:
         data["indenter"] = {"shape": scene.indenter.shape} | asdict(scene.indenter)  # type: ignore[call-overload]
     if scene.adhesion is not None:
-        data["adhesion"] = asdict(scene.adhesion)
+        data["adhesion"] = _adhesion_table(scene.adhesion, target)
     if scene.machine is not None:
         data["machine"] = asdict(scene.machine)
     steps = []
@@ -131,6 +133,17 @@ def _material_table(material: Material) -> dict[str, Any]:
         table["bulk"] = bulk | {"branches": [asdict(branch) for branch in material.bulk.branches]}
     elif material.bulk is not None:
         table["bulk"] = material.bulk
+    return table
+
+
+def _adhesion_table(adhesion: Adhesion, target: Path) -> dict[str, Any]:
+    table = {key: value for key, value in asdict(adhesion).items() if value is not None}
+    if adhesion.stress is not None:
+        del table["zone"]
+    if isinstance(adhesion.rate, RateTable):
+        name = f"{target.stem}-rate.csv"
+        write_pairs(target.with_name(name), _RATE_COLUMNS, adhesion.rate.speeds, adhesion.rate.works)
+        table["rate"] = {"file": name}
     return table
 
 
@@ -241,6 +254,30 @@ def _shift(entry: dict[str, Any], where: Path) -> WLF | Arrhenius | ShiftTable:
         return _build(SHIFTS[model], entry, "model")
     _known(entry, "", ("model", "file"))
     return read_shift_factors(_beside(where, _require(entry, "file", "a table of T and a_T or log_aT")))
+
+
+def _adhesion(data: dict[str, Any], where: Path) -> Adhesion:
+    if "stress" not in data:
+        _require(data, "zone", "a zone > 0, or a stress > 0 instead")
+    elif "zone" in data:
+        raise SceneError("stress", "given beside zone", "either zone or stress")
+    if "rate" not in data:
+        return _build(Adhesion, data)
+    if not isinstance(data["rate"], dict):
+        raise SceneError("rate", f"got {shown(data['rate'])}", "a table { speed, exponent } or { file }")
+    return _build(Adhesion, data | {"rate": _under("rate", partial(_edge_rate, data["rate"], where))})
+
+
+def _edge_rate(entry: dict[str, Any], where: Path) -> PowerRate | RateTable:
+    if "file" not in entry:
+        return _build(PowerRate, entry)
+    _known(entry, "", ("file",))
+    path = _beside(where, entry["file"])
+    speeds, works = read_pairs(path, _RATE_COLUMNS)
+    try:
+        return RateTable(speeds, works, str(entry["file"]))
+    except SceneError as error:
+        raise error.in_file(str(path)) from None
 
 
 def _indenter(data: dict[str, Any], where: Path) -> Indenter:

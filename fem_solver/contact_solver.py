@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from contact_scene import Counters
 from contact_scene.segment import Control
 from fem_solver.edge import EdgeMotion, EdgePosition
-from fem_solver.release import ContactProblem
+from fem_solver.release import ContactProblem, EdgeOrigin
 from fem_solver.setup import Setup
 
 
@@ -51,10 +51,14 @@ class ContactCandidate:
 
 @dataclass
 class ContactSolver:
-    """Solves for the contact state at one instant and counts the work."""
+    """Solves for the contact state at one instant and counts the work.
+
+    ``origin`` gives the edge of the last accepted state.
+    """
 
     setup: Setup
     counters: Counters
+    origin: Callable[[], EdgeOrigin | None]
 
     def start(self, penetration: float, relaxed: bool) -> ContactCandidate:
         """Glassy or relaxed equilibrium, from the undeformed half-space."""
@@ -119,7 +123,8 @@ class ContactSolver:
     def _problem(self, dt: float, control: Control, value: float) -> ContactProblem:
         setup = self.setup
         response = setup.history.respond(dt)
-        return ContactProblem(setup.geometry, response, setup.height, control, value, setup.compliance)
+        compliance, origin = setup.compliance, self.origin()
+        return ContactProblem(setup.geometry, response, setup.height, control, value, compliance, dt, origin)
 
     def _searched(
         self, dt: float, problem: ContactProblem, search: Callable[[], EdgePosition]

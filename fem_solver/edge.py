@@ -85,8 +85,12 @@ class AdhesiveEdge:
         spacing = float(np.median(np.diff(within))) if len(within) > 1 else math.inf
         self._widest = max(_WIDEST_STRIDE * (geometry.zone or 0.0) / spacing, _STRIDE)
 
+    def taken(self, problem: ContactProblem, s: float) -> float:
+        """Energy per area that the edge takes up on its way to ``s``."""
+        return self.work
+
     def _excess(self, problem: ContactProblem, s: float) -> float:
-        value = problem.closure(s) / self.work - 1.0
+        value = problem.closure(s) / self.taken(problem, s) - 1.0
         return value if value > -1.0 else -1.0
 
     def start(self, problem: ContactProblem) -> EdgePosition:

@@ -16,6 +16,7 @@ from contact_scene.segment import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import EdgeMotion, EdgePosition
 from fem_solver.recorder import SurfaceState
+from fem_solver.release import ContactProblem
 
 _SHORTEST_PART = 2.0**-10
 """Least part of a load jump where the response is curved, relative to the jump."""
@@ -88,15 +89,17 @@ class LoadJump:
 
 
 def zone_reached(
-    solver: ContactSolver, work: float, load: Callable[[float], tuple[float, Control, float]]
+    solver: ContactSolver,
+    taken: Callable[[ContactProblem, float], float],
+    load: Callable[[float], tuple[float, Control, float]],
 ) -> ContactCandidate | None:
     """The state within a step, or a part of a load jump, with contact as short as its process zone.
 
     Parameters
     ----------
     solver : ContactSolver
-    work : float
-        Work of adhesion.
+    taken : callable(ContactProblem, float) -> float
+        Energy per area that the edge takes up on its way to an edge position.
     load : callable(float) -> (float, str, float)
         Length of the step, controlled quantity and its value at a share of the step, 0 to 1; the contact is
         longer than the zone at 0 and shorter at 1.
@@ -110,9 +113,9 @@ def zone_reached(
     edge = EdgePosition(EdgeMotion.RESTING, geometry.position(geometry.zone or 0.0))
 
     def excess(share: float) -> float:
-        closure = solver.held(*load(share), edge).problem.closure(edge.s)
+        problem = solver.held(*load(share), edge).problem
         solver.counters.closure_evaluations += 1
-        return max(closure / work, 0.0) - 1.0
+        return max(problem.closure(edge.s) / taken(problem, edge.s), 0.0) - 1.0
 
     if not excess(0.0) < 0.0 <= excess(1.0):
         return None

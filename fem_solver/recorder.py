@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 SOLVER = "fem"
 """Name of the solver in its traces and states."""
-EXTRA = ("branch_dissipation", "zone_excess", "balance_residual")
+EXTRA = ("branch_dissipation", "zone_excess", "balance_residual", "separation_energy")
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,11 @@ class SurfaceState:
         Energy of the half-space, and of the springs by which the interface holds a partly released node.
     branch_dissipation : float
         Energy dissipated in the branches so far.
+    zone : float
+        Length of the process zone; 0 without adhesion.
+    closure, spent, rate, duration : float
+        Closure integral at the edge, energy that the interface has taken up, mean rate of the radius over the
+        last step and its length: where adhesion is irreversible.
     """
 
     time: float
@@ -61,6 +66,11 @@ class SurfaceState:
     stored: float
     interface: float
     branch_dissipation: float
+    zone: float = 0.0
+    closure: float = 0.0
+    spent: float = 0.0
+    rate: float = 0.0
+    duration: float = 0.0
 
 
 @dataclass
@@ -96,12 +106,15 @@ class SurfaceRecorder:
     Parameters
     ----------
     work_of_adhesion : float
+    reversible : bool
+        Whether what the interface takes up follows from the contact area.
     surfaces : list of SurfaceState, optional
         If a list, every accepted state is appended to it.
     content : RecorderContent
     """
 
     work_of_adhesion: float
+    reversible: bool = True
     surfaces: list[SurfaceState] | None = None
     content: RecorderContent = field(default_factory=RecorderContent)
 
@@ -126,6 +139,8 @@ class SurfaceRecorder:
         stored = state.stored - first.stored
         interface = state.interface - first.interface
         adhesion = self.work_of_adhesion * math.pi * (state.radius**2 - first.radius**2)
+        if not self.reversible:
+            adhesion = -state.spent
         loss = content.external_work + adhesion - stored - interface
         residual = content.surface_work - stored - state.branch_dissipation
         content.rows.append(
@@ -140,6 +155,7 @@ class SurfaceRecorder:
                 state.branch_dissipation,
                 state.branch_dissipation - loss,
                 residual,
+                -adhesion,
             )
         )
         content.last = state

@@ -22,12 +22,48 @@ of two, and ripple from node to node.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.condensed import Response
+from fem_solver.process_zone import LEAST_ZONE, ZoneShift, zone_length
 
 Array = NDArray[np.float64]
+
+
+_LEAST_SPEED = 0.01
+"""Speed at the end of a step, relative to its mean, that the formula is not allowed to fall below."""
+
+
+@dataclass(frozen=True)
+class EdgeOrigin:
+    """Where the edge starts a step, and how it came there.
+
+    Parameters
+    ----------
+    edge, radius : float
+        Edge position in nodes, and the contact radius.
+    rate, duration : float
+        Mean rate of the radius over the step before, and the length of that; ``duration`` 0 after a kink.
+    """
+
+    edge: float
+    radius: float
+    rate: float = 0.0
+    duration: float = 0.0
+
+    def opening_speed(self, radius: float, dt: float) -> float:
+        """Speed at which the edge recedes at the end of a step to ``radius``; infinite in no time."""
+        if dt <= 0.0:
+            return math.inf
+        mean = (self.radius - radius) / dt
+        if self.duration <= 0.0:
+            return mean
+        slope = mean + (mean + self.rate) * dt / (dt + self.duration)
+        return max(slope, _LEAST_SPEED * mean)
 
 
 class EdgeGeometry:
@@ -40,15 +76,25 @@ class EdgeGeometry:
     effective : ndarray, shape (n,)
         Contact radius of the sets ``0..m``.
     zone : float or None
-        Process-zone length; ``None`` without adhesion.
+        Process-zone length, at fixed stress that at rest; ``None`` without adhesion.
     reach : float
         Radius up to which the mesh is made for a contact edge.
     edge : float
         Largest radius the indenter touches.
+    stress : float, optional
+        Cohesive stress of a process zone whose length follows from it.
     """
 
-    def __init__(self, radii: Array, effective: Array, zone: float | None, reach: float, edge: float) -> None:
-        self.radii, self.zone = radii, zone
+    def __init__(
+        self,
+        radii: Array,
+        effective: Array,
+        zone: float | None,
+        reach: float,
+        edge: float,
+        stress: float | None = None,
+    ) -> None:
+        self.radii, self.zone, self.stress = radii, zone, stress
         self.effective = np.where(radii < edge * (1.0 - 1e-9), effective, np.minimum(effective, edge))
         count = len(radii)
         within = int(np.searchsorted(radii, edge * (1.0 + 1e-9))) - 1
@@ -56,24 +102,7 @@ class EdgeGeometry:
         on_mesh = int(np.searchsorted(radii, span * (1.0 + 1e-9))) - 1
         self.capped = within <= on_mesh
         self.last = min(within, on_mesh, count - 2)
-        if zone is not None:
-            self._shift(zone)
-
-    def _shift(self, zone: float) -> None:
-        count = len(self.radii)
-        self.low = np.zeros(count, dtype=int)
-        self.high = np.zeros(count, dtype=int)
-        self.share = np.zeros(count)
-        for kind in (0, 1):
-            nodes = np.arange(kind, count, 2)
-            radii = self.radii[nodes]
-            targets = radii + zone
-            right = np.clip(np.searchsorted(radii, targets * (1.0 - 1e-9)), 1, len(nodes) - 1)
-            width = radii[right] - radii[right - 1]
-            share = np.clip((targets - radii[right - 1]) / width, 0.0, 1.0)
-            self.low[nodes], self.high[nodes], self.share[nodes] = nodes[right - 1], nodes[right], share
-        # first node whose shifted point can lie outside the contact of the nodes 0..m
-        self.first = np.searchsorted(np.maximum.accumulate(self.high), np.arange(count), side="right")
+        self.shift = None if zone is None else ZoneShift(radii, zone)
 
     def radius(self, s: float) -> float:
         """Contact radius at the edge position ``s``; 0 at ``s = -1`` (no contact)."""
@@ -102,6 +131,10 @@ class ContactProblem:
         Of the controlled quantity.
     compliance : float
         Of the machine, through which the stage acts.
+    dt : float
+        Time since the last accepted state; infinite for a relaxed response.
+    origin : EdgeOrigin, optional
+        Edge of that state.
     """
 
     def __init__(
@@ -112,10 +145,13 @@ class ContactProblem:
         control: str,
         value: float,
         compliance: float = 0.0,
+        dt: float = 0.0,
+        origin: EdgeOrigin | None = None,
     ) -> None:
         self.geometry, self.response = geometry, response
         self.operator = response.operator
         self.control, self.value, self.compliance = control, value, compliance
+        self.dt, self.origin = dt, origin
         self._base = -height - response.free
         self._base_y = self.operator.transform(self._base)
         self._base_force = np.cumsum(self.operator.unit * self._base_y)
@@ -180,15 +216,45 @@ class ContactProblem:
         if self.intensity(top, s) > 0.0:
             return -np.inf
         y = self.transformed(s)
-        first = max(int(geometry.first[m]), 1)
+        shift = self._shift(s, y)
+        first = max(int(shift.first[m]), 1)
         inside = np.arange(first, top + 1)
-        low, high = geometry.low[inside], geometry.high[inside]
+        low, high = shift.low[inside], shift.high[inside]
         beyond = int(high.max()) + 1
         forces = self.response.modulus * self.operator.last_forces(y, first)
         imposed = self.penetration(s) + self._base[top:beyond]
         gap = np.zeros(beyond - first)
         gap[top - first :] = self.operator.displacement_beyond(y, beyond) - imposed
-        share = geometry.share[inside]
+        share = shift.share[inside]
         shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
-        zone = geometry.zone or np.nan
-        return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * zone))
+        return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone))
+
+    def zone(self, s: float) -> float:
+        """Length of the process zone; at fixed stress at most the contact radius."""
+        geometry = self.geometry
+        if geometry.stress is None or geometry.zone is None:
+            return geometry.zone or 0.0
+        return self._zone(s, self.transformed(s), geometry.stress, geometry.zone)
+
+    def _shift(self, s: float, y: Array) -> ZoneShift:
+        geometry = self.geometry
+        if geometry.shift is None or geometry.zone is None:
+            raise AssertionError("no closure without adhesion")
+        if geometry.stress is None:
+            return geometry.shift
+        return ZoneShift(geometry.radii, self._zone(s, y, geometry.stress, geometry.zone))
+
+    def _zone(self, s: float, y: Array, stress: float, at_rest: float) -> float:
+        """Length at fixed stress, from the forces of as many nodes from the edge inwards as it takes."""
+        radii, edge = self.geometry.radii[: len(y)], self.geometry.radius(s)
+        reach = 2.0 * at_rest
+        while True:
+            first = max(int(np.searchsorted(radii, edge - reach)), 1)
+            forces = self.response.modulus * self.operator.last_forces(y, first)
+            tension = -forces / (2.0 * np.pi * radii[first:])
+            length = zone_length(radii[first:], tension, first, edge, stress)
+            if length is not None:
+                return max(length, LEAST_ZONE * at_rest)
+            if first == 1:
+                return edge
+            reach *= 2.0

@@ -16,6 +16,7 @@ from fem_solver.condensed import CondensedHistory
 from fem_solver.cost import run_cost
 from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
 from fem_solver.halfspace import Factorisation, HalfSpace
+from fem_solver.irreversible_edge import IrreversibleEdge
 from fem_solver.options import Options
 from fem_solver.prony import Prony
 from fem_solver.quadrature import QuadratureHistory
@@ -191,10 +192,16 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
     # contact radii are those of the glassy response, in which the edge moves
     effective = glassy.effective_radii(material.unit_plane_modulus)
-    geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge)
+    stress = scene.adhesion.stress if scene.adhesion is not None else None
+    geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge, stress)
     law: EdgeLaw
     if scene.adhesion is not None and zone is not None:
-        law = AdhesiveEdge(geometry, scene.adhesion.work)
+        reversible = scene.adhesion.reversible
+        law = (
+            AdhesiveEdge(geometry, scene.adhesion.work)
+            if reversible
+            else IrreversibleEdge(geometry, scene.adhesion)
+        )
     else:
         law = AdhesionlessEdge(geometry, history.operator.transform_radii(radii).tolist())
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)

@@ -107,7 +107,9 @@ def record(
     proceed = None if monitor is None else monitor.continue_set_up
     setup = set_up(scene, mesh, options, proceed)
     recorder = SurfaceRecorder(
-        scene.adhesion.work if scene.adhesion else 0.0, [] if options.records else None
+        scene.adhesion.work if scene.adhesion else 0.0,
+        scene.adhesion is None or scene.adhesion.reversible,
+        [] if options.records else None,
     )
     observer = _Observer(options, setup, recorder)
     if monitor is not None and recorder.surfaces is not None and isinstance(observer.log, SurfaceLog):
@@ -144,9 +146,9 @@ def _start(scene: Scene, run: NodeReleaseRun, monitor: RunMonitor | None) -> Out
         run.restore(kept)
         return None
     outcome = run.start(scene.loading)
-    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
-    if outcome is None and run.state.radius < zone:
-        raise zone_too_long(zone, run.state.radius)
+    state = run.recorder.content.last
+    if state is not None and (state.radius < state.zone or (outcome is not None and state.zone > 0.0)):
+        raise zone_too_long(state.zone, state.radius)
     return outcome
 
 

@@ -156,6 +156,6 @@ class SlopeErrorEstimator:
         """Store the slopes of an accepted step."""
         self.slopes = slopes
 
-    def reset(self) -> None:
-        """Drop the slopes at a kink or a jump: none is continued beyond it."""
-        self.slopes = {}
+    def reset(self, continuous: dict[str, float] | None = None) -> None:
+        """Drop the slopes at a kink or a jump, but for those that are ``continuous`` there."""
+        self.slopes = continuous or {}

@@ -35,9 +35,11 @@ from contact_scene.run_control import (
 from contact_scene.segment import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.curved_loads import deviation_from_tangent, swing
-from fem_solver.edge import NO_CONTACT, EdgeMotion, EdgePosition
+from fem_solver.edge import NO_CONTACT, AdhesiveEdge, EdgeMotion, EdgePosition
 from fem_solver.events import LoadJump, edge_jump, zone_reached
+from fem_solver.irreversible_edge import IrreversibleEdge, energy_spent
 from fem_solver.recorder import SOLVER, SurfaceRecorder, SurfaceState
+from fem_solver.release import EdgeOrigin
 from fem_solver.run_state import NodeReleaseState, StepBefore, StepCandidate, TensionPeak
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator, missed_peak
@@ -120,12 +122,27 @@ class NodeReleaseRun:
     before: StepBefore | None = None
 
     def __post_init__(self) -> None:
-        self.solver = ContactSolver(self.setup, self.counters)
+        self.solver = ContactSolver(self.setup, self.counters, self._edge_origin)
 
     @property
     def state(self) -> SurfaceState:
         """The last accepted state."""
         return self.recorder.last
+
+    def _continuous_rates(self) -> dict[str, float]:
+        """Rates that do not jump at a kink of the loading: that of an edge whose energy follows its speed."""
+        law = self.setup.law
+        if not isinstance(law, IrreversibleEdge) or law.adhesion.rate is None:
+            return {}
+        return {"radius": self.state.rate}
+
+    def _edge_origin(self) -> EdgeOrigin | None:
+        """Edge of the last accepted state; the step to it counts unless rates jump there."""
+        last = self.recorder.content.last
+        if last is None:
+            return None
+        smooth = "radius" in self.estimator.slopes
+        return EdgeOrigin(last.edge, last.radius, last.rate, last.duration if smooth else 0.0)
 
     def snapshot(self) -> KeptState:
         """Serialisable state; it shares what the run will change."""
@@ -224,7 +241,7 @@ class NodeReleaseRun:
                 return
         self.on_stop(stop.time)
         if stop.kink:
-            self.estimator.reset()
+            self.estimator.reset(self._continuous_rates())
         self.step = None if stop.kink else self.interval.dt
         self.interval = None
 
@@ -363,11 +380,12 @@ class NodeReleaseRun:
 
     def _load_jump(self, segment: Segment) -> None:
         """The load jump, if any, with which a load step begins."""
-        self.estimator.reset()
         state, target = self.state, segment.value(segment.start)
         before = segment.present(state.penetration, state.force)
         if abs(target - before) <= 1e-12 * max(abs(before), abs(target)):
+            self.estimator.reset(self._continuous_rates())
             return
+        self.estimator.reset()
         jump = LoadJump(segment.control, before, target)
         while not jump.complete:
             self._check_budget()
@@ -447,7 +465,9 @@ class NodeReleaseRun:
 
     def _end_at_zone(self, load: Callable[[float], tuple[float, Control, float]]) -> NoReturn:
         """End with the row at which the contact is as short as its process zone (see ``zone_reached``)."""
-        reached = zone_reached(self.solver, self.recorder.work_of_adhesion, load)
+        law = self.setup.law
+        assert isinstance(law, AdhesiveEdge)
+        reached = zone_reached(self.solver, law.taken, load)
         if reached is None:
             self._pulled_off()
         self.time += reached.dt
@@ -486,5 +506,23 @@ class NodeReleaseRun:
                 stored=history.stored_energy,
                 interface=-0.5 * float(forces @ gap),
                 branch_dissipation=history.state.dissipated,
+                zone=candidate.problem.zone(candidate.edge.s),
+                **self._interface(candidate, radius),
             )
         )
+        if self.setup.geometry.stress is not None and self.state.zone >= radius:
+            forces_so_far = [row[2] for row in self.recorder.content.rows]
+            raise _RunEnded(below_zone_outcome(forces_so_far, self.time))
+
+    def _interface(self, candidate: ContactCandidate, radius: float) -> dict[str, float]:
+        """Closure, energy spent and rate of the edge, where they do not follow from the contact radius."""
+        law, last = self.setup.law, self.recorder.content.last
+        if not isinstance(law, IrreversibleEdge):
+            return {}
+        closure = candidate.problem.closure(candidate.edge.s)
+        if last is None:
+            return {"closure": closure}
+        dt = candidate.dt
+        spent = energy_spent(law.adhesion, (last.radius, radius), (last.closure, closure))
+        rate = (radius - last.radius) / dt if dt > 0.0 else 0.0
+        return {"closure": closure, "spent": last.spent + spent, "rate": rate, "duration": dt}

@@ -1,8 +1,8 @@
 """A scene as JSON that needs no reader of ours: every default filled in, every table expanded.
 
 The keys are those of a scene file. A table that a scene file names is a list here: ``radii`` and ``heights``
-of a profile, ``times`` and ``penetrations`` of a load step. ``adhesion`` and ``material.bulk`` are ``null``
-where a scene has none.
+of a profile, ``times`` and ``values`` of a load step, ``speeds`` and ``works`` of an adhesion that follows
+the speed of the edge. ``adhesion``, ``machine`` and ``material.bulk`` are ``null`` where a scene has none.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from contact_scene import Scene, SceneError, TabulatedProfile, scene_from_dict, write_scene
+from contact_scene import RateTable, Scene, SceneError, TabulatedProfile, scene_from_dict, write_scene
 from contact_scene.errors import shown
 from contact_scene.files import write_pairs
 from contact_scene.loading import Table
@@ -31,7 +31,13 @@ def expanded(scene: Scene) -> dict[str, Any]:
         points = {"radii": list(scene.indenter.radii), "heights": list(scene.indenter.heights)}
         data["indenter"] = {"shape": scene.indenter.shape} | points
     data["loading"]["steps"] = [
-        {"kind": step.kind, "times": list(step.times), "penetrations": list(step.penetrations)}
+        {
+            "kind": step.kind,
+            "quantity": step.quantity,
+            "interpolation": step.interpolation,
+            "times": list(step.times),
+            "values": list(step.values),
+        }
         if isinstance(step, Table)
         else entry
         for step, entry in zip(scene.loading.steps, data["loading"].get("steps", []), strict=True)
@@ -43,7 +49,10 @@ def expanded(scene: Scene) -> dict[str, Any]:
         "relaxed_plane_modulus": material.relaxed_plane_modulus,
         "glassy_plane_modulus": material.glassy_plane_modulus,
     }
-    return {"adhesion": None} | data
+    if scene.adhesion is not None and isinstance(scene.adhesion.rate, RateTable):
+        rate = scene.adhesion.rate
+        data["adhesion"]["rate"] = {"speeds": list(rate.speeds), "works": list(rate.works)}
+    return {"adhesion": None, "machine": None} | data
 
 
 def scene_of(data: Any) -> Scene:
@@ -63,7 +72,7 @@ def scene_of(data: Any) -> Scene:
 def _with_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     """The same with its lists as files in a folder, as a scene file has them."""
     data = {key: value for key, value in data.items() if key != DERIVED}
-    indenter, loading = data.get("indenter"), data.get("loading")
+    indenter, loading, adhesion = data.get("indenter"), data.get("loading"), data.get("adhesion")
     try:
         if isinstance(indenter, dict) and "radii" in indenter:
             columns = indenter["radii"], indenter["heights"]
@@ -73,10 +82,15 @@ def _with_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
             steps = list(loading["steps"])
             for index, step in enumerate(steps):
                 if isinstance(step, dict) and "times" in step:
-                    columns = step["times"], step["penetrations"]
-                    write_pairs(folder / f"{index}.csv", ("time", "penetration"), *columns)
-                    steps[index] = {"kind": step.get("kind"), "file": f"{index}.csv"}
+                    name, quantity = f"{index}.csv", step.get("quantity", "penetration")
+                    write_pairs(folder / name, ("time", str(quantity)), step["times"], step["values"])
+                    others = {key: value for key, value in step.items() if key not in ("times", "values")}
+                    steps[index] = others | {"file": name}
             data["loading"] = {**loading, "steps": steps}
+        rate = adhesion.get("rate") if isinstance(adhesion, dict) else None
+        if isinstance(adhesion, dict) and isinstance(rate, dict) and "speeds" in rate:
+            write_pairs(folder / "rate.csv", ("speed", "work"), rate["speeds"], rate["works"])
+            data["adhesion"] = {**adhesion, "rate": {"file": "rate.csv"}}
     except (KeyError, TypeError, ValueError):
         raise SceneError("scene", "has a table that is not two lists", "lists of equal length") from None
     return data

@@ -152,6 +152,7 @@ def _step(step: Step) -> str:
             return (
                 f"`D = D_start + {amplitude!r} sin({chirp!r} t^2/2)` for `{duration!r}`, `t` from its start"
             )
-        case Table():
-            return "the penetration goes by straight lines through `times`, `penetrations` of `scene.json`"
+        case Table(quantity=quantity, interpolation=interpolation):
+            pieces = "monotone cubic pieces (PCHIP)" if interpolation == "cubic" else "straight lines"
+            return f"the {quantity} goes by {pieces} through `times`, `values` of `scene.json`"
     return f"step of kind `{step.kind}`, see `scene.json`"

@@ -452,7 +452,7 @@ def _profiles(
 
 
 def _resolution(problem: FitProblem) -> tuple[int, float, float]:
-    """The coarsest divisions with an error small beside the noise, that error, and the step of differences."""
+    """The coarsest divisions with an error small beside the noise, that error, and the difference step."""
     x, asked = problem.parameters.start, problem.resolution
     forces = [slice(*block.rows.indices(10**9)[:2]) for block in problem.blocks() if block.kind == "force"]
     data = np.concatenate([model.curve.force / model.features.noise for model in problem.models])

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact_scene import Material
 from validation.reference.creep_compliance import creep_compliance
+from validation.reference.fixed_stress import closed_at_fixed_stress
 
 Array = NDArray[np.float64]
 
@@ -42,3 +43,10 @@ def enhancement(material: Material, zone: float, speed: ArrayLike, fraction: flo
     """
     effective = fraction * zone / np.asarray(speed, float)
     return 1.0 / (material.modulus * creep_compliance(material)(effective))
+
+
+def fixed_stress_enhancement(material: Material, zone: float, speed: ArrayLike) -> Array:
+    """``G/dg`` at fixed failure stress: ``alpha = zone G/dg``, with ``zone`` its length at rest."""
+    return np.vectorize(lambda v: closed_at_fixed_stress(enhancement, material, zone, v), otypes=[float])(
+        speed
+    )

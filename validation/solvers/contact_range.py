@@ -83,7 +83,7 @@ def start_radius(scene: Scene) -> float:
     """
     if math.isfinite(scene.indenter.edge):
         return scene.indenter.edge
-    material, work = scene.material, scene.adhesion.work if scene.adhesion is not None else 0.0
+    material, work = scene.material, scene.adhesion.closing if scene.adhesion is not None else 0.0
     relaxed = scene.loading.start == "relaxed"
     stiffness = material.relaxed_plane_modulus if relaxed else material.glassy_plane_modulus
 

@@ -170,8 +170,9 @@ def mesh_for(
     if not scene.is_adhesive:
         sizes["margin"] = 1.0
 
-    # the edge of a punch holds the contact or loses it at once, unless relaxation lets it peel inwards
-    peels = scene.is_adhesive and bool(scene.material.spectrum[0].size)
+    # the edge of a punch holds the contact or loses it at once, unless it needs time to peel inwards
+    rated = scene.adhesion is not None and scene.adhesion.rate is not None
+    peels = scene.is_adhesive and (rated or bool(scene.material.spectrum[0].size))
     smallest = 0.0 if edge is None or peels else edge
 
     def fitted(count: int) -> meshes.MeshParameters:

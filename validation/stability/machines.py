@@ -58,7 +58,7 @@ def _limit_point(material: Material, share: float, stiffness: float) -> Stabilit
         Value("detachment_stage", last, first - last),
         Value("instability_loss", spring.lost_in_snap(), spring.energy(lost)),
     )
-    expected = ClosedForm(values, "elastic closure of finite zone, least stage", OutcomeKind.DETACHED)
+    expected = ClosedForm(values, "elastic closure of finite zone, least stage", (OutcomeKind.DETACHED,))
     return StabilityCase("spring", f"elastic, k = {share:g}", pulled, expected, ELASTIC)
 
 

@@ -96,7 +96,9 @@ def main() -> None:
 
 
 def _measure(runs: int, jobs: int, dask: str | None) -> None:
-    bare, swept, memory = [], [], []
+    bare: list[float] = []
+    swept: list[float] = []
+    memory: list[float] = []
     with tempfile.TemporaryDirectory() as folder, own_engine(jobs, dask) as engine:
         out = Path(folder)
         plan, warm = plan_of(runs, out), plan_of(8 * jobs, out, first=3.0)

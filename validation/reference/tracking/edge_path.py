@@ -45,6 +45,11 @@ class EdgePath(Protocol):
         """Radius at fractions of the duration."""
         ...
 
+    @property
+    def end_slope(self) -> float:
+        """Derivative with respect to the fraction at the end of the step."""
+        ...
+
     def passing(self, x: Array) -> Array:
         """Fraction at which the edge passes ``x``."""
         ...
@@ -60,6 +65,11 @@ class ParabolicPath:
 
     def __call__(self, fraction: Array) -> Array:
         return self.start + self.travel * fraction + self.bend * fraction * (fraction - 1.0)
+
+    @property
+    def end_slope(self) -> float:
+        """Derivative with respect to the fraction at the end of the step."""
+        return self.travel + self.bend
 
     def passing(self, x: Array) -> Array:
         """Fraction at which the edge passes ``x``; ``|bend| < |travel|`` makes it unique."""
@@ -97,6 +107,11 @@ class PolynomialPath:
             if np.abs(change).max(initial=0.0) < 1e-9:  # the next one would be below round-off
                 break
         return f
+
+    @property
+    def end_slope(self) -> float:
+        """Derivative with respect to the fraction at the end of the step."""
+        return self.travel + sum(self.bends)
 
     def slope(self, fraction: Array) -> Array:
         """Derivative with respect to the fraction."""

@@ -28,7 +28,9 @@ NODES = 160
 
 
 def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | None:
-    """The outermost stable elastic equilibrium; ``None`` if there is none.
+    """The outermost stable elastic equilibrium of an edge that has closed; ``None`` if there is none.
+
+    A flat face is in contact up to its rim unless that opens.
 
     Raises
     ------
@@ -39,7 +41,7 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
     glassy = scene.loading.start == "jump-in"
 
     def residual(radius: float) -> float:
-        return law.residual(elastic_surface(body, depth, radius, glassy), body)
+        return law.residual(elastic_surface(body, depth, radius, glassy), body, math.inf)
 
     if not isinstance(law, Griffith):
         radius = touching_radius(body, depth, edge)
@@ -50,15 +52,17 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
     def tip_residual(radius: float) -> float:
         """The same for a vanishing zone: ``q^2/(2 pi a E*) - dg``, negative where the edge is pressed."""
         q = modulus * (depth - float(body.transform(np.array([radius]))[0]))
-        return -math.copysign(q * q, q) / (2.0 * math.pi * radius * modulus * law.adhesion.work) - 1.0
+        return -math.copysign(q * q, q) / (2.0 * math.pi * radius * modulus * law.adhesion.closing) - 1.0
 
     highest = edge
     if math.isinf(edge):
         highest = max(2.0 * touching_radius(body, depth, edge), 4.0 * zone, _last_ledge(scene))
         while tip_residual(highest) <= 0.0 or residual(highest) <= 0.0:
             highest *= 2.0
-    elif residual(edge) <= 0.0:
-        return elastic_surface(body, depth, edge, glassy)
+    else:
+        whole = elastic_surface(body, depth, edge, glassy)
+        if law.residual(whole, body) <= 0.0:
+            return whole
     outermost = _outermost(residual, law.smallest_radius, highest)
     if outermost is not None:
         if zone < LEAST_ZONE * outermost:
@@ -67,7 +71,11 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
                 f"the process zone {zone:.4g} is lost in the rounding of the contact radius {outermost:.4g}",
                 f"a zone of at least {LEAST_ZONE:g} of the contact radius",
             )
-        return elastic_surface(body, depth, outermost, glassy)
+        surface = elastic_surface(body, depth, outermost, glassy)
+        longest = law.zone_at(surface, body)
+        if longest >= outermost and law.adhesion.stress is not None:
+            raise zone_too_long(longest, outermost)
+        return surface
     longest = law.smallest_radius
     while longest > SHORTEST:
         short = _outermost(tip_residual, 1e-6 * longest, longest)

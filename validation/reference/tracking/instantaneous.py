@@ -50,7 +50,7 @@ def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> Ste
     change = segment.value(segment.start) - before
     begins = start.radius == 0.0
     whole = problem.trial(state, segment)
-    if not (begins and force_controlled) and max(whole.driving_forces(0.0)) <= problem.condition.tolerance:
+    if not (begins and force_controlled) and _rests_at_once(whole, start.radius):
         end = problem.candidate(state.time, whole.surface_at(0.0, start.radius))
         return StepOutcome(candidates=(end,))
 
@@ -80,6 +80,21 @@ def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> Ste
         kink=last == 1.0,
         detachment="" if last == 1.0 else NO_STABLE_CONTACT,
     )
+
+
+def _rests_at_once(trial: Trial, radius: float) -> bool:
+    """Whether the edge stays where it is at fixed time."""
+    return max(_forces_at_once(trial, radius)) <= trial.condition.tolerance
+
+
+def _forces_at_once(trial: Trial, radius: float) -> tuple[float, float]:
+    """Inward and outward driving force on an edge that has come to ``radius`` at fixed time."""
+    if isinstance(trial.condition, Griffith):
+        return trial.forces_at_once(radius)
+    if radius == trial.surface.radius:
+        return trial.driving_forces(0.0)
+    inward = trial.residual(0.0, radius)
+    return inward, -inward if radius < trial.largest_radius else -1.0
 
 
 def _shares(first: float, last: float, begins: bool, ends: bool) -> list[float]:
@@ -153,11 +168,7 @@ def equilibrium_radius(problem: FrontProblem, state: FrontState, trial: Trial, b
     without_adhesion = isinstance(problem.condition, NoTension) and trial.segment.control == "force"
     if without_adhesion and trial.segment.value(state.time) <= 0.0:
         return None
-    if begin == state.surface.radius:
-        inward, outward = trial.driving_forces(0.0)
-    else:
-        inward = trial.residual(0.0, begin)
-        outward = -inward if begin < problem.edge_radius else -1.0
+    inward, outward = _forces_at_once(trial, begin)
     if max(inward, outward) <= problem.condition.tolerance:
         return begin
     return _arrest(problem, state, trial, begin, outward > inward)

@@ -2,45 +2,79 @@
 
 The residual rises with the radius through zero at a stable edge. An edge at rest may satisfy the condition
 with an interval of values; it moves when one of its two driving forces, inward or outward, is positive.
+
+``velocity`` is the rate of the radius at the end of a step: negative where the edge opens, infinite where it
+moves at fixed time.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 from contact_scene import Adhesion
 from validation.reference.tracking.closure import closure_integral
+from validation.reference.tracking.cohesive_zone import zone_at
 from validation.reference.tracking.surface import Body, Surface
+
+SHORTEST_ZONE = 1e-3
+"""Shortest zone of fixed stress that is followed, in zones at rest: the edge pulls a thirtieth as much."""
 
 
 @dataclass(frozen=True)
 class Griffith:
-    """``I(a)/dg - 1`` (paper, Eq. closure)."""
+    """``I(a)/w - 1`` (paper, Eq. closure); ``w`` is what the edge takes up in its direction, at its speed."""
 
     adhesion: Adhesion
     tolerance: ClassVar[float] = 1e-10  # residual at an accepted edge
 
     @property
     def zone_length(self) -> float:
-        """Distance from the edge within which the condition looks at the fields."""
+        """Length of the process zone, at fixed stress that at rest: what the edge is resolved on."""
         return self.adhesion.zone
 
     @property
     def smallest_radius(self) -> float:
-        """Smallest contact radius the condition is defined for: one zone, which then reaches the axis."""
+        """Smallest contact radius the condition is defined for: one zone, which then reaches the axis.
+
+        At fixed stress a contact ends before if its zone is longer than at rest.
+        """
         return self.adhesion.zone
 
-    def residual(self, surface: Surface, body: Body) -> float:
-        """Residual at an edge that has just moved to its present radius."""
-        zone = self.adhesion.zone
-        edge = surface.near(surface.radius - zone, surface.radius + zone).edge_fields()
-        return closure_integral(edge, zone, body.rheology.relaxed, body.transform) / self.adhesion.work - 1.0
+    @property
+    def reach(self) -> float:
+        """Distance from the edge beyond which no field enters the condition."""
+        return self.adhesion.zone if self.adhesion.stress is None else math.inf
 
-    def driving_forces(self, surface: Surface, body: Body) -> tuple[float, float]:
-        """Inward and outward; opposite to each other, for the integral is continuous as the edge departs."""
-        value = self.residual(surface, body)
-        return value, -value
+    def zone_at(self, surface: Surface, body: Body) -> float:
+        """Length of the process zone; at fixed stress at most the contact radius."""
+        adhesion = self.adhesion
+        if adhesion.stress is None:
+            return adhesion.zone
+        least = min(SHORTEST_ZONE * adhesion.zone, 0.5 * surface.radius)
+        return zone_at(surface.edge_fields(), adhesion.stress, body.rheology.relaxed, body.transform, least)
+
+    def closure(self, surface: Surface, body: Body) -> float:
+        """The closure integral at an edge that has just moved to its present radius."""
+        zone = self.zone_at(surface, body)
+        edge = surface.near(surface.radius - zone, surface.radius + zone).edge_fields()
+        return closure_integral(edge, zone, body.rheology.relaxed, body.transform)
+
+    def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:
+        """Residual at an edge that has just moved to its present radius; at rest that of opening."""
+        adhesion = self.adhesion
+        taken = adhesion.closing if velocity > 0.0 else adhesion.opening(-velocity)
+        return self.closure(surface, body) / taken - 1.0
+
+    def driving_forces(self, surface: Surface, body: Body, at_once: bool = False) -> tuple[float, float]:
+        """Inward and outward: what the integral exceeds opening by, and falls short of closing.
+
+        It is continuous as the edge departs. ``at_once``: at fixed time, where the edge has no finite speed.
+        """
+        value = self.closure(surface, body)
+        taken = self.adhesion.opening(math.inf) if at_once else self.adhesion.work
+        return value / taken - 1.0, 1.0 - value / self.adhesion.closing
 
 
 @dataclass(frozen=True)
@@ -50,13 +84,14 @@ class NoTension:
     scale: float
     tolerance: ClassVar[float] = 1e-13  # a shrinking contact ends in a point, where the residual is flat
     zone_length: ClassVar[float] = 0.0
+    reach: ClassVar[float] = 0.0
     smallest_radius: ClassVar[float] = 0.0
 
-    def residual(self, surface: Surface, body: Body) -> float:
-        """Residual at an edge that has just moved to its present radius."""
+    def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:
+        """Residual at an edge that has just moved to its present radius, at any velocity."""
         return -surface.edge_stress(body) / self.scale
 
-    def driving_forces(self, surface: Surface, body: Body) -> tuple[float, float]:
+    def driving_forces(self, surface: Surface, body: Body, at_once: bool = False) -> tuple[float, float]:
         """Tension at the edge, and overlap next to it; both negative while the edge is at rest."""
         inward = -surface.edge_stress(body) / self.scale if surface.radius > 0.0 else -1.0
         return inward, surface.edge_overlap(body) * body.rheology.glassy / self.scale

@@ -68,7 +68,10 @@ def _passing(
     """The edge is at ``radius`` after ``h`` and moves on: accepted if the step is straight enough."""
     end = problem.candidate(state.time + h, trial.surface_at(h, radius))
     row = (end.time, radius, end.force, end.surface.penetration)
-    deviation = problem.step_error(state, trial.segment, end).along_edge(row)
+    estimator = problem.step_error(state, trial.segment, end)
+    deviation = estimator.along_edge(row)
+    if problem.rated:  # nothing limits the speed but the time in which it changes
+        deviation = max(deviation, estimator.in_time(row))
     change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
     longest_travel = problem.longest_travel(state.surface.radius)
     travel = rounded_length(max(change, 0.2) * abs(radius - state.surface.radius), longest_travel)

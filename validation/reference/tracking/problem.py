@@ -70,6 +70,17 @@ class FrontProblem:
         return len(self.body.rheology.times) == 0
 
     @property
+    def rated(self) -> bool:
+        """Whether an opening edge takes up what its speed tells."""
+        return isinstance(self.condition, Griffith) and self.condition.adhesion.rate is not None
+
+    @property
+    def irreversible(self) -> Griffith | None:
+        """The edge condition if what the edge takes up depends on its direction or speed."""
+        condition = self.condition
+        return condition if isinstance(condition, Griffith) and not condition.adhesion.reversible else None
+
+    @property
     def work_of_adhesion(self) -> float:
         """Work of adhesion; 0 without adhesion."""
         return self.condition.adhesion.work if isinstance(self.condition, Griffith) else 0.0

@@ -3,6 +3,8 @@
 ``F dD + dg dA = dU + P_d dt`` defines the loss. A field with a sharp edge releases only the glassy
 ``K^2/(2 Einf*)`` at the tip, ``2 pi a da K^2/(2 Einf*) = q(a)^2/Einf* da``; what the branches dissipate is
 therefore ``F dD - dU + q(a)^2/Einf* da``, larger than the loss by ``(dg - K^2/(2 Einf*)) |dA|`` on opening.
+What the interface takes up, ``-int dg dA``, is the separation energy; ``dg`` may depend on direction and
+speed.
 """
 
 from __future__ import annotations
@@ -17,6 +19,8 @@ from numpy.typing import NDArray
 from validation.reference.tracking import hermite
 from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.energy import stored_energy
+from validation.reference.tracking.interface_work import InterfaceWork
+from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
@@ -27,7 +31,12 @@ LEAST_AREA_CHANGE = 1e-6
 """Change of the contact area, relative to the largest area, below which no energy release rate is formed."""
 LEAST_DISTANCE = 1e-9
 """Distance in time from another row, in step lengths, below which an interpolated row is left out."""
-EXTRA_COLUMNS = ("stress_intensity_factor", "energy_release_rate", "branch_dissipation")
+EXTRA_COLUMNS = (
+    "stress_intensity_factor",
+    "energy_release_rate",
+    "branch_dissipation",
+    "separation_energy",
+)
 """Columns beside those of every solver."""
 DEPTH = 1
 """Column of the penetration in interpolated values, which lack the time."""
@@ -37,7 +46,9 @@ FORCE_OF_ROW, RADIUS_OF_ROW = 2, 3
 
 @dataclass
 class RecordedRows:
-    """Rows of a run (time, penetration, force, radius, stored energy, edge stress).
+    """Rows of a run (time, penetration, force, radius, stored energy, edge stress, separation energy).
+
+    The separation energy is followed by ``interface`` where it does not follow from the contact area alone.
 
     ``kinks``: rows at which rates jump. ``interpolated``: rows to be added by interpolation, as the step they
     lie in, their time, and the penetration if it is prescribed.
@@ -46,14 +57,16 @@ class RecordedRows:
     rows: list[tuple[float, ...]] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
     interpolated: list[tuple[int, float, float | None]] = field(default_factory=list)
+    interface: InterfaceWork = field(default_factory=InterfaceWork)
 
 
 @dataclass
 class Recorder:
-    """Records the rows of a run; ``work`` is the work of adhesion (0 without)."""
+    """Records the rows of a run; ``irreversible`` is the edge condition if its energy depends on the way."""
 
     body: Body
     work: float
+    irreversible: Griffith | None
     recorded: RecordedRows = field(default_factory=RecordedRows)
 
     def add(self, time: float, surface: Surface, force: float) -> None:
@@ -61,7 +74,11 @@ class Recorder:
         radius = surface.radius
         stress = surface.edge_stress(self.body) if radius > 0.0 else 0.0
         energy = stored_energy(surface, self.body)
-        self.recorded.rows.append((time, surface.penetration, force, radius, energy, stress))
+        interface = self.recorded.interface
+        if self.irreversible is not None:
+            closure = self.irreversible.closure(surface, self.body) if radius > 0.0 else 0.0
+            interface.advance(self.irreversible.adhesion, time, radius, closure)
+        self.recorded.rows.append((time, surface.penetration, force, radius, energy, stress, interface.spent))
 
     def interpolate(self, time: float, depth: float | None, back: int) -> None:
         """Add a row by interpolation, in the ``back``-th step from the last.
@@ -77,17 +94,19 @@ class Recorder:
     def columns(self, whole: bool = True) -> dict[str, Array]:
         """All columns by name: the contract's seven, then ``stress_intensity_factor`` (``-q(a)/sqrt(pi a)``,
         0 without contact), ``energy_release_rate`` (between a row and the one before; repeated where the
-        area hardly changed) and ``branch_dissipation``. If not ``whole``, without the last two steps: their
-        interpolated rows depend on later steps."""
+        area hardly changed), ``branch_dissipation`` and ``separation_energy``. If not ``whole``, without the
+        last two steps: their interpolated rows depend on later steps."""
         rows, ends = self._dense()
         if not whole:
             last = float(self.recorded.rows[max(len(self.recorded.rows) - 3, 0)][0])
             rows = rows[: int(np.searchsorted(rows[:, 0], last, side="right"))]
             ends = [*(end for end in ends if end < len(rows) - 1), len(rows) - 1]
-        time, depth, force, radius, energy, stress = rows.T
+        time, depth, force, radius, energy, stress, spent = rows.T
         area = math.pi * radius**2
         external = _accumulated(_work(time, force, depth, ends))[: len(time)]
         stored = energy - energy[:1]
+        if self.irreversible is None:
+            spent = -self.work * (area - area[:1])
         tip = self._tip(stress, radius)
         branch = np.where(np.diff(time) > 0.0, np.diff(external - stored) + tip, 0.0)  # dashpots take time
         intensity = np.where(
@@ -100,15 +119,16 @@ class Recorder:
             "contact_radius": radius,
             "stored_energy": energy,
             "external_work": external,
-            "dissipated_energy": external + self.work * (area - area[:1]) - stored,
+            "dissipated_energy": external - spent - stored,
             "stress_intensity_factor": intensity,
             "energy_release_rate": self._release_rate(area, stored - external),
             "branch_dissipation": _accumulated(branch)[: len(time)],
+            "separation_energy": spent,
         }
 
     def _dense(self) -> tuple[Array, list[int]]:
         """All rows with the interpolated ones, and the rows at which smooth stretches end."""
-        rows = np.array(self.recorded.rows).reshape(-1, 6)
+        rows = np.array(self.recorded.rows).reshape(-1, 7)
         stands = np.diff(rows[:, 0]) <= 0.0
         turns = np.flatnonzero(stands[1:] != stands[:-1]) + 1
         given = np.array([0, *self.recorded.kinks, max(len(rows) - 1, 0)], dtype=int)

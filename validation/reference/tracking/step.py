@@ -136,7 +136,7 @@ def _step_error(
     row = (end.time, end.surface.radius, end.force, end.surface.penetration)
     estimator = problem.step_error(state, trial.segment, end)
     deviation, smooth = estimator.in_time(row), True
-    near_limit = 0.0 < edge.steepness * problem.condition.zone_length < FLAT_RESIDUAL
+    near_limit = not problem.rated and 0.0 < edge.steepness * problem.condition.zone_length < FLAT_RESIDUAL
     if deviation > 1.0 and near_limit and state.history.continues_monotonically(row, RADIUS):
         along = estimator.along_edge(row)
         deviation, smooth = min(deviation, along), deviation <= along

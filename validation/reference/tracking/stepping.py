@@ -22,6 +22,7 @@ from validation.reference.tracking.instantaneous import (
     force_without_contact,
     load_jump,
 )
+from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.limit_points import AT_LIMIT_POINT
 from validation.reference.tracking.options import Options
 from validation.reference.tracking.problem import FrontProblem
@@ -88,7 +89,9 @@ class FrontStepper:
     @property
     def recorder(self) -> Recorder:
         """Recorder of the rows of the state."""
-        return Recorder(self.problem.body, self.problem.work_of_adhesion, self.state.recorded)
+        return Recorder(
+            self.problem.body, self.problem.work_of_adhesion, self.problem.irreversible, self.state.recorded
+        )
 
     def run(self) -> Outcome:
         """Carry out all load steps, from the present position in the loading."""
@@ -229,8 +232,15 @@ class FrontStepper:
             self._kink()
         if outcome.detachment:
             self._lose_contact(outcome.detachment)
-        elif outcome.below_zone:
+        elif outcome.below_zone or self._fills_its_zone():
             self.outcome = below_zone_outcome([row[FORCE_OF_ROW] for row in state.recorded.rows], state.time)
+
+    def _fills_its_zone(self) -> bool:
+        """Whether a zone of fixed stress has grown over the whole contact."""
+        surface, condition = self.state.surface, self.problem.condition
+        if not isinstance(condition, Griffith) or condition.adhesion.stress is None or surface.radius == 0.0:
+            return False
+        return condition.zone_at(surface, self.problem.body) >= surface.radius
 
     def _commit(self, candidate: FrontCandidate, segment: Segment | None = None) -> None:
         """Make a candidate the present state; its interpolated rows are left to the recorder."""

@@ -95,8 +95,10 @@ class Trial:
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
         """The surface when the edge is at ``radius``; if not ``whole``, only the fields near the edge."""
-        start = self.surface
-        path = self._edge_path(duration, radius)
+        return self._surface_along(self._edge_path(duration, radius), duration, whole)
+
+    def _surface_along(self, path: EdgePath, duration: float, whole: bool) -> Surface:
+        start, radius = self.surface, path.start + path.travel
         fractions = self._node_fractions(duration, path.travel)
         if self.segment.control != "penetration":
             target = self.segment.value(self.time + duration)
@@ -116,8 +118,8 @@ class Trial:
             depth: PenetrationPath = prescribed_penetration(self.segment, self.time, duration, start)
             update = self._updates[duration] = field_update(start, self.body, depth)
         if not whole:
-            zone = self.condition.zone_length
-            start = start.near(min(radius, start.radius) - zone, max(radius, start.radius) + zone)
+            reach = self.condition.reach
+            start = start.near(min(radius, start.radius) - reach, max(radius, start.radius) + reach)
         return after_step(start, self.body, update, path, fractions)
 
     def _edge_path(self, duration: float, radius: float) -> EdgePath:
@@ -133,10 +135,32 @@ class Trial:
             fractions = np.union1d(fractions, np.arange(1, count + 1) / (count + 1))
         return fractions
 
-    def residual(self, duration: float, radius: float) -> float:
-        """Residual of the edge condition with the edge moved to ``radius``."""
+    def residual(self, duration: float, radius: float, outward: bool | None = None) -> float:
+        """Residual of the edge condition with the edge moved to ``radius``.
+
+        ``outward``: the direction in which it arrives there, where that is not the one from its start.
+        """
         self.counters.closure_evaluations += 1
-        return self.condition.residual(self.surface_at(duration, radius, False), self.body)
+        path = self._edge_path(duration, radius)
+        change = path.end_slope if outward is None else math.copysign(1.0, 1.0 if outward else -1.0)
+        if duration > 0.0:
+            velocity = change / duration
+        else:
+            velocity = math.copysign(math.inf, change) if change != 0.0 else 0.0
+        return self.condition.residual(self._surface_along(path, duration, False), self.body, velocity)
+
+    def edge_velocity(self, duration: float, radius: float) -> float:
+        """Rate of the radius at the end of a step to ``radius``; infinite in no time."""
+        change = self._edge_path(duration, radius).end_slope
+        return change / duration if duration > 0.0 else math.copysign(math.inf, change)
+
+    def forces_at_once(self, radius: float) -> tuple[float, float]:
+        """Inward and outward driving force on an edge that has come to ``radius`` at fixed time."""
+        self.counters.closure_evaluations += 1
+        inward, outward = self.condition.driving_forces(
+            self.surface_at(0.0, radius, False), self.body, at_once=True
+        )
+        return inward, -1.0 if radius >= self.largest_radius else outward
 
     def driving_forces(self, duration: float) -> tuple[float, float]:
         """Inward and outward driving force on the edge, still at rest, after ``duration``."""
@@ -271,10 +295,10 @@ class Trial:
                 marks.pop()
             if marks and marks[-1] > radius:
                 radius = marks.pop()
-            value = self.residual(0.0, radius)
+            value = self.residual(0.0, radius, outward)
             if value > tolerance if outward else value < -tolerance:
                 return bracketed(
-                    lambda a: self.residual(0.0, a),
+                    lambda a: self.residual(0.0, a, outward),
                     before,
                     at_before,
                     radius,

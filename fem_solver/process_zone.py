@@ -1,0 +1,95 @@
+"""Process zone of the node-release closure: nodes one zone further out, and its length at fixed stress.
+
+A zone of fixed cohesive stress ``s`` is as long as the mean tension over it is ``(4/pi) s`` (definition:
+``contact_scene.adhesion``). The tension over a length is a sum of nodal forces, which the mesh knows far
+better than the singular stress itself; between vertices its square, nearly linear in the distance from the
+edge, is interpolated.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LEAST_ZONE = 1e-2
+"""Shortest zone of fixed stress that is followed, in zones at rest: a tenth of an element."""
+
+
+class ZoneShift:
+    """Between which nodes the point one zone outside each node lies.
+
+    On a uniform mesh with a whole number of elements per zone that is a node; otherwise the gap there is
+    interpolated between the neighbouring nodes *of the same kind*: vertices or mid-side nodes.
+
+    Parameters
+    ----------
+    radii : ndarray, shape (n,)
+        Surface nodes, vertices and mid-side nodes in turn, from the axis.
+    zone : float
+        Process-zone length.
+    """
+
+    def __init__(self, radii: Array, zone: float) -> None:
+        count = len(radii)
+        self.zone = zone
+        self.low = np.zeros(count, dtype=int)
+        self.high = np.zeros(count, dtype=int)
+        self.share = np.zeros(count)
+        for kind in (0, 1):
+            nodes = np.arange(kind, count, 2)
+            own = radii[nodes]
+            targets = own + zone
+            right = np.clip(np.searchsorted(own, targets * (1.0 - 1e-9)), 1, len(nodes) - 1)
+            width = own[right] - own[right - 1]
+            share = np.clip((targets - own[right - 1]) / width, 0.0, 1.0)
+            self.low[nodes], self.high[nodes], self.share[nodes] = nodes[right - 1], nodes[right], share
+        # first node whose shifted point can lie outside the contact of the nodes 0..m
+        self.first = np.searchsorted(np.maximum.accumulate(self.high), np.arange(count), side="right")
+
+
+def zone_length(radii: Array, tension: Array, first: int, edge: float, stress: float) -> float | None:
+    """Length over which the mean tension is ``(4/pi) stress``.
+
+    Parameters
+    ----------
+    radii : ndarray, shape (n,)
+        Nodes ``first``, ``first + 1``, ... in contact, up to the last with a force.
+    tension : ndarray, shape (n,)
+        Their forces over ``2 pi r``, tension positive: force per length.
+    first : int
+        Number of the first node; vertices have even numbers.
+    edge : float
+        Contact radius.
+    stress : float
+        Cohesive stress.
+
+    Returns
+    -------
+    float or None
+        ``None`` if the zone reaches beyond the first node; 0 if the edge does not pull.
+    """
+    allowed = 4.0 / math.pi * stress
+    beyond = np.cumsum(tension[::-1])[::-1]
+    vertices = np.arange(first % 2, len(radii), 2)
+    vertices = vertices[radii[vertices] < edge][::-1]  # from the edge inwards
+    over = beyond[vertices] - 0.5 * tension[vertices]
+    squares = np.concatenate(([0.0], over * np.abs(over)))
+    distance = np.concatenate(([0.0], edge - radii[vertices]))
+    excess = squares - (allowed * distance) ** 2
+    pulling = np.flatnonzero(excess > 0.0)
+    if not len(pulling):
+        return 0.0
+    after = np.flatnonzero(excess[pulling[0] :] <= 0.0)
+    if not len(after):
+        return None
+    end = int(pulling[0] + after[0])
+    start, width = distance[end - 1], distance[end] - distance[end - 1]
+    # squares linear, (allowed d)^2 quadratic in the share of the interval
+    a = (allowed * width) ** 2
+    b = 2.0 * allowed**2 * start * width - (squares[end] - squares[end - 1])
+    c = -excess[end - 1]
+    return float(start + width * (-2.0 * c) / (b + math.sqrt(b * b - 4.0 * a * c)))

@@ -1,0 +1,129 @@
+"""A process zone of fixed cohesive stress: elastic closed form, the steady opening edge, three solvers."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.paper_scenes import ONE, WORK
+
+from contact_scene import Adhesion, FlatPunch, Loading, Material, PowerRate, Ramp, Scene, SceneError, Sphere
+from validation.reference import fixed_stress, greenwood, persson_brener, schapery, steady_crack
+from validation.reference.fixed_stress import FixedStressContact
+from validation.reference.jkr import JKR
+from validation.reference.maugis_dugdale import MaugisDugdale
+from validation.solvers import SOLVERS
+
+ELASTIC = Material(0.75, 0.5)
+"""Plane modulus 1."""
+STRESS = 0.2
+TOLERANCES = {"reference": 1e-3, "bem": 1e-3, "fem": 5e-3}
+RESOLUTION = {"reference": None, "bem": None, "fem": 6}
+
+
+def scene(steps, adhesion, start, material=ELASTIC, state="relaxed", indenter=Sphere(1.0)):  # noqa: B008
+    return Scene(material, indenter, Loading(state, start, tuple(steps)), adhesion)
+
+
+def solved(solver, asked):
+    return SOLVERS[solver].solve(asked, RESOLUTION[solver])
+
+
+@pytest.mark.parametrize("solver", TOLERANCES)
+def test_an_elastic_contact_has_the_zone_its_tension_asks_for(solver):
+    asked = scene([Ramp(0.006, 1e-3)], Adhesion(WORK, stress=STRESS), 0.0)
+    trace = solved(solver, asked)
+    at_rest = asked.adhesion.zone
+    law = FixedStressContact(1.0, 1.0, WORK, 1e-3 * at_rest, STRESS)
+    for row, depth in ((0, 0.0), (-1, 0.006)):
+        state = law.at_penetration(depth)
+        zone = law.zone_at(state.contact_radius, depth)
+        assert 0.8 * at_rest < zone < 0.9 * at_rest  # pressure farther inside shortens it
+        assert_allclose(trace.contact_radius[row], state.contact_radius, rtol=TOLERANCES[solver])
+        assert_allclose(trace.force[row], state.force, atol=TOLERANCES[solver] * 1.5 * math.pi * WORK)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", TOLERANCES)
+def test_it_is_lost_where_the_closed_form_says(solver):
+    trace = solved(solver, scene([Ramp(-0.5, 1e-3)], Adhesion(WORK, stress=STRESS), 0.0))
+    law = FixedStressContact(1.0, 1.0, WORK, 1e-6, STRESS)
+    assert_allclose(-trace.force.min(), -law.pull_off_force_control().force, rtol=TOLERANCES[solver])
+    least = law.pull_off_penetration_control().penetration
+    assert_allclose(trace.penetration[-1], least, rtol=TOLERANCES[solver])
+
+
+def test_a_large_stress_is_jkr_and_the_zone_that_of_dugdale():
+    law = FixedStressContact(1.0, 1.0, WORK, 1e-9, 10.0)
+    state, sharp = law.at_penetration(0.01), JKR(Sphere(1.0), 1.0, WORK).at_penetration(0.01)
+    assert_allclose(state.force, sharp.force, rtol=2e-3)
+    zone = law.zone_at(state.contact_radius, 0.01)
+    assert_allclose(zone, math.pi * WORK / (4.0 * 10.0**2), rtol=2e-3)
+
+
+def test_at_rest_the_zone_is_as_wide_as_that_of_maugis():
+    maugis = MaugisDugdale(1.0, 1.0, WORK, 2.0)
+    sharp = JKR(Sphere(1.0), 1.0, WORK).at_penetration(0.01)
+    width = (maugis.ring_ratio(sharp.contact_radius) - 1.0) * sharp.contact_radius
+    assert_allclose(math.pi * WORK / (4.0 * 2.0**2), width, rtol=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", [None, PowerRate(1e-4, 0.5)], ids=["fixed work", "rated"])
+def test_the_steady_edge_opens_as_the_closed_law_at_fixed_stress(law):
+    """The zone is so short that nothing but the edge sees it; with a rate law the enhancements multiply."""
+    zone = 5e-5
+    stress = math.sqrt(math.pi * WORK / (4.0 * zone))
+    adhesion = Adhesion(WORK, stress=stress, rate=law)
+    trace = solved("reference", scene([Ramp(0.05, 1e-5)], adhesion, 0.25, ONE))
+    radius = trace.contact_radius
+    rows = [int(np.argmin(np.abs(radius - a))) for a in np.linspace(0.75, 0.9, 4) * radius[0]]
+    speed = np.abs(np.gradient(radius, trace.time))[rows]
+    taken = np.array([adhesion.opening(v) for v in speed]) / WORK
+    release = JKR(Sphere(1.0), 1.0, WORK).energy_release_rate_from_force(radius, trace.force)[rows] / WORK
+    closed = [w * float(fixed_stress.opening(ONE, zone * w, v)) for w, v in zip(taken, speed, strict=True)]
+    assert_allclose(release, closed, rtol=1.5e-3)
+    assert min(closed) > 2.0
+    fixed_length = taken * steady_crack.opening(ONE, zone, speed)
+    assert np.all(np.abs(release / fixed_length - 1.0) > 0.1)
+
+
+def test_the_laws_at_fixed_stress_are_those_at_the_length_they_end_with():
+    speeds = np.array([1e-6, 1e-4, 1e-2, 1.0])
+    for fixed, closed in (
+        (steady_crack.opening, fixed_stress.opening),
+        (schapery.enhancement, schapery.fixed_stress_enhancement),
+        (greenwood.enhancement, greenwood.fixed_stress_enhancement),
+        (persson_brener.enhancement, persson_brener.blunting_enhancement),
+    ):
+        value = closed(ONE, 1e-3, speeds)
+        own = [float(fixed(ONE, 1e-3 * g, v)) for g, v in zip(value, speeds, strict=True)]
+        assert_allclose(value, own, rtol=1e-10)
+        assert 1.0 <= value[0] < value[-1] <= 10.0
+        assert value[1] < fixed(ONE, 1e-3, speeds[1:2])[0]  # a longer zone moves slower, in its lengths
+
+
+@pytest.mark.exhaustive
+def test_three_methods_agree_on_a_viscoelastic_cycle():
+    steps = (Ramp(0.01, 2e-3), Ramp(-1.0, 2e-3))
+    traces = [
+        solved(name, scene(steps, Adhesion(WORK, stress=0.3), 0.0, ONE, "jump-in")) for name in TOLERANCES
+    ]
+    truth = traces[0]
+    for name, trace in zip(TOLERANCES, traces, strict=True):
+        assert trace.outcome.kind == truth.outcome.kind
+        assert_allclose(trace.force.min(), truth.force.min(), rtol=TOLERANCES[name])
+        assert_allclose(trace.contact_radius.max(), truth.contact_radius.max(), rtol=TOLERANCES[name])
+        assert_allclose(trace.external_work[-1], truth.external_work[-1], rtol=5e-3)
+
+
+@pytest.mark.parametrize("solver", TOLERANCES)
+def test_a_zone_longer_than_the_contact_is_refused(solver):
+    asked = scene([Ramp(0.006, 1e-3)], Adhesion(WORK, stress=0.02), 0.0)
+    with pytest.raises(SceneError, match="process zone"):
+        solved(solver, asked)
+
+
+def test_a_zone_wider_than_a_punch_is_refused():
+    with pytest.raises(SceneError, match="process zone"):
+        scene([], Adhesion(WORK, stress=0.02), 0.0, indenter=FlatPunch(0.2))

@@ -1,0 +1,107 @@
+"""The table [adhesion]: what is read, written and refused."""
+
+import math
+
+import pytest
+from numpy.testing import assert_allclose
+
+from contact_scene import (
+    Adhesion,
+    Loading,
+    Material,
+    PowerRate,
+    RateTable,
+    Scene,
+    SceneError,
+    Sphere,
+    read_scene,
+    scene_from_dict,
+    write_scene,
+)
+
+LAWS = {
+    "hysteresis": Adhesion(5e-4, 0.013, 2e-4),
+    "power": Adhesion(5e-4, 0.013, None, PowerRate(1e-3, 0.5)),
+    "table": Adhesion(5e-4, 0.013, 1e-4, RateTable((1e-4, 1e-2), (6e-4, 2e-3))),
+    "stress": Adhesion(5e-4, stress=0.2),
+}
+
+
+def asked(**adhesion):
+    return {
+        "material": {"modulus": 0.75, "poisson": 0.5},
+        "indenter": {"shape": "sphere", "radius": 1.0},
+        "adhesion": adhesion,
+        "loading": {"start": "relaxed", "penetration": 0.0},
+    }
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_written_scene_is_read_as_the_same(law, tmp_path):
+    scene = Scene(Material(0.75, 0.5), Sphere(1.0), Loading("relaxed", 0.0, ()), LAWS[law])
+    write_scene(scene, tmp_path / "scene.toml")
+    assert read_scene(tmp_path / "scene.toml") == scene
+
+
+BAD = {
+    "closing above opening": ({"work_closing": 6e-4}, "adhesion.work_closing", "at most work"),
+    "closing zero": ({"work_closing": 0.0}, "adhesion.work_closing", "> 0"),
+    "rate a number": ({"rate": 3.0}, "adhesion.rate", "a table { speed, exponent }"),
+    "no exponent": ({"rate": {"speed": 1.0}}, "adhesion.rate.exponent", "speed, exponent"),
+    "exponent negative": ({"rate": {"speed": 1.0, "exponent": -1}}, "adhesion.rate.exponent", "0.05 <="),
+    "speed zero": ({"rate": {"speed": 0, "exponent": 1}}, "adhesion.rate.speed", "> 0"),
+    "unknown key": ({"rate": {"speed": 1, "exponent": 1, "n": 2}}, "adhesion.rate.n", "speed, exponent"),
+    "file and speed": ({"rate": {"file": "a.csv", "speed": 1}}, "adhesion.rate.speed", "file"),
+    "stress and zone": ({"stress": 0.2}, "adhesion.stress", "either zone or stress"),
+    "rate without adhesion": (
+        {"work": 0.0, "rate": {"speed": 1, "exponent": 1}},
+        "adhesion.rate",
+        "work > 0",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_values_are_one_line(name):
+    entries, key, allowed = BAD[name]
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(asked(**{"work": 5e-4, "zone": 0.013} | entries))
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).startswith(key)
+    assert allowed in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("rows", "allowed"),
+    [
+        ("1e-3,6e-4\n1e-4,7e-4\n", "speeds that rise"),
+        ("1e-4,7e-4\n1e-3,6e-4\n", "do not fall"),
+        ("1e-4,4e-4\n", "at least work"),
+        ("1e-4,0.0\n", "> 0"),
+        ("", "at least one row"),
+    ],
+)
+def test_bad_tables_are_one_line(rows, allowed, tmp_path):
+    (tmp_path / "works.csv").write_text("speed,work\n" + rows)
+    with pytest.raises(SceneError, match=allowed) as caught:
+        scene_from_dict(asked(work=5e-4, zone=0.013, rate={"file": "works.csv"}), tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_works_of_the_two_laws():
+    power = Adhesion(2.0, 0.1, None, PowerRate(0.5, 2.0))
+    assert power.opening(0.0) == 2.0
+    assert power.opening(1.0) == 10.0
+    assert power.opening(math.inf) == math.inf
+    table = Adhesion(2.0, 0.1, 1.0, RateTable((1.0, 100.0), (4.0, 16.0)))
+    assert [table.opening(v) for v in (0.0, 0.5, 1.0, 1e9)] == [2.0, 3.0, 4.0, 16.0]
+    assert_allclose(table.opening(10.0), 8.0, rtol=1e-12)  # half way in log-log
+    assert (power.closing, table.closing) == (2.0, 1.0)
+    assert not power.reversible
+    assert Adhesion(2.0, 0.1, 2.0).reversible
+
+
+def test_a_fixed_stress_has_the_width_of_maugis_at_rest():
+    scene = scene_from_dict(asked(work=5e-4, stress=0.2))
+    assert scene.adhesion is not None
+    assert_allclose(scene.adhesion.zone, math.pi * 1.0 * 5e-4 / (4.0 * 0.2**2), rtol=1e-14)

@@ -1,0 +1,115 @@
+"""Elastic contact whose opening edge takes up more the faster it moves: an equation of motion for the radius.
+
+The energy release rate ``G(a, D)`` of an elastic contact depends on radius and penetration alone. An edge
+that opens at ``v = -da/dt`` takes up ``w(v)``, so that
+
+    da/dt = -w^(-1)(G(a, D(t)))   where G > work,   da/dt = 0   otherwise:
+
+one ordinary differential equation, integrated here by SciPy. ``G`` is that of JKR, or the closure integral of
+a finite process zone (D. Maugis, M. Barquins, J. Phys. D 11, 1989 (1978); M. Barquins, D. Maugis,
+J. Adhesion 13, 53 (1981)).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from contact_scene import Adhesion, PowerRate
+
+Array = NDArray[np.float64]
+
+ReleaseRate = Callable[[float, float], float]
+"""Energy release rate at a contact radius and a penetration."""
+
+
+def opening_speed(adhesion: Adhesion, release_rate: float) -> float:
+    """``w^(-1)``: speed of an edge that takes up ``release_rate``; 0 where it does not open."""
+    if release_rate <= adhesion.work:
+        return 0.0
+    rate = adhesion.rate
+    if isinstance(rate, PowerRate):
+        return rate.speed * (release_rate / adhesion.work - 1.0) ** (1.0 / rate.exponent)
+    if rate is None or release_rate >= rate.works[-1]:
+        return math.inf
+    low, high = math.log(rate.speeds[0]), math.log(rate.speeds[-1])
+    if release_rate <= rate.works[0]:
+        return rate.speeds[0] * (release_rate - adhesion.work) / (rate.works[0] - adhesion.work)
+    return math.exp(
+        brentq(lambda x: adhesion.opening(math.exp(x)) - release_rate, low, high, xtol=1e-15, rtol=1e-15)
+    )
+
+
+@dataclass(frozen=True)
+class RatedEdge:
+    """An opening edge on an elastic half-space; ``release_rate`` is that of its contact."""
+
+    adhesion: Adhesion
+    release_rate: ReleaseRate
+
+    def departure(self, radius: float, penetration: float, rate: float) -> float:
+        """Time at which a pinned edge starts to open while the penetration falls at ``rate``."""
+
+        def lack(time: float) -> float:
+            return self.release_rate(radius, penetration - rate * time) - self.adhesion.work
+
+        if lack(0.0) >= 0.0:
+            return 0.0
+        late = 1e-3 * radius / rate
+        while lack(late) < 0.0:
+            late *= 2.0
+        return float(brentq(lack, 0.0, late, xtol=1e-300, rtol=1e-14))
+
+    def radii(
+        self, radius: float, penetration: float, rate: float, times: Array, smallest: float = 0.0
+    ) -> Array:
+        """Contact radius while the penetration falls at ``rate``.
+
+        Parameters
+        ----------
+        radius, penetration : float
+            At time 0, where the edge is at rest or about to open.
+        rate : float
+            Speed of retraction.
+        times : ndarray, shape (n,)
+            Rising, from 0 on.
+        smallest : float
+            Radius at which the integration ends.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            NaN after the contact has shrunk to ``smallest``.
+        """
+        start = self.departure(radius, penetration, rate)
+
+        def speed(time: float, state: Array) -> list[float]:
+            a = max(float(state[0]), 0.5 * smallest)
+            return [-opening_speed(self.adhesion, self.release_rate(a, penetration - rate * time))]
+
+        def at_smallest(time: float, state: Array) -> float:
+            return float(state[0]) - smallest
+
+        at_smallest.terminal = True  # type: ignore[attr-defined]
+        later = times[times > start]
+        result = np.full(times.shape, np.nan)
+        result[times <= start] = radius
+        if len(later):
+            path = solve_ivp(
+                speed,
+                (start, float(later[-1])),
+                [radius],
+                method="LSODA",
+                t_eval=later,
+                rtol=1e-11,
+                atol=1e-12 * radius,
+                events=at_smallest,
+            )
+            result[len(times) - len(later) :][: path.y.shape[1]] = path.y[0]
+        return result
