@@ -1,4 +1,4 @@
-"""Wheel and source distribution, built from a clone and installed in fresh environments. Needs a package index.
+"""Wheel and source distribution, built from a clone, installed in fresh environments. Needs a package index.
 
 Run by ``pytest -m exhaustive tests/packaging -n 0``, with the extra ``release`` installed.
 """
