@@ -78,3 +78,37 @@ def test_terminal_aligns_columns():
 def test_figures_are_found_at_any_depth():
     nested = (Section("a", (Fold("b", (Figures((IMAGE,)),)),)),)
     assert list(figures_of(nested)) == [IMAGE]
+
+
+def test_contents_lead_to_every_section_and_fold():
+    parts = (
+        Section(
+            "Same",
+            (Section("Inner", (TABLE,)), Fold("More", (Paragraph("x"),))),
+            verdict=VerdictCell("FAIL", False),
+        ),
+        Section("Same", (Paragraph("y"),), folded=True),
+        Section("Named", (), "named"),
+    )
+    page = html.text(Document("T", (), parts, contents_depth=2))
+    contents = page.partition("</nav>")[0]
+    anchors = re.findall(r'<li><a href="#([^"]+)">', contents)
+    assert anchors == ["part-Same", "part-Inner", "part-More", "part-Same-", "named"]
+    assert [page.count(f'id="{anchor}"') for anchor in anchors] == [1] * 5
+    assert '<details class="section" id="part-Same-"><summary><h2>Same</h2></summary>' in page
+    assert contents.count("✗") == 1
+
+
+def test_rules_of_pictures_are_stated_once():
+    picture = '<svg><defs><style type="text/css">.a{fill: none}.b{fill: red}</style></defs></svg>'
+    other = '<svg><defs><style type="text/css">.a{fill: none}</style></defs></svg>'
+    page = html.text(Document("T", (), (Figures((Figure("f", "", picture), Figure("g", "", other))),)))
+    assert page.count(".a{fill: none}") == page.count(".b{fill: red}") == 1
+    assert page.count('<style type="text/css">') == 1
+
+
+def test_fragment_has_the_parts_and_no_page():
+    piece = html.fragment(PARTS, 3)
+    assert "<h3>Runs" in piece
+    assert "<h4>" in piece
+    assert "<html" not in piece

@@ -10,7 +10,9 @@ from crosscontact import registry
 from validation import solvers
 from validation.cases import load
 from validation.execution.progress import Progress
+from validation.report import html
 from validation.report.build import build
+from validation.report.document import DataTable, Document, Paragraph, Section
 from validation.report.write import write
 
 pytestmark = pytest.mark.skipif(
@@ -40,6 +42,16 @@ def test_page_fits_and_shows_everything(page, tmp_path, width):
     assert seen["labels"] > 50
 
 
+def test_failures_stand_above_the_overview_and_name_the_solvers(page):
+    overview = page.partition('id="overview"')[2]
+    failures, scenes, methods = (
+        overview.index(text) for text in ("Not passed", "closest to its limit", "how it works")
+    )
+    assert failures < scenes < methods
+    assert all(f"<td>{name}</td>" in overview[methods:] for name in registry.names())
+    assert '<details class="section" id="scene-' not in page  # what failed is open
+
+
 @pytest.mark.slow
 def test_dark_page_has_light_ink(page, tmp_path):
     light = measure_page(tmp_path, page, 800, "--blink-settings=preferredColorScheme=1")
@@ -56,6 +68,28 @@ def test_the_probe_sees_a_page_that_is_too_wide_and_a_picture_that_is_missing(pa
     assert seen["content"] > 375
     assert seen["broken"] == 1
     assert seen["trouble"] >= 1
+
+
+@pytest.mark.slow
+def test_a_click_sorts_a_table_and_a_link_opens_its_fold(tmp_path):
+    """The page clicks on itself and says what came of it in its title."""
+    table = DataTable.of(
+        [{"name": name, "value": value} for name, value in zip("bca", ("10", "9", "–"), strict=True)]
+    )
+    hidden = Section("Hidden", (Paragraph("here"),), "hidden", folded=True)
+    parts = (Section("Numbers", (table,)), hidden)
+    steps = """<script>addEventListener("load", () => {
+      const heads = document.querySelectorAll("th"), cells = () => document.querySelectorAll("td:first-child");
+      const order = () => [...cells()].map(cell => cell.textContent.trim()).join("");
+      heads[0].click(); const byName = order(); heads[1].click(); const up = order(); heads[1].click();
+      document.querySelector('nav a[href="#hidden"]').click();
+      setTimeout(() => { document.title = JSON.stringify({ byName, up, down: order(),
+        sorted: heads[1].ariaSort, open: document.getElementById("hidden").open }); }, 200);
+    });</script></body>"""
+    page = html.text(Document("T", (), parts)).replace("</body>", steps)
+    seen = measure_page(tmp_path, page, 800)
+    assert (seen["byName"], seen["up"], seen["down"]) == ("abc", "cba", "bca")
+    assert (seen["sorted"], seen["open"]) == ("descending", True)
 
 
 def _rgb(text: str) -> list[int]:

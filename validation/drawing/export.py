@@ -6,15 +6,17 @@ import hashlib
 import io
 import re
 from html import escape
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from validation.drawing.styles import CSS_VARIABLES
+from validation.drawing.styles import CSS_VARIABLES, GRID
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-DECIMALS = 2
-"""Of a coordinate on a page, in points: a hundredth is a thirtieth of the thinnest line."""
+DECIMALS = 1
+"""Of a coordinate on a page, in points: rounded by at most a twentieth of a point, a tenth of the thinnest
+line."""
 SIMPLIFIED = 0.2
 """Distance in points by which a line on a page may miss points it is drawn through; a fifth of the thinner
 lines of the solvers."""
@@ -37,9 +39,7 @@ def svg(figure: Figure, name: str, description: str) -> str:
     drawn = stream.getvalue()
     drawn = drawn[drawn.index("<svg") :]
     drawn = _compact(re.sub(r"<metadata>.*?</metadata>", "", drawn, flags=re.DOTALL))
-    drawn = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', drawn)
-    drawn = re.sub(r"url\(#([^)]+)\)", rf"url(#{name}-\1)", drawn)
-    drawn = re.sub(r'xlink:href="#([^"]+)"', rf'xlink:href="#{name}-\1"', drawn)
+    drawn = _with_short_ids(drawn, name)
     drawn = re.sub(r'^<svg ([^>]*?)width="[^"]*"', r"<svg \1", drawn, count=1)
     drawn = re.sub(r'^<svg ([^>]*?)height="[^"]*"', r"<svg \1", drawn, count=1)
     for colour, variable in CSS_VARIABLES.items():
@@ -57,6 +57,10 @@ def _compact(drawn: str) -> str:
     drawn = re.sub(r"\s*transform=\"rotate\(-0 [^)]*\)\"", "", drawn)
     drawn = re.sub(r"(?<=[\s(,\"])(-?\d+\.\d{3,})(?=[\s),\"])", _rounded, drawn)
     drawn = re.sub(r"(?<=\d) ?\n(?=[LCMQ] )", "", drawn).replace(" \n", " ")
+    drawn = re.sub(r' d="M ([-\d. \nLM]+)"', _with_relative_steps, drawn)
+    drawn = re.sub(
+        rf' clip-path="[^"]*"(?= style="fill: none; stroke: {GRID};)', "", drawn
+    )  # ends at the axes
     used = set(re.findall(r"#([^)\"]+)[)\"]", drawn))
     drawn = re.sub(r' id="([^"]+)"', lambda found: found.group() if found.group(1) in used else "", drawn)
     return _with_classes(_without_bare_groups(re.sub(r">\s+<", ">\n<", drawn)))
@@ -78,10 +82,19 @@ def _without_bare_groups(drawn: str) -> str:
     return "".join(pieces)
 
 
+def _with_short_ids(drawn: str, name: str) -> str:
+    """Ids that are counted and begin with a hash of ``name``, so that no other picture of a page has them."""
+    start = f"p{hashlib.sha256(name.encode()).hexdigest()[:6]}-"
+    short = {old: f"{start}{count}" for count, old in enumerate(re.findall(r'\bid="([^"]+)"', drawn))}
+    pattern = r'(\bid="|url\(#|href="#)([^")]+)'
+    drawn = drawn.replace("xlink:href", "href").replace(' xmlns:xlink="http://www.w3.org/1999/xlink"', "")
+    return re.sub(pattern, lambda found: found.group(1) + short[found.group(2)], drawn)
+
+
 def _with_classes(drawn: str) -> str:
     """Styles of elements as classes named by the style, so that pictures on a page may share them."""
     styles = dict.fromkeys(re.findall(r' style="([^"]+)"', drawn))
-    classes = {style: f"s{hashlib.sha256(style.encode()).hexdigest()[:8]}" for style in styles}
+    classes = {style: f"s{hashlib.sha256(style.encode()).hexdigest()[:5]}" for style in styles}
     rules = "".join(f".{name}{{{style}}}" for style, name in classes.items())
     drawn = re.sub(r' style="([^"]+)"', lambda found: f' class="{classes[found.group(1)]}"', drawn)
     return drawn.replace("</style>", f"{rules}</style>", 1)
@@ -90,6 +103,20 @@ def _with_classes(drawn: str) -> str:
 def _rounded(found: re.Match[str]) -> str:
     """A number of the picture, in points."""
     return f"{float(found.group()):.{DECIMALS}f}".rstrip("0").rstrip(".")
+
+
+def _with_relative_steps(found: re.Match[str]) -> str:
+    """A path of straight lines by the steps between its rounded points; steps of no length are left out."""
+    lines = []
+    for line in found.group(1).split("M "):
+        points = [tuple(map(float, point.split())) for point in line.split("L ")]
+        steps = [_pair((b[0] - a[0], b[1] - a[1])) for a, b in pairwise(points)]
+        lines.append(f"M{_pair(points[0])}l{' '.join(step for step in steps if step != '0 0') or '0 0'}")
+    return f' d="{"".join(lines)}"'
+
+
+def _pair(point: tuple[float, ...]) -> str:
+    return " ".join(f"{round(value, DECIMALS) + 0.0:g}" for value in point).replace(" -", "-")
 
 
 def svg_file(figure: Figure) -> bytes:

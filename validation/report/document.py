@@ -99,7 +99,7 @@ class Figure:
     Parameters
     ----------
     name : str
-        Unique within the document; ids inside an SVG picture begin with it.
+        Unique within the document; the ids inside an SVG picture are made from it.
     caption : str
     picture : str or bytes
         An ``<svg>`` element whose colours are CSS variables, or a PNG or GIF file; empty: none.

@@ -7,6 +7,7 @@ and opens the fold that a link leads to; without it the page shows the same.
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -30,7 +31,7 @@ class ContentsEntry:
 def text(document: Document) -> str:
     """The whole page, style sheet and script inside it."""
     parts = _with_anchors(document.parts, document.contents_depth, set())
-    return (
+    page = (
         _templates()
         .get_template("document.html")
         .render(
@@ -40,6 +41,7 @@ def text(document: Document) -> str:
             script=source("script.js"),
         )
     )
+    return _rules_once(page)
 
 
 def fragment(parts: Iterable[Part], level: int) -> str:
@@ -48,7 +50,7 @@ def fragment(parts: Iterable[Part], level: int) -> str:
     ``level`` is the rank of the first headings.
     """
     macro = _templates().get_template("parts.html").module.part  # type: ignore[attr-defined]
-    return "\n".join(str(macro(part, level)) for part in parts)
+    return _rules_once("\n".join(str(macro(part, level)) for part in parts))
 
 
 def source(name: str) -> str:
@@ -56,6 +58,18 @@ def source(name: str) -> str:
     templates = _templates()
     assert templates.loader is not None
     return templates.loader.get_source(templates, name)[0]
+
+
+def _rules_once(page: str) -> str:
+    """The page with each rule of its pictures stated once, where it is first needed."""
+    stated: set[str] = set()
+
+    def new(found: re.Match[str]) -> str:
+        rules = [rule for rule in re.findall(r"[^{}]+\{[^}]*\}", found.group(2)) if rule not in stated]
+        stated.update(rules)
+        return f"{found.group(1)}{''.join(rules)}</style>" if rules else ""
+
+    return re.sub(r'(<style type="text/css">)(.*?)</style>', new, page, flags=re.DOTALL)
 
 
 def _with_anchors(parts: Iterable[Part], depth: int, taken: set[str]) -> tuple[Part, ...]:

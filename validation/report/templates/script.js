@@ -3,11 +3,11 @@ const number = text => {
   const found = text.replace("−", "-").match(/[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?/i);
   return found && /^[\s≤≥<+\-\d.]/.test(text) ? parseFloat(found[0]) : NaN;
 };
-function compare(first, second) {
+function compare(first, second, sign) {
   const a = number(first), b = number(second);
-  if (!isNaN(a) && !isNaN(b)) return a - b;
+  if (!isNaN(a) && !isNaN(b)) return sign * (a - b);
   if (isNaN(a) !== isNaN(b)) return isNaN(a) ? 1 : -1;
-  return first.localeCompare(second);
+  return sign * first.localeCompare(second);
 }
 function sort(head) {
   const column = head.cellIndex, body = head.closest("table").tBodies[0];
@@ -15,7 +15,7 @@ function sort(head) {
   for (const other of head.parentElement.cells) other.removeAttribute("aria-sort");
   head.setAttribute("aria-sort", down ? "descending" : "ascending");
   const rows = [...body.rows].map(row => [row.cells[column].textContent.trim(), row]);
-  rows.sort((a, b) => (down ? -1 : 1) * compare(a[0], b[0]));
+  rows.sort((a, b) => compare(a[0], b[0], down ? -1 : 1));
   body.append(...rows.map(pair => pair[1]));
 }
 for (const head of document.querySelectorAll("table.sortable th")) {
