@@ -48,7 +48,7 @@ BESIDE = {
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.
 HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
-HEAVY |= {"dask", "distributed"}
+HEAVY |= {"dask", "distributed", "tamaas", "ContactMechanics", "SurfaceTopography", "Adhesion"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
 LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments", "crosscontact.cli"}
