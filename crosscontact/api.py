@@ -135,7 +135,7 @@ def compare(
     case = _case(scene)
     if resolution is not None:
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
-    names = registry.names() if solvers is None else registry.chosen(solvers, "solvers")
+    names = registry.usable() if solvers is None else registry.chosen(solvers, "solvers")
     by_solver = {name: runs.run(case, name, resolution, estimate=estimate_errors) for name in names}
     results = {name: Result(case.scene, run) for name, run in by_solver.items() if run.trace is not None}
     failures = {name: run.failure for name, run in by_solver.items() if run.trace is None}
@@ -220,8 +220,8 @@ def _case(scene: Scene | str | os.PathLike[str]) -> cases.Case:
 
 
 def _check_solver(name: str) -> None:
-    if name not in registry.names():
-        raise SceneError("solver", f"got {shown(name)}", f"one of {', '.join(registry.names())}")
+    if name not in registry.selectable():
+        raise SceneError("solver", f"got {shown(name)}", f"one of {', '.join(registry.selectable())}")
 
 
 def _times(values: Collection[float], key: str) -> tuple[float, ...]:

@@ -35,7 +35,7 @@ class Names:
 def _solver_names() -> Iterable[str]:
     from crosscontact import registry
 
-    return registry.names()
+    return registry.selectable()
 
 
 def _axis_names() -> Iterable[str]:

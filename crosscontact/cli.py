@@ -21,6 +21,9 @@ from validation.execution.signals import interrupting
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
+ALL_SOLVERS = ("compare", "study", "stability", "report")
+"""Commands that run every solver, if none is named."""
+
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
@@ -90,6 +93,8 @@ def _command(options: argparse.Namespace) -> int:
         return fit.run(
             options.data, options.scene, fit.settings_of(options), options.out, jobs, options.fresh
         )
+    if options.command in ALL_SOLVERS and not _named(options):
+        registry.usable()  # names those that cannot be loaded
     if options.command == "solve":
         from crosscontact.commands import solve
 
@@ -152,6 +157,11 @@ def _command(options: argparse.Namespace) -> int:
     return report.run(
         options.suite, options.out, jobs, options.estimates, options.baseline, options.fresh, options.fields
     )
+
+
+def _named(options: argparse.Namespace) -> bool:
+    """Whether the command names the solvers to run."""
+    return bool(getattr(options, "solvers", None) or getattr(options, "solver", None))
 
 
 def _available_cores() -> int:

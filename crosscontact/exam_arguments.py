@@ -74,7 +74,7 @@ def _names(text: str) -> tuple[str, ...]:
     from crosscontact import registry
 
     names = tuple(dict.fromkeys(name.strip() for name in text.split(",")))
-    known = registry.names()
+    known = registry.selectable()
     unknown: list[Any] = [name for name in names if name not in known]
     if unknown:
         raise argparse.ArgumentTypeError(f"got {unknown[0]!r:.40}; allowed: of {', '.join(known)}")

@@ -52,6 +52,7 @@ BESIDE = {
 # or need not be installed.
 HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
 HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats"}
+HEAVY |= {"tamaas", "ContactMechanics", "SurfaceTopography", "Adhesion"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
 LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments", "crosscontact.cli"}

@@ -15,14 +15,13 @@ from validation.exam.judge import reference_resolution, reference_runs
 from validation.exam.scene_json import expanded
 from validation.exam.statement import COLUMNS, HOW_TO_ANSWER, page
 from validation.exam.tags import tags
-from validation.execution import environment
+from validation.execution import environment, fingerprints
 from validation.execution.files import to_json, write_whole
-from validation.execution.fingerprints import version
 from validation.execution.runs import Run
 from validation.execution.store import Store
 from validation.scenes import names
 from validation.scenes import suite as of_suite
-from validation.solvers import REFERENCE
+from validation.solvers import REFERENCE, SOLVERS
 
 FORMAT = 1
 REFERENCE_TRACE, REFERENCE_MEASURES = "reference.csv", "reference.json"
@@ -50,7 +49,9 @@ def export_scenes(folder: Path, cases: Sequence[Case]) -> None:
     text = f"# The exam\n\n{HOW_TO_ANSWER}\n{columns}\n\n{DECLINING}\nScenes and their tags:\n\n{scenes}\n"
     write_whole(folder / "README.md", text)
     listed = [{"name": case.name, "tags": tags(case.scene), "title": case.scene.title} for case in cases]
-    write_whole(folder / EXAM, to_json({"format": FORMAT, "program": version(), "scenes": listed}))
+    write_whole(
+        folder / EXAM, to_json({"format": FORMAT, "program": fingerprints.version(), "scenes": listed})
+    )
 
 
 DECLINING = """\
@@ -106,13 +107,15 @@ def export_reference(
 def header_of(case: Case, run: Run, resolution: int | None) -> Header:
     """Header of a run of one of the registered solvers, from which alone it can be computed again."""
     outcome = "" if run.trace is None else str(run.trace.outcome.kind)
+    version = SOLVERS.origin(run.solver)
     return Header(
         run.solver,
-        version=environment.program_version(),
-        author="crosscontact",
+        version=version or environment.program_version(),
+        author="" if version else "crosscontact",
         resolution="" if resolution is None else str(resolution),
         seconds=max(run.wall_seconds, 1e-6),
         scene=case.name,
+        transition=SOLVERS[run.solver].transition(resolution),
         outcome=outcome if outcome in ("completed", "detached") else "",
         problem=expanded(case.scene),
     )
@@ -120,7 +123,7 @@ def header_of(case: Case, run: Run, resolution: int | None) -> Header:
 
 def trace_text(header: Header, trace: Trace) -> str:
     """The contents of a ``trace.csv`` with its header, numbers with all their digits."""
-    columns = {name: getattr(trace, name) for name in COLUMNS}
+    columns = {name: getattr(trace, name) for name in SOLVERS[header.code].columns}
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     lines = [*header.lines(), ",".join(columns), *(",".join(map(repr, row)) for row in rows)]
     return "\n".join(lines) + "\n"

@@ -73,19 +73,25 @@ class GriffithTrack:
     Parameters
     ----------
     points : tuple of RangeError
+        Empty of a code without a zone.
     order : float
         Fitted exponent of the error over the zone.
     remaining : float
         Relative error that is left where the zone is extrapolated to zero.
+    decade : int
+        Of a code without a zone: that of its whole answer at the Griffith limit.
     """
 
     points: tuple[RangeError, ...]
     order: float
     remaining: float
+    decade: int = 0
 
     @property
     def converges(self) -> bool:
         """Whether the errors fall with the range, to nothing as far as can be seen."""
+        if not self.points:
+            return self.decade >= COARSEST
         sizes = [abs(point.error) for point in self.points]
         falling = all(after < before for before, after in pairwise(sizes))
         return falling and self.order >= LEAST_ORDER and abs(self.remaining) <= 10.0**-COARSEST
@@ -93,6 +99,8 @@ class GriffithTrack:
     @property
     def in_words(self) -> str:
         """One line."""
+        if not self.points:
+            return f"an edge without a zone: at the Griffith limit good to 1e-{self.decade}"
         first, last = self.points[0], self.points[-1]
         return (
             f"against the Griffith limit {SEEN_IN.replace('_', ' ')} is off by {abs(first.error):.2g} at "
@@ -126,7 +134,8 @@ def tracks(graded: Sequence[_Graded], case: Case) -> GriffithTrack | None:
         if one.answer.header.transition is not None and not one.answer.problem:
             by_transition[one.answer.header.transition] = one.answer
     sphere, adhesion = scene.indenter, scene.adhesion
-    if len(by_transition) < FEWEST or not isinstance(sphere, Sphere) or not scene.material.is_elastic:
+    few = len(by_transition) < FEWEST and np.inf not in by_transition
+    if few or not isinstance(sphere, Sphere) or not scene.material.is_elastic:
         return None
     if adhesion is None or not scene.is_adhesive:
         return None
@@ -135,6 +144,9 @@ def tracks(graded: Sequence[_Graded], case: Case) -> GriffithTrack | None:
     limit = run(limit_case, REFERENCE, estimate=True)
     if limit.trace is None:
         return None
+    if np.inf in by_transition:
+        there = grade(by_transition[np.inf], limit_case.scene, limit)
+        return GriffithTrack((), 0.0, 0.0, there.decade)
     points = []
     for transition in sorted(by_transition):
         found = grade(by_transition[transition], limit_case.scene, limit)

@@ -54,7 +54,7 @@ class Header:
     outcome : str
         One of ``OUTCOMES``; empty: contact is lost if the last contact radius is zero.
     transition : float or None
-        Maugis' transition parameter, of a code whose attraction has a finite range.
+        Maugis' transition parameter, of a code whose attraction has a finite range; infinite: no zone at all.
     problem : dict or None
         The whole scene, as of :mod:`validation.exam.scene_json`.
     """
@@ -149,6 +149,8 @@ def _transition(found: dict[str, str], file: str) -> float | None:
     tabor = _positive(found.get("tabor"), "tabor", file, 1e6)
     if tabor is not None:
         return TABOR * tabor
+    if found.get("transition") == "inf":
+        return math.inf
     return _positive(found.get("transition"), "transition", file, 1e6)
 
 

@@ -28,7 +28,7 @@ class VerdictKind(StrEnum):
 
     PASSED = "passed"
     FAILED = "failed"
-    CONVERGES = "converges to the Griffith limit"
+    CONVERGES = "at the Griffith limit"
     DECLINED = "declined"
     NO_ANSWER = "no answer"
 
@@ -78,6 +78,8 @@ class CodeOnScene:
         """In words."""
         if self.kind is VerdictKind.PASSED and self.best is not None:
             return f"passed at 1e-{self.best.decade}"
+        if self.kind is VerdictKind.CONVERGES and self.track is not None and self.track.points:
+            return "converges to the Griffith limit"
         if self.kind is VerdictKind.DECLINED:
             return f"declined {self.reason}" if self.reason.startswith("by tag") else "declined"
         return str(self.kind)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_scene import COLUMNS, SceneError
+from contact_scene import SceneError
 from contact_scene.errors import shown
 from validation.cases import Case
 from validation.exam.answer import read_answer
@@ -104,7 +104,7 @@ def reproduce(path: Path) -> Reproduction:
     rows, rows_again = len(answer.columns["time"]), len(again.trace)
     largest = np.inf
     if rows == rows_again:
-        pairs = [(answer.columns[name], getattr(again.trace, name)) for name in COLUMNS]
+        pairs = [(answer.columns[name], getattr(again.trace, name)) for name in answer.columns]
         apart = [float(np.abs(a - b).max()) / (float(np.abs(b).max()) or 1.0) for a, b in pairs]
         largest = max(apart)
     return Reproduction(rows, rows_again, float(largest))

@@ -316,12 +316,18 @@ def run_task(case: Case, solver: str, resolution: int | None = None, estimate: b
         To be carried out by :func:`~validation.execution.tasks.run_tasks`.
     """
     return Task(
-        fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate),
+        fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate, *_origin(solver)),
         f"{case.name} {solver}",
         run,
         (case, solver, resolution, None, estimate),
         expected_seconds(case, solver, resolution),
     )
+
+
+def _origin(solver: str) -> tuple[str, ...]:
+    """Package and version of a solver that is no part of this program."""
+    origin = solvers.SOLVERS.origin(solver)
+    return (origin,) if origin else ()
 
 
 def run_of(result: TaskResult) -> Run:

@@ -4,9 +4,11 @@ from validation.solvers.base import Progress, RunOptions, Solver
 from validation.solvers.cost import Cost
 from validation.solvers.front_tracking import REFERENCE
 from validation.solvers.model_range import out_of_range, scene_warnings, trace_warnings
+from validation.solvers.peers import PEERS
 from validation.solvers.registry import SOLVERS, register, solver, solvers, unregister
 
 __all__ = [
+    "PEERS",
     "REFERENCE",
     "SOLVERS",
     "Cost",

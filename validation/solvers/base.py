@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
-from contact_scene import RunMonitor, Scene, Trace, UnsupportedScene
+from contact_scene import COLUMNS, RunMonitor, Scene, Trace, UnsupportedScene
 from validation.solvers.cost import Cost, CostModel, SceneWork, forecast, scene_work
 from validation.solvers.model_range import out_of_range
 
@@ -115,6 +115,8 @@ class Solver(ABC):
         Marker of single points, in matplotlib's code.
     css_variable : str
         CSS variable that takes the place of the colour on a page.
+    columns : tuple of str
+        Columns of the trace that the method computes; the others it fills with zeros.
     """
 
     name: ClassVar[str]
@@ -137,6 +139,16 @@ class Solver(ABC):
     }
     marker: ClassVar[str] = "x"
     css_variable: ClassVar[str] = "other"
+    columns: ClassVar[tuple[str, ...]] = COLUMNS
+
+    @property
+    def version(self) -> str:
+        """Package and version of a code that is no part of this program; else empty."""
+        return ""
+
+    def transition(self, resolution: int | None) -> float | None:
+        """Maugis' transition parameter of a method whose attraction has a finite range; infinite: no zone."""
+        return None
 
     def solve(self, scene: Scene, resolution: int | None = None, **options: Any) -> Trace:
         """Solve a scene.

@@ -1,0 +1,112 @@
+"""What all adapters of other people's codes have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import metadata
+from importlib.util import find_spec
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contact_scene import Counters, Outcome, OutcomeKind, Ramp, Scene, Sphere, Trace, UnsupportedScene
+from contact_scene.trace import Array
+from validation.solvers.base import Solver
+
+EXTRA = "pip install 'crosscontact[peers]'"
+
+
+class Peer(Solver):
+    """A code of somebody else, called as its users call it.
+
+    Attributes
+    ----------
+    distribution, module : str
+        The package as it is installed, and as it is imported.
+    """
+
+    distribution: ClassVar[str]
+    module: ClassVar[str]
+    tolerance = 2e-2
+    curve_tolerance = 2e-2
+    curve_style: ClassVar[Mapping[str, Any]] = {
+        "color": "#009e73",
+        "linestyle": (0, (4, 1, 1, 1)),
+        "linewidth": 1.4,
+    }
+
+    @property
+    def version(self) -> str:
+        """Package and version; empty where it is not installed."""
+        try:
+            return f"{self.distribution} {metadata.version(self.distribution)}"
+        except metadata.PackageNotFoundError:
+            return ""
+
+    @property
+    def installed(self) -> bool:
+        """Whether the package is there; it is not imported."""
+        return find_spec(self.module) is not None
+
+    def refusal(self, scene: Scene) -> UnsupportedScene | None:
+        """A package that is missing, or a scene that it does not cover."""
+        if not self.installed:
+            return UnsupportedScene("solver", f'"{self.name}" needs the package {self.distribution}', EXTRA)
+        outside = self.outside(scene)
+        return UnsupportedScene("solver", f'"{self.name}" does not cover {outside}') if outside else None
+
+    def outside(self, scene: Scene) -> str:
+        """What in a scene the code does not cover; empty if it covers all."""
+        raise AssertionError("defined by every peer")
+
+
+def not_a_sphere(scene: Scene) -> str:
+    """Another indenter or a bulk modulus of its own, in words."""
+    if not isinstance(scene.indenter, Sphere):
+        return f"the shape {scene.indenter.shape}"
+    return "a bulk modulus that relaxes apart from shear" if scene.material.bulk is not None else ""
+
+
+def elastic_ramps(scene: Scene) -> str:
+    """What is beyond an elastic sphere under penetration ramps, in words."""
+    if not scene.material.is_elastic:
+        return "relaxation"
+    if not all(isinstance(step, Ramp) for step in scene.loading.steps) or not scene.loading.steps:
+        return "steps other than ramps of the penetration"
+    return not_a_sphere(scene)
+
+
+def ramp_times(scene: Scene, rows: int) -> tuple[Array, Array]:
+    """Times and penetrations along the ramps of a scene, ``rows`` a ramp; each of shape (n,)."""
+    time, depth = [np.zeros(1)], [np.array([scene.loading.penetration])]
+    for _, segment in scene.loading.segments():
+        at = np.linspace(segment.start, segment.end, rows + 1)[1:]
+        time.append(at)
+        depth.append(np.array([segment.value(float(t)) for t in at]))
+    return np.concatenate(time), np.concatenate(depth)
+
+
+def trace_of(
+    solver: Solver, time: Array, depth: Array, force: Array, radius: Array, lost: bool = False
+) -> Trace:
+    """A trace of a code that gives no energies: the work by trapezoids, nothing stored, nothing lost.
+
+    Parameters
+    ----------
+    solver : Solver
+    time, depth, force, radius : ndarray, shape (n,)
+        In units of the scene.
+    lost : bool
+        Whether contact is lost at the last row.
+
+    Returns
+    -------
+    Trace
+    """
+    kind = OutcomeKind.DETACHED if lost else OutcomeKind.COMPLETED
+    reason = "the contact area fell to zero" if lost else "all loading steps carried out"
+    work = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(depth))))
+    outcome = Outcome(kind, reason, float(time[-1]))
+    nothing = np.zeros_like(time)
+    counters = Counters(steps=len(time) - 1)
+    return Trace(solver.name, time, depth, force, radius, nothing, work, nothing, outcome, counters)
