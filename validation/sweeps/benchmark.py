@@ -1,10 +1,11 @@
 """What a sweep costs beside its runs: ``python -m validation.sweeps.benchmark [--runs N] [--dask]``.
 
 The cheapest runs there are, an elastic sphere pressed in without adhesion, show the overhead largest. Each
-engine is measured against the bare solver: the same scenes in as many plain processes, a loop around
-``Solver.solve`` in each. Both are repeated in turn, so that a busy machine slows both, and the shorter time
-of each counts. Efficiency is the time of the bare solver over that of the sweep, start of the processes left
-out of both. The memory of this process is read as the runs pass.
+engine is measured against the bare solver: some of the same scenes in as many plain processes, a loop around
+``Solver.solve`` in each, before the sweep and after it; the shorter time counts. Efficiency is the time a run
+takes there over what it takes in the sweep, start of the processes left out of both: by the clock, and by the
+processor time of this process and its workers, which other programs on the machine change less. The memory
+of this process and of its workers is read as the runs pass.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ import os
 import tempfile
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
-from contact_scene import Hold, Loading, Material, Ramp, Scene, Sphere
+from contact_scene import Loading, Material, Ramp, Scene, Sphere
 from validation import solvers
 from validation.execution.engines import LOCAL_CLUSTER, Engine, own_engine
 from validation.execution.memory import keep_freed
@@ -27,11 +29,20 @@ from validation.sweeps.run_plan import carry_out
 from validation.sweeps.scene_table import of_scene
 from validation.sweeps.write import write_results
 
-SCENE = Scene(Material(1.0, 0.5), Sphere(1.0), Loading("relaxed", 0.01, (Ramp(0.02, 0.01), Hold(1.0))))
+SCENE = Scene(Material(1.0, 0.5), Sphere(1.0), Loading("relaxed", 0.01, (Ramp(0.02, 0.01),)))
 RESOLUTION = 4
 SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
 """Of the runs, at which memory is read; the first is past what imports and the first batches take."""
-REPEATS = 2
+BARE_RUNS = 200
+"""Runs of the bare solver: some seconds, so that the ends of the processes' shares do not count."""
+
+
+@dataclass(frozen=True)
+class Spent:
+    """Time (s) of one run, on average, by the clock times the number of processes, and of the processors."""
+
+    wall: float
+    processor: float
 
 
 def plan_of(runs: int, folder: Path, first: float = 1.0) -> SweepPlan:
@@ -41,14 +52,16 @@ def plan_of(runs: int, folder: Path, first: float = 1.0) -> SweepPlan:
     return plan_from_dict(table, folder, of_scene(SCENE, folder))
 
 
-def bare_seconds(plan: SweepPlan, processes: int) -> float:
-    """Wall time of the bare solver on the scenes of a plan, shared out over plain processes."""
-    scenes = [plan.scene(rows) for rows in plan.rows()]
+def bare(plan: SweepPlan, processes: int) -> Spent:
+    """The bare solver on some scenes of a plan, shared out over plain processes."""
+    every = max(1, plan.count // BARE_RUNS)
+    scenes = [plan.scene(rows) for rows in plan.rows()][::every]
     with get_context("spawn").Pool(processes, keep_freed) as pool:
-        pool.map(_solve_all, [scenes[:2]] * processes, chunksize=1)
-        began = time.perf_counter()
+        pool.map(_solve_all, [scenes[:4]] * processes, chunksize=1)
+        before, began = processor_seconds(), time.perf_counter()
         pool.map(_solve_all, [scenes[part::processes] for part in range(processes)], chunksize=1)
-        return time.perf_counter() - began
+        wall, spent = time.perf_counter() - began, processor_seconds() - before
+    return Spent(processes * wall / len(scenes), spent / len(scenes))
 
 
 def _solve_all(scenes: Sequence[Scene]) -> None:
@@ -57,23 +70,53 @@ def _solve_all(scenes: Sequence[Scene]) -> None:
         method.solve(scene, RESOLUTION)
 
 
-def sweep_seconds(plan: SweepPlan, warm: SweepPlan, engine: Engine, out: Path) -> tuple[float, list[float]]:
-    """Wall time of a sweep on warm workers, and this process's memory (bytes) at ``SHARES`` of its runs."""
-    memory: list[float] = []
+def swept(
+    plan: SweepPlan, processes: int, engine: Engine, table: RunTable
+) -> tuple[Spent, list[list[float]]]:
+    """A sweep, and the memory (bytes) of this process and of its largest worker at ``SHARES`` of its runs."""
+    memory: list[list[float]] = []
 
     def read(share: float, text: str) -> None:
         if len(memory) < len(SHARES) and share >= SHARES[len(memory)]:
-            memory.append(resident(os.getpid()))
+            own, *workers = (resident(process) for process in family())
+            memory.append([own, max(workers, default=0.0)])
 
-    with RunTable(out, fresh=True) as table:
-        carry_out(warm, table, engine)
-        began = time.perf_counter()
-        carry_out(plan, table, engine, read)
-        return time.perf_counter() - began, memory
+    before, began = processor_seconds(), time.perf_counter()
+    carry_out(plan, table, engine, read)
+    wall, spent = time.perf_counter() - began, processor_seconds() - before
+    return Spent(processes * wall / plan.count, spent / plan.count), memory
+
+
+def family() -> list[int]:
+    """This process and all that descend from it, from ``/proc``."""
+    children: dict[int, list[int]] = {}
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+        except OSError:  # it has ended
+            continue
+        children.setdefault(parent, []).append(int(entry.name))
+    found = [os.getpid()]
+    for process in found:
+        found += children.get(process, [])
+    return found
+
+
+def processor_seconds() -> float:
+    """Processor time of this process and its workers so far (s)."""
+    ticks = 0
+    for process in family():
+        try:
+            ticks += sum(
+                map(int, Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13])
+            )
+        except OSError:
+            continue
+    return ticks / os.sysconf("SC_CLK_TCK")
 
 
 def resident(process: int) -> float:
-    """Bytes of memory of a process; 0 where the system does not tell."""
+    """Bytes of memory of a process."""
     try:
         pages = Path(f"/proc/{process}/statm").read_text().split()[1]
     except OSError:
@@ -84,39 +127,44 @@ def resident(process: int) -> float:
 def main() -> None:
     """Measure and print."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("--runs", type=int, default=10_000)
-    arguments.add_argument("--dask", action="store_true", help="a local Dask cluster too")
+    arguments.add_argument("--runs", type=int, default=2000)
+    arguments.add_argument("--jobs", type=int, nargs="+", default=[1, 2])
+    arguments.add_argument("--dask", action="store_true", help="by a local Dask cluster")
     options = arguments.parse_args()
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
-    cores = min(2, os.cpu_count() or 1)
-    engines = [(1, None), (cores, None), *([(cores, LOCAL_CLUSTER)] if options.dask else [])]
-    for jobs, dask in engines:
-        _measure(options.runs, jobs, dask)
+    for jobs in options.jobs:
+        _measure(options.runs, jobs, LOCAL_CLUSTER if options.dask else None)
 
 
 def _measure(runs: int, jobs: int, dask: str | None) -> None:
-    bare: list[float] = []
-    swept: list[float] = []
-    memory: list[float] = []
     with tempfile.TemporaryDirectory() as folder, own_engine(jobs, dask) as engine:
         out = Path(folder)
-        plan, warm = plan_of(runs, out), plan_of(8 * jobs, out, first=3.0)
-        for _ in range(REPEATS):
-            bare.append(bare_seconds(plan, jobs))
-            seconds, memory = sweep_seconds(plan, warm, engine, out)
-            swept.append(seconds)
+        plan, warm = plan_of(runs, out), plan_of(16 * jobs, out, first=3.0)
+        alone = [bare(plan, jobs)]
+        with RunTable(out) as table:
+            carry_out(warm, table, engine)
+            spent, memory = swept(plan, jobs, engine, table)
+        alone.append(bare(plan, jobs))
         began = time.perf_counter()
         with RunTable(out) as table:
-            write_results(plan, carry_out(plan, table), out)
-        writing = time.perf_counter() - began
+            again = carry_out(plan, table)
+            resumed = time.perf_counter() - began
+            write_results(plan, again, out)
+        writing = time.perf_counter() - began - resumed
         size = sum(file.stat().st_size for file in out.iterdir())
+    wall, processor = min(one.wall for one in alone), min(one.processor for one in alone)
     what = f"Dask, {jobs} workers" if dask else f"{jobs} process{'es' if jobs > 1 else ''}"
-    print(f"{what}: {runs} runs, {runs / min(swept):.1f} a second, bare solver {runs / min(bare):.1f}")
-    print(f"  efficiency {min(bare) / min(swept):.3f}; all times (s): {bare} bare, {swept} swept")
-    told = ", ".join(f"{100 * s:.0f} %: {m / 1e6:.1f} MB" for s, m in zip(SHARES, memory, strict=False))
-    print(f"  memory of this process at {told}")
-    print(f"  again, with every run stored, and writing: {writing:.2f} s; {size / 1e6:.1f} MB on disk")
+    print(f"{what}: {runs} runs, {jobs / spent.wall:.1f} a second; bare solver {jobs / wall:.1f}")
+    clock, processors = wall / spent.wall, processor / spent.processor
+    print(f"  efficiency {clock:.3f} by the clock, {processors:.3f} by the processors")
+    print(f"  processor time of a run {1e3 * spent.processor:.2f} ms, bare {1e3 * processor:.2f} ms")
+    told = ", ".join(
+        f"{100 * share:.0f} %: {own / 1e6:.1f} and {worker / 1e6:.1f} MB"
+        for share, (own, worker) in zip(SHARES, memory, strict=False)
+    )
+    print(f"  memory of this process and of its largest worker at {told}")
+    print(f"  once more, all stored: {resumed:.2f} s; writing {writing:.2f} s; {size / 1e6:.1f} MB on disk")
 
 
 if __name__ == "__main__":
