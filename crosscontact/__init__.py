@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     from contact_scene import (
         WLF,
         Adhesion,
+        Approach,
         Arrhenius,
         Branch,
         BulkRelaxation,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
         ForceRamp,
         Hold,
         Loading,
+        Machine,
         Material,
         Oscillate,
         Outcome,
@@ -71,6 +73,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
 __all__ = [
     "WLF",
     "Adhesion",
+    "Approach",
     "Arrhenius",
     "Branch",
     "BulkRelaxation",
@@ -82,6 +85,7 @@ __all__ = [
     "ForceRamp",
     "Hold",
     "Loading",
+    "Machine",
     "Material",
     "Oscillate",
     "Outcome",
