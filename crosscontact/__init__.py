@@ -23,6 +23,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     from contact_scene import (
         WLF,
         Adhesion,
+        Approach,
         Arrhenius,
         Branch,
         BulkRelaxation,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
         ForceRamp,
         Hold,
         Loading,
+        Machine,
         Material,
         Oscillate,
         Outcome,
@@ -74,6 +76,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
 __all__ = [
     "WLF",
     "Adhesion",
+    "Approach",
     "Arrhenius",
     "Branch",
     "BulkRelaxation",
@@ -86,6 +89,7 @@ __all__ = [
     "ForceRamp",
     "Hold",
     "Loading",
+    "Machine",
     "Material",
     "MeasuredCurve",
     "Oscillate",
