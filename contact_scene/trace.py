@@ -134,6 +134,11 @@ class Trace:
     def __len__(self) -> int:
         return len(self.time)
 
+    @property
+    def whole_stored_energy(self) -> Array:
+        """Stored energy of the half-space and, where it is a spring, of the machine."""
+        return self.stored_energy + self.extra.get("machine_energy", 0.0)
+
     def columns(self) -> dict[str, Array]:
         """All columns by name, those of ``COLUMNS`` first."""
         return {name: getattr(self, name) for name in COLUMNS} | self.extra

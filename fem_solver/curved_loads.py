@@ -10,6 +10,9 @@ from contact_scene import Segment
 
 _SAMPLES = (0.273, 0.618, 1.0)
 """Uneven shares of a step at which the deviation is sampled: an oscillation cannot vanish at all of them."""
+_STRAIGHT = 1e-12
+"""Swing, relative to the largest value, below which a law is straight but for rounding, as a smooth table of
+rows on a line."""
 _SPREAD = 256
 """Samples over a load step from which the swing is read."""
 
@@ -24,7 +27,9 @@ def swing(segment: Segment) -> float:
     shares = np.mod(np.arange(_SPREAD) * 0.5 * (math.sqrt(5.0) - 1.0), 1.0)
     length, change = segment.end - segment.start, segment.value(segment.end) - segment.value(segment.start)
     values = [segment.value(segment.start + length * x) - change * x for x in shares]
-    return max(values) - min(values)
+    spread = max(values) - min(values)
+    largest = max(abs(change), *(abs(value) for value in values))
+    return spread if spread > _STRAIGHT * largest else 0.0
 
 
 def deviation_from_tangent(segment: Segment, start: float, end: float) -> float:

@@ -7,12 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.invariants.checks import is_independent_of_units
 from support.invariants.coarse_solvers import SOLVERS
+from support.invariants.random_scenes import in_units
+from support.resumable_runs import bem, fem, front
+from support.stopped_runs import assert_same, in_parts
 
+import bem_solver
 from contact_scene import (
     Adhesion,
     Branch,
     Force,
+    ForceRamp,
     Hold,
     Loading,
     Machine,
@@ -21,9 +27,12 @@ from contact_scene import (
     Ramp,
     Scene,
     Sphere,
+    Table,
+    UnsupportedScene,
 )
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.spring import SpringContact
+from validation.reference.frozen import FrozenRetraction
+from validation.reference.spring import FrozenSpring, SpringContact
 
 WORK, ZONE = 5.026548e-4, 0.03
 ELASTIC, RELAXING = Material(0.75, 0.5), Material(0.75, 0.5, (Branch(0.75, 1.0),))
@@ -103,3 +112,91 @@ def test_level_that_is_not_reached_ends_the_run_and_says_so(solver):
     assert not trace.outcome.finished
     assert "force was 1" in trace.outcome.reason
     assert trace.penetration[-1] == pytest.approx(0.002)
+
+
+ALSO_SLOWLY = [pytest.param(name, marks=pytest.mark.slow) for name in ("bem", "fem")]
+
+
+@pytest.mark.parametrize("name", ["reference", *ALSO_SLOWLY])
+def test_soft_spring_is_a_dead_load(name):
+    """A stage at the speed ``rate/k`` on a spring of ``k``, against a force that falls at ``rate``."""
+    solver, rate, soft = SOLVERS[name], 0.01, 1e-7
+    loaded = solver.solve(scene(RELAXING, ForceRamp(-1.0, rate)))
+    sprung = solver.solve(scene(RELAXING, Ramp(-1.0 / soft, rate / soft), machine=Machine(soft)))
+    (one,), (two,) = loaded.events, sprung.events
+    accuracy = 2.0 * solver.declared(scene(RELAXING))
+    assert two.force == pytest.approx(one.force, rel=accuracy)
+    assert two.time == pytest.approx(one.time, rel=accuracy)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOLVERS)
+def test_table_of_forces_is_a_force_ramp(name):
+    """By straight lines, and by cubics, which are straight through three rows on a line."""
+    ramp = scene(RELAXING, Force(-0.0005, 0.0), ForceRamp(0.001, 0.01))
+    wanted = SOLVERS[name].solve(ramp)
+    for how in ("linear", "cubic"):
+        table = Table((0.0, 0.05, 0.15), (-0.0005, 0.0, 0.001), quantity="force", interpolation=how)
+        found = SOLVERS[name].solve(scene(RELAXING, table))
+        assert found.outcome.kind is OutcomeKind.COMPLETED
+        assert found.force[-1] == pytest.approx(0.001, rel=1e-9)
+        for column in ("time", "penetration", "contact_radius"):
+            last = getattr(wanted, column)[-1]
+            assert getattr(found, column)[-1] == pytest.approx(last, rel=SOLVERS[name].declared(ramp))
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        scene(ELASTIC, Ramp(-0.1, 0.1), machine=Machine(1.0)),
+        scene(ELASTIC, Ramp(0.1, 0.1, until_force=0.001)),
+    ],
+    ids=["spring", "trigger"],
+)
+def test_paper_scheme_refuses_what_it_does_not_know(asked):
+    with pytest.raises(UnsupportedScene) as refused:
+        bem_solver.solve(asked, bem_solver.Options(annuli="uniform"))
+    assert "\n" not in str(refused.value)
+    assert "graded" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "solve",
+    [
+        pytest.param(front, marks=pytest.mark.slow),
+        *(pytest.param(solve, marks=pytest.mark.exhaustive) for solve in (bem, fem)),
+    ],
+)
+def test_interrupted_run_goes_on_to_the_same_bits(solve):
+    steps = (Ramp(0.05, 0.5, until_force=0.001), Hold(9.0, until_force=0.00097), Ramp(-0.5, 0.5))
+    asked = scene(RELAXING, *steps, machine=Machine(STIFFNESS))
+    whole = solve(asked)
+    _, found = in_parts(lambda monitor: solve(asked, monitor), (3, 17, 1, 5, 2, 8))
+    assert whole.outcome.kind is OutcomeKind.DETACHED
+    assert_same(found, whole)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.1, 1.0, 10.0])
+def test_frozen_retraction_on_a_spring(share):
+    """Faster than anything relaxes, with a process zone so short that it hardly counts."""
+    zone, material = 1e-3, Material(0.75, 0.5, (Branch(2.25, 1.0),))
+    frozen = FrozenSpring(FrozenRetraction(material, Sphere(1.0), WORK, 0.01), share * STIFFNESS)
+    lost = frozen.pull_off()
+    start = frozen.stage(frozen.retraction.relaxed)
+    last = frozen.stage(lost)
+    pull = Ramp(last - 0.2 * (start - last), 1e6 * (start - last))
+    loading = Loading("relaxed", 0.01, (pull,), Machine(share * STIFFNESS))
+    trace = SOLVERS["reference"].solve(Scene(material, Sphere(1.0), loading, Adhesion(WORK, zone)))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    bias = 3.0 * zone / lost.contact_radius  # of a finite zone, as in an elastic contact
+    assert trace.extra["stage"].min() == pytest.approx(last, abs=bias * (start - last))
+    assert trace.force.min() == pytest.approx(frozen.largest_tension().force, rel=bias)
+
+
+@pytest.mark.parametrize("name", ["reference", *ALSO_SLOWLY])
+def test_copies_in_other_units_agree(name):
+    """Pressed to a force and pulled off; units are powers of two, which leave the digits alone."""
+    steps = (Ramp(0.05, 0.5, until_force=0.001), Hold(0.1), Ramp(-0.5, 0.5))
+    asked = scene(RELAXING, *steps, machine=Machine(STIFFNESS))
+    is_independent_of_units(SOLVERS[name], asked, *in_units(asked, 2.0**-20, 2.0**10, 2.0**-3))

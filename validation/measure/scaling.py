@@ -56,9 +56,9 @@ class Magnitudes:
     def of_trace(cls, trace: Trace) -> Magnitudes:
         """From all rows."""
         columns = trace.columns()
-        stored = trace.stored_energy - trace.stored_energy[0]
-        surface = trace.dissipated_energy + stored - trace.external_work
-        terms = (trace.stored_energy, trace.external_work, surface)
+        energy = trace.whole_stored_energy
+        surface = trace.dissipated_energy + (energy - energy[0]) - trace.external_work
+        terms = (energy, trace.external_work, surface)
         return cls(
             {name: float(np.abs(columns[name]).max()) for name in (*_COLUMNS.values(), *WORKS.values())},
             max(float(np.abs(term).max()) for term in terms),

@@ -83,7 +83,7 @@ def energy_residual(trace: Trace, material: Material) -> float | None:
     if touching.size < 2:
         return None
     rows = slice(0, int(touching[-1]) + 1)
-    work, stored = trace.external_work[rows], trace.stored_energy[rows]
+    work, stored = trace.external_work[rows], trace.whole_stored_energy[rows]
     unit = max(float(np.abs(work).max()), float(stored.max())) or 1.0
     if "balance_residual" in trace.extra:
         return float(np.abs(trace.extra["balance_residual"][rows]).max()) / unit

@@ -102,17 +102,6 @@ RESTED = scenes(
 )
 
 INSTRUMENT = scenes(adhesion=adhesions(ZONES), loading=instruments())
-SPRUNG_UNITS = st.builds(
-    _with_units,
-    scenes(
-        adhesion=adhesions(ZONES),
-        indenter=indenters().filter(lambda shape: not isinstance(shape, (PowerLaw, FlatPunch))),
-        loading=instruments(),
-    ),
-    st.sampled_from([2.0**-30, 2.0**10]),
-    st.sampled_from([2.0**-10, 2.0**20]),
-    st.sampled_from([2.0**-10, 2.0**20]),
-)
 
 INVARIANTS: dict[str, Invariant] = {
     "clear answer": Invariant(checks.answers_or_refuses, st.tuples(ANY), 3, 16),
@@ -136,10 +125,8 @@ INVARIANTS: dict[str, Invariant] = {
         1,
         8,
     ),
-    "instrument: clear answer": Invariant(checks.answers_or_refuses, st.tuples(INSTRUMENT), 2, 16),
-    "instrument: energy gained": Invariant(checks.gains_no_energy, st.tuples(INSTRUMENT), 1, 8),
-    "instrument: energy balance": Invariant(checks.closes_the_energy_balance, st.tuples(INSTRUMENT), 1, 8),
-    "instrument: units": Invariant(checks.is_independent_of_units, SPRUNG_UNITS, 1, 6),
+    "instrument: clear answer": Invariant(checks.answers_or_refuses, st.tuples(INSTRUMENT), 1, 6),
+    "instrument: energy balance": Invariant(checks.closes_the_energy_balance, st.tuples(INSTRUMENT), 1, 4),
     "no weight": Invariant(
         checks.ignores_a_branch_without_modulus,
         st.tuples(ANY, decades(-8.0, 8.0), st.integers(0, 30)),
