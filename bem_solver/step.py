@@ -62,13 +62,15 @@ class FailedStep:
 class Candidate:
     """A trial that satisfies the closure, the parameter it was reached at, and its error in tolerances.
 
-    ``slope`` is the derivative of the residual with the edge; zero if unknown.
+    ``slope`` is the derivative of the residual with the edge; zero if unknown. ``sets_out``: a pinned edge
+    moves from there on.
     """
 
     parameter: float
     trial: TrialContact
     error: float
     slope: float = 0.0
+    sets_out: bool = False
 
 
 def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
@@ -210,7 +212,7 @@ class TrialStep(StepStart):
             )
             if end > start:
                 trial = self._trial(end, edge)
-                return Candidate(end, trial, self._error(trial, end - start))
+                return Candidate(end, trial, self._error(trial, end - start), sets_out=True)
         return trial.closure - adhesion.work
 
     def _trial(self, parameter: float, edge: float) -> TrialContact:

@@ -170,6 +170,8 @@ class GradedRun:
         state.step = grown(candidate.parameter - state.parameter, candidate.error)
         state.parameter = candidate.parameter
         self._commit(candidate.trial, interval.time(state.parameter), report)
+        if candidate.sets_out:
+            record.kink()
         edge = state.contact.edge
         state.accepted.add(state.parameter, edge, free_load(interval, state.contact))
         state.travel_share = min(1.0, 2.0 * state.travel_share)

@@ -323,7 +323,7 @@ class _Run:
         radius = surface.contact * self.annuli.width
         stored, intensity = energies.stored(self.chain), surface.stress_intensity
         row = (surface.time, surface.penetration, surface.force, radius)
-        self.state.record.rows.append((*row, stored, energies.dissipated, intensity))
+        self.state.record.rows.append((*row, stored, energies.dissipated, intensity, 0.0))
 
     def _event(self, kind: str) -> None:
         surface = self.state.surface

@@ -144,7 +144,7 @@ def _(true):
 
 @fault("surface energy of the wrong sign in the balance", "recorder:TraceRecorder.trace")
 def _(true):
-    return lambda self, outcome, counters, work: true(self, outcome, counters, -work)
+    return lambda self, outcome, counters, work, *rest: true(self, outcome, counters, -work, *rest)
 
 
 @fault("branch energies advanced by half the step", "energy:updated_energies")
