@@ -97,7 +97,7 @@ def own_engine(jobs: int, dask: str | None = None) -> Iterator[Engine]:
         try:
             yield Engine(executor, max(PER_WORKER * workers, 64))
         except BaseException:
-            executor.shutdown(wait=False, cancel_futures=True)
+            executor.shutdown(wait=False)  # cancels
             raise
 
 
