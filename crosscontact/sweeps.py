@@ -133,7 +133,7 @@ def sweep(
         if executor is None:
             engine = opened.enter_context(own_engine(whole_number(jobs, "jobs", 1)))
         else:
-            engine = engine_of(executor)
+            engine = opened.enter_context(engine_of(executor))
         if batch_seconds is not None:
             engine = replace(engine, batch_seconds=float(batch_seconds))
         runs = carry_out(plan, stored, engine, progress)

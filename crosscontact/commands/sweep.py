@@ -65,7 +65,11 @@ def run(name: str, out: str | None, jobs: int, dask: str | None, dry_run: bool, 
     with RunTable(folder, fresh) as table:
         with Progress(f"sweep {Path(name).stem}") as progress, own_engine(jobs, dask) as engine:
             progress.phase("runs")
-            runs = carry_out(plan, table, engine, lambda share, text: progress(share, detail=text))
+            try:
+                runs = carry_out(plan, table, engine, lambda share, text: progress(share, detail=text))
+            except KeyboardInterrupt:
+                print(f"crosscontact: kept in {folder}: the same command goes on", file=sys.stderr)
+                raise
         with Progress(f"sweep {Path(name).stem}") as progress:
             progress.phase("drawing and writing")
             data = write_results(plan, runs, folder)

@@ -97,19 +97,23 @@ def own_engine(jobs: int, dask: str | None = None) -> Iterator[Engine]:
         try:
             yield Engine(executor, max(PER_WORKER * workers, 64))
         except BaseException:
-            executor.shutdown(wait=False, cancel_futures=True)
+            executor.shutdown(wait=False)  # cancels
             raise
 
 
-def engine_of(executor: Executor | JobQueue | None) -> Engine:
+@contextmanager
+def engine_of(executor: Executor | JobQueue) -> Iterator[Engine]:
     """A user's executor; objects that only have ``submit``, as of submitit, are asked for their jobs."""
-    if executor is None:
-        return Engine()
     if isinstance(executor, Executor):
-        return Engine(executor, OUTSTANDING)
-    if callable(getattr(executor, "submit", None)):
-        return Engine(PolledJobs(executor), OUTSTANDING, QUEUE_SECONDS)
-    allowed = (
-        "an executor of concurrent.futures, or an object whose submit gives jobs with done() and result()"
-    )
-    raise SceneError("executor", f"got {type(executor).__name__}", allowed)
+        yield Engine(executor, OUTSTANDING)
+    elif callable(getattr(executor, "submit", None)):
+        jobs = PolledJobs(executor)
+        try:
+            yield Engine(jobs, OUTSTANDING, QUEUE_SECONDS)
+        finally:
+            jobs.shutdown(cancel_futures=True)
+    else:
+        allowed = (
+            "an executor of concurrent.futures, or an object whose submit gives jobs with done() and result()"
+        )
+        raise SceneError("executor", f"got {type(executor).__name__}", allowed)

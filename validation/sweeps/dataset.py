@@ -133,7 +133,7 @@ def _coordinate_attributes(coordinate: Coordinate, plan: SweepPlan) -> dict[str,
 
 
 def _words(name: str) -> str:
-    return name.replace("_", " ").replace(".", " ")
+    return name.replace("pull_off", "pull-off").replace("_", " ").replace(".", " ")
 
 
 def drawn_measures(data: xarray.Dataset) -> list[str]:

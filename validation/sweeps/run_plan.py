@@ -24,6 +24,8 @@ from validation.sweeps.plan import Rows, SweepPlan
 TAIL = 2
 """Batches for each place of an engine that the runs left are divided into, so that all workers end
 together."""
+SHORTEST = 10
+"""Part of a full batch that is the least for that: a job in a queue is not worth a second of work."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,8 @@ class _Batches:
             return 1
         by_cost = round(self._engine.batch_seconds / max(self._cost(), 1e-6))
         tail = -(-left // (TAIL * self._engine.outstanding))
-        return max(1, min(by_cost, tail, left if self._largest is None else self._largest))
+        size = max(1, min(by_cost, max(tail, by_cost // SHORTEST)))
+        return size if self._largest is None else min(size, self._largest)
 
     def _cost(self) -> float:
         """Seconds of a run: measured, or before that by the forecast for the first one."""

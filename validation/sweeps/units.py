@@ -36,11 +36,13 @@ _OF_MEASURES = {
     "force": "force",
     "radius": "length",
     "penetration": "length",
+    "stage": "length",
     "time": "time",
     "energy": "force length",
     "branch_dissipation": "force length",
     "zone_excess": "force length",
     "peak_cycle_loss": "force length",
+    "instability_loss": "force length",
     "peak_cycle_frequency": "time-1",
 }
 """By the name of a measure or the last word of it."""
