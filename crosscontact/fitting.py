@@ -141,7 +141,7 @@ def fit(
         Parameters whose profile likelihood is worked out; ``["all"]`` for all.
     solver : str
     resolution : int, optional
-        By default the coarsest with an error of a twentieth of the noise.
+        By default the coarsest steps with an error of a twentieth of the noise.
     check_solver : str or None
         Solves the fitted curves once more.
     executor : Executor, optional

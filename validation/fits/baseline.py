@@ -104,15 +104,15 @@ def features(curve: MeasuredCurve) -> CurveFeatures:
     noise = max(noise_of_differences(force), least)
     level = float(np.median(force[: max(IN_A_ROW, force.size // 50)]))
     first = _leaves(np.abs(force - level) > CONTACT * noise)
-    leading = np.arange(max(first - 1, 0))  # the row before may hold the beginning of contact
+    leading = np.arange(_free_rows(force - level, first))
     if leading.size < IN_A_ROW:  # in contact from the first row on: the end tells the level, or nothing does
         end = float(np.median(force[-max(IN_A_ROW, force.size // 50) :]))
         flat = float(np.abs(force[-IN_A_ROW:] - end).max()) <= CONTACT * noise
         level, first = (end, 0) if flat else (0.0, 0)
     last = force.size - _leaves((np.abs(force - level) > CONTACT * noise)[::-1])
     last = max(last, first)
-    trailing = np.arange(min(last + 1, force.size), force.size)
-    # Contact that does not end leaves a last row off the baseline, and no row behind it.
+    free = _free_rows((force - level)[::-1], force.size - last)
+    trailing = np.arange(force.size - free, force.size)
     outside = np.concatenate([leading, trailing])
     baseline, drift, source = level, 0.0, "differences of neighbouring rows"
     degrees = MEDIAN_EFFICIENCY * force.size
@@ -131,6 +131,30 @@ def _leaves(off: NDArray[np.bool_]) -> int:
     """The first of ``IN_A_ROW`` rows off the baseline; the number of rows if there are none."""
     run = np.convolve(off, np.ones(IN_A_ROW, int), mode="valid") == IN_A_ROW
     return int(np.argmax(run)) if run.any() else off.size
+
+
+def _free_rows(excess: Array, first: int) -> int:
+    """Rows before contact in which its beginning cannot be seen yet, nor hide in the noise.
+
+    From the first row off the baseline back to the last one on its other side contact may have been; and, as
+    its force grows from nothing, as far again before that.
+
+    Parameters
+    ----------
+    excess : ndarray, shape (N,)
+        Force over the baseline.
+    first : int
+        First row off it.
+
+    Returns
+    -------
+    int
+    """
+    if not 0 < first < excess.size:
+        return first
+    other = np.flatnonzero(excess[:first] * np.sign(excess[first]) < 0.0)
+    flip = int(other[-1]) if other.size else 0
+    return max(2 * flip + 1 - first, 0)
 
 
 def _line(time: Array, force: Array) -> tuple[float, float, float]:

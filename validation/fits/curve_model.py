@@ -188,7 +188,7 @@ class CurveModel:
         return CurvePrediction(force, radius, touching, begin + time_offset, lost, run.failure)
 
 
-def run_of(scene: Scene, solver: str, resolution: int | None) -> FitRun:
+def run_of(scene: Scene, solver: str, resolution: int | None, tolerance: float | None = None) -> FitRun:
     """Solve a scene; what goes wrong is part of the answer.
 
     Parameters
@@ -196,6 +196,8 @@ def run_of(scene: Scene, solver: str, resolution: int | None) -> FitRun:
     scene : Scene
     solver : str
     resolution : int or None
+    tolerance : float or None
+        Of the time steps, where no resolution is given.
 
     Returns
     -------
@@ -204,10 +206,12 @@ def run_of(scene: Scene, solver: str, resolution: int | None) -> FitRun:
     method = solvers.solver(solver)
     method.load()
     try:
-        trace = method.solve(scene, resolution)
+        trace = method.solve(scene, resolution, step_tolerance=tolerance)
     except SceneError as error:
         return replace(NO_CONTACT, failure=str(error))
     except Exception as error:
+        if tolerance is not None:  # steps as coarse as a fit can do with may be too coarse for this scene
+            return run_of(scene, solver, resolution)
         return replace(NO_CONTACT, failure=one_line(error))
     columns = trace.time, trace.force, trace.contact_radius
     finite = np.isfinite(columns).all(axis=0)

@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,8 +48,9 @@ from validation.fits.statistics import (
 )
 from validation.solvers import REFERENCE
 
-RESOLUTIONS = (4, 8, 16, 32)
-"""Divisions per process zone that are tried, the coarsest first."""
+TOLERANCES = (1.6e-4, 4e-5, 1e-5, 2.5e-6)
+"""Tolerances of the reference's time steps that are tried: each is half the step of the one before, the first
+is four steps per process zone, the fewest that resolve one."""
 ERROR_SHARE = 0.05
 """Error of a run over the noise (root mean square), at most: it moves a parameter by a twentieth of its
 standard deviation at the worst."""
@@ -87,7 +90,8 @@ class FitSettings:
         Parameters whose profile likelihood is worked out, or ``all``.
     solver : str
     resolution : int or None
-        ``None``: the coarsest whose error is a twentieth of the noise.
+        ``None``: of the reference the coarsest steps whose error is a twentieth of the noise; of others their
+        own choice.
     check_solver : str or None
         The second solver; ``None``: none.
     """
@@ -172,6 +176,8 @@ class FitResult:
     profiles : tuple of LikelihoodProfile
     check : SecondSolver or None
     resolution : int or None
+    tolerance : float or None
+        Of the time steps.
     error_share : float or None
         Error of the runs over the noise, root mean square.
     ended : str
@@ -194,6 +200,7 @@ class FitResult:
     profiles: tuple[LikelihoodProfile, ...]
     check: SecondSolver | None
     resolution: int | None
+    tolerance: float | None
     error_share: float | None
     ended: str
     converged: bool
@@ -260,9 +267,9 @@ def fit_curves(
     error_share: float | None = None
     finished: Search | None = None
     try:
-        if settings.resolution is None:
-            problem.resolution, error_share, problem.step = _resolution(problem)
-        finished = search(problem, best, settings.starts, settings.seed)
+        if settings.resolution is None and settings.solver == REFERENCE:
+            problem.tolerance, error_share, problem.step = _fineness(problem)
+        finished = search(problem, best, settings.starts, settings.seed, partial(_explained, problem))
         result = _judged(problem, finished, scene, settings, warnings)
         profiles = _profiles(problem, finished.x, result, progress)
         check = None
@@ -285,6 +292,21 @@ def fit_curves(
     )
 
 
+def _explained(problem: FitProblem, residuals: Array) -> bool:
+    """Whether residuals are those of a model that explains the data: none of less misfit is sought then."""
+    return _goodness(problem, residuals).explained
+
+
+def _goodness(problem: FitProblem, residuals: Array) -> Goodness:
+    of_force = [
+        (problem.models[block.curve].curve.name, residuals[block.rows])
+        for block in problem.blocks()
+        if block.kind == "force"
+    ]
+    noise_degrees = sum(model.features.noise_degrees for model in problem.models)
+    return goodness(residuals, len(problem.parameters), of_force, noise_degrees)
+
+
 def _judged(
     problem: FitProblem, found: Search, scene: Scene, settings: FitSettings, warnings: Sequence[str]
 ) -> FitResult:
@@ -302,14 +324,8 @@ def _judged(
     -------
     FitResult
     """
-    of_force = [
-        (problem.models[block.curve].curve.name, found.residuals[block.rows])
-        for block in problem.blocks()
-        if block.kind == "force"
-    ]
     parameters = problem.parameters.parameters
-    noise_degrees = sum(model.features.noise_degrees for model in problem.models)
-    judged = goodness(found.residuals, len(parameters), of_force, noise_degrees)
+    judged = _goodness(problem, found.residuals)
     spread, deviations, directions = covariance(found.jacobian, judged)
     correlations = correlation(spread)
     names = [one.name for one in parameters]
@@ -328,6 +344,7 @@ def _judged(
         profiles=(),
         check=None,
         resolution=problem.resolution,
+        tolerance=problem.tolerance,
         error_share=None,
         ended=found.ended,
         converged=found.converged,
@@ -451,28 +468,25 @@ def _profiles(
     return tuple(made)
 
 
-def _resolution(problem: FitProblem) -> tuple[int, float, float]:
-    """The coarsest divisions with an error small beside the noise, that error, and the difference step."""
-    x, asked = problem.parameters.start, problem.resolution
-    forces = [slice(*block.rows.indices(10**9)[:2]) for block in problem.blocks() if block.kind == "force"]
+def _fineness(problem: FitProblem) -> tuple[float, float, float]:
+    """Tolerance of time steps with an error small beside the noise, that error, the step of differences."""
+    x = problem.parameters.start
+    forces = [block.rows for block in problem.blocks() if block.kind == "force"]
     data = np.concatenate([model.curve.force / model.features.noise for model in problem.models])
     size = float(np.sqrt(np.mean(data**2)))
-    coarse, share = None, 0.0
-    try:
-        for resolution, finer in zip(RESOLUTIONS, (*RESOLUTIONS[1:], 2 * RESOLUTIONS[-1]), strict=True):
-            found = []
-            for divisions in (resolution, finer):
-                problem.resolution = divisions
-                found.append(problem.residuals(x) if divisions == finer or coarse is None else coarse)
-            coarse = found[1]
-            change = np.concatenate([(found[1] - found[0])[rows] for rows in forces])
-            share = ORDER_TWO * float(np.sqrt(np.mean(change**2)))
-            if share <= ERROR_SHARE:
-                break
-    finally:
-        problem.resolution = asked
+    share, coarse = np.inf, None
+    for tolerance, finer in pairwise(TOLERANCES):
+        found = []
+        for one in (tolerance, finer):
+            problem.tolerance = one
+            found.append(problem.residuals(x) if one == finer or coarse is None else coarse)
+        coarse = found[1]
+        change = np.concatenate([(found[1] - found[0])[rows] for rows in forces])
+        share = ORDER_TWO * float(np.sqrt(np.mean(change**2)))
+        if share <= ERROR_SHARE:
+            break
     step = float(np.clip(np.sqrt(share / size), SMALLEST_STEP, LARGEST_STEP))
-    return resolution, share, step
+    return tolerance, share, step
 
 
 def _named_apart(curves: Sequence[MeasuredCurve]) -> list[MeasuredCurve]:

@@ -65,6 +65,8 @@ class FitProblem:
     parameters : ParameterSet
     solver : str
     resolution : int or None
+    tolerance : float or None
+        Of the time steps, where no resolution is given.
     step : float
         Of differences, in numbers of the search.
     executor : Executor or None
@@ -84,6 +86,7 @@ class FitProblem:
     parameters: ParameterSet
     solver: str
     resolution: int | None
+    tolerance: float | None = None
     step: float = 1e-3
     executor: Executor | None = None
     store: Store = field(default_factory=Store)
@@ -176,9 +179,10 @@ class FitProblem:
             except SceneError as error:  # a corner of the search that no scene may have
                 asked, failures[place] = None, str(error)
             scenes.append(asked)
-            keys.append("" if asked is None else fingerprint("fit", asked[0], self.solver, self.resolution))
+            fineness = self.solver, self.resolution, self.tolerance
+            keys.append("" if asked is None else fingerprint("fit", asked[0], *fineness))
             if asked is not None and keys[-1] not in self._kept:
-                arguments = (asked[0], self.solver, self.resolution)
+                arguments = (asked[0], *fineness)
                 tasks[keys[-1]] = Task(keys[-1], f"curve {curve + 1}", run_of, arguments)
         executor = self.executor if len(tasks) > 1 else None
         for result in run_tasks(tasks.values(), executor, self.store):

@@ -1,7 +1,8 @@
 """The search for the parameters of least misfit: least squares within bounds, from several starts.
 
-The first start is the scene's own values, the others are drawn in its neighbourhood; each is followed a few
-iterations, and the best to its end.
+The first start is the scene's own values. If it leads to a model that explains the data there is nothing
+better to be found; otherwise more are drawn in its neighbourhood, each is followed a few iterations, and the
+best of them to its end.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class Search:
         Why it ended.
     converged : bool
     starts : tuple of float
-        Misfit (sum of squares) of each start after its first iterations.
+        Sum of squares of each start: of the first at its end, of the others after a few iterations.
     """
 
     x: Array
@@ -85,7 +86,9 @@ class BestSoFar:
         return found
 
 
-def search(problem: FitProblem, best: BestSoFar, starts: int, seed: int) -> Search:
+def search(
+    problem: FitProblem, best: BestSoFar, starts: int, seed: int, explained: Callable[[Array], bool]
+) -> Search:
     """Find the parameters.
 
     Parameters
@@ -97,20 +100,29 @@ def search(problem: FitProblem, best: BestSoFar, starts: int, seed: int) -> Sear
         How many.
     seed : int
         Of the starts that are drawn.
+    explained : callable
+        Whether residuals are those of a model that explains the data.
 
     Returns
     -------
     Search
     """
-    tried = []
-    for number, x in enumerate(_starts(problem, best, starts, seed)):
-        best.stage = f"start {number + 1} of {starts}"
-        tried.append(_followed(problem, best, x, EXPLORING if starts > 1 else MOST_EVALUATIONS))
-    costs = [2.0 * float(one.cost) for one in tried]
-    last = tried[int(np.argmin(costs))]
-    if starts > 1 and last.status == 0:
-        best.stage = "best start"
-        last = _followed(problem, best, last.x, MOST_EVALUATIONS)
+    best.stage = "first start"
+    low, high = problem.parameters.bounds
+    inside = 1e-9 * np.minimum(high - low, 1.0)
+    own = np.clip(problem.parameters.start, low + inside, high - inside)
+    last = _followed(problem, best, own, MOST_EVALUATIONS)
+    costs = [2.0 * float(last.cost)]
+    if not explained(last.fun):
+        for number, x in enumerate(_more_starts(problem, best, own, starts, seed)):
+            best.stage = f"start {number + 2} of {starts}"
+            other = _followed(problem, best, x, EXPLORING)
+            costs.append(2.0 * float(other.cost))
+            if other.cost < last.cost:
+                last = other
+        if last.status == 0:
+            best.stage = "best start"
+            last = _followed(problem, best, last.x, MOST_EVALUATIONS)
     return Search(last.x, last.fun, last.jac, str(last.message), last.status > 0, tuple(costs))
 
 
@@ -128,26 +140,35 @@ def _followed(problem: FitProblem, best: BestSoFar, x: Array, evaluations: int) 
     )
 
 
-def _starts(problem: FitProblem, best: BestSoFar, starts: int, seed: int) -> list[Array]:
-    """Where to begin: the scene's values, then the best of a few points drawn about them for each start."""
-    own = problem.parameters.start
+def _more_starts(problem: FitProblem, best: BestSoFar, own: Array, starts: int, seed: int) -> list[Array]:
+    """The best of a few points drawn about the scene's values, for each further start.
+
+    Parameters
+    ----------
+    problem : FitProblem
+    best : BestSoFar
+    own : ndarray, shape (P,)
+        The scene's values.
+    starts, seed : int
+        The first start included.
+
+    Returns
+    -------
+    list of ndarray, shape (P,)
+    """
     low, high = problem.parameters.bounds
-    inside = 1e-9 * np.minimum(high - low, 1.0)
-    own = np.clip(own, low + inside, high - inside)
     free = np.array([one.logarithmic for one in problem.parameters.parameters])
     if starts < 2 or not free.any():
-        return [own]
-    drawn = np.random.default_rng(seed).random((DRAWN_BEFORE * (starts - 1), int(free.sum())))
+        return []
+    drawn = np.random.default_rng(seed).random((starts - 1, DRAWN_BEFORE, int(free.sum())))
+    best.stage = "drawing starts"
     found = []
-    for group in np.split(drawn, starts - 1):
+    for group in drawn:
         points = []
         for shares in group:
             x = own.copy()
-            x[free] = np.clip(
-                own[free] + SPREAD * (2.0 * shares - 1.0), low[free] + inside[free], high[free] - inside[free]
-            )
-            best.stage = "drawing starts"
+            x[free] = np.clip(own[free] + SPREAD * (2.0 * shares - 1.0), low[free], high[free])
             values = best.residuals(x)
             points.append((float(values @ values), x))
         found.append(min(points, key=lambda point: point[0])[1])
-    return [own, *found]
+    return found

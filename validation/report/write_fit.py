@@ -54,6 +54,7 @@ def of_fit(result: FitResult) -> dict[str, Any]:
         "statements": fit.statements(result),
         "settings": asdict(result.settings),
         "resolution": result.resolution,
+        "step_tolerance": result.tolerance,
         "solver_error_over_noise": result.error_share,
         "starts": result.starts,
         "runs": result.runs,

@@ -223,9 +223,10 @@ def _second(result: FitResult) -> Iterator[Part]:
 
 def _method(result: FitResult) -> Iterator[str]:
     settings = result.settings
-    yield f"{settings.solver}, {result.resolution} divisions" + (
-        "" if result.error_share is None else f", whose error is {result.error_share:.2g} of the noise"
-    )
+    fine = "its own steps" if result.resolution is None else f"{result.resolution} divisions"
+    if result.tolerance is not None and result.error_share is not None:
+        fine = f"tolerance {result.tolerance:.1e}, with an error of {result.error_share:.2g} of the noise"
+    yield f"{settings.solver}, {fine}"
     starts = ", ".join(f"{value:.4g}" for value in result.starts)
     yield f"{counted(settings.starts, 'start')}; sums of squares after few iterations: {starts or ABSENT}"
     yield f"{counted(result.runs, 'run')} in {result.seconds:.0f} s; ended: {result.ended}"

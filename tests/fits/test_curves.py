@@ -1,0 +1,170 @@
+"""Reading and writing records, what a record shows of itself, its motion as straight lines."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.recorded import elastic_scene, hertz_curve
+
+from contact_scene import SceneError
+from contact_scene.scene_values import with_values
+from validation.fits.afm_files import read_afm, write_afm
+from validation.fits.baseline import features
+from validation.fits.curve_files import read_csv, write_csv
+from validation.fits.curve_model import CurveModel
+from validation.fits.data_checks import check
+from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.measured_path import straight_lines
+from validation.fits.parameters import ParameterSet, scene_parameter
+
+
+def test_a_curve_comes_back_from_csv_bit_for_bit(tmp_path):
+    curve = hertz_curve()
+    stage = MeasuredCurve(
+        curve.time,
+        curve.force,
+        stage=curve.motion,
+        stiffness=0.3,
+        indenter_radius=2.0,
+        contact_radius=curve.motion,
+    )
+    for one in (curve, stage):
+        write_csv(one, tmp_path / "one.csv")
+        back = read_csv(tmp_path / "one.csv")
+        assert (back.stiffness, back.indenter_radius) == (one.stiffness, one.indenter_radius)
+        for column in ("time", "force", "motion"):
+            assert np.array_equal(getattr(back, column), getattr(one, column))
+
+
+def test_units_in_the_header_and_other_columns_are_passed_over(tmp_path):
+    rows = "\n".join(f"{k},{2 * k},9,{3 * k}" for k in range(30))
+    (tmp_path / "a.csv").write_text(
+        f"# noise: 0.5\nTime [s],Force (nN),temperature,Penetration [nm]\n{rows}\n"
+    )
+    curve = read_csv(tmp_path / "a.csv")
+    assert curve.force[3] == 6.0
+    assert curve.motion[3] == 9.0
+    assert curve.noise == 0.5
+
+
+@pytest.mark.parametrize("ending", ["h5", "tab"])
+@pytest.mark.parametrize("stiffness", [None, 0.3])
+def test_a_curve_comes_back_from_a_file_for_afm_programs(tmp_path, ending, stiffness):
+    curve = hertz_curve()
+    if stiffness is not None:
+        stage = curve.motion + curve.force / stiffness
+        curve = MeasuredCurve(curve.time, curve.force, stage=stage, stiffness=stiffness)
+    write_afm(curve, tmp_path / f"one.{ending}")
+    [back] = read_afm(tmp_path / f"one.{ending}")
+    assert back.stiffness == stiffness
+    for column in ("time", "force", "motion"):  # the text format has eight digits or so
+        assert np.allclose(getattr(back, column), getattr(curve, column), rtol=1e-6, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("time,force\n", "needs penetration or stage"),
+        ("penetration,force\n", "no column time"),
+        ("time,penetration,force\n0,0,nan\n", "line 2, force: got nan"),
+        ("time,penetration,force\n0,0\n", "line 2: 2 cells; allowed: 3"),
+        ("time,penetration,force\n0,0,x\n", "line 2, force: got 'x'"),
+        ("time,stage,force\n" + "\n".join(f"{k},{k},{k}" for k in range(30)), "stiffness: is missing"),
+        (
+            "time,penetration,force\n" + "\n".join(f"{k},{k},{k}" for k in range(5)),
+            "5 rows; allowed: at least",
+        ),
+        ("force,penetration,time\n" + "\n".join(f"{k},{k},{(k - 9) ** 2}" for k in range(30)), "swapped?"),
+        ("time,time,force\n1,2,3\n", "stands twice"),
+    ],
+)
+def test_a_file_that_is_no_record_is_said_in_one_line(tmp_path, lines, words):
+    if lines.count("\n") == 1 and "needs" in words:
+        lines += "\n".join(f"{k},{k}" for k in range(30))
+    (tmp_path / "bad.csv").write_text(lines)
+    with pytest.raises(SceneError) as caught:
+        read_csv(tmp_path / "bad.csv")
+    assert words in str(caught.value)
+    assert str(caught.value).startswith(str(tmp_path / "bad.csv"))
+    assert "\n" not in str(caught.value)
+
+
+def test_noise_and_baseline_are_those_that_were_put_in():
+    seen = features(hertz_curve(noise=1e-4, rows=400, baseline=0.02))
+    assert seen.noise == pytest.approx(1e-4, rel=0.25)  # three deviations of 77 rows
+    assert seen.baseline == pytest.approx(0.02, abs=3e-5)
+    assert seen.noise_source.startswith("baseline")
+    curve = hertz_curve(rows=400)
+    assert abs(curve.motion[seen.first]) < 0.002  # contact begins where penetration is zero
+    assert abs(curve.motion[seen.last - 1]) < 0.002
+    assert seen.pull_off is None  # the force comes to nothing continuously
+
+
+def test_a_jump_is_found_in_its_interval_and_not_compared():
+    time = np.linspace(0.0, 1.0, 201)
+    force = np.where((time > 0.2026) & (time < 0.8026), -1.0 + time, 0.0)
+    curve = MeasuredCurve(time, force + 1e-3 * np.random.default_rng(1).standard_normal(201), time)
+    seen = features(curve)
+    for jump, moment in ((seen.snap_in, 0.2026), (seen.pull_off, 0.8026)):
+        assert jump is not None
+        assert jump.timed
+        assert abs(jump.time - moment) <= 0.0025
+        assert jump.deviation == pytest.approx(0.005 / np.sqrt(12.0))
+        assert not seen.compared(201)[jump.row : jump.row + 2].any()
+
+
+def test_a_triangle_of_motion_is_three_points_wherever_its_corner_lies():
+    time = np.linspace(0.0, 4.0, 173)
+    for corner in (1.7, 1.7 + 4.0 / 172 * 0.3, 2.013):
+        knots, heights = straight_lines(time, 0.03 - 0.02 * np.abs(time - corner), 0.0)
+        assert knots == pytest.approx([0.0, corner, 4.0], abs=1e-9)
+        assert heights[1] == pytest.approx(0.03, abs=1e-9)
+
+
+def test_noise_of_the_motion_makes_no_corners():
+    time = np.linspace(0.0, 4.0, 400)
+    motion = 0.03 - 0.02 * np.abs(time - 1.7) + 1e-5 * np.random.default_rng(2).standard_normal(400)
+    knots, heights = straight_lines(time, motion, 0.0)
+    assert knots.size <= 5
+    assert np.interp(1.7, knots, heights) == pytest.approx(0.03, abs=3e-5)
+
+
+def checked(curve, scene=None, free=()):
+    scene = scene or elastic_scene()
+    model = CurveModel.of(curve, scene)
+    return check(model, ParameterSet((scene_parameter(scene, "material.modulus"),)))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda c: {"force": -c.force}, "wrong sign"),
+        (lambda c: {"penetration": -c.motion}, "wrong sign"),
+        (lambda c: {"penetration": -c.motion, "force": -c.force}, "smallest: the wrong sign"),
+        (lambda c: {"force": 1e9 * c.force}, "other units?"),
+        (lambda c: {"force": 1e-4 * np.random.default_rng(0).standard_normal(c.time.size)}, "no contact"),
+        (lambda c: {"penetration": c.motion - 0.05}, "never comes to 0"),
+    ],
+)
+def test_a_record_that_cannot_be_this_contact_is_said_in_one_line(change, words):
+    good = hertz_curve()
+    columns = {"time": good.time, "force": good.force, "penetration": good.motion} | change(good)
+    with pytest.raises(SceneError) as caught:
+        checked(MeasuredCurve(**columns))
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_columns_that_were_swapped_are_known_by_the_size_of_the_contact():
+    good = hertz_curve()
+    scene = with_values(elastic_scene(), {"material.modulus": 1e3, "indenter.radius": 1e-5})
+    motion, force = 1e-4 * good.motion, 1e-6 * good.force  # metres, newtons
+    assert checked(MeasuredCurve(good.time, force, motion), scene) == []
+    with pytest.raises(SceneError, match="swapped"):
+        checked(MeasuredCurve(good.time, motion, force), scene)
+
+
+def test_a_weak_record_has_warnings_and_a_good_one_none():
+    assert checked(hertz_curve()) == []
+    assert any("too coarse" in text for text in checked(hertz_curve(rows=30)))
+    assert any("noise is" in text for text in checked(hertz_curve(noise=1e-3)))

@@ -1,0 +1,225 @@
+"""Blind recovery: random materials, recorded with noise, fitted from elsewhere, held against the intervals.
+
+::
+
+    python -m validation.fits.recovery --out out/recovery --count 50 --jobs 2
+
+Each material has one branch, adhesion, and three curves at speeds from slow to fast, with a noise of 1 % of
+the pull-off force. The fit starts within a factor of 1.5 of the truth and knows the zone, Poisson's ratio and
+the indenter. Written are ``recovery.md``, ``recovery.json`` and ``recovery.png``. The command goes on where
+it was stopped; ``--first`` and ``--count`` choose materials.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy import stats
+
+from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
+from contact_scene.scene_values import value_at, with_values
+from validation.drawing import export
+from validation.drawing.axes import format_axes
+from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
+from validation.execution.files import output_folder, to_json, write_whole
+from validation.execution.fingerprints import fingerprint
+from validation.execution.processes import processes
+from validation.execution.progress import Progress
+from validation.execution.store import Store
+from validation.execution.tasks import Task, TaskResult, run_tasks
+from validation.fits.fit import FitSettings, fit_curves
+from validation.fits.synthetic import synthetic
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+VARIED = (
+    "adhesion.work",
+    "material.modulus",
+    "material.branches[0].modulus",
+    "material.branches[0].time",
+)
+LABELS = ("work of adhesion", "relaxed modulus", "branch modulus", "relaxation time")
+NOISE = 0.01
+SPEEDS = (0.006, 0.03, 0.15)
+WITHIN = (0.90, 0.98)
+"""Share of intervals that should hold the truth, of the 95 % that they state."""
+
+
+@dataclass(frozen=True)
+class RecoveredMaterial:
+    """One material: what was put in and what came out.
+
+    Parameters
+    ----------
+    number : int
+    truth, value, low, high, deviation : tuple of float
+        Of ``VARIED``: put in; fitted; 95 % interval; standard deviation of the logarithm.
+    misfit : float
+        Sum of squares over degrees of freedom.
+    explained, converged : bool
+    seconds : float
+        Of the fit.
+    """
+
+    number: int
+    truth: tuple[float, ...]
+    value: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    deviation: tuple[float, ...]
+    misfit: float
+    explained: bool
+    converged: bool
+    seconds: float
+
+    @property
+    def inside(self) -> list[bool]:
+        """Which intervals hold the truth."""
+        return [low <= at <= high for low, at, high in zip(self.low, self.truth, self.high, strict=True)]
+
+    @property
+    def scores(self) -> list[float]:
+        """Errors of the logarithms over their standard deviations."""
+        return [
+            float(np.log(value / at) / size)
+            for value, at, size in zip(self.value, self.truth, self.deviation, strict=True)
+        ]
+
+
+def random_scenes(number: int) -> tuple[list[Scene], Scene]:
+    """Three scenes of one material, one for each speed, and a first guess that is wrong."""
+    draw = np.random.default_rng([18, number])
+    ratio = float(np.exp(draw.uniform(np.log(2.0), np.log(30.0))))
+    modulus, time = float(np.exp(draw.uniform(-1.0, 1.0))), float(np.exp(draw.uniform(-1.0, 1.0)))
+    work = modulus * float(np.exp(draw.uniform(np.log(2e-4), np.log(2e-3))))
+    depth = float(draw.uniform(0.02, 0.04))
+    zone = float(np.exp(draw.uniform(np.log(0.008), np.log(0.02))))
+    material = Material(modulus, 0.5, (Branch(modulus * (ratio - 1.0), time),))
+    scenes = []
+    for speed in SPEEDS:
+        rate = speed / time * float(np.exp(draw.uniform(-0.4, 0.4)))
+        loading = Loading("jump-in", 0.0, (Ramp(depth, rate), Ramp(-0.5, rate)))
+        scenes.append(Scene(material, Sphere(1.0), loading, Adhesion(work, zone), f"material {number}"))
+    wrong = {path: value_at(scenes[0], path) * float(np.exp(draw.uniform(-0.4, 0.4))) for path in VARIED}
+    return scenes, with_values(scenes[0], wrong)
+
+
+def recover(number: int) -> RecoveredMaterial:
+    """Record and fit one material."""
+    scenes, guess = random_scenes(number)
+    curves = [
+        replace(synthetic(scene, NOISE, seed=10 * number + place, resolution=16), name=f"speed {place + 1}")
+        for place, scene in enumerate(scenes)
+    ]
+    settings = FitSettings(vary=VARIED, free=("baseline",), check_solver=None)
+    found = fit_curves(curves, guess, settings)
+    own = found.estimates[: len(VARIED)]
+    return RecoveredMaterial(
+        number,
+        tuple(value_at(scenes[0], path) for path in VARIED),
+        tuple(one.value for one in own),
+        tuple(one.low for one in own),
+        tuple(one.high for one in own),
+        tuple(one.deviation for one in own),
+        found.goodness.reduced,
+        found.goodness.explained,
+        found.converged,
+        found.seconds,
+    )
+
+
+def report(found: Sequence[RecoveredMaterial], failures: Sequence[str]) -> str:
+    """The table, as Markdown."""
+    inside = np.array([one.inside for one in found])
+    scores = np.array([one.scores for one in found])
+    share, count = float(inside.mean()), int(inside.size)
+    low, high = stats.beta.interval(0.95, share * count + 1.0, count - share * count + 1.0)
+    verdict = "pass" if WITHIN[0] <= share <= WITHIN[1] else "FAIL"
+    lines = [
+        f"{len(found)} materials, {count} intervals: {100 * share:.1f} % of the 95 % intervals hold the "
+        f"truth ({100 * low:.0f} to {100 * high:.0f} %), to be 90 to 98 %: {verdict}",
+        "",
+        "| parameter | inside | root mean square error / deviation | median deviation |",
+        "|---|---|---|---|",
+    ]
+    sizes = np.array([one.deviation for one in found])
+    for place, label in enumerate(LABELS):
+        spread = float(np.sqrt(np.mean(scores[:, place] ** 2)))
+        lines.append(
+            f"| {label} | {100 * inside[:, place].mean():.0f} % | {spread:.2f} | "
+            f"{100 * np.median(sizes[:, place]):.2f} % |"
+        )
+    explained = sum(one.explained for one in found)
+    seconds = np.median([one.seconds for one in found])
+    lines += ["", f"{explained} of {len(found)} fits explain their data; median {seconds:.0f} s a fit."]
+    lines += [f"- {failure}" for failure in failures]
+    return "\n".join(lines) + "\n"
+
+
+def draw(found: Sequence[RecoveredMaterial]) -> Figure:
+    """Errors over standard deviations against the normal distribution."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(4.8, 3.4), layout="constrained")
+    axes = figure.add_subplot()
+    scores = np.sort(np.array([one.scores for one in found]), axis=0)
+    quantiles = stats.norm.ppf((np.arange(len(found)) + 0.5) / len(found))
+    for place, label in enumerate(LABELS):
+        style: dict[str, Any] = {
+            "linestyle": "none",
+            "marker": MARKERS[place],
+            "color": SERIES[place],
+            "markersize": 3.5,
+        }
+        axes.plot(quantiles, scores[:, place], label=label, fillstyle="none", linestyle="none", **style)
+    axes.plot([-3, 3], [-3, 3], color=INK, linewidth=0.8)
+    axes.axhspan(-1.96, 1.96, color=GREY, alpha=0.2, linewidth=0, label="inside the 95 % interval")
+    axes.axhline(0.0, color=VERMILION, linewidth=0.5)
+    axes.set(xlabel="expected of a normal distribution", ylabel="(fitted - true)/stated deviation")
+    format_axes(axes)
+    axes.legend(frameon=False, fontsize="x-small", labelcolor=INK)
+    return figure
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line of this module; 1 if coverage is out of bounds or a fit failed."""
+    parser = argparse.ArgumentParser(prog="python -m validation.fits.recovery")
+    parser.add_argument("--out", default="out/recovery")
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--count", type=int, default=50)
+    parser.add_argument("--jobs", type=int, default=2)
+    options = parser.parse_args(arguments)
+    folder = output_folder(options.out)
+    store = Store(folder)
+    numbers = range(options.first, options.first + options.count)
+    tasks = [Task(fingerprint("recovery", n), f"material {n}", recover, (n,)) for n in numbers]
+    done: dict[int, RecoveredMaterial] = {}
+    failures: dict[int, str] = {}
+
+    def write(result: TaskResult) -> None:
+        number = int(result.task.arguments[0])
+        if result.value is None:
+            failures[number] = f"material {number}: {result.failure}"
+        else:
+            done[number] = result.value
+            everything = [done[key] for key in sorted(done)]
+            write_whole(folder / "recovery.json", to_json([vars(one) for one in everything]))
+            write_whole(folder / "recovery.md", report(everything, list(failures.values())))
+
+    with Progress("recovery") as progress, processes(options.jobs) as executor:
+        progress.phase("fits")
+        run_tasks(tasks, executor, store, progress, write)
+    found = [done[key] for key in sorted(done)]
+    write_whole(folder / "recovery.png", export.png(draw(found)))
+    print(report(found, list(failures.values())))
+    share = np.mean([one.inside for one in found])
+    return 0 if WITHIN[0] <= share <= WITHIN[1] and not failures else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
