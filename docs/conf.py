@@ -13,6 +13,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 os.environ.setdefault("MPLBACKEND", "agg")
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH")]))
 
+from jupyter_client import AsyncKernelManager  # noqa: E402
+
 import site_pages  # noqa: E402 - found by the path above
 
 import crosscontact  # noqa: E402
@@ -40,6 +42,8 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_execution_timeout = 120
+
+AsyncKernelManager.transport.default_value = "ipc"  # no open port for the notebook, and no warning of one
 
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"

@@ -10,10 +10,13 @@ from pathlib import Path
 import pytest
 
 import crosscontact as cc
+from contact_scene import COLUMNS
 from contact_scene.loading import STEPS
 from crosscontact.commands import __path__ as command_files
+from fem_solver.recorder import EXTRA
 from validation import scenes
 from validation.claims.all import CLAIMS
+from validation.reference.tracking.recorder import EXTRA_COLUMNS
 from validation.report import saved
 from validation.solvers import SOLVERS
 
@@ -58,6 +61,13 @@ def test_costs_of_every_solver_over_the_zone():
     assert all(len(row) == 1 + len(SOLVERS) for row in rows)
     assert "steps" in rows[-1][list(SOLVERS).index("reference") + 1]
     assert "| `bem` | boundary elements | refuses it |" in page
+
+
+def test_columns_of_traces_are_in_the_reference():
+    page = (ROOT / "docs" / "reference" / "output.md").read_text("utf-8")
+    columns = {*COLUMNS, *EXTRA, *EXTRA_COLUMNS, *cc.solve("relaxed-equilibrium", "bem").trace.extra}
+    assert [name for name in sorted(columns) if f"| `{name}` |" not in page] == []
+    assert len(columns) > len(COLUMNS)
 
 
 @pytest.mark.slow

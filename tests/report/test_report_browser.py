@@ -79,7 +79,8 @@ def test_a_click_sorts_a_table_and_a_link_opens_its_fold(tmp_path):
     hidden = Section("Hidden", (Paragraph("here"),), "hidden", folded=True)
     parts = (Section("Numbers", (table,)), hidden)
     steps = """<script>addEventListener("load", () => {
-      const heads = document.querySelectorAll("th"), cells = () => document.querySelectorAll("td:first-child");
+      const heads = document.querySelectorAll("th");
+      const cells = () => document.querySelectorAll("td:first-child");
       const order = () => [...cells()].map(cell => cell.textContent.trim()).join("");
       heads[0].click(); const byName = order(); heads[1].click(); const up = order(); heads[1].click();
       document.querySelector('nav a[href="#hidden"]').click();
