@@ -13,9 +13,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 os.environ.setdefault("MPLBACKEND", "agg")
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH")]))
 
-from jupyter_client import AsyncKernelManager  # noqa: E402
-
 import site_pages  # noqa: E402 - found by the path above
+from jupyter_client import AsyncKernelManager  # noqa: E402
 
 import crosscontact  # noqa: E402
 
