@@ -14,6 +14,7 @@ os.environ.setdefault("MPLBACKEND", "agg")
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH")]))
 
 import site_pages  # noqa: E402 - found by the path above
+from jupyter_client import AsyncKernelManager  # noqa: E402
 
 import crosscontact  # noqa: E402
 
@@ -40,6 +41,8 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_execution_timeout = 120
+
+AsyncKernelManager.transport.default_value = "ipc"  # no open port for the notebook, and no warning of one
 
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"

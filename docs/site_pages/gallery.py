@@ -19,6 +19,7 @@ from validation.claims.claim import Finding
 from validation.compare.suite import SceneComparison
 from validation.report import html, saved
 from validation.report.document import DataTable, Fold, Part, Section, number, plain
+from validation.report.figures.paper_figures import FIGURES
 from validation.report.report import Report
 from validation.report.sections import checks, environment
 from validation.report.sections import claims as claims_section
@@ -216,7 +217,8 @@ def _statements(judged: tuple[Finding, ...] | None, figures: list[str]) -> str:
             }
             for one in judged
         ]
-    lines += ["", *(f"![{name}](figures/{name})" for name in figures if name.startswith("fig")), ""]
+    captions = {f"{one.name}.png": one.caption for one in FIGURES}
+    lines += ["", *(f"![{captions[name]}](figures/{name})\n" for name in figures if name in captions), ""]
     return "\n".join([*lines, _raw([DataTable.of(rows)], 2)])
 
 

@@ -10,12 +10,18 @@ from pathlib import Path
 import pytest
 
 import crosscontact as cc
+from contact_scene import COLUMNS
 from contact_scene.loading import STEPS
 from crosscontact.commands import __path__ as command_files
+from fem_solver.recorder import EXTRA
 from validation import scenes
 from validation.claims.all import CLAIMS
+from validation.claims.claim import Finding, Part, Verdict
+from validation.reference.tracking.recorder import EXTRA_COLUMNS
 from validation.report import saved
 from validation.solvers import SOLVERS
+from validation.stability.runner import StabilityMatrix
+from validation.stability.verdict import Cell, CellVerdict
 
 ROOT = Path(__file__).parents[2]
 ARCHIVE = ROOT / "docs" / "data" / "report.zip"
@@ -58,6 +64,13 @@ def test_costs_of_every_solver_over_the_zone():
     assert all(len(row) == 1 + len(SOLVERS) for row in rows)
     assert "steps" in rows[-1][list(SOLVERS).index("reference") + 1]
     assert "| `bem` | boundary elements | refuses it |" in page
+
+
+def test_columns_of_traces_are_in_the_reference():
+    page = (ROOT / "docs" / "reference" / "output.md").read_text("utf-8")
+    columns = {*COLUMNS, *EXTRA, *EXTRA_COLUMNS, *cc.solve("relaxed-equilibrium", "bem").trace.extra}
+    assert [name for name in sorted(columns) if f"| `{name}` |" not in page] == []
+    assert len(columns) > len(COLUMNS)
 
 
 @pytest.mark.slow
@@ -105,3 +118,41 @@ def test_gallery_has_a_page_for_every_scene(tmp_path):
     assert made == {*scenes.names(), "index", "statements", "stability", "studies"}
     index = (tmp_path / "gallery" / "index.md").read_text()
     assert [name for name in scenes.names() if index.count(f"({name}.md)") != 2] == []  # by topic, by figure
+
+
+def test_judged_statements_show_what_was_found_and_the_figures():
+    from site_pages import gallery
+
+    judged = (
+        Finding("a", "Sec. 1", "it sticks", Verdict.IN_PART, (Part("4.5 > 1", True), Part("1 > 2", False))),
+    )
+    page = html.unescape(gallery._statements(judged, ["fig2a.png", "another.png"]))
+    assert "1 statement: 1 hold in part; no verdict changed." in page
+    assert "4.5 > 1; NOT: 1 > 2" in page
+    assert "![Fig. 2" in page
+    assert "](figures/fig2a.png)" in page
+    assert "another" not in page
+
+
+@pytest.mark.slow
+def test_saved_stability_has_a_map_for_each_solver():
+    from site_pages import gallery
+
+    cells = tuple(
+        Cell(
+            "stiff",
+            label,
+            solver,
+            CellVerdict.WITHIN,
+            "completed",
+            "",
+            errors={"force": 1e-3},
+            tolerance=1e-2,
+        )
+        for solver in ("bem", "fem")
+        for label in ("1e3", "1e6")
+    )
+    page = gallery._stability(StabilityMatrix(cells, 2.0))
+    assert page.count("<svg") == 2
+    assert "All 4 cells" in page
+    assert "holds none" in gallery._stability(None)

@@ -80,7 +80,7 @@ def test_pictures_and_pages_linked_exist():
             path.parent / name for name in re.findall(r"(?<!!)\[[^]]+\]\(([\w./-]+\.(?:md|cff))\)", text)
         ]
     assert len(re.findall(r"!\[", TEXTS[README])) == 1
-    assert len({path.resolve() for path in pictures}) == 3
+    assert {"cycles.png", "fields.png", "first-scene.png"} <= {path.name for path in pictures}
     assert [path for path in pictures if not path.exists()] == []
     assert len(links) > 20
     assert [path for path in links if not path.exists() and "generated" not in path.parts] == []
