@@ -36,6 +36,17 @@ class AcceptedSteps:
         """Count parameters from the last accepted state."""
         self.rows = [(row[0] - self.rows[-1][0], row[1], row[2]) for row in self.rows]
 
+    @property
+    def curved(self) -> bool:
+        """Whether there are rows enough for a parabola."""
+        return len(self.rows) > 2
+
+    def before_last(self) -> tuple[float, float] | None:
+        """Time from the row before the last to the last, and the edge there; ``None`` without one."""
+        if len(self.rows) < 2:
+            return None
+        return self.rows[-1][0] - self.rows[-2][0], self.rows[-2][1]
+
     def rates(self, step: float) -> tuple[float, float]:
         """Rates of edge and load over the accepted steps, as far back as ``step`` is long.
 

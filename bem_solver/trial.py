@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.annuli import Annuli
+from bem_solver.bent_path import BentPath
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.history import SurfaceHistory
@@ -24,6 +25,13 @@ Array = NDArray[np.float64]
 
 EDGE_ACCURACY = 4e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
+LONG_ZONE = 0.02
+"""Process zone over contact radius from which on a step is a fraction of a zone and annuli have equal angles.
+There are few of both then; with shorter zones steps pass over zones, and annuli are graded towards the
+edge."""
+_LONG_TRAVEL = 0.1
+"""Part of the contact radius of which a step over zones takes the same fraction, at most: what acts at the
+edge then changes little within it, and the loading mostly asks for shorter ones."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,14 @@ class Problem:
         and in an elastic contact, whose states are equilibria by themselves.
         """
         return self.zone if self.work > 0.0 and self.viscoelastic else 0.25 * edge
+
+    def longest_travel(self, edge: float) -> float:
+        """Length of which the edge at radius ``edge`` may pass a fraction in one step."""
+        return _LONG_TRAVEL * edge if self.over_zones(edge) else self.length_at(edge)
+
+    def over_zones(self, edge: float) -> bool:
+        """Whether a step may pass over process zones."""
+        return self.length_at(edge) < LONG_ZONE * edge
 
 
 @dataclass(frozen=True)
@@ -114,7 +130,13 @@ def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> A
 
 
 def evaluate(
-    problem: Problem, state: HalfSpaceState, duration: float, edge: float, control: str, value: float
+    problem: Problem,
+    state: HalfSpaceState,
+    duration: float,
+    edge: float,
+    control: str,
+    value: float,
+    before: tuple[float, float] | None = None,
 ) -> TrialContact:
     """The surface with the edge at ``edge`` after ``duration``, and its residual.
 
@@ -129,6 +151,8 @@ def evaluate(
     control : "penetration" or "force"
         Which of the two has ``value`` at the end of the step.
     value : float
+    before : tuple of float, optional
+        Time from an earlier row to the start of the step, and the edge there: its path is then a parabola.
 
     Returns
     -------
@@ -144,22 +168,28 @@ def evaluate(
         singular = state.surface.root_strength(abs(edge - state.edge))
         if problem.work == 0.0 and state.edge > 0.0:
             innermost = points_at(problem, state, np.array([min(edge, state.edge)]))
+    path = None
+    if before is not None and duration > 0.0 and edge != state.edge:
+        path = BentPath.through(before, state.edge, duration, edge)
 
     def under(motion: Motion) -> ContactSurface:
         return ContactSurface.under(annuli, edge, _required_load(problem, points, motion), kinks)
 
     if control == "penetration":
-        motion = Motion(duration, state.edge, edge, state.penetration, value, singular, innermost)
+        motion = Motion(duration, state.edge, edge, state.penetration, value, singular, innermost, path)
         surface = under(motion)
     else:
         # everything is affine in the new penetration
         step = max(abs(state.penetration), 1e-3 * edge)
-        first = Motion(duration, state.edge, edge, state.penetration, state.penetration, singular, innermost)
+        penetration = state.penetration
+        first = Motion(duration, state.edge, edge, penetration, penetration, singular, innermost, path)
         one, two = under(first), under(replace(first, new_penetration=state.penetration + step))
         share = (value - one.force) / (two.force - one.force)
         motion = replace(first, new_penetration=state.penetration + share * step)
         surface = one.towards(two, share)
     counters.linear_solves += 1
+    if path is not None and edge < state.edge:
+        motion = replace(motion, singular=surface.root_strength(min(state.edge - edge, problem.zone)))
     if problem.work == 0.0:
         return TrialContact(motion, surface, -surface.kappa, 0.0)
     counters.closure_evaluations += 1
