@@ -9,6 +9,7 @@ just before it: ``g`` is the share of the step still to come.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,36 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(20)
 _POINTS, _WEIGHTS = 0.5 * (_POINTS + 1.0), 0.5 * _WEIGHTS
 _FORGOTTEN = 36.0
 """Time, in retardation times, after which nothing is left of a lag: ``exp(-36)`` is rounding."""
+
+
+@dataclass(frozen=True)
+class EarlierRow:
+    """The row before the last: its time before the last, its edge and its penetration."""
+
+    time: float
+    edge: float
+    penetration: float
+
+
+def parabola_bend(earlier: tuple[float, float], value: float, duration: float, end: float) -> float:
+    """``c`` of the parabola ``value + (end - value) s + c s (s - 1)`` over a share s of a step.
+
+    Parameters
+    ----------
+    earlier : tuple of float
+        Time from an earlier row to the start of the step, and the value at that row.
+    value : float
+        At the start of the step.
+    duration : float
+    end : float
+        Value at the end of the step.
+
+    Returns
+    -------
+    float
+    """
+    time, before = earlier
+    return ((end - value) / duration - (value - before) / time) / (duration + time) * duration**2
 
 
 @dataclass(frozen=True)
@@ -50,10 +81,9 @@ class BentPath:
         -------
         BentPath
         """
-        travel, (earlier, radius) = end - edge, before
-        second = (travel / duration - (edge - radius) / earlier) / (duration + earlier)
+        travel = end - edge
         limit = _LARGEST_BEND * abs(travel)
-        return cls(end, travel, min(max(second * duration**2, -limit), limit))
+        return cls(end, travel, min(max(parabola_bend(before, edge, duration, end), -limit), limit))
 
     def edge(self, left: Array) -> Array:
         """Edge with a share of the step still to come."""
@@ -69,15 +99,19 @@ class BentPath:
         root = np.sqrt(np.maximum(speed**2 - 4.0 * self.bend * distance, 0.0))
         return 2.0 * distance / (speed + np.copysign(root, speed))
 
-    def root(self, radius: Array, left: Array) -> Array:
-        """``sqrt|r - a|`` with a share of the step still to come."""
-        return np.sqrt(np.abs(radius - self.edge(left)))
+    def distance(self, radius: Array, left: Array) -> Array:
+        """``|r - a|`` with a share of the step still to come."""
+        return np.abs(radius - self.edge(left))
 
-    def recent_root(self, radius: Array, y: Array, begin: Array, end: Array) -> Array:
-        """``int exp(-(t_end - t)/theta) d sqrt|r - a(t)|`` between two shares still to come.
+    def recent_change(
+        self, fall: Callable[[Array], Array], radius: Array, y: Array, begin: Array, end: Array
+    ) -> Array:
+        """``int exp(-(t_end - t)/theta) dS(|r - a(t)|)`` between two shares still to come.
 
         Parameters
         ----------
+        fall : callable
+            ``S`` of a distance from the edge, a square root near it.
         radius : ndarray (m,)
             Radii that the edge does not pass between them.
         y : ndarray (K,)
@@ -103,7 +137,8 @@ class BentPath:
         far = np.sqrt(np.maximum(np.where(before, passage - end, first - passage), 0.0))[..., None]
         z = near + (far - near) * _POINTS
         left = np.where(before[..., None], passage[..., None] - z**2, passage[..., None] + z**2)
-        roots = self.root(radius[..., None], left)
+        values = fall(self.distance(radius[..., None], left))
         kernel = y[:, None] * np.exp(-y[:, None] * (left - end[..., None]))
-        lagging = ((far - near)[..., 0]) * ((2.0 * z * kernel * roots) @ _WEIGHTS)
-        return self.root(radius, end) - np.exp(-y * (begin - end)) * self.root(radius, begin) - lagging
+        lagging = ((far - near)[..., 0]) * ((2.0 * z * kernel * values) @ _WEIGHTS)
+        first = fall(self.distance(radius, begin))
+        return fall(self.distance(radius, end)) - np.exp(-y * (begin - end)) * first - lagging

@@ -12,6 +12,7 @@ from enum import Enum, auto
 
 from scipy.optimize import brentq
 
+from bem_solver.bent_path import EarlierRow
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
@@ -188,10 +189,18 @@ class TrialStep(StepStart):
         interval, contact = self.interval, self.state.contact
         duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
         prescribed = interval.prescribed(parameter)
-        before = None
-        if not interval.jump and self.problem.over_zones(contact.edge):
-            before = self.state.accepted.before_last()
-        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, before)
+        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, self._earlier)
+
+    @property
+    def _earlier(self) -> EarlierRow | None:
+        """The row before the last, where a step may pass over process zones."""
+        rows, interval = self.state.accepted.rows, self.interval
+        if interval.jump or len(rows) < 2 or not self.problem.over_zones(self.state.contact.edge):
+            return None
+        (before, edge, load), (now, _, _) = rows[-2:]
+        return EarlierRow(
+            now - before, edge, load if interval.control == "force" else interval.prescribed(before)
+        )
 
     def _error(self, trial: TrialContact, step: float, rate_step: float | None = None) -> float:
         """Departure of edge and load from straight lines, in tolerances.

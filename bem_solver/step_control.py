@@ -41,12 +41,6 @@ class AcceptedSteps:
         """Whether there are rows enough for a parabola."""
         return len(self.rows) > 2
 
-    def before_last(self) -> tuple[float, float] | None:
-        """Time from the row before the last to the last, and the edge there; ``None`` without one."""
-        if len(self.rows) < 2:
-            return None
-        return self.rows[-1][0] - self.rows[-2][0], self.rows[-2][1]
-
     def rates(self, step: float) -> tuple[float, float]:
         """Rates of edge and load over the accepted steps, as far back as ``step`` is long.
 

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.annuli import Annuli
-from bem_solver.bent_path import BentPath
+from bem_solver.bent_path import BentPath, EarlierRow
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from bem_solver.history import SurfaceHistory
 from bem_solver.kinks import EdgeKinks
+from bem_solver.outer_fall import OuterFall
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, SurfacePoints, advanced, displacement_outside, load_inside
 from contact_scene import Counters, Scene
@@ -136,7 +137,7 @@ def evaluate(
     edge: float,
     control: str,
     value: float,
-    before: tuple[float, float] | None = None,
+    earlier: EarlierRow | None = None,
 ) -> TrialContact:
     """The surface with the edge at ``edge`` after ``duration``, and its residual.
 
@@ -151,8 +152,8 @@ def evaluate(
     control : "penetration" or "force"
         Which of the two has ``value`` at the end of the step.
     value : float
-    before : tuple of float, optional
-        Time from an earlier row to the start of the step, and the edge there: its path is then a parabola.
+    earlier : EarlierRow, optional
+        Row through which the paths of edge and penetration are then parabolas.
 
     Returns
     -------
@@ -168,28 +169,48 @@ def evaluate(
         singular = state.surface.root_strength(abs(edge - state.edge))
         if problem.work == 0.0 and state.edge > 0.0:
             innermost = points_at(problem, state, np.array([min(edge, state.edge)]))
-    path = None
-    if before is not None and duration > 0.0 and edge != state.edge:
-        path = BentPath.through(before, state.edge, duration, edge)
+    path = row = fall = None
+    if earlier is not None and duration > 0.0:
+        row = earlier.time, earlier.penetration
+        if edge != state.edge:
+            path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge)
+            fall = OuterFall.outside(state.surface, problem.zone)
 
     def under(motion: Motion) -> ContactSurface:
         return ContactSurface.under(annuli, edge, _required_load(problem, points, motion), kinks)
 
-    if control == "penetration":
-        motion = Motion(duration, state.edge, edge, state.penetration, value, singular, innermost, path)
-        surface = under(motion)
-    else:
+    def controlled(motion: Motion) -> tuple[Motion, ContactSurface]:
+        """Motion with the penetration, and surface, that the control asks for."""
+        if control == "penetration":
+            return motion, under(motion)
         # everything is affine in the new penetration
         step = max(abs(state.penetration), 1e-3 * edge)
-        penetration = state.penetration
-        first = Motion(duration, state.edge, edge, penetration, penetration, singular, innermost, path)
+        first = replace(motion, new_penetration=state.penetration)
         one, two = under(first), under(replace(first, new_penetration=state.penetration + step))
         share = (value - one.force) / (two.force - one.force)
-        motion = replace(first, new_penetration=state.penetration + share * step)
-        surface = one.towards(two, share)
+        return replace(first, new_penetration=state.penetration + share * step), one.towards(two, share)
+
+    new_penetration = value if control == "penetration" else state.penetration
+    motion, surface = controlled(
+        Motion(
+            duration,
+            state.edge,
+            edge,
+            state.penetration,
+            new_penetration,
+            singular,
+            innermost,
+            path,
+            fall,
+            row,
+        )
+    )
     counters.linear_solves += 1
-    if path is not None and edge < state.edge:
-        motion = replace(motion, singular=surface.root_strength(min(state.edge - edge, problem.zone)))
+    if fall is not None:
+        motion = replace(motion, fall=fall.towards(surface))
+        if edge > state.edge:  # what has been covered depends on the fall at the end
+            motion, surface = controlled(motion)
+            counters.linear_solves += 1
     if problem.work == 0.0:
         return TrialContact(motion, surface, -surface.kappa, 0.0)
     counters.closure_evaluations += 1

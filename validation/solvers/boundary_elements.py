@@ -51,6 +51,7 @@ class BoundaryElements(Solver):
     }
     coarse_tolerance = 1e-2
     cost_model = CostModel(
+        most_zones_of_radius=50.0,
         adhesionless_steps_per_division=0.3,
         seconds_of_step=(5e-3,),
         share_of_branch=0.05,
