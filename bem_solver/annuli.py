@@ -1,11 +1,15 @@
 """Annuli that travel with the contact edge, and the one factorisation they need.
 
-On the unit contact the borders are ``sin(pi j/2M)`` and the collocation radii ``sin(pi (j + 1/2)/2M)``.
-Because the kernel is scale-free this grid serves every contact radius: the edge is continuous, the matrix
-is factorised once. The error of piecewise constant pressure under an edge singularity is the same pattern
-on every grid, known from the flat punch, whose pressure ``1/(pi sqrt(1 - x^2))`` and displacement ``(2/pi)
-arcsin(1/x)`` are exact: the singular part of every solution is taken out with them, and annuli carry the
-rest. Unit plane modulus; lengths in contact radii.
+On the unit contact the borders are ``sn(K j/M)`` and the collocation radii ``sn(K (j + 1/2)/M)``, with the
+Jacobi sine and its quarter period: even about the centre and about the edge, as the fields are. Steps of the
+angle ``arcsin(r)`` shrink from the centre to the edge by the factor ``k'``, the complementary modulus; their
+number is ``K(k) ~ log(4/k')`` over the step at the centre. With ``k' = 1``, where the process zone is long,
+these are ``sin(pi j/2M)`` and ``sin(pi (j + 1/2)/2M)``. Because the kernel is scale-free one grid serves
+every contact radius: the edge is continuous, the matrix is factorised once. The error of piecewise constant
+pressure under an edge singularity is the same pattern on every grid, known from the flat punch, whose
+pressure ``1/(pi sqrt(1 - x^2))`` and displacement ``(2/pi) arcsin(1/x)`` are exact: the singular part of
+every solution is taken out with them, and annuli carry the rest. Unit plane modulus; lengths in contact
+radii.
 """
 
 from __future__ import annotations
@@ -13,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
+from scipy.special import ellipj, ellipkinc, ellipkm1
 
 from bem_solver.kernel import annulus_influence
 
@@ -42,7 +47,14 @@ def _lagrange(samples: Array, first: NDArray[np.intp], z: Array) -> Array:
 
 
 class Annuli:
-    """``count`` annuli on the unit contact, with the factorised influence matrix.
+    """Annuli on the unit contact, with the factorised influence matrix.
+
+    Parameters
+    ----------
+    count : int
+        Their number M.
+    grading : float
+        Step of the angle at the edge over that at the centre, ``0 < k' <= 1``.
 
     Attributes
     ----------
@@ -52,10 +64,11 @@ class Annuli:
         Displacement at the collocation radii under unit pressure on each annulus.
     """
 
-    def __init__(self, count: int) -> None:
-        angle = 0.5 * np.pi * np.arange(count + 1) / count
-        middle = 0.5 * (angle[1:] + angle[:-1])
-        self.count = count
+    def __init__(self, count: int, grading: float = 1.0) -> None:
+        self.count, self.grading = count, grading
+        numbers = np.arange(count + 1.0)
+        angle = self._angle(numbers)
+        middle = 0.5 * (angle[1:] + angle[:-1]) if grading == 1.0 else self._angle(numbers[:-1] + 0.5)
         self.borders = np.sin(angle)
         self.radii = np.sin(middle)
         self.areas = np.pi * np.diff(self.borders**2)
@@ -69,14 +82,24 @@ class Annuli:
         self._punch_density = np.pi * self._weight * self.punch
         offsets = (np.arange(3) + 0.5) ** 2
         self._edge_fit = np.linalg.inv(np.vander(offsets, 3, increasing=True))[0]
-        # displacement outside, at equal angles arcsin(1/x); the far end, arcsin = 0, is zero
-        self._outside_count = count
-        outside = 1.0 / np.sin(0.5 * np.pi * np.arange(1, count + 1) / count)
-        self._outside = annulus_influence(outside, self.borders)
+        # displacement outside, at the same angles arcsin(1/x); the far end, arcsin = 0, is zero
+        self._outside = annulus_influence(1.0 / np.sin(angle[1:]), self.borders)
 
-    def __reduce__(self) -> tuple[type[Annuli], tuple[int]]:
-        """Kept as their number alone: matrix and factors are made anew, bit for bit."""
-        return Annuli, (self.count,)
+    def _angle(self, number: Array) -> Array:
+        """Angle ``arcsin(r)`` after a number of annuli from the centre."""
+        if self.grading == 1.0:
+            return 0.5 * np.pi * number / self.count
+        return ellipj(ellipkm1(self.grading**2) * number / self.count, 1.0 - self.grading**2)[3]
+
+    def position(self, angle: Array) -> Array:
+        """Number of annuli between the centre and the radius ``sin(angle)``, inverse of the angle above."""
+        if self.grading == 1.0:
+            return angle * (2.0 * self.count / np.pi)
+        return ellipkinc(angle, 1.0 - self.grading**2) * (self.count / ellipkm1(self.grading**2))
+
+    def __reduce__(self) -> tuple[type[Annuli], tuple[int, float]]:
+        """Kept as number and grading alone: matrix and factors are made anew, bit for bit."""
+        return Annuli, (self.count, self.grading)
 
     def solve(self, displacement: Array) -> Array:
         """Pressures (M,) or (M, c) that produce the given displacements at the collocation radii."""
@@ -91,7 +114,7 @@ class Annuli:
         return float(np.pi * (self._edge_fit @ density[:-4:-1]))
 
     def outside_field(self, pressure: Array, kappa: float) -> Array:
-        """Samples of the outer displacement without its punch part, at equal angles ``arcsin(1/x)``.
+        """Samples of the outer displacement without its punch part, at the angles ``arcsin(1/x)`` of borders.
 
         Returns shape (M + 3,): far end (zero, and its odd continuation) to the edge.
         """
@@ -103,6 +126,6 @@ class Annuli:
     def outside(self, field: Array, kappa: float, ratio: Array) -> Array:
         """Displacement at ``ratio = r/a >= 1`` from the samples of :meth:`outside_field`."""
         angle = np.arcsin(1.0 / ratio)
-        y = angle * (2.0 * self._outside_count / np.pi) + 1.0
+        y = self.position(angle) + 1.0
         first = np.minimum(np.maximum(y.astype(int) - 1, 0), len(field) - 4)
         return kappa * (2.0 / np.pi) * angle + _lagrange(field, first, y - first)

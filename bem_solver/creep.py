@@ -77,6 +77,14 @@ class Chain:
         """Share of an increment spread evenly over a step that is still there at its end."""
         return 1.0 / (1.0 + y) if self.backward_euler else phi(y)
 
+    def spread_bent(self, y: Array) -> Array:
+        """As :meth:`spread`, of the increments of ``s (s - 1)`` over a share s of the step (sum 0)."""
+        if self.backward_euler:
+            return np.zeros_like(y)
+        small = y / 6.0 - y**2 / 12.0 + y**3 / 40.0 - y**4 / 180.0
+        safe = np.maximum(y, 0.01)
+        return np.where(y < 0.02, small, phi(safe) - 2.0 * (phi(safe) - np.exp(-safe)) / safe)
+
     def spread_to_edge(self, y: Array) -> Array:
         """As :meth:`spread`, the increment following ``-sqrt(distance)`` to an edge arriving at the end."""
         if self.backward_euler:

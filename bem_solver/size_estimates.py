@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import ellipkm1
 
 from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
@@ -18,6 +19,9 @@ _ANNULI_OF_ESTIMATE = 24
 """Annuli of the elastic contacts from which the largest radius is estimated, to about a percent."""
 _LAYER_ANNULI = 45
 """Largest number of annuli for the sake of a boundary layer, in divisions."""
+_SMALLEST_GRADING = 1e-5
+"""Smallest step of graded annuli at the edge over that at the centre: below it the elliptic functions lose
+digits, and no process zone above 1e-10 of the radius asks for it."""
 _NEGLIGIBLE_LAYER = 0.01
 """A layer that changes the closure by less than this part of the work of adhesion is not resolved."""
 _NEGLIGIBLE_AT_REST = 0.03
@@ -38,7 +42,42 @@ def annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
     """
     if layer <= 0.0 or radius <= 0.0:
         return FEWEST_ANNULI
-    return min(int(np.ceil(0.6 * divisions * np.sqrt(radius / layer))), _LAYER_ANNULI * divisions)
+    return min(_annuli_for_layer(divisions, radius, layer), _LAYER_ANNULI * divisions)
+
+
+def _annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
+    return int(np.ceil(0.6 * divisions * np.sqrt(radius / layer)))
+
+
+def edge_step(divisions: int, share: float, radius: float, layer: float) -> float:
+    """Step of the angle ``arcsin(r)`` at the edge that resolves process zone and boundary layer.
+
+    Parameters
+    ----------
+    divisions : int
+        Annuli in the process zone.
+    share : float
+        Process zone over the largest contact radius.
+    radius : float
+        Largest contact radius.
+    layer : float
+        Boundary layer, resolved as by :func:`annuli_for_layer`; zero without.
+
+    Returns
+    -------
+    float
+    """
+    step = float(np.arccos(1.0 - share)) / divisions
+    return min(step, 0.5 * np.pi / _annuli_for_layer(divisions, radius, layer)) if layer > 0.0 else step
+
+
+def graded_annuli(divisions: int, step: float) -> tuple[int, float]:
+    """Number and grading of annuli with a ``step`` of the angle at the edge, ``1/divisions`` at the centre.
+
+    The number grows with the logarithm of the one over the other.
+    """
+    grading = min(max(divisions * step, _SMALLEST_GRADING), 1.0)
+    return max(int(np.ceil(divisions * ellipkm1(grading**2))), FEWEST_ANNULI), grading
 
 
 def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> float:

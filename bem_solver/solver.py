@@ -24,12 +24,14 @@ from bem_solver.size_estimates import (
     FEWEST_ANNULI,
     annuli_for_layer,
     annuli_needed,
+    edge_step,
+    graded_annuli,
     largest_contact,
     thinnest_layer,
 )
 from bem_solver.start import contact_scale, start_state
 from bem_solver.stepping import SOLVER, GradedRun
-from bem_solver.trial import Problem
+from bem_solver.trial import LONG_ZONE, Problem
 from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
 from contact_scene.machine import on_machine
 from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
@@ -149,7 +151,12 @@ def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Pr
     if zone > 0.0 and largest > 0.0 and len(chain):
         share = min(zone / largest, 1.0)
     layer = thinnest_layer(scene, chain, largest, zone)
-    count = max(annuli_needed(divisions, share), annuli_for_layer(divisions, largest, layer))
-    rule = ClosureRule.resolving(max(divisions, int(count * np.arccos(1.0 - share) * 2.0 / np.pi)))
-    problem = Problem(scene, Annuli(count), chain, zone, work, zone or 0.01 * largest, counters, rule)
+    if len(chain) and 0.0 < zone < LONG_ZONE * largest:
+        step = edge_step(divisions, share, largest, layer)
+        annuli, in_zone = Annuli(*graded_annuli(divisions, step)), np.arccos(1.0 - share) / step
+    else:
+        count = max(annuli_needed(divisions, share), annuli_for_layer(divisions, largest, layer))
+        annuli, in_zone = Annuli(count), count * np.arccos(1.0 - share) * 2.0 / np.pi
+    rule = ClosureRule.resolving(max(divisions, int(in_zone)))
+    problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     return problem, max(largest, initial)

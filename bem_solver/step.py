@@ -12,6 +12,7 @@ from enum import Enum, auto
 
 from scipy.optimize import brentq
 
+from bem_solver.bent_path import EarlierRow
 from bem_solver.edge_energy import drive
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
@@ -36,6 +37,10 @@ _LEAST_RATED_TRAVEL = 1e-4
 _BESIDE_EXTREMUM = 0.125
 """Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row
 by a sixty-fourth of what it would with the whole step."""
+
+_SHARE_OF_TRAVEL = 2.0
+"""Error of extrapolating the edge over process zones, in step tolerances of its travel, that is allowed: the
+speed of the edge, on which the closure depends, is then met to about as much."""
 
 
 class StepFailure(Enum):
@@ -85,7 +90,7 @@ def limited_step(start: StepStart) -> tuple[float, float]:
     and without leaving a sliver before the end of the interval.
     """
     state, interval, settings = start.state, start.interval, start.settings
-    limit = 0.9 * state.travel_share * start.problem.length_at(state.contact.edge) / settings.divisions
+    limit = 0.9 * state.travel_share * start.problem.longest_travel(state.contact.edge) / settings.divisions
     limited, parameter = state.step, state.parameter
     speed = abs(state.accepted.rates(limited)[0])
     if speed * limited > limit:
@@ -132,7 +137,7 @@ class TrialStep(StepStart):
         problem, state, step = self.problem, self.state, self.step
         edge, limit = state.contact.edge, problem.scene.indenter.edge
         length, tolerance = problem.length_at(edge), self.settings.tolerance
-        reach = state.travel_share * length / self.settings.divisions
+        reach = state.travel_share * problem.longest_travel(edge) / self.settings.divisions
         low, high = max(edge - reach, 0.25 * edge, problem.zone), min(edge + reach, limit)
         if edge == limit:
             resting = self._in_full_contact()
@@ -219,7 +224,18 @@ class TrialStep(StepStart):
         interval, contact = self.interval, self.state.contact
         duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
         prescribed = interval.prescribed(parameter)
-        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed)
+        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, self._earlier)
+
+    @property
+    def _earlier(self) -> EarlierRow | None:
+        """The row before the last, where a step may pass over process zones."""
+        rows, interval = self.state.accepted.rows, self.interval
+        if interval.jump or len(rows) < 2 or not self.problem.over_zones(self.state.contact.edge):
+            return None
+        (before, edge, load), (now, _, _) = rows[-2:]
+        return EarlierRow(
+            now - before, edge, load if interval.control == "force" else interval.prescribed(before)
+        )
 
     def _error(self, trial: TrialContact, step: float, rate_step: float | None = None) -> float:
         """Departure of edge and load from straight lines, in tolerances.
@@ -259,8 +275,17 @@ class TrialStep(StepStart):
         if problem.rated:
             travel = max(abs(edge - contact.edge), _LEAST_RATED_TRAVEL * contact.edge)
             of_edge = max(of_edge, departure_from_line(missed, _RATED_WEIGHT * travel))
+        if problem.over_zones(contact.edge) and self.state.accepted.curved:
+            of_edge = min(of_edge, self._departure_from_path(edge, step))
         of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
         return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
+
+    def _departure_from_path(self, edge: float, step: float) -> float:
+        """Error of extrapolating the path of the edge to the end of a step, relative to what is allowed."""
+        travel = abs(edge - self.state.contact.edge)
+        missed = abs(edge - self.state.accepted.edge_after(step))
+        allowed = min(_SHARE_OF_TRAVEL * travel, self.problem.longest_travel(edge))
+        return missed / allowed if allowed > 0.0 else math.inf
 
 
 def _sign_change(residual: Callable[[float], float], positive: bool) -> float:

@@ -36,6 +36,11 @@ class AcceptedSteps:
         """Count parameters from the last accepted state."""
         self.rows = [(row[0] - self.rows[-1][0], row[1], row[2]) for row in self.rows]
 
+    @property
+    def curved(self) -> bool:
+        """Whether there are rows enough for a parabola."""
+        return len(self.rows) > 2
+
     def rates(self, step: float) -> tuple[float, float]:
         """Rates of edge and load over the accepted steps, as far back as ``step`` is long.
 

@@ -195,7 +195,9 @@ class GradedRun:
                 if state.travel_share <= LARGEST_TRAVEL_SHARE:
                     return None
             case StepFailure.BEYOND_TRAVEL_LIMIT:
-                if SMALLEST_TRAVEL_SHARE < state.travel_share <= LARGEST_TRAVEL_SHARE:
+                problem, edge = start.problem, state.contact.edge
+                smallest = SMALLEST_TRAVEL_SHARE * problem.length_at(edge) / problem.longest_travel(edge)
+                if smallest < state.travel_share <= LARGEST_TRAVEL_SHARE:
                     state.travel_share *= 0.5
                     return None
             case StepFailure.UNSTABLE:

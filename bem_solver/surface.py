@@ -103,7 +103,11 @@ class ContactSurface:
 
     def _tension(self, density: Array, distance: Array) -> Array:
         cosine = np.sqrt(distance * (2.0 * self.edge - distance)) / self.edge
-        position = self.annuli.count * (1.0 - 2.0 / np.pi * np.arcsin(np.minimum(cosine, 1.0)))
+        from_edge = np.arcsin(np.minimum(cosine, 1.0))
+        if self.annuli.grading == 1.0:
+            position = self.annuli.count * (1.0 - 2.0 / np.pi * from_edge)
+        else:
+            position = np.minimum(self.annuli.position(0.5 * np.pi - from_edge), float(self.annuli.count))
         return -even_cubic(density, position) / (cosine * self.edge)
 
     def pressure(self, radius: Array) -> Array:

@@ -5,7 +5,8 @@ then outside). Inside, displacement is linear in time and the Maxwell recursion 
 sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of the departure from a
 straight line that ``v`` has in time at the outermost point inside all the time (without adhesion), falling
 off as ``v``, and of a rest that is linear in time; the recursions are exact for all. So both sides of an edge
-at rest change alike: a step between them would be read as a root by an edge that advances a little. A
+at rest change alike: a step between them would be read as a root by an edge that advances a little. Where a
+step passes over process zones, the speed of the edge is not constant but that of its path (``bent_path``). A
 covered point meets the indenter at the moment the edge passes; a released one leaves it, glassy, at that
 moment. Displacement ``w``, load ``v`` and penetration are positive downwards.
 """
@@ -17,7 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bem_solver.bent_path import BentPath, parabola_bend
 from bem_solver.creep import Chain
+from bem_solver.outer_fall import OuterFall
 
 Array = NDArray[np.float64]
 
@@ -26,7 +29,11 @@ Array = NDArray[np.float64]
 class Motion:
     """One step: duration, edge and penetration at both ends, and the strength of the edge's square root.
 
-    ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step;
+    ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step.
+    ``path`` is that of an edge whose speed is not constant, and ``fall`` then takes the place of the square
+    root, or both None;
+    ``earlier`` a row (time before the start, penetration) through which the penetration is a parabola, or
+    None where it is linear.
     ``innermost`` (1 point) the state there of the innermost radius the edge takes in the step. It is given
     without adhesion only: an adhesive edge that moves leaves behind the load that its singularity put there.
     """
@@ -38,15 +45,62 @@ class Motion:
     new_penetration: float
     singular: float = 0.0
     innermost: SurfacePoints | None = None
+    path: BentPath | None = None
+    fall: OuterFall | None = None
+    earlier: tuple[float, float] | None = None
+
+    @property
+    def bend(self) -> float:
+        """``c`` in the penetration ``D + (D' - D) s + c s (s - 1)`` after a share s of the step."""
+        if self.earlier is None or self.duration == 0.0:
+            return 0.0
+        return parabola_bend(self.earlier, self.penetration, self.duration, self.new_penetration)
 
     def passing(self, radius: Array) -> Array:
         """Share of the step after which the edge passes radii between its two ends."""
+        if self.path is not None:
+            return 1.0 - self.left(radius)
         share = (radius - self.edge) / (self.new_edge - self.edge)
         return np.minimum(np.maximum(share, 0.0), 1.0)
 
+    def left(self, radius: Array) -> Array:
+        """Share of the step still to come when the edge passes radii between its two ends."""
+        if self.path is None:
+            return 1.0 - self.passing(radius)
+        return np.minimum(np.maximum(self.path.left(radius), 0.0), 1.0)
+
+    def lags_of_fall(self, chain: Chain, radius: Array, even: Array, begin: Array, end: Array) -> Array:
+        """Scaled lags of the edge's own part of ``v`` along the path, beyond those of an even change.
+
+        Parameters
+        ----------
+        chain : Chain
+        radius : ndarray (m,)
+        even : ndarray (m, K) or (K,)
+            Share of an even change between ``begin`` and ``end`` that is still there at the end.
+        begin, end : ndarray (m,)
+            Shares of the step still to come.
+
+        Returns
+        -------
+        ndarray (m, K)
+        """
+        path, fall = self.path, self.fall
+        if path is None or fall is None:
+            raise ValueError("the edge has no path")
+        share = 1.0 - end
+
+        def of(distance: Array) -> Array:
+            return fall(distance, share.reshape(-1, *(1,) * (distance.ndim - 1)))
+
+        change = of(path.distance(radius, end)) - of(path.distance(radius, begin))
+        recent = path.recent_change(of, radius, self.duration / chain.retardation, begin, end)
+        return -chain.lag_rate * (recent - even * change[:, None])
+
     def penetration_at(self, share: Array) -> Array:
         """Penetration after a share of the step."""
-        return self.penetration + share * (self.new_penetration - self.penetration)
+        linear = self.penetration + share * (self.new_penetration - self.penetration)
+        return linear if self.earlier is None else linear - self.bend * share * (1.0 - share)
 
 
 @dataclass(frozen=True)
@@ -76,8 +130,10 @@ class SurfacePoints:
         return len(self.radius)
 
 
-def pressed(chain: Chain, variables: Array, rise: Array, duration: float | Array) -> Array:
-    """Variables of points in contact while ``w`` rises linearly: the exact Maxwell recursion.
+def pressed(
+    chain: Chain, variables: Array, rise: Array, duration: float | Array, bend: float | Array = 0.0
+) -> Array:
+    """Variables of points in contact while ``w`` follows a parabola: the exact Maxwell recursion.
 
     Parameters
     ----------
@@ -86,14 +142,19 @@ def pressed(chain: Chain, variables: Array, rise: Array, duration: float | Array
     rise : ndarray (m,)
         Of the displacement ``w``.
     duration : float or ndarray (m,)
+    bend : float or ndarray (m,)
+        ``c`` in ``w = ... + rise s + c s (s - 1)`` after a share s of the duration.
 
     Returns
     -------
     ndarray (m, K)
     """
     y = np.asarray(duration, float)[..., None] / chain.relaxation
-    response = chain.stress_scale / chain.relaxation * chain.spread(y)
-    return chain.decay(y) * variables + response * rise[:, None]
+    rate = chain.stress_scale / chain.relaxation
+    result = chain.decay(y) * variables + rate * chain.spread(y) * rise[:, None]
+    if np.any(bend):
+        result += rate * chain.spread_bent(y) * np.asarray(bend, float)[..., None]
+    return result
 
 
 def load_inside(chain: Chain, variables: Array, displacement: Array) -> Array:
@@ -141,9 +202,14 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     share = motion.passing(points.radius)
     y = (share * motion.duration)[:, None] / chain.retardation
     even = chain.spread(y)
-    rise = motion.singular * np.sqrt(points.radius - motion.edge)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
-    lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
+    if motion.path is None:
+        rise = motion.singular * np.sqrt(points.radius - motion.edge)
+        lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
+    else:
+        lags += motion.lags_of_fall(
+            chain, points.radius, even, np.ones_like(share), motion.left(points.radius)
+        )
     lags += bend(chain, points, motion, np.zeros_like(share), share)
     meeting = motion.penetration_at(share) - points.height
     # w = v/E0 - sum l at the moment of contact, with even * (v - v_n) still to come into l
@@ -151,7 +217,8 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     load = (meeting + chain.lag(lags) - per_load * points.load) / (1.0 / chain.relaxed - per_load)
     lags += even * chain.lag_rate * (load - points.load)[:, None]
     pushed = motion.new_penetration - points.height - meeting
-    return pressed(chain, lags @ chain.rotation, pushed, (1.0 - share) * motion.duration)
+    left = motion.left(points.radius)
+    return pressed(chain, lags @ chain.rotation, pushed, left * motion.duration, motion.bend * left**2)
 
 
 def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -> Array:
@@ -171,14 +238,19 @@ def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     """
     share = motion.passing(points.radius)
     leaving = motion.penetration_at(share) - points.height
-    at_release = pressed(chain, points.variables, leaving - points.displacement, share * motion.duration)
+    rise, bent = leaving - points.displacement, motion.bend * share**2
+    at_release = pressed(chain, points.variables, rise, share * motion.duration, bent)
     load = load_inside(chain, at_release, leaving)
-    y = ((1.0 - share) * motion.duration)[:, None] / chain.retardation
+    left = motion.left(points.radius)
+    y = (left * motion.duration)[:, None] / chain.retardation
     even = chain.spread(y)
-    fall = -motion.singular * np.sqrt(points.radius - motion.new_edge)
     lags = chain.decay(y) * (at_release @ chain.rotation.T)
     lags += even * chain.lag_rate * (new_load - load)[:, None]
-    lags += (chain.spread_from_edge(y) - even) * chain.lag_rate * fall[:, None]
+    if motion.path is None:
+        fall = -motion.singular * np.sqrt(points.radius - motion.new_edge)
+        lags += (chain.spread_from_edge(y) - even) * chain.lag_rate * fall[:, None]
+    else:
+        lags += motion.lags_of_fall(chain, points.radius, even, left, np.zeros_like(left))
     lags += bend(chain, points, motion, share, np.ones_like(share))
     return lags @ chain.rotation
 
@@ -199,13 +271,17 @@ def free(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -
     ndarray (m, K)
     """
     y = motion.duration / chain.retardation
-    before, after = points.radius - motion.edge, points.radius - motion.new_edge
     even = chain.spread(y)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
     lags += even * chain.lag_rate * (new_load - points.load)[:, None]
-    change = -motion.singular * (np.sqrt(after) - np.sqrt(before))
-    weight = chain.spread_outside(np.broadcast_to(y, lags.shape), before[:, None], after[:, None])
-    lags += (weight - even) * chain.lag_rate * change[:, None]
+    if motion.path is None:
+        before, after = points.radius - motion.edge, points.radius - motion.new_edge
+        change = -motion.singular * (np.sqrt(after) - np.sqrt(before))
+        weight = chain.spread_outside(np.broadcast_to(y, lags.shape), before[:, None], after[:, None])
+        lags += (weight - even) * chain.lag_rate * change[:, None]
+    else:
+        none = np.zeros_like(points.radius)
+        lags += motion.lags_of_fall(chain, points.radius, even, none + 1.0, none)
     lags += bend(chain, points, motion, np.zeros(1), np.ones(1))
     return lags @ chain.rotation
 
@@ -237,7 +313,7 @@ def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     if stays.any():
         some = points[stays]
         rise = motion.new_penetration - some.height - some.displacement
-        result[stays] = pressed(chain, some.variables, rise, motion.duration)
+        result[stays] = pressed(chain, some.variables, rise, motion.duration, motion.bend)
     joins = ~inside_before & inside_after
     if joins.any():
         result[joins] = covered(chain, points[joins], motion)

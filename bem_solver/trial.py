@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.annuli import Annuli
+from bem_solver.bent_path import BentPath, EarlierRow
 from bem_solver.closure import ClosureRule
 from bem_solver.cohesive_zone import zone_at
 from bem_solver.creep import Chain
 from bem_solver.edge_energy import EdgeStep, end_velocity, energy_taken
 from bem_solver.history import SurfaceHistory
 from bem_solver.kinks import EdgeKinks
+from bem_solver.outer_fall import OuterFall
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, SurfacePoints, advanced, displacement_outside, load_inside
 from contact_scene import Adhesion, Counters, Scene
@@ -26,6 +28,13 @@ Array = NDArray[np.float64]
 
 EDGE_ACCURACY = 4e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
+LONG_ZONE = 0.02
+"""Process zone over contact radius from which on a step is a fraction of a zone and annuli have equal angles.
+There are few of both then; with shorter zones steps pass over zones, and annuli are graded towards the
+edge."""
+_LONG_TRAVEL = 0.1
+"""Part of the contact radius of which a step over zones takes the same fraction, at most: what acts at the
+edge then changes little within it, and the loading mostly asks for shorter ones."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +77,16 @@ class Problem:
         and in an elastic contact, whose states are equilibria by themselves.
         """
         return self.zone if self.work > 0.0 and self.viscoelastic else 0.25 * edge
+
+    def longest_travel(self, edge: float) -> float:
+        """Length of which the edge at radius ``edge`` may pass a fraction in one step."""
+        return _LONG_TRAVEL * edge if self.over_zones(edge) else self.length_at(edge)
+
+    def over_zones(self, edge: float) -> bool:
+        """Whether a step may pass over process zones: of one length, of an edge with one work of adhesion."""
+        adhesion = self.scene.adhesion
+        plain = adhesion is not None and adhesion.reversible and adhesion.stress is None
+        return plain and self.length_at(edge) < LONG_ZONE * edge
 
 
 @dataclass(frozen=True)
@@ -135,7 +154,13 @@ def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> A
 
 
 def evaluate(
-    problem: Problem, state: HalfSpaceState, duration: float, edge: float, control: str, value: float
+    problem: Problem,
+    state: HalfSpaceState,
+    duration: float,
+    edge: float,
+    control: str,
+    value: float,
+    earlier: EarlierRow | None = None,
 ) -> TrialContact:
     """The surface with the edge at ``edge`` after ``duration``, and its residual.
 
@@ -150,6 +175,8 @@ def evaluate(
     control : "penetration", "force" or "stage"
         Which of them has ``value`` at the end of the step.
     value : float
+    earlier : EarlierRow, optional
+        Row through which the paths of edge and penetration are then parabolas.
 
     Returns
     -------
@@ -166,17 +193,23 @@ def evaluate(
         singular = state.surface.root_strength(abs(edge - state.edge))
         if problem.work == 0.0 and state.edge > 0.0:
             innermost = points_at(problem, state, np.array([min(edge, state.edge)]))
+    path = row = fall = None
+    if earlier is not None and duration > 0.0:
+        row = earlier.time, earlier.penetration
+        if edge != state.edge:
+            path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge)
+            fall = OuterFall.outside(state.surface, problem.zone)
 
     def under(motion: Motion) -> ContactSurface:
         return ContactSurface.under(annuli, edge, _required_load(problem, points, motion), kinks)
 
-    if control == "penetration":
-        motion = Motion(duration, state.edge, edge, state.penetration, value, singular, innermost)
-        surface = under(motion)
-    else:
+    def controlled(motion: Motion) -> tuple[Motion, ContactSurface]:
+        """Motion with the penetration, and surface, that the control asks for."""
+        if control == "penetration":
+            return motion, under(motion)
         # everything is affine in the new penetration
         step = max(abs(state.penetration), 1e-3 * edge)
-        first = Motion(duration, state.edge, edge, state.penetration, state.penetration, singular, innermost)
+        first = replace(motion, new_penetration=state.penetration)
         one, two = under(first), under(replace(first, new_penetration=state.penetration + step))
         lacking, gained = value - one.force, two.force - one.force
         if control == "stage":  # D + F/k
@@ -184,9 +217,29 @@ def evaluate(
             lacking = value - (first.new_penetration + compliance * one.force)
             gained = step + compliance * gained
         share = lacking / gained
-        motion = replace(first, new_penetration=state.penetration + share * step)
-        surface = one.towards(two, share)
+        return replace(first, new_penetration=state.penetration + share * step), one.towards(two, share)
+
+    new_penetration = value if control == "penetration" else state.penetration
+    motion, surface = controlled(
+        Motion(
+            duration,
+            state.edge,
+            edge,
+            state.penetration,
+            new_penetration,
+            singular,
+            innermost,
+            path,
+            fall,
+            row,
+        )
+    )
     counters.linear_solves += 1
+    if fall is not None:
+        motion = replace(motion, fall=fall.towards(surface))
+        if edge > state.edge:  # what has been covered depends on the fall at the end
+            motion, surface = controlled(motion)
+            counters.linear_solves += 1
     if problem.work == 0.0:
         return TrialContact(motion, surface, -surface.kappa, 0.0)
     counters.closure_evaluations += 1

@@ -135,8 +135,8 @@ def test_a_scene_beyond_all_bounds_has_a_forecast(name):
     assert SOLVERS[name].expected_cost(endless).seconds > (0.5 if over_zones else 1e20)
 
 
-def test_short_zones_cost_the_reference_no_more_steps():
-    """It steps over any number of zones; the boundary elements step through each of them."""
+def test_short_zones_cost_no_more_steps():
+    """Reference and boundary elements step over any number of zones."""
     rubber = replace(HERTZ, material=Material(0.75, 0.5, (Branch(6.75, 1.0),)))
     steps = {
         solver: [
@@ -146,4 +146,4 @@ def test_short_zones_cost_the_reference_no_more_steps():
         for solver in ("reference", "bem")
     }
     assert steps["reference"][1] == pytest.approx(steps["reference"][0], rel=0.01)
-    assert steps["bem"][1] > 50.0 * steps["bem"][0]
+    assert steps["bem"][1] == pytest.approx(steps["bem"][0], rel=0.01)

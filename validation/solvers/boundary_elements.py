@@ -55,6 +55,7 @@ class BoundaryElements(Solver):
     }
     coarse_tolerance = 1e-2
     cost_model = CostModel(
+        most_zones_of_radius=50.0,
         adhesionless_steps_per_division=0.3,
         steps_of_elastic_interval=60.0,
         seconds_of_step=(5e-3,),

@@ -1,0 +1,174 @@
+"""Process zones short against the contact radius: steps over zones, annuli graded towards the edge.
+
+The pull-off forces are those of a retraction from the relaxed contact at V = 0.002, by front tracking at
+twice its default resolution.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+
+from bem_solver import Options, solve
+from bem_solver.annuli import Annuli
+from bem_solver.bent_path import BentPath
+from bem_solver.creep import Chain
+from bem_solver.outer_fall import OuterFall
+from bem_solver.size_estimates import edge_step, graded_annuli
+from bem_solver.surface import ContactSurface
+from contact_scene import Adhesion, Branch, Force, Loading, Material, Ramp, Scene, Sphere
+
+PULL_OFF = {1.3e-3: 0.02028430, 1.3e-4: 0.02305769, 1.3e-5: 0.02343383, 1.3e-6: 0.02347723}
+DISTANCES = np.array([1e-9, 1e-7, 1e-5, 1e-3, 0.1, 0.5])
+
+
+def retraction(zone):
+    return Scene(
+        Material(0.75, 0.5, (Branch(6.75, 1.0),)),
+        Sphere(1.0),
+        Loading("relaxed", 0.032, (Ramp(-0.5, 0.002),)),
+        Adhesion(5.026548e-4, zone),
+    )
+
+
+def pulled(zone, resolution):
+    """Relative error of the pull-off force, and the run."""
+    trace = solve(retraction(zone), Options(resolution))
+    assert trace.outcome.kind == "detached"
+    return -trace.force.min() / PULL_OFF[zone] - 1.0, trace
+
+
+@pytest.mark.parametrize(("zone", "error"), [(1.3e-3, 2e-3), (1.3e-5, 2e-4)])
+def test_pull_off_in_few_steps(zone, error):
+    """At half the default resolution; 16,000 steps of a part of a zone would be the longer one's."""
+    missed, trace = pulled(zone, 6)
+    assert abs(missed) < error
+    assert trace.counters.steps < 220
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("zone", "resolution", "error"), [(1.3e-3, 12, 1e-3), (1.3e-3, 48, 1e-4)])
+def test_default_error_and_four_times_the_resolution(zone, resolution, error):
+    assert abs(pulled(zone, resolution)[0]) < error
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rate", "force"), [(2e-5, 1.64535e-4), (2e-2, 1.668212e-3)])
+def test_approach_over_zones(rate, force):
+    """Force by front tracking at the end of a slow and of a fast approach."""
+    scene = replace(retraction(2.5e-5), loading=Loading("jump-in", 0.0, (Ramp(0.004, rate),)))
+    trace = solve(scene, Options(12))
+    assert trace.outcome.kind == "completed"
+    assert_allclose(trace.force[-1], force, atol=1e-3 * np.abs(trace.force).max())
+
+
+@pytest.mark.slow
+def test_delayed_detachment_over_zones():
+    """Time by front tracking: the penetration bends within a step, and the edge runs away."""
+    scene = replace(retraction(1.3e-3), loading=Loading("relaxed", 0.032, (Force(-0.00947482, 5000.0),)))
+    trace = solve(scene, Options(12))
+    assert trace.outcome.kind == "detached"
+    assert_allclose(trace.time[-1], 312.3068, rtol=1e-3)
+
+
+@pytest.mark.parametrize("fault", ["release time", "order of the path"])
+def test_faults_of_the_path_are_seen(fault, monkeypatch):
+    left = BentPath.left
+    if fault == "release time":
+        monkeypatch.setattr(BentPath, "left", lambda path, radius: 1.1 * left(path, radius))
+    else:
+        straight = classmethod(lambda cls, before, edge, duration, end: cls(end, end - edge, 0.0))
+        monkeypatch.setattr(BentPath, "through", straight)
+    assert abs(pulled(1.3e-3, 6)[0]) > 4e-3
+
+
+@pytest.mark.parametrize("grading", [0.2, 1e-2, 1e-4])
+def test_sphere_on_graded_annuli(grading):
+    """Tension and outer displacement as near to the edge as the process zone needs them."""
+    depth, (count, _) = 0.7, graded_annuli(12, grading / 12)
+    annuli = Annuli(count, grading)
+    surface = ContactSurface.under(annuli, 1.0, depth - 0.5 * annuli.radii**2)
+    assert_allclose(surface.force, 2.0 * (depth - 1.0 / 3.0), rtol=1e-5)
+    assert_allclose(surface.kappa, depth - 1.0, rtol=2e-4)
+    root = np.sqrt(DISTANCES * (2.0 - DISTANCES))
+    tension = (1.0 - depth) / (np.pi * root) - 2.0 / np.pi * root
+    assert_allclose(surface.tension(DISTANCES) * root, tension * root, atol=3e-4)
+    x = 1.0 + DISTANCES
+    s = np.arcsin(1.0 / x)
+    exact = 2.0 / np.pi * (depth * s - 0.5 * (x**2 * s - np.sqrt(x**2 - 1.0)))
+    assert_allclose(surface.outside(x), exact, atol=2e-6)
+
+
+def test_number_of_annuli_grows_with_the_logarithm_of_the_zone():
+    counts = [graded_annuli(12, edge_step(12, 10.0**-n, 1.0, 0.0))[0] for n in range(2, 8)]
+    assert_allclose(np.diff(counts), 6.0 * np.log(10.0), atol=1.1)
+
+
+PATHS = [
+    BentPath.through((0.5, 1.02), 1.0, 1.0, 0.9),
+    BentPath.through((0.5, 0.98), 1.0, 1.0, 1.1),
+    BentPath.through((0.5, 1.06), 1.0, 1.0, 0.9),
+]
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_path_goes_through_its_rows(path):
+    edge = path.edge(np.array([0.0, 1.0]))
+    assert_allclose(edge, [path.end, 1.0], rtol=1e-14)
+    passed = np.linspace(*sorted(edge), 9)
+    assert_allclose(path.edge(path.left(passed)), passed, rtol=1e-14)
+
+
+def test_path_goes_through_the_earlier_row():
+    assert_allclose(PATHS[0].edge(np.array([1.5])), 1.02, rtol=1e-14)
+
+
+@pytest.mark.parametrize("y", [1e-4, 0.019, 0.021, 1.0, 50.0])
+def test_penetration_that_bends(y):
+    """What is left of ``s (s - 1)``, against quadrature."""
+    chain = Chain(Material(0.75, 0.5, (Branch(6.75, 1.0),)))
+    expected = quad(lambda s: np.exp(-y * (1.0 - s)) * (2.0 * s - 1.0), 0.0, 1.0, epsabs=1e-14)[0]
+    assert_allclose(chain.spread_bent(np.array([y]))[0], expected, rtol=1e-8)
+
+
+def test_outer_fall_of_a_sphere():
+    """A square root near the edge, of the stress intensity factor; all of the load far out."""
+    annuli, depth = Annuli(60, 1e-2), 0.7
+    surface = ContactSurface.under(annuli, 1.0, depth - 0.5 * annuli.radii**2)
+    fall = OuterFall.outside(surface, 1e-3)
+    x = np.array([1e-5, 1e-4, 1e-2, 1.0, 1e3])
+    exact = surface.outside(np.ones(1)) - surface.outside(1.0 + x)
+    assert_allclose(fall(x, 0.0), exact, rtol=2e-3)
+    tip = np.array([1e-9, 1e-7])
+    assert_allclose(fall(tip, 1.0), 2.0 / np.pi * surface.kappa * np.sqrt(2.0 * tip), rtol=5e-3)
+    later = fall.towards(ContactSurface.under(annuli, 1.0, np.full(60, 0.2)))
+    assert_allclose(later(x, 0.0), fall(x, 0.5), rtol=1e-14)
+    assert_allclose(later(tip, 1.0), 0.4 / np.pi * np.sqrt(2.0 * tip), rtol=1e-3)
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize("y", [1e-2, 1.0, 100.0])
+def test_recent_change_of_a_root(path, y):
+    """Against quadrature, for radii passed at any time, just missed, and far away."""
+    receding = path.travel < 0.0
+    for radius in (0.9001, 0.95, 0.99, 1.001, 1.05, 1.0999, 1.1001, 1.2):
+        r = np.array([radius])
+        if not receding and radius < 1.0:
+            continue
+        passed = min(path.end, 1.0) < radius < max(path.end, 1.0)
+        share = float(path.left(r)[0])
+        begin, end = (share, 0.0) if passed and receding else (1.0, share if passed else 0.0)
+
+        def root(left, r=r):
+            return float(np.sqrt(path.distance(r, np.array([left])))[0])
+
+        span = begin - end
+        parts = [p for p in (1.0 / y, 10.0 / y, 30.0 / y, 0.999 * span) if p < span]
+        lagging = quad(
+            lambda u, e=end, f=root: y * np.exp(-y * u) * f(e + u), 0.0, span, points=parts, limit=200
+        )
+        expected = root(end) - np.exp(-y * span) * root(begin) - lagging[0]
+        value = path.recent_change(np.sqrt, r, np.array([y]), np.array([begin]), np.array([end]))
+        assert_allclose(value[0, 0], expected, atol=2e-6 * (root(begin) + root(end)))
