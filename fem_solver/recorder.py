@@ -49,6 +49,8 @@ class SurfaceState:
         Energy of the half-space, and of the springs by which the interface holds a partly released node.
     branch_dissipation : float
         Energy dissipated in the branches so far.
+    received : float, optional
+        Work done on the surface so far, where the history knows it better than trapezoids between rows.
     """
 
     time: float
@@ -61,6 +63,7 @@ class SurfaceState:
     stored: float
     interface: float
     branch_dissipation: float
+    received: float | None = None
 
 
 @dataclass
@@ -118,6 +121,9 @@ class SurfaceRecorder:
         if content.last is not None:
             mean = 0.5 * (state.force + content.last.force)
             content.external_work += mean * (state.penetration - content.last.penetration)
+        if content.last is not None and state.received is not None:
+            content.surface_work += state.received - (content.last.received or 0.0)
+        elif content.last is not None:
             forces = 0.5 * (state.forces + content.last.forces)
             content.surface_work += float(forces @ (state.displacement - content.last.displacement))
         else:

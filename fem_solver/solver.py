@@ -22,6 +22,7 @@ from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, SurfaceLog, history_log
 from fem_solver.fields.kept_recording import RecordingMonitor
 from fem_solver.fields.recording import Recording
+from fem_solver.following.setup import FollowingSetup, set_up_following
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.profiles import profile
 from fem_solver.recorder import SOLVER, SurfaceRecorder
@@ -104,7 +105,8 @@ def record(
     began = clock.perf_counter()
     options = options or Options()
     proceed = None if monitor is None else monitor.continue_set_up
-    setup = set_up(scene, mesh, options, proceed)
+    follows = hasattr(mesh, "place")
+    setup = (set_up_following if follows else set_up)(scene, mesh, options, proceed)
     recorder = SurfaceRecorder(
         scene.adhesion.work if scene.adhesion else 0.0, [] if options.records else None
     )
@@ -166,7 +168,7 @@ def _force_scale(scene: Scene, recorder: SurfaceRecorder) -> Callable[[float], f
 class _Observer:
     """Takes profiles at their times and records the history as the options ask."""
 
-    def __init__(self, options: Options, setup: Setup, recorder: SurfaceRecorder) -> None:
+    def __init__(self, options: Options, setup: Setup | FollowingSetup, recorder: SurfaceRecorder) -> None:
         self._options, self._setup, self._recorder = options, setup, recorder
         self.states: dict[float, Any] = {}
         self.rows: dict[float, int] = {}

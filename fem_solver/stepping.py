@@ -37,6 +37,8 @@ from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.curved_loads import deviation_from_tangent, swing
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import LoadJump, edge_jump, zone_reached
+from fem_solver.following.contact_solver import FollowingContactSolver
+from fem_solver.following.setup import FollowingSetup
 from fem_solver.recorder import SOLVER, SurfaceRecorder, SurfaceState
 from fem_solver.run_state import NodeReleaseState, StepBefore, StepCandidate, TensionPeak
 from fem_solver.setup import Setup
@@ -81,7 +83,7 @@ class NodeReleaseRun:
 
     Parameters
     ----------
-    setup : Setup
+    setup : Setup or FollowingSetup
     recorder : SurfaceRecorder
     estimator : SlopeErrorEstimator
     force_scale : callable(float) -> float
@@ -100,7 +102,7 @@ class NodeReleaseRun:
     progress : callable(float) or None
     """
 
-    setup: Setup
+    setup: Setup | FollowingSetup
     recorder: SurfaceRecorder
     estimator: SlopeErrorEstimator
     force_scale: Callable[[float], float]
@@ -119,7 +121,11 @@ class NodeReleaseRun:
     before: StepBefore | None = None
 
     def __post_init__(self) -> None:
-        self.solver = ContactSolver(self.setup, self.counters)
+        self.solver: ContactSolver | FollowingContactSolver
+        if isinstance(self.setup, FollowingSetup):
+            self.solver = FollowingContactSolver(self.setup, self.counters)
+        else:
+            self.solver = ContactSolver(self.setup, self.counters)
 
     @property
     def state(self) -> SurfaceState:
@@ -440,7 +446,7 @@ class NodeReleaseRun:
             reason = f"the contact shrinks below the radius {least:.6g} the mesh is made for"
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
         history = self.setup.history
-        history.commit(candidate.dt, forces)
+        received = self.solver.accept(candidate, forces)
         self.on_commit(candidate.dt, forces)
         displacement = history.displacement
         gap = self.setup.height - penetration + displacement
@@ -457,5 +463,6 @@ class NodeReleaseRun:
                 stored=history.stored_energy,
                 interface=-0.5 * float(forces @ gap),
                 branch_dissipation=history.state.dissipated,
+                received=received,
             )
         )

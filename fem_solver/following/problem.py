@@ -1,0 +1,268 @@
+"""Contact states at the end of a step, with every node released or covered in its own time.
+
+The edge is a real number ``s`` as in ``release``: nodes ``0..floor(s)`` are in full contact, the next one
+partly. A step may pass over any number of nodes. A node that the edge leaves behind goes through three times:
+
+1. in contact, until the edge is there (``s = j``): ``v_j`` as imposed, the penetration linear in time;
+2. partly released, until the edge is at the node before it (``s = j - 1``): ``v_j`` goes linearly to the
+   value without force;
+3. free, until the end of the step: it recovers, exactly.
+
+A node that the edge covers goes through them in reverse. The times follow from the path of the edge
+(``path``). Where all happens at once (a load jump, the start) every node has the second time only.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.following.components import Components
+from fem_solver.following.path import EdgePath
+from fem_solver.following.placement import Placement
+from fem_solver.following.state import FollowingState
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class _Passage:
+    """Components of a range of nodes on their way through a step; sums up energies if asked to."""
+
+    solid: Components
+    v: Array
+    b: Array
+    accounts: bool
+    dissipated: float = 0.0
+    received: float = 0.0
+
+    def linear(self, dt: Array, reached: Array) -> None:
+        """``v`` goes linearly to ``reached``."""
+        after = self.solid.linear(self.v, self.b, dt, reached)
+        if self.accounts:
+            mean = 0.5 * (self.solid.force(self.v, self.b) + self.solid.force(reached, after))
+            self.received += float(np.sum(mean * (reached - self.v)))
+            lossy = (dt > 0.0) & np.isfinite(dt)
+            if lossy.any():
+                parts = (self.v[lossy], self.b[:, lossy], dt[lossy], reached[lossy])
+                self.dissipated += float(np.sum(self.solid.loss(*parts)))
+        self.v, self.b = reached, after
+
+    def recover(self, dt: Array) -> None:
+        """Without force, where that takes any time."""
+        free = dt > 0.0
+        if not free.any():
+            return
+        v, b = self.v.copy(), self.b.copy()
+        v[free], b[:, free] = self.solid.recovered(b[:, free], dt[free])
+        if self.accounts:
+            self.dissipated += float(np.sum(self.solid.stored(self.v, self.b) - self.solid.stored(v, b)))
+        self.v, self.b = v, b
+
+
+class FollowingProblem:
+    """All contact states possible at one instant, as functions of the edge position.
+
+    Parameters
+    ----------
+    placement : Placement
+    solid : Components
+    state : FollowingState
+        At the begin of the step, at this place of the mesh.
+    dt : float
+        Length of the step; 0 for a glassy response, infinite for a relaxed one.
+    control : "penetration" or "force"
+    value : float
+        Of the controlled quantity.
+    """
+
+    def __init__(
+        self,
+        placement: Placement,
+        solid: Components,
+        state: FollowingState,
+        dt: float,
+        control: str,
+        value: float,
+    ) -> None:
+        self.placement, self.solid, self.state = placement, solid, state
+        self.geometry, self.dt, self.control, self.value = placement.geometry, dt, control, value
+        self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0
+        self.evaluations = 0
+        step = solid.shear.increment(dt)
+        self.modulus = step.modulus
+        start = -placement.profile - state.components
+        # in contact throughout, per unit of penetration and without it
+        self._gain = step.gain[:, None]
+        self._base = step.decay[:, None] * state.branches + self._gain * start
+        held = self.modulus * -placement.profile + step.memory(state.branches, state.components)
+        self._stiffness = np.cumsum(self.modulus * placement.unit**2)
+        self._held = np.cumsum(placement.unit * held)
+        if self.at_once:
+            self._free = solid.relieved(state.components, state.branches, dt)
+            self._free_branches = solid.linear(state.components, state.branches, dt, self._free)
+        else:
+            self._free, self._free_branches = solid.recovered(state.branches, dt)
+
+    def penetration(self, s: float) -> float:
+        """Penetration at edge position ``s``."""
+        if self.control == "penetration":
+            return self.value
+        if s < 0.0:  # no contact yet: the penetration at which the indenter first touches
+            free = self.placement.displacement(self._free)
+            return float((self.placement.height + free).min())
+        first = self.state.penetration
+        second = first + float(self.placement.height[int(s) + 1])
+        low, high = self._force_at(s, first), self._force_at(s, second)
+        return first + (self.value - low) / (high - low) * (second - first)
+
+    def force(self, s: float) -> float:
+        """Total force."""
+        return self.value if self.control == "force" else self._force_at(s, self.value)
+
+    def _force_at(self, s: float, penetration: float) -> float:
+        if s < 0.0:
+            return 0.0
+        low, high = self._changing(s)
+        passage = self._passed(s, penetration, low, high, False)
+        top = int(np.floor(s)) + 1
+        loaded = self.solid.force(passage.v, passage.b)[: top + 1 - low]
+        total = float(self.placement.unit[low : top + 1] @ loaded)
+        return total + (float(self._stiffness[low - 1] * penetration + self._held[low - 1]) if low else 0.0)
+
+    def _changing(self, s: float) -> tuple[int, int]:
+        """Range of the nodes that are not in contact, or free, throughout the step."""
+        edges = sorted((max(self.state.edge, -1.0), s))
+        return int(np.floor(edges[0])) + 1, min(int(np.floor(edges[1])) + 2, len(self.placement.unit))
+
+    def _passed(self, s: float, penetration: float, low: int, high: int, accounts: bool) -> _Passage:
+        """Nodes ``low..high-1`` at the end of the step with the edge at ``s``."""
+        here, state = self.placement, self.state
+        nodes, index = slice(low, high), np.arange(low, high)
+        unit, profile = here.unit[nodes], here.profile[nodes]
+        passage = _Passage(self.solid, state.components[nodes], state.branches[:, nodes], accounts)
+        share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
+        if self.at_once:
+            held = penetration * unit - profile
+            passage.linear(np.full(high - low, self.dt), share * held + (1.0 - share) * self._free[nodes])
+            return passage
+        path = EdgePath.through(state.radius, self.geometry.radius(s), self.dt, state.before)
+        ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
+        at, change = path.passed(ends), penetration - state.penetration
+
+        def imposed(theta: Array) -> Array:
+            return (state.penetration + theta * change) * unit - profile
+
+        first, last = (at[1:], at[:-1]) if path.opens else (at[:-1], at[1:])
+        if path.opens:
+            passage.linear(first * self.dt, np.where(first > 0.0, imposed(first), passage.v))
+        else:
+            passage.recover(first * self.dt)
+        length = (last - first) * self.dt
+        free = self.solid.relieved(passage.v, passage.b, length)
+        passage.linear(length, share * imposed(last) + (1.0 - share) * free)
+        if path.opens:
+            passage.recover((1.0 - last) * self.dt)
+        else:
+            passage.linear((1.0 - last) * self.dt, np.where(last < 1.0, imposed(np.ones(1)), passage.v))
+        return passage
+
+    def arrival(self, s: float) -> tuple[Array, Array]:
+        """Components and branch variables at the end of the step; shapes (n,) and (branches, n)."""
+        v, b, _ = self._arrived(s, False)
+        return v, b
+
+    def _arrived(self, s: float, accounts: bool) -> tuple[Array, Array, _Passage]:
+        here, penetration = self.placement, self.penetration(s)
+        low, high = self._changing(s)
+        passage = self._passed(s, penetration, low, high, accounts)
+        held = penetration * here.unit[:low] - here.profile[:low]
+        within = self._base[:, :low] + self._gain * penetration * here.unit[:low]
+        v = np.concatenate([held, passage.v, self._free[high:]])
+        return v, np.hstack([within, passage.b, self._free_branches[:, high:]]), passage
+
+    def sharp(self, plane_modulus: float) -> Array:
+        """Energy release rate of a sharp edge at every component, if all happens at once; shape (n,).
+
+        It needs no process zone to be resolved: ``E* q^2/(2 pi x)``, with ``q`` the flat punch that leaves
+        the same singularity there; zero where the edge would be under pressure.
+
+        Parameters
+        ----------
+        plane_modulus : float
+            ``E*`` at unit shear modulus.
+
+        Returns
+        -------
+        ndarray
+        """
+        here = self.placement
+        free = self.solid.relieved(self.state.components, self.state.branches, self.dt)
+        if self.control == "penetration":
+            penetration = np.full(len(here.unit), self.value)
+        else:
+            penetration = (self.value - self._held) / self._stiffness
+        q = penetration - (here.profile + free) / here.unit
+        x = np.maximum(here.positions, np.finfo(float).tiny)
+        return np.where(q < 0.0, self.modulus * plane_modulus * q**2 / (2.0 * np.pi * x), 0.0)
+
+    def accepted(self, s: float) -> FollowingState:
+        """The state at the end of the step."""
+        v, b, passage = self._arrived(s, True)
+        low, high = self._changing(s)
+        for nodes in (slice(0, low), slice(high, None)):
+            rest = _Passage(self.solid, self.state.components[nodes], self.state.branches[:, nodes], True)
+            if nodes.stop is None and not self.at_once:
+                rest.recover(np.full(len(rest.v), self.dt))
+            else:
+                rest.linear(np.full(len(rest.v), self.dt), v[nodes])
+            passage.dissipated += rest.dissipated
+            passage.received += rest.received
+        state = self.state
+        return FollowingState(
+            place=self.placement.place,
+            components=v,
+            branches=b,
+            penetration=self.penetration(s),
+            radius=self.geometry.radius(s),
+            edge=s,
+            before=None if self.at_once else (self.dt, state.radius),
+            dissipated=state.dissipated + passage.dissipated,
+            received=state.received + passage.received,
+            updates=state.updates + 1,
+        )
+
+    def forces(self, s: float) -> Array:
+        """All nodal forces, compressive positive; shape (n,)."""
+        v, b = self.arrival(s)
+        loaded = np.zeros(len(v))
+        end = int(np.floor(s)) + 2
+        loaded[:end] = self.solid.force(v[:end], b[:, :end])
+        return self.placement.forces(loaded)
+
+    def closure(self, s: float) -> float:
+        """Closure integral, an energy per area (see ``release``); minus infinity for an edge under pressure."""
+        geometry = self.geometry
+        self.evaluations += 1
+        m = int(np.floor(s))
+        top = m + 1
+        v, b = self.arrival(s)
+        first = max(int(geometry.first[m]), 1)
+        y = self.solid.force(v[first : top + 1], b[:, first : top + 1])
+        # the node in full contact next to the edge tells tension from pressure
+        if y[m - first] > 0.0:
+            return -np.inf
+        inside = np.arange(first, top + 1)
+        low, high = geometry.low[inside], geometry.high[inside]
+        beyond = int(high.max()) + 1
+        forces = self.placement.forces(y, first)
+        gap = np.zeros(beyond - first)
+        gap[top - first :] = self.placement.displacement_of(v, top, beyond)
+        gap[top - first :] += self.placement.height[top:beyond] - self.penetration(s)
+        share = geometry.share[inside]
+        shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
+        zone = geometry.zone or np.nan
+        return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * zone))
