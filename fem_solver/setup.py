@@ -16,7 +16,7 @@ from fem_solver.condensed import CondensedHistory
 from fem_solver.cost import run_cost
 from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
 from fem_solver.halfspace import Factorisation, HalfSpace
-from fem_solver.options import Options
+from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.prony import Prony
 from fem_solver.quadrature import QuadratureHistory
 from fem_solver.release import EdgeGeometry
@@ -116,6 +116,11 @@ class Setup:
     travel: float
     resolved_from: float
     shortest_time: float
+
+    @property
+    def tolerance(self) -> float:
+        """Relative accuracy of the force in time where the options ask for none."""
+        return DEFAULT_TOLERANCE
 
     @property
     def has_history(self) -> bool:

@@ -121,9 +121,10 @@ class NodeReleaseRun:
     before: StepBefore | None = None
 
     def __post_init__(self) -> None:
-        self.solver: ContactSolver | FollowingContactSolver
+        self.solver: ContactSolver
         if isinstance(self.setup, FollowingSetup):
-            self.solver = FollowingContactSolver(self.setup, self.counters)
+            following = FollowingContactSolver(self.setup, self.counters)
+            self.solver = following  # type: ignore[assignment] # another class with the same methods
         else:
             self.solver = ContactSolver(self.setup, self.counters)
 

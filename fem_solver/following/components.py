@@ -19,6 +19,10 @@ from fem_solver.prony import Prony, phi
 
 Array = NDArray[np.float64]
 
+_SHORT = 1e-4
+"""Share of a retardation time below which a series replaces a difference of nearly equal numbers; the error
+of both is about the square."""
+
 
 class Components:
     """Laws of single components; ``v`` has shape (m,), ``b`` (branches, m), durations are (m,) or numbers.
@@ -50,11 +54,35 @@ class Components:
 
     def recovered(self, b: Array, dt: Array | float) -> tuple[Array, Array]:
         """``v`` and ``b`` after a time without force, exactly."""
-        if not len(b):
-            return np.zeros(b.shape[1]), b
         amplitudes = np.exp(-self._rates[:, None] * dt) * (self._modes.T @ (b / self._root))
         after = self._root * (self._modes @ amplitudes)
         return -after.sum(axis=0) / self.shear.relaxed, after
+
+    def crept(self, v: Array, b: Array, dt: Array, force: Array) -> tuple[Array, Array, Array]:
+        """``v`` and ``b`` after a time in which the force goes linearly to ``force``, exactly, and its work.
+
+        Parameters
+        ----------
+        v : ndarray, shape (m,)
+        b : ndarray, shape (branches, m)
+        dt, force : ndarray, shape (m,)
+
+        Returns
+        -------
+        v, b, work : ndarray
+        """
+        before, relaxed = self.force(v, b), self.shear.relaxed
+        y = self._rates[:, None] * dt
+        one, change = phi(y), force - before
+        start = self._modes.T @ (b / self._root)
+        pull = self._modes.T @ (self._moduli / (self.shear.glassy * self._root))
+        after = self._root * (self._modes @ (np.exp(-y) * start + one * pull * change))
+        reached = (force - after.sum(axis=0)) / relaxed
+        # mean of v over the time: the work is what it does not lose while the force changes
+        double = np.where(y > _SHORT, (1.0 - one) / np.where(y > _SHORT, y, 1.0), 0.5 - y / 6.0)
+        mean = self._root * (self._modes @ (one * start + double * pull * change))
+        work = force * reached - before * v - change * (0.5 * (before + force) - mean.sum(axis=0)) / relaxed
+        return reached, after, work
 
     def force(self, v: Array, b: Array) -> Array:
         """``y``."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from fem_solver.edge import AdhesiveEdge, EdgeMotion, EdgePosition
 from fem_solver.following.placement import Placement
 from fem_solver.following.problem import FollowingProblem
 from fem_solver.following.setup import FollowingSetup
+from fem_solver.release import ContactProblem
 
 Array = NDArray[np.float64]
 
@@ -65,7 +68,8 @@ class FollowingContactSolver:
         if radius == 0.0:
             placement = self.setup.surfaces.around(0.0)
             problem = self._problem(placement, dt, "penetration", penetration)
-            return self._found(dt, problem, PlacedEdge(placement, self.setup.work).start(problem))
+            edge = PlacedEdge(placement, self.setup.work).start(cast("ContactProblem", problem))
+            return self._found(dt, problem, edge)
         return self._search(dt, "penetration", penetration, radius, (0.0, math.inf), 0.0)
 
     def trial(
@@ -117,11 +121,12 @@ class FollowingContactSolver:
         radius = self.setup.geometry.radius(edge.s)
         placement = self.setup.surfaces.around(radius)
         position = EdgePosition(edge.motion, placement.geometry.position(radius))
-        return ContactCandidate(dt, self._problem(placement, dt, control, value), position)
+        problem = self._problem(placement, dt, control, value)
+        return ContactCandidate(dt, cast("ContactProblem", problem), position)
 
     def extended(self, candidate: ContactCandidate) -> ContactCandidate:
         """The search of a candidate without equilibrium, continued as far as contact goes."""
-        problem, radius = candidate.problem, self.radius(candidate)
+        problem, radius = cast("FollowingProblem", candidate.problem), self.radius(candidate)
         limits = (radius, math.inf) if candidate.edge.motion is EdgeMotion.ADVANCING else (0.0, radius)
         return self._search(candidate.dt, problem.control, problem.value, radius, limits, 0.0)
 
@@ -131,7 +136,7 @@ class FollowingContactSolver:
 
     def accept(self, candidate: ContactCandidate, forces: Array) -> float:
         """Make a candidate the accepted state; the work done on the surface so far."""
-        self.setup.history.accept(candidate.problem, candidate.edge.s)
+        self.setup.history.accept(cast("FollowingProblem", candidate.problem), candidate.edge.s)
         return self.setup.history.state.received
 
     def _problem(self, placement: Placement, dt: float, control: Control, value: float) -> FollowingProblem:
@@ -141,7 +146,7 @@ class FollowingContactSolver:
     def _found(self, dt: float, problem: FollowingProblem, edge: EdgePosition) -> ContactCandidate:
         self.counters.closure_evaluations += problem.evaluations
         self.counters.linear_solves += 1
-        return ContactCandidate(dt, problem, edge)
+        return ContactCandidate(dt, cast("ContactProblem", problem), edge)
 
     def _search(
         self,
@@ -177,7 +182,7 @@ class FollowingContactSolver:
             law = PlacedEdge(placement, self.setup.work, _STRIDE_OF_TRAVEL * travel)
             problem = self._problem(placement, dt, control, value)
             ends = geometry.position(low), geometry.position(high)
-            edge = law.seek(problem, geometry.position(radius), *ends)
+            edge = law.seek(cast("ContactProblem", problem), geometry.position(radius), *ends)
             found = self._found(dt, problem, edge)
             reached, outwards = geometry.radius(edge.s), edge.motion is EdgeMotion.ADVANCING
             ended = edge.s >= ends[1] if outwards else edge.s <= max(ends[0], 2.0)
@@ -186,7 +191,7 @@ class FollowingContactSolver:
             if far:
                 radius, far = self._sharp_rest(problem, reached, outwards), False
                 if radius == 0.0:
-                    return ContactCandidate(dt, problem, EdgePosition(EdgeMotion.RECEDING, 2.0))
+                    return replace(found, edge=EdgePosition(EdgeMotion.RECEDING, 2.0))
                 continue
             if way is not None and outwards is not way:
                 stride = 0.0
@@ -213,7 +218,7 @@ class FollowingContactSolver:
         return float(min(x[at] + share * (x[at + 1] - x[at]), reach))
 
     def _start_radius(self, dt: float, penetration: float) -> float:
-        """Contact radius of a sharp edge on the undeformed half-space: the outermost stable one, 0 if none."""
+        """Contact radius of a sharp edge on the undeformed half-space: the outermost stable, or 0."""
         surfaces, radius = self.setup.surfaces, self.setup.surfaces.largest
         for _ in range(_START_SEARCHES):
             problem = self._problem(surfaces.around(radius), dt, "penetration", penetration)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from numpy.typing import NDArray
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_solver.following.components import Components
 from fem_solver.following.placement import Placement, Surfaces

@@ -4,22 +4,26 @@ The edge is a real number ``s`` as in ``release``: nodes ``0..floor(s)`` are in 
 partly. A step may pass over any number of nodes. A node that the edge leaves behind goes through three times:
 
 1. in contact, until the edge is there (``s = j``): ``v_j`` as imposed, the penetration linear in time;
-2. partly released, until the edge is at the node before it (``s = j - 1``): ``v_j`` goes linearly to the
-   value without force;
+2. partly released, until the edge is at the node before it (``s = j - 1``): its force is the share
+   ``s - (j - 1)`` of that in contact and goes linearly to zero;
 3. free, until the end of the step: it recovers, exactly.
 
-A node that the edge covers goes through them in reverse. The times follow from the path of the edge
-(``path``). Where all happens at once (a load jump, the start) every node has the second time only.
+A node that the edge covers goes through them in reverse; partly covered, ``v_j`` is the mean of what is
+imposed and what recovers, by its share. Component j stands for the radii between two positions of the edge:
+both are the means over them of what a continuous edge leaves there. The times follow from its path (see
+``path``). Where all happens at once (a load jump, the start) every node has the second time only.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene.loading import Control
 from fem_solver.following.components import Components
 from fem_solver.following.path import EdgePath
 from fem_solver.following.placement import Placement
@@ -27,14 +31,21 @@ from fem_solver.following.state import FollowingState
 
 Array = NDArray[np.float64]
 
+_LEAST_SHARE = 1e-6
+"""Share of a node's contact below which what it would have in full contact is that of one just covered."""
+
 
 @dataclass
 class _Passage:
-    """Components of a range of nodes on their way through a step; sums up energies if asked to."""
+    """Components of a range of nodes on their way through a step; sums up energies if asked to.
+
+    ``held`` (branches, 1) are the branch variables of the partly released node if it were in contact.
+    """
 
     solid: Components
     v: Array
     b: Array
+    held: Array
     accounts: bool
     dissipated: float = 0.0
     received: float = 0.0
@@ -50,6 +61,15 @@ class _Passage:
                 parts = (self.v[lossy], self.b[:, lossy], dt[lossy], reached[lossy])
                 self.dissipated += float(np.sum(self.solid.loss(*parts)))
         self.v, self.b = reached, after
+
+    def creep(self, dt: Array, force: Array) -> None:
+        """The force goes linearly to ``force``."""
+        v, b, work = self.solid.crept(self.v, self.b, dt, force)
+        if self.accounts:
+            change = self.solid.stored(v, b) - self.solid.stored(self.v, self.b)
+            self.received += float(np.sum(work))
+            self.dissipated += float(np.sum(work - change))
+        self.v, self.b = v, b
 
     def recover(self, dt: Array) -> None:
         """Without force, where that takes any time."""
@@ -79,19 +99,22 @@ class FollowingProblem:
         Of the controlled quantity.
     """
 
+    control: Control
+
     def __init__(
         self,
         placement: Placement,
         solid: Components,
         state: FollowingState,
         dt: float,
-        control: str,
+        control: Control,
         value: float,
     ) -> None:
         self.placement, self.solid, self.state = placement, solid, state
         self.geometry, self.dt, self.control, self.value = placement.geometry, dt, control, value
         self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0
         self.evaluations = 0
+        self._partly = int(np.floor(state.edge)) + 1 if state.edge >= 0.0 else None
         step = solid.shear.increment(dt)
         self.modulus = step.modulus
         start = -placement.profile - state.components
@@ -143,10 +166,18 @@ class FollowingProblem:
         here, state = self.placement, self.state
         nodes, index = slice(low, high), np.arange(low, high)
         unit, profile = here.unit[nodes], here.profile[nodes]
-        passage = _Passage(self.solid, state.components[nodes], state.branches[:, nodes], accounts)
+        passage = _Passage(
+            self.solid, state.components[nodes], state.branches[:, nodes], state.held, accounts
+        )
         share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
         if self.at_once:
             held = penetration * unit - profile
+            top = slice(int(np.floor(s)) + 1 - low, int(np.floor(s)) + 2 - low)
+            if low + top.start == self._partly:
+                start = state.penetration * unit[top] - profile[top], state.held[:, None]
+            else:
+                start = passage.v[top], passage.b[:, top]
+            passage.held = self.solid.linear(*start, self.dt, held[top])
             passage.linear(np.full(high - low, self.dt), share * held + (1.0 - share) * self._free[nodes])
             return passage
         path = EdgePath.through(state.radius, self.geometry.radius(s), self.dt, state.before)
@@ -156,19 +187,72 @@ class FollowingProblem:
         def imposed(theta: Array) -> Array:
             return (state.penetration + theta * change) * unit - profile
 
-        first, last = (at[1:], at[:-1]) if path.opens else (at[:-1], at[1:])
         if path.opens:
-            passage.linear(first * self.dt, np.where(first > 0.0, imposed(first), passage.v))
+            self._release(passage, share[0], at[1:], at[:-1], imposed, low == self._partly)
         else:
-            passage.recover(first * self.dt)
-        length = (last - first) * self.dt
-        free = self.solid.relieved(passage.v, passage.b, length)
-        passage.linear(length, share * imposed(last) + (1.0 - share) * free)
-        if path.opens:
-            passage.recover((1.0 - last) * self.dt)
-        else:
-            passage.linear((1.0 - last) * self.dt, np.where(last < 1.0, imposed(np.ones(1)), passage.v))
+            self._cover(passage, share, at[:-1], at[1:], imposed)
         return passage
+
+    def _release(
+        self,
+        passage: _Passage,
+        share: float,
+        first: Array,
+        last: Array,
+        imposed: Callable[[Array], Array],
+        partly: bool,
+    ) -> None:
+        """Nodes that the edge leaves behind, the first of them in part.
+
+        Parameters
+        ----------
+        passage : _Passage
+        share : float
+            Of the first node, in contact at the end.
+        first, last : ndarray, shape (m,)
+            Shares of the step at which the release of each node begins and ends.
+        imposed : callable(ndarray) -> ndarray
+            ``v`` in contact at a share of the step.
+        partly : bool
+            Whether the first node is in contact only in part from the begin on.
+        """
+        passage.linear(first * self.dt, np.where(first > 0.0, imposed(first), passage.v))
+        length = (last - first) * self.dt
+        # the node that remains in part, as if it had stayed in contact
+        branches = self.state.held[:, None] if partly else passage.b[:, :1]
+        reached = imposed(last)[:1]
+        passage.held = self.solid.linear(imposed(first)[:1], branches, length[:1], reached)
+        force = np.zeros(len(passage.v))
+        force[0] = share * self.solid.force(reached, passage.held)[0]
+        passage.creep(length, force)
+        passage.recover((1.0 - last) * self.dt)
+
+    def _cover(
+        self, passage: _Passage, share: Array, first: Array, last: Array, imposed: Callable[[Array], Array]
+    ) -> None:
+        """Nodes that the edge covers, the last of them in part.
+
+        Parameters
+        ----------
+        passage : _Passage
+        share : ndarray, shape (m,)
+            Of each node, in contact at the end.
+        first, last : ndarray, shape (m,)
+            Shares of the step at which each node begins to be covered and is covered.
+        imposed : callable(ndarray) -> ndarray
+            ``v`` in contact at a share of the step.
+        """
+        passage.recover(first * self.dt)
+        length, free = (last - first) * self.dt, passage.b.copy()
+        before = self.state.edge - np.floor(self.state.edge)
+        free[:, 0] = (free[:, 0] - before * self.state.held) / (1.0 - before)
+        v, free = self.solid.recovered(free, length)
+        passage.linear(length, share * imposed(last) + (1.0 - share) * v)
+        if share[-1] > _LEAST_SHARE:
+            passage.held = (passage.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]
+        else:
+            passage.held = self.solid.linear(v[-1:], free[:, -1:], 0.0, imposed(last)[-1:])
+        passage.linear((1.0 - last) * self.dt, np.where(last < 1.0, imposed(np.ones(1)), passage.v))
 
     def arrival(self, s: float) -> tuple[Array, Array]:
         """Components and branch variables at the end of the step; shapes (n,) and (branches, n)."""
@@ -214,7 +298,8 @@ class FollowingProblem:
         v, b, passage = self._arrived(s, True)
         low, high = self._changing(s)
         for nodes in (slice(0, low), slice(high, None)):
-            rest = _Passage(self.solid, self.state.components[nodes], self.state.branches[:, nodes], True)
+            started = self.state.components[nodes], self.state.branches[:, nodes]
+            rest = _Passage(self.solid, *started, self.state.held, True)
             if nodes.stop is None and not self.at_once:
                 rest.recover(np.full(len(rest.v), self.dt))
             else:
@@ -226,6 +311,7 @@ class FollowingProblem:
             place=self.placement.place,
             components=v,
             branches=b,
+            held=passage.held[:, 0],
             penetration=self.penetration(s),
             radius=self.geometry.radius(s),
             edge=s,
@@ -244,7 +330,7 @@ class FollowingProblem:
         return self.placement.forces(loaded)
 
     def closure(self, s: float) -> float:
-        """Closure integral, an energy per area (see ``release``); minus infinity for an edge under pressure."""
+        """Closure integral, an energy per area (see ``release``); minus infinity under pressure."""
         geometry = self.geometry
         self.evaluations += 1
         m = int(np.floor(s))

@@ -15,7 +15,7 @@ from fem_solver.edge import AdhesiveEdge
 from fem_solver.following.components import Components
 from fem_solver.following.history import FollowingHistory
 from fem_solver.following.placement import Surfaces
-from fem_solver.options import Options
+from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.release import EdgeGeometry
 from fem_solver.setup import SetUpInterrupted, moduli
 
@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 _TRAVEL = 0.03
 """Edge travel allowed per step, relative to the contact radius: on that scale the field away from the edge
 changes, and with it what drives the edge."""
+_DIVISIONS = 10.0
+"""Elements per process zone to which the usual tolerance of the steps belongs; it goes with their square, so
+that steps and mesh are refined together."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,8 @@ class FollowingSetup:
         ``E*`` at unit shear modulus.
     shortest_time : float
         Shortest relaxation time; infinite for an elastic solid.
+    tolerance : float
+        Relative accuracy of the force in time where the options ask for none.
     """
 
     surfaces: Surfaces
@@ -47,6 +52,7 @@ class FollowingSetup:
     work: float
     plane_modulus: float
     shortest_time: float
+    tolerance: float
     resolved_from = 0.0
 
     @property
@@ -107,7 +113,9 @@ def set_up_following(
     """
     material = moduli(scene.material)
     if not material.alike or options.path == "quadrature":
-        raise UnsupportedScene("material.bulk", "separate relaxation needs a mesh that stays", "a longer zone")
+        raise UnsupportedScene(
+            "material.bulk", "separate relaxation needs a mesh that stays", "a longer zone"
+        )
     if options.form != "mixed" and material.bulk is None:
         raise UnsupportedScene(
             "material.poisson", "the displacement form needs compressibility", "form mixed"
@@ -134,4 +142,5 @@ def set_up_following(
         work=scene.adhesion.work,
         plane_modulus=material.unit_plane_modulus,
         shortest_time=float(times.min()) if times.size else math.inf,
+        tolerance=DEFAULT_TOLERANCE * (_DIVISIONS / meshes.divisions) ** 2,
     )

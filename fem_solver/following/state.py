@@ -32,6 +32,8 @@ class FollowingState:
     before : tuple of float or None
         Length of the last step and the contact radius at its begin; ``None`` if the path of the edge does not
         go on smoothly from there.
+    held : ndarray, shape (branches,)
+        Branch variables that the partly released node would have if it had stayed in contact.
     dissipated, received : float
         Energy dissipated in the branches, and work done on the surface, so far.
     updates : int
@@ -41,6 +43,7 @@ class FollowingState:
     place: Any
     components: Array
     branches: Array
+    held: Array
     penetration: float = 0.0
     radius: float = 0.0
     edge: float = -1.0
@@ -53,12 +56,10 @@ class FollowingState:
 def undeformed(placement: Placement, branches: int) -> FollowingState:
     """The state before any contact."""
     nodes = len(placement.radii)
-    return FollowingState(placement.place, np.zeros(nodes), np.zeros((branches, nodes)))
+    return FollowingState(placement.place, np.zeros(nodes), np.zeros((branches, nodes)), np.zeros(branches))
 
 
-def transferred(
-    state: FollowingState, old: Placement, new: Placement, solid: Components
-) -> FollowingState:
+def transferred(state: FollowingState, old: Placement, new: Placement, solid: Components) -> FollowingState:
     """The same state with the mesh at another place.
 
     Inside the contact the components follow from the penetration, and the branch variables vary smoothly with
@@ -92,6 +93,7 @@ def transferred(
         place=new.place,
         components=np.concatenate([imposed[:top], free]),
         branches=np.hstack([within[:, :-1], between, beyond[:, 1:]]) * new.unit,
+        held=within[:, -1] * new.unit[top],
         edge=edge,
     )
 
