@@ -290,8 +290,9 @@ class FollowingProblem:
         else:
             penetration = (self.value - self._held) / self._stiffness
         q = penetration - (here.profile + free) / here.unit
-        x = np.maximum(here.positions, np.finfo(float).tiny)
-        return np.where(q < 0.0, self.modulus * plane_modulus * q**2 / (2.0 * np.pi * x), 0.0)
+        twice = self.modulus * plane_modulus * np.minimum(q, 0.0) ** 2 / np.pi
+        x = here.positions
+        return 0.5 * np.divide(twice, x, out=np.zeros_like(x), where=x > 0.0)
 
     def accepted(self, s: float) -> FollowingState:
         """The state at the end of the step."""
