@@ -10,11 +10,16 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from contact_scene import Counters
 from contact_scene.segment import Control
 from fem_solver.edge import EdgeMotion, EdgePosition
 from fem_solver.release import ContactProblem, EdgeOrigin
 from fem_solver.setup import Setup
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -119,6 +124,17 @@ class ContactSolver:
     def radius(self, candidate: ContactCandidate) -> float:
         """Contact radius."""
         return self.setup.law.radius(candidate.problem, candidate.edge.s)
+
+    def accept(self, candidate: ContactCandidate, forces: Array) -> float | None:
+        """Make a candidate with these nodal forces the accepted state.
+
+        Returns
+        -------
+        float or None
+            Work done on the surface so far, where the history itself knows it.
+        """
+        self.setup.history.commit(candidate.dt, forces)
+        return None
 
     def _problem(self, dt: float, control: Control, value: float) -> ContactProblem:
         setup = self.setup

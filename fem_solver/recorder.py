@@ -54,6 +54,8 @@ class SurfaceState:
     closure, spent, rate, duration : float
         Closure integral at the edge, energy that the interface has taken up, mean rate of the radius over the
         last step and its length: where adhesion is irreversible.
+    received : float, optional
+        Work done on the surface so far, where the history knows it better than trapezoids between rows.
     """
 
     time: float
@@ -71,6 +73,7 @@ class SurfaceState:
     spent: float = 0.0
     rate: float = 0.0
     duration: float = 0.0
+    received: float | None = None
 
 
 @dataclass
@@ -131,6 +134,9 @@ class SurfaceRecorder:
         if content.last is not None:
             mean = 0.5 * (state.force + content.last.force)
             content.external_work += mean * (state.penetration - content.last.penetration)
+        if content.last is not None and state.received is not None:
+            content.surface_work += state.received - (content.last.received or 0.0)
+        elif content.last is not None:
             forces = 0.5 * (state.forces + content.last.forces)
             content.surface_work += float(forces @ (state.displacement - content.last.displacement))
         else:

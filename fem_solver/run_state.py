@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from fem_solver.condensed import CondensedState
 from fem_solver.contact_solver import ContactCandidate
+from fem_solver.following.state import FollowingState
 from fem_solver.quadrature import QuadratureSnapshot, QuadratureState
 from fem_solver.recorder import RecorderContent, RowBefore
 from fem_solver.step_control import DyadicInterval
@@ -24,14 +25,14 @@ class StepBefore:
     slopes : dict of str to float
         Of the step before it.
     row : RowBefore
-    history : CondensedState or QuadratureState
+    history : CondensedState, QuadratureState or FollowingState
     """
 
     time: float
     position: int
     slopes: dict[str, float]
     row: RowBefore
-    history: CondensedState | QuadratureState
+    history: CondensedState | QuadratureState | FollowingState
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class NodeReleaseState:
     slopes : dict of str to float
         Of the last accepted step (see ``step_control``).
     recorded : RecorderContent
-    history : CondensedState or QuadratureSnapshot
+    history : CondensedState, QuadratureSnapshot or FollowingState
     before : StepBefore or None
     """
 
@@ -61,7 +62,7 @@ class NodeReleaseState:
     step: float | None
     slopes: dict[str, float]
     recorded: RecorderContent
-    history: CondensedState | QuadratureSnapshot
+    history: CondensedState | QuadratureSnapshot | FollowingState
     before: StepBefore | None
 
 

@@ -17,7 +17,7 @@ from fem_solver.cost import run_cost
 from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
 from fem_solver.halfspace import Factorisation, HalfSpace
 from fem_solver.irreversible_edge import IrreversibleEdge
-from fem_solver.options import Options
+from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.prony import Prony
 from fem_solver.quadrature import QuadratureHistory
 from fem_solver.release import EdgeGeometry
@@ -120,6 +120,11 @@ class Setup:
     resolved_from: float
     shortest_time: float
     compliance: float = 0.0
+
+    @property
+    def tolerance(self) -> float:
+        """Relative accuracy of the force in time where the options ask for none."""
+        return DEFAULT_TOLERANCE
 
     @property
     def has_history(self) -> bool:

@@ -23,7 +23,8 @@ from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, SurfaceLog, history_log
 from fem_solver.fields.kept_recording import RecordingMonitor
 from fem_solver.fields.recording import Recording
-from fem_solver.options import DEFAULT_TOLERANCE, Options
+from fem_solver.following.setup import FollowingSetup, set_up_following
+from fem_solver.options import Options
 from fem_solver.profiles import profile
 from fem_solver.recorder import SOLVER, SurfaceRecorder
 from fem_solver.setup import Setup, SetUpInterrupted, set_up
@@ -48,7 +49,7 @@ def solve(
     mesh : object
         With ``points`` (2, n), ``triangles`` (3, m), ``boundaries`` "surface", "axis", "far" of vertex pairs
         (2, k), and ``parameters.fine_from`` and ``parameters.fine_to``, the radii between which it is made
-        for a contact edge.
+        for a contact edge; or meshes that follow the edge (see ``following.placement``).
     options : Options, optional
     progress : callable(float), optional
         Called with the share of the loading that is done, 0 to 1.
@@ -105,7 +106,8 @@ def record(
     began = clock.perf_counter()
     options = options or Options()
     proceed = None if monitor is None else monitor.continue_set_up
-    setup = set_up(scene, mesh, options, proceed)
+    follows = hasattr(mesh, "place")
+    setup = (set_up_following if follows else set_up)(scene, mesh, options, proceed)
     recorder = SurfaceRecorder(
         scene.adhesion.work if scene.adhesion else 0.0,
         scene.adhesion is None or scene.adhesion.reversible,
@@ -118,7 +120,7 @@ def record(
         setup=setup,
         recorder=recorder,
         estimator=SlopeErrorEstimator(
-            (options.tolerance or DEFAULT_TOLERANCE) * (1.0 if setup.has_history else ELASTIC_TOLERANCE)
+            (options.tolerance or setup.tolerance) * (1.0 if setup.has_history else ELASTIC_TOLERANCE)
         ),
         force_scale=_force_scale(scene, recorder),
         max_steps=options.max_steps,
@@ -136,7 +138,8 @@ def record(
     run.counters.factorisations = setup.history.factorisations
     run.counters.volume_solves = setup.history.volume_solves
     trace = on_machine(recorder.trace(outcome, run.counters, clock.perf_counter() - began), scene.machine)
-    return Recording(setup, trace, observer.states, observer.rows, recorder.surfaces or [], observer.log)
+    kept = observer.states, observer.rows, recorder.surfaces or [], observer.log
+    return Recording(setup, trace, *kept)  # type: ignore[arg-type] # a following set-up records nothing
 
 
 def _start(scene: Scene, run: NodeReleaseRun, monitor: RunMonitor | None) -> Outcome | None:
@@ -169,11 +172,13 @@ def _force_scale(scene: Scene, recorder: SurfaceRecorder) -> Callable[[float], f
 class _Observer:
     """Takes profiles at their times and records the history as the options ask."""
 
-    def __init__(self, options: Options, setup: Setup, recorder: SurfaceRecorder) -> None:
+    def __init__(self, options: Options, setup: Setup | FollowingSetup, recorder: SurfaceRecorder) -> None:
         self._options, self._setup, self._recorder = options, setup, recorder
         self.states: dict[float, Any] = {}
         self.rows: dict[float, int] = {}
-        self.log: HistoryLog | None = history_log(setup.history, options) if options.records else None
+        self.log: HistoryLog | None = None
+        if options.records and isinstance(setup, Setup):
+            self.log = history_log(setup.history, options)
 
     def on_commit(self, dt: float, forces: NDArray[Any]) -> None:
         if self.log is not None:

@@ -37,6 +37,8 @@ from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.curved_loads import deviation_from_tangent, swing
 from fem_solver.edge import NO_CONTACT, AdhesiveEdge, EdgeMotion, EdgePosition
 from fem_solver.events import LoadJump, edge_jump, zone_reached
+from fem_solver.following.contact_solver import FollowingContactSolver
+from fem_solver.following.setup import FollowingSetup
 from fem_solver.irreversible_edge import IrreversibleEdge, energy_spent
 from fem_solver.recorder import SOLVER, SurfaceRecorder, SurfaceState
 from fem_solver.release import EdgeOrigin
@@ -84,7 +86,7 @@ class NodeReleaseRun:
 
     Parameters
     ----------
-    setup : Setup
+    setup : Setup or FollowingSetup
     recorder : SurfaceRecorder
     estimator : SlopeErrorEstimator
     force_scale : callable(float) -> float
@@ -103,7 +105,7 @@ class NodeReleaseRun:
     progress : callable(float) or None
     """
 
-    setup: Setup
+    setup: Setup | FollowingSetup
     recorder: SurfaceRecorder
     estimator: SlopeErrorEstimator
     force_scale: Callable[[float], float]
@@ -122,7 +124,12 @@ class NodeReleaseRun:
     before: StepBefore | None = None
 
     def __post_init__(self) -> None:
-        self.solver = ContactSolver(self.setup, self.counters, self._edge_origin)
+        self.solver: ContactSolver
+        if isinstance(self.setup, FollowingSetup):
+            following = FollowingContactSolver(self.setup, self.counters)
+            self.solver = following  # type: ignore[assignment] # another class with the same methods
+        else:
+            self.solver = ContactSolver(self.setup, self.counters, self._edge_origin)
 
     @property
     def state(self) -> SurfaceState:
@@ -489,7 +496,7 @@ class NodeReleaseRun:
             reason = f"the contact shrinks below the radius {least:.6g} the mesh is made for"
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
         history = self.setup.history
-        history.commit(candidate.dt, forces)
+        received = self.solver.accept(candidate, forces)
         self.on_commit(candidate.dt, forces)
         displacement = history.displacement
         gap = self.setup.height - penetration + displacement
@@ -507,6 +514,7 @@ class NodeReleaseRun:
                 interface=-0.5 * float(forces @ gap),
                 branch_dissipation=history.state.dissipated,
                 zone=candidate.problem.zone(candidate.edge.s),
+                received=received,
                 **self._interface(candidate, radius),
             )
         )

@@ -5,6 +5,7 @@ missing, the structured family), `cached` does so once.
 Importing this package loads neither gmsh nor meshio.
 """
 
+from meshes.around_edge import EdgeMeshes
 from meshes.cache import cache_directory, cached
 from meshes.files import read, write
 from meshes.halfspace import half_space
@@ -16,6 +17,7 @@ from meshes.surface import surface_radii
 __all__ = [
     "BOUNDARIES",
     "FAMILIES",
+    "EdgeMeshes",
     "HalfSpaceMesh",
     "MeshParameters",
     "Quality",

@@ -6,6 +6,8 @@ A built-in scene is a pair of files in ``validation/scenes``: ``NAME.toml``, an 
 - ``figure``, ``statement``: where in the paper it belongs, what it shows;
 - ``suites``: the report suites it belongs to; ``outcome``: how a run should end;
 - ``refused_by``: solvers that do not take the scene and have to say so, none if left out;
+- ``too_long_for``: solvers that would take more than a minute, and are run only where they are named, none if
+  left out;
 - ``profile_times``: times at which the state of the surface is kept, none if left out;
 - ``[tolerances]``: per solver, the largest difference from the reference, relative: ``values`` for scalars,
   a scalar's own name where it differs (the loss of the balance takes that of ``loop_energy``), ``curves``
@@ -56,6 +58,7 @@ class Case:
     tolerances: dict[str, dict[str, float]] = field(default_factory=dict)
     profile_times: tuple[float, ...] = ()
     refused_by: tuple[str, ...] = ()
+    too_long_for: tuple[str, ...] = ()
 
     def tolerance(self, solver: str, quantity: str) -> float | None:
         """Largest relative difference of ``solver`` from the reference in a scalar, ``curves``, ``movement``.
@@ -103,6 +106,7 @@ def load(name: str) -> Case:
             tolerances=known["tolerances"],
             profile_times=tuple(known.get("profile_times", ())),
             refused_by=tuple(known.get("refused_by", ())),
+            too_long_for=tuple(known.get("too_long_for", ())),
         )
     path = Path(name)
     if name and "\0" not in name and (path.exists() or path.suffix == ".toml" or len(path.parts) > 1):

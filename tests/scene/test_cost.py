@@ -24,11 +24,14 @@ from contact_scene import (
 from validation.solvers import SOLVERS, Cost
 from validation.solvers.cost import CostModel, forecast, scene_work
 from validation.solvers.cost_benchmark import SCENES
+from validation.solvers.finite_elements import FiniteElements
 
 ELASTIC = Material(0.75, 0.5)
 HERTZ = Scene(ELASTIC, Sphere(1.0), Loading("relaxed", 0.0, (Ramp(0.04, 0.01), Ramp(0.01, 0.01))))
 FAR = 1e-2
 """Relative error of a path of the edge that is read from a table of radii."""
+OVER_ZONES = ("reference", "fem")
+"""Solvers that step over any number of short zones."""
 
 
 def test_a_path_worked_out_by_hand():
@@ -95,16 +98,21 @@ def test_more_is_never_cheaper(name):
     }
     usual = solver.expected_cost(base)
     assert solver.expected_cost(base, 2 * solver.default_resolution(base)).steps > 1.5 * usual.steps
-    over_zones = math.isfinite(solver.cost_model.most_zones_of_radius)
-    assert solver.expected_cost(more["zone"]).steps > (1.0 if over_zones else 8.0) * usual.steps
+    if name in OVER_ZONES:
+        tenth = replace(base, adhesion=Adhesion(5e-4, 1.3e-4))
+        assert solver.expected_cost(tenth).steps >= solver.expected_cost(more["zone"]).steps
+        assert solver.expected_cost(tenth).seconds >= solver.expected_cost(more["zone"]).seconds
+    else:
+        assert solver.expected_cost(more["zone"]).steps > 8.0 * usual.steps
     assert solver.expected_cost(more["branches"]).seconds > 2.0 * usual.seconds
     assert solver.expected_cost(more["steps"]).steps > 10_000
     assert solver.expected_cost(more["zone"]).bytes > usual.bytes
 
 
-def test_finite_elements_announce_gigabytes():
+def test_finite_elements_announce_gigabytes_where_the_mesh_cannot_follow_the_edge():
     fine = replace(SCENES["one branch"], adhesion=Adhesion(5e-4, 1e-3))
-    assert SOLVERS["fem"].expected_cost(fine).bytes > 1e9
+    assert FiniteElements(path="quadrature").expected_cost(fine).bytes > 1e9
+    assert SOLVERS["fem"].expected_cost(fine).bytes < 1e9
     assert SOLVERS["fem"].expected_cost(SCENES["one branch"]).bytes < 3e8
 
 
@@ -131,8 +139,7 @@ def test_forecasts_hold_within_a_factor_of_three(name, label):
 @pytest.mark.parametrize("name", SOLVERS)
 def test_a_scene_beyond_all_bounds_has_a_forecast(name):
     endless = replace(SCENES["one branch"], adhesion=Adhesion(1e-60, 1e-60), indenter=Sphere(1e60))
-    over_zones = math.isfinite(SOLVERS[name].cost_model.most_zones_of_radius)
-    assert SOLVERS[name].expected_cost(endless).seconds > (0.5 if over_zones else 1e20)
+    assert SOLVERS[name].expected_cost(endless).seconds > (0.5 if name in OVER_ZONES else 1e20)
 
 
 def test_short_zones_cost_no_more_steps():

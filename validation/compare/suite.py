@@ -54,7 +54,7 @@ def compare_scenes(
     further : sequence of (Case, str)
         Cases and solvers to be run at the same time, for other evidence.
     solvers : sequence of str or None
-        Names; ``None``: all.
+        Names; ``None``: all for which the scene does not take too long.
 
     Returns
     -------
@@ -71,11 +71,15 @@ def compare_scenes(
         progress.close()
     comparisons = []
     for case in cases:
-        by_solver = {solver: runs[case.name, solver] for solver in solvers or SOLVERS}
+        by_solver = {solver: runs[case.name, solver] for _, solver in all_pairs([case], solvers)}
         comparisons.append(SceneComparison(case, by_solver, check_case(case, by_solver)))
     return comparisons, runs
 
 
 def all_pairs(cases: Sequence[Case], solvers: Sequence[str] | None = None) -> list[tuple[Case, str]]:
-    """Every scene with every solver, by default all solvers."""
-    return [(case, solver) for case in cases for solver in solvers or SOLVERS]
+    """Every scene with every solver named, or with all for which it does not take too long."""
+    return [
+        (case, solver)
+        for case in cases
+        for solver in solvers or [name for name in SOLVERS if name not in case.too_long_for]
+    ]

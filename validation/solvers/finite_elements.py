@@ -12,7 +12,7 @@ import meshes
 from contact_scene import Scene, SceneError, Trace
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver, specified
 from validation.solvers.contact_range import largest_contact_radius
-from validation.solvers.cost import CostModel
+from validation.solvers.cost import Cost, CostModel, forecast, scene_work
 
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""
@@ -21,6 +21,22 @@ ADHESIONLESS_DIVISIONS = 4
 
 Without adhesion the edge rests on nodes, mid-side nodes among them: two divisions are an element.
 """
+FOLLOWED_BEYOND = 48.0
+"""Largest contact radius, in process zones, beyond which the mesh follows the edge: about there a mesh that
+is fine along the whole path takes as long."""
+FOLLOWING_COST = CostModel(
+    steps_per_division=0.5,
+    steps_per_interval=20.0,
+    steps_per_decade=4.0,
+    steps_per_cycle=150.0,
+    steps_of_elastic_interval=200.0,
+    most_zones_of_radius=20.0,
+    seconds_of_setup=(2.0, 0.2),
+    seconds_of_step=(5e-3, 2e-3),
+    share_of_branch=0.1,
+    bytes_of_run=(1.2e8, 4e6),
+)
+"""Where the mesh follows the edge; unknowns are the halvings of the radius down to the process zone."""
 LEAST_DIVISIONS = 4
 """Smallest resolution that a user may choose; coarser meshes serve estimates of the error alone."""
 GRADING = 0.2
@@ -97,7 +113,8 @@ class FiniteElements(Solver):
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
         from fem_solver import Options, solve
 
-        mesh = mesh_for(scene, resolution, self.grading, self.domain_ratio, self.cached_mesh)
+        sizes = self.grading, self.domain_ratio, self.cached_mesh
+        mesh = (edge_meshes if self.follows_edge(scene) else mesh_for)(scene, resolution, *sizes)
         own = Options(
             self.step_resolution or resolution,
             path=self.path,
@@ -105,6 +122,36 @@ class FiniteElements(Solver):
             **options.of_solver,
         )
         return solve(scene, mesh, own, options.progress, options.monitor)
+
+    def follows_edge(self, scene: Scene) -> bool:
+        """Whether the mesh is fine around the edge only and moves with it, instead of along its whole path.
+
+        It takes a Poisson's ratio that does not change in time, a process zone of one length, one work of
+        adhesion, a rigid machine, and an indenter without an edge of its own.
+        """
+        relaxes_apart = scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
+        if relaxes_apart or self.path == "quadrature" or not scene.is_adhesive or scene.adhesion is None:
+            return False
+        if (
+            not scene.adhesion.reversible
+            or scene.adhesion.stress is not None
+            or scene.loading.compliance > 0.0
+        ):
+            return False
+        long = largest_contact_radius(scene) > FOLLOWED_BEYOND * scene.adhesion.zone
+        return long and not math.isfinite(scene.indenter.edge)
+
+    def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
+        """Forecast of a run, as of every solver; a mesh that follows the edge has its own constants."""
+        try:
+            follows = self.follows_edge(scene)
+        except SceneError:  # the scene never touches
+            follows = False
+        if not follows:
+            return super().expected_cost(scene, resolution)
+        work, divisions = scene_work(scene), resolution or self.default_resolution(scene)
+        halvings = math.log2(max(work.radius_in_zones, 2.0))
+        return forecast(FOLLOWING_COST, work, divisions, halvings)
 
     def load(self) -> None:
         """Import the solver and scikit-fem."""
@@ -127,6 +174,34 @@ class FiniteElements(Solver):
         method = replace(self, grading=ratio * (self.grading or GRADING))
         run = partial(method.solve, scene, other, step_tolerance=ratio**2 * DEFAULT_TOLERANCE)
         return ComparisonRun(run, ratio)
+
+
+def edge_meshes(
+    scene: Scene,
+    resolution: int | None,
+    grading: float | None = None,
+    domain_ratio: float | None = None,
+    cached: bool = True,
+) -> meshes.EdgeMeshes:
+    """Meshes that are fine around the contact edge only.
+
+    Parameters
+    ----------
+    scene, resolution, grading, domain_ratio, cached
+        As of :func:`mesh_for`; the domain radius is over the contact radius.
+
+    Returns
+    -------
+    EdgeMeshes
+    """
+    if scene.adhesion is None:
+        raise SceneError(
+            "adhesion", "is missing: the mesh follows the edge by process zones", "work and zone"
+        )
+    largest, divisions = largest_contact_radius(scene), resolution or DIVISIONS
+    return meshes.EdgeMeshes(
+        scene.adhesion.zone, divisions, largest, grading or GRADING, domain_ratio, cached
+    )
 
 
 def mesh_for(

@@ -1,0 +1,228 @@
+"""Search for the edge with a mesh that is placed where the edge is expected, and moved on where it is not."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Counters
+from contact_scene.segment import Control
+from fem_solver.contact_solver import ContactCandidate
+from fem_solver.edge import AdhesiveEdge, EdgeMotion, EdgePosition
+from fem_solver.following.placement import Placement
+from fem_solver.following.problem import FollowingProblem
+from fem_solver.following.setup import FollowingSetup
+from fem_solver.release import ContactProblem
+
+Array = NDArray[np.float64]
+
+_STRIDE_OF_TRAVEL = 0.1
+"""Widest stride of a search, relative to the travel expected of the step: within a step the closure changes
+on the scale of its travel."""
+_STRIDE_OF_RADIUS = 0.02
+"""Farthest that a search goes to the next place of the mesh, relative to the contact radius: stable and
+unstable contact are farther apart."""
+_START_SEARCHES = 4
+"""Places at which the start radius is sought, each finer around it than the one before."""
+
+
+class PlacedEdge(AdhesiveEdge):
+    """Closure integral equal to the work of adhesion, where the mesh resolves the zone.
+
+    Parameters
+    ----------
+    placement : Placement
+    work : float
+        Work of adhesion.
+    stride : float
+        Widest stride of a search, a length, if it is more than half a zone.
+    """
+
+    def __init__(self, placement: Placement, work: float, stride: float = 0.0) -> None:
+        super().__init__(placement.geometry, work)
+        self.lowest = placement.lowest
+        fine = placement.geometry.radii[int(placement.lowest) : placement.geometry.last + 1]
+        spacing = (fine[-1] - fine[0]) / (len(fine) - 1)
+        self._widest = max(self._widest, stride / spacing)
+        self.range = float(fine[-1] - fine[0])
+
+
+class FollowingContactSolver:
+    """Solves for the contact state at one instant and counts the work; as ``ContactSolver``.
+
+    Positions of the edge that come in are nodes of the surface of the accepted state, those of candidates are
+    nodes of the surface of their problem.
+    """
+
+    def __init__(self, setup: FollowingSetup, counters: Counters) -> None:
+        self.setup, self.counters = setup, counters
+
+    def start(self, penetration: float, relaxed: bool) -> ContactCandidate:
+        """Glassy or relaxed equilibrium, from the undeformed half-space."""
+        dt = math.inf if relaxed else 0.0
+        radius = self._start_radius(dt, penetration)
+        if radius == 0.0:
+            placement = self.setup.surfaces.around(0.0)
+            problem = self._problem(placement, dt, "penetration", penetration)
+            edge = PlacedEdge(placement, self.setup.work).start(cast("ContactProblem", problem))
+            return self._found(dt, problem, edge)
+        return self._search(dt, "penetration", penetration, radius, (0.0, math.inf), 0.0)
+
+    def trial(
+        self, dt: float, control: Control, value: float, start: float, limits: tuple[float, float]
+    ) -> ContactCandidate:
+        """Equilibrium of the edge at the end of a step.
+
+        Parameters
+        ----------
+        dt : float
+            Length of the step; 0 for a glassy response.
+        control : "penetration" or "force"
+        value : float
+            Of the controlled quantity at the end of the step.
+        start : float
+            Edge position before the step.
+        limits : tuple of float
+            Least and largest edge position searched.
+
+        Returns
+        -------
+        ContactCandidate
+            In equilibrium, or with the limit at which the search ended.
+        """
+        geometry, state = self.setup.geometry, self.setup.history.state
+        low = geometry.radius(limits[0]) if limits[0] > self.setup.law.lowest else 0.0
+        high = geometry.radius(limits[1]) if math.isfinite(limits[1]) else math.inf
+        expected = 0.0
+        if state.before is not None and 0.0 < dt < math.inf:
+            expected = (state.radius - state.before[1]) / state.before[0] * dt
+        radius = min(max(state.radius + expected, low), high)
+        return self._search(dt, control, value, radius, (low, high), abs(radius - state.radius))
+
+    def held(self, dt: float, control: Control, value: float, edge: EdgePosition) -> ContactCandidate:
+        """State at the end of a step with the edge at a given position, in equilibrium or not.
+
+        Parameters
+        ----------
+        dt, control, value
+            As of :meth:`trial`.
+        edge : EdgePosition
+            Where the candidate's edge is.
+
+        Returns
+        -------
+        ContactCandidate
+        """
+        self.counters.linear_solves += 1
+        radius = self.setup.geometry.radius(edge.s)
+        placement = self.setup.surfaces.around(radius)
+        position = EdgePosition(edge.motion, placement.geometry.position(radius))
+        problem = self._problem(placement, dt, control, value)
+        return ContactCandidate(dt, cast("ContactProblem", problem), position)
+
+    def extended(self, candidate: ContactCandidate) -> ContactCandidate:
+        """The search of a candidate without equilibrium, continued as far as contact goes."""
+        problem, radius = cast("FollowingProblem", candidate.problem), self.radius(candidate)
+        limits = (radius, math.inf) if candidate.edge.motion is EdgeMotion.ADVANCING else (0.0, radius)
+        return self._search(candidate.dt, problem.control, problem.value, radius, limits, 0.0)
+
+    def radius(self, candidate: ContactCandidate) -> float:
+        """Contact radius."""
+        return candidate.problem.geometry.radius(candidate.edge.s)
+
+    def accept(self, candidate: ContactCandidate, forces: Array) -> float:
+        """Make a candidate the accepted state; the work done on the surface so far."""
+        self.setup.history.accept(cast("FollowingProblem", candidate.problem), candidate.edge.s)
+        return self.setup.history.state.received
+
+    def _problem(self, placement: Placement, dt: float, control: Control, value: float) -> FollowingProblem:
+        history = self.setup.history
+        return FollowingProblem(placement, history.solid, history.at(placement), dt, control, value)
+
+    def _found(self, dt: float, problem: FollowingProblem, edge: EdgePosition) -> ContactCandidate:
+        self.counters.closure_evaluations += problem.evaluations
+        self.counters.linear_solves += 1
+        return ContactCandidate(dt, cast("ContactProblem", problem), edge)
+
+    def _search(
+        self,
+        dt: float,
+        control: Control,
+        value: float,
+        radius: float,
+        limits: tuple[float, float],
+        travel: float,
+    ) -> ContactCandidate:
+        """Follow the edge from a radius, moving the mesh on where the edge leaves its fine strip.
+
+        Parameters
+        ----------
+        dt, control, value
+            As of :meth:`trial`.
+        radius : float
+            Where the search starts.
+        limits : tuple of float
+            Least and largest contact radius searched.
+        travel : float
+            Travel expected of the step.
+
+        Returns
+        -------
+        ContactCandidate
+        """
+        surfaces, low, high = self.setup.surfaces, limits[0], min(limits[1], self.setup.surfaces.reach)
+        far, way, stride = low == 0.0 or high == surfaces.reach, None, 0.0
+        while True:
+            placement = surfaces.around(radius)
+            geometry = placement.geometry
+            law = PlacedEdge(placement, self.setup.work, _STRIDE_OF_TRAVEL * travel)
+            problem = self._problem(placement, dt, control, value)
+            ends = geometry.position(low), geometry.position(high)
+            edge = law.seek(cast("ContactProblem", problem), geometry.position(radius), *ends)
+            found = self._found(dt, problem, edge)
+            reached, outwards = geometry.radius(edge.s), edge.motion is EdgeMotion.ADVANCING
+            ended = edge.s >= ends[1] if outwards else edge.s <= max(ends[0], 2.0)
+            if found.in_equilibrium or ended:
+                return found
+            if far:
+                radius, far = self._sharp_rest(problem, reached, outwards), False
+                if radius == 0.0:
+                    return replace(found, edge=EdgePosition(EdgeMotion.RECEDING, 2.0))
+                continue
+            if way is not None and outwards is not way:
+                stride = 0.0
+            else:
+                stride = min(2.0 * stride + 0.25 * law.range, _STRIDE_OF_RADIUS * reached)
+            way = outwards
+            radius = min(max(reached + (stride if outwards else -stride), low), high)
+
+    def _sharp_rest(self, problem: FollowingProblem, radius: float, outwards: bool = False) -> float:
+        """Where a sharp edge that leaves a radius all at once comes to rest; 0 if contact is lost.
+
+        An edge that would outgrow the mesh rests at the largest radius the mesh is made for.
+        """
+        reach = self.setup.surfaces.reach
+        excess = problem.sharp(self.setup.plane_modulus) - self.setup.work
+        x = problem.placement.positions
+        stable = (excess[:-1] < 0.0) & (excess[1:] >= 0.0)
+        stable &= (x[:-1] > radius) if outwards else (x[1:] < radius)
+        rests = np.flatnonzero(stable)
+        if not rests.size:
+            return reach if outwards else 0.0
+        at = rests[0] if outwards else rests[-1]
+        share = excess[at] / (excess[at] - excess[at + 1])
+        return float(min(x[at] + share * (x[at + 1] - x[at]), reach))
+
+    def _start_radius(self, dt: float, penetration: float) -> float:
+        """Contact radius of a sharp edge on the undeformed half-space: the outermost stable, or 0."""
+        surfaces, radius = self.setup.surfaces, self.setup.surfaces.largest
+        for _ in range(_START_SEARCHES):
+            problem = self._problem(surfaces.around(radius), dt, "penetration", penetration)
+            radius = self._sharp_rest(problem, math.inf)
+            if radius == 0.0:
+                break
+        return radius

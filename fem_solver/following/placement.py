@@ -1,0 +1,183 @@
+"""The surface of the half-space with the mesh at one of its places."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.blas import dtrmv
+from scipy.linalg.lapack import dtrtrs
+
+from contact_scene import Scene
+from fem_solver.halfspace import HalfSpace
+from fem_solver.release import EdgeGeometry
+from fem_solver.surface import SurfaceOperator
+
+Array = NDArray[np.float64]
+
+_PLACES = 32
+"""Places whose surface is kept; the least recently used one is dropped."""
+_MARGIN = 1.2
+"""Radius up to which surface nodes enter the compliance, relative to the largest contact radius."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A mesh that is not scaled: its surface nodes and their compliance ``L L^T`` at unit shear modulus.
+
+    Parameters
+    ----------
+    radii : ndarray, shape (n,)
+    root : ndarray, shape (n, n)
+        ``L``.
+    unit : ndarray, shape (n,)
+        ``L^-1 1``.
+    effective, positions : ndarray, shape (n,)
+        Radius of the flat punch as stiff as contact of the nodes ``0..m``, and radius at which each component
+        sits (see ``surface``).
+    strip : tuple of float
+        Radii between which the surface is fine.
+    """
+
+    radii: Array
+    root: Array
+    unit: Array
+    effective: Array
+    positions: Array
+    strip: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A level, scaled: ``root`` remains that of the level, everything else is in the scene's units.
+
+    Parameters
+    ----------
+    place : object
+        Names the place.
+    root : ndarray, shape (n, n)
+    scale : float
+    unit, radii, positions, height, profile : ndarray, shape (n,)
+        ``L^-1 1``, radii of the nodes and of the components, the indenter's height at the nodes and its
+        transform ``L^-1 h``.
+    geometry : EdgeGeometry
+    lowest : float
+        Least edge position, in nodes, around which the mesh resolves the process zone.
+    """
+
+    place: Any
+    root: Array
+    scale: float
+    unit: Array
+    radii: Array
+    positions: Array
+    height: Array
+    profile: Array
+    geometry: EdgeGeometry
+    lowest: float
+
+    def forces(self, y: Array, first: int = 0) -> Array:
+        """``L^-T y`` for the entries from ``first`` on, of a vector that ends there."""
+        block = self.root[first : first + len(y), first : first + len(y)]
+        return np.sqrt(self.scale) * dtrtrs(block, y, lower=1, trans=1)[0]
+
+    def displacement(self, v: Array) -> Array:
+        """``L v``; shape (n,)."""
+        return dtrmv(self.root, v, lower=1) / np.sqrt(self.scale)
+
+    def displacement_of(self, v: Array, first: int, end: int) -> Array:
+        """``L v`` of the nodes ``first..end-1``."""
+        return self.root[first:end, :end] @ v[:end] / np.sqrt(self.scale)
+
+
+class Surfaces:
+    """Surfaces at all places, made when they are first asked for.
+
+    Parameters
+    ----------
+    scene : Scene
+    meshes : object
+        With ``place(radius)``, ``scale(place)``, ``mesh(level)``, ``largest``, and places that have a
+        ``level``.
+    ratio : float
+        ``G/K``.
+    plane_modulus : float
+        ``E*`` at unit shear modulus.
+    form, far_field
+        As of :class:`~fem_solver.options.Options`.
+    """
+
+    def __init__(
+        self, scene: Scene, meshes: Any, ratio: float, plane_modulus: float, form: str, far_field: bool
+    ) -> None:
+        self._scene, self._meshes, self._ratio = scene, meshes, ratio
+        self._plane_modulus, self._form, self._far_field = plane_modulus, form, far_field
+        self._levels: dict[int, Level] = {}
+        self._placements: OrderedDict[Any, Placement] = OrderedDict()
+        self.zone: float = scene.adhesion.zone if scene.adhesion is not None else 0.0
+        self.largest = float(meshes.largest)
+        self.reach = _MARGIN * self.largest
+        self.stage_done: Callable[[], None] = lambda: None
+
+    @property
+    def factorisations(self) -> int:
+        """Levels factorised so far."""
+        return len(self._levels)
+
+    def around(self, radius: float) -> Placement:
+        """The surface with the mesh placed around a contact radius."""
+        return self.at(self._meshes.place(max(radius, 0.0)))
+
+    def at(self, place: Any) -> Placement:
+        """The surface with the mesh at a place."""
+        if place not in self._placements:
+            self._placements[place] = self._place(place)
+            while len(self._placements) > _PLACES:
+                self._placements.popitem(last=False)
+        self._placements.move_to_end(place)
+        return self._placements[place]
+
+    def _place(self, place: Any) -> Placement:
+        level, scale = self._level(place.level), float(self._meshes.scale(place))
+        radii, root = scale * level.radii, np.sqrt(scale)
+        height = self._scene.indenter.height(radii)
+        low, high = (scale * end for end in level.strip)
+        geometry = EdgeGeometry(radii, scale * level.effective, self.zone, high, self._scene.indenter.edge)
+        return Placement(
+            place=place,
+            root=level.root,
+            scale=scale,
+            unit=root * level.unit,
+            radii=radii,
+            positions=scale * level.positions,
+            height=height,
+            profile=root * dtrtrs(level.root, height, lower=1)[0],
+            geometry=geometry,
+            lowest=float(np.searchsorted(radii, low + self.zone)) if low > 0.0 else 2.0,
+        )
+
+    def _level(self, level: int) -> Level:
+        if level not in self._levels:
+            self._levels[level] = self._factorised(self._meshes.mesh(level))
+            self.stage_done()
+        return self._levels[level]
+
+    def _factorised(self, mesh: Any) -> Level:
+        space = HalfSpace(mesh, self._form == "mixed", self._far_field)
+        # a mesh is scaled down to half at most
+        reach = 2.0 * self.reach / self.zone
+        count = int(np.searchsorted(space.radii, max(reach, _MARGIN * mesh.parameters.fine_to)))
+        count = min(count + 1 - count % 2, len(space.radii))
+        operator = SurfaceOperator(space.factorise(self._ratio).compliance(count)[0])
+        return Level(
+            radii=space.radii[:count],
+            root=np.asfortranarray(operator.root()),
+            unit=operator.unit,
+            effective=operator.effective_radii(self._plane_modulus),
+            positions=operator.transform_radii(space.radii[:count]),
+            strip=(float(mesh.parameters.fine_from), float(mesh.parameters.fine_to)),
+        )

@@ -1,0 +1,360 @@
+"""Contact states at the end of a step, with every node released or covered in its own time.
+
+The edge is a real number ``s`` as in ``release``: nodes ``0..floor(s)`` are in full contact, the next one
+partly. A step may pass over any number of nodes. A node that the edge leaves behind goes through three times:
+
+1. in contact, until the edge is there (``s = j``): ``v_j`` as imposed, the penetration linear in time;
+2. partly released, until the edge is at the node before it (``s = j - 1``): its force is the share
+   ``s - (j - 1)`` of that in contact and goes linearly to zero;
+3. free, until the end of the step: it recovers, exactly.
+
+A node that the edge covers goes through them in reverse; partly covered, ``v_j`` is the mean of what is
+imposed and what recovers, by its share. Component j stands for the radii between two positions of the edge:
+both are the means over them of what a continuous edge leaves there. The times follow from its path (see
+``path``). Where all happens at once (a load jump, the start) every node has the second time only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene.segment import Control
+from fem_solver.following.components import Components
+from fem_solver.following.path import EdgePath
+from fem_solver.following.placement import Placement
+from fem_solver.following.state import FollowingState
+
+Array = NDArray[np.float64]
+
+_LEAST_SHARE = 1e-6
+"""Share of a node's contact below which what it would have in full contact is that of one just covered."""
+
+
+@dataclass
+class _Passage:
+    """Components of a range of nodes on their way through a step; sums up energies if asked to.
+
+    ``held`` (branches, 1) are the branch variables of the partly released node if it were in contact.
+    """
+
+    solid: Components
+    v: Array
+    b: Array
+    held: Array
+    accounts: bool
+    dissipated: float = 0.0
+    received: float = 0.0
+
+    def linear(self, dt: Array, reached: Array) -> None:
+        """``v`` goes linearly to ``reached``."""
+        after = self.solid.linear(self.v, self.b, dt, reached)
+        if self.accounts:
+            mean = 0.5 * (self.solid.force(self.v, self.b) + self.solid.force(reached, after))
+            self.received += float(np.sum(mean * (reached - self.v)))
+            lossy = (dt > 0.0) & np.isfinite(dt)
+            if lossy.any():
+                parts = (self.v[lossy], self.b[:, lossy], dt[lossy], reached[lossy])
+                self.dissipated += float(np.sum(self.solid.loss(*parts)))
+        self.v, self.b = reached, after
+
+    def creep(self, dt: Array, force: Array) -> None:
+        """The force goes linearly to ``force``."""
+        v, b, work = self.solid.crept(self.v, self.b, dt, force)
+        if self.accounts:
+            change = self.solid.stored(v, b) - self.solid.stored(self.v, self.b)
+            self.received += float(np.sum(work))
+            self.dissipated += float(np.sum(work - change))
+        self.v, self.b = v, b
+
+    def recover(self, dt: Array) -> None:
+        """Without force, where that takes any time."""
+        free = dt > 0.0
+        if not free.any():
+            return
+        v, b = self.v.copy(), self.b.copy()
+        v[free], b[:, free] = self.solid.recovered(b[:, free], dt[free])
+        if self.accounts:
+            self.dissipated += float(np.sum(self.solid.stored(self.v, self.b) - self.solid.stored(v, b)))
+        self.v, self.b = v, b
+
+
+class FollowingProblem:
+    """All contact states possible at one instant, as functions of the edge position.
+
+    Parameters
+    ----------
+    placement : Placement
+    solid : Components
+    state : FollowingState
+        At the begin of the step, at this place of the mesh.
+    dt : float
+        Length of the step; 0 for a glassy response, infinite for a relaxed one.
+    control : "penetration" or "force"
+    value : float
+        Of the controlled quantity.
+    """
+
+    control: Control
+
+    def __init__(
+        self,
+        placement: Placement,
+        solid: Components,
+        state: FollowingState,
+        dt: float,
+        control: Control,
+        value: float,
+    ) -> None:
+        self.placement, self.solid, self.state = placement, solid, state
+        self.geometry, self.dt, self.control, self.value = placement.geometry, dt, control, value
+        self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0
+        self.evaluations = 0
+        self._partly = int(np.floor(state.edge)) + 1 if state.edge >= 0.0 else None
+        step = solid.shear.increment(dt)
+        self.modulus = step.modulus
+        start = -placement.profile - state.components
+        # in contact throughout, per unit of penetration and without it
+        self._gain = step.gain[:, None]
+        self._base = step.decay[:, None] * state.branches + self._gain * start
+        held = self.modulus * -placement.profile + step.memory(state.branches, state.components)
+        self._stiffness = np.cumsum(self.modulus * placement.unit**2)
+        self._held = np.cumsum(placement.unit * held)
+        if self.at_once:
+            self._free = solid.relieved(state.components, state.branches, dt)
+            self._free_branches = solid.linear(state.components, state.branches, dt, self._free)
+        else:
+            self._free, self._free_branches = solid.recovered(state.branches, dt)
+
+    def penetration(self, s: float) -> float:
+        """Penetration at edge position ``s``."""
+        if self.control == "penetration":
+            return self.value
+        if s < 0.0:  # no contact yet: the penetration at which the indenter first touches
+            free = self.placement.displacement(self._free)
+            return float((self.placement.height + free).min())
+        first = self.state.penetration
+        second = first + float(self.placement.height[int(s) + 1])
+        low, high = self._force_at(s, first), self._force_at(s, second)
+        return first + (self.value - low) / (high - low) * (second - first)
+
+    def force(self, s: float) -> float:
+        """Total force."""
+        return self.value if self.control == "force" else self._force_at(s, self.value)
+
+    def _force_at(self, s: float, penetration: float) -> float:
+        if s < 0.0:
+            return 0.0
+        low, high = self._changing(s)
+        passage = self._passed(s, penetration, low, high, False)
+        top = int(np.floor(s)) + 1
+        loaded = self.solid.force(passage.v, passage.b)[: top + 1 - low]
+        total = float(self.placement.unit[low : top + 1] @ loaded)
+        return total + (float(self._stiffness[low - 1] * penetration + self._held[low - 1]) if low else 0.0)
+
+    def _changing(self, s: float) -> tuple[int, int]:
+        """Range of the nodes that are not in contact, or free, throughout the step."""
+        edges = sorted((max(self.state.edge, -1.0), s))
+        return int(np.floor(edges[0])) + 1, min(int(np.floor(edges[1])) + 2, len(self.placement.unit))
+
+    def _passed(self, s: float, penetration: float, low: int, high: int, accounts: bool) -> _Passage:
+        """Nodes ``low..high-1`` at the end of the step with the edge at ``s``."""
+        here, state = self.placement, self.state
+        nodes, index = slice(low, high), np.arange(low, high)
+        unit, profile = here.unit[nodes], here.profile[nodes]
+        passage = _Passage(
+            self.solid, state.components[nodes], state.branches[:, nodes], state.held, accounts
+        )
+        share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
+        if self.at_once:
+            held = penetration * unit - profile
+            top = slice(int(np.floor(s)) + 1 - low, int(np.floor(s)) + 2 - low)
+            if low + top.start == self._partly:
+                start = state.penetration * unit[top] - profile[top], state.held[:, None]
+            else:
+                start = passage.v[top], passage.b[:, top]
+            passage.held = self.solid.linear(*start, self.dt, held[top])
+            passage.linear(np.full(high - low, self.dt), share * held + (1.0 - share) * self._free[nodes])
+            return passage
+        path = EdgePath.through(state.radius, self.geometry.radius(s), self.dt, state.before)
+        ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
+        at, change = path.passed(ends), penetration - state.penetration
+
+        def imposed(theta: Array) -> Array:
+            return (state.penetration + theta * change) * unit - profile
+
+        if path.opens:
+            self._release(passage, share[0], at[1:], at[:-1], imposed, low == self._partly)
+        else:
+            self._cover(passage, share, at[:-1], at[1:], imposed)
+        return passage
+
+    def _release(
+        self,
+        passage: _Passage,
+        share: float,
+        first: Array,
+        last: Array,
+        imposed: Callable[[Array], Array],
+        partly: bool,
+    ) -> None:
+        """Nodes that the edge leaves behind, the first of them in part.
+
+        Parameters
+        ----------
+        passage : _Passage
+        share : float
+            Of the first node, in contact at the end.
+        first, last : ndarray, shape (m,)
+            Shares of the step at which the release of each node begins and ends.
+        imposed : callable(ndarray) -> ndarray
+            ``v`` in contact at a share of the step.
+        partly : bool
+            Whether the first node is in contact only in part from the begin on.
+        """
+        passage.linear(first * self.dt, np.where(first > 0.0, imposed(first), passage.v))
+        length = (last - first) * self.dt
+        # the node that remains in part, as if it had stayed in contact
+        branches = self.state.held[:, None] if partly else passage.b[:, :1]
+        reached = imposed(last)[:1]
+        passage.held = self.solid.linear(imposed(first)[:1], branches, length[:1], reached)
+        force = np.zeros(len(passage.v))
+        force[0] = share * self.solid.force(reached, passage.held)[0]
+        passage.creep(length, force)
+        passage.recover((1.0 - last) * self.dt)
+
+    def _cover(
+        self, passage: _Passage, share: Array, first: Array, last: Array, imposed: Callable[[Array], Array]
+    ) -> None:
+        """Nodes that the edge covers, the last of them in part.
+
+        Parameters
+        ----------
+        passage : _Passage
+        share : ndarray, shape (m,)
+            Of each node, in contact at the end.
+        first, last : ndarray, shape (m,)
+            Shares of the step at which each node begins to be covered and is covered.
+        imposed : callable(ndarray) -> ndarray
+            ``v`` in contact at a share of the step.
+        """
+        passage.recover(first * self.dt)
+        length, free = (last - first) * self.dt, passage.b.copy()
+        before = self.state.edge - np.floor(self.state.edge)
+        free[:, 0] = (free[:, 0] - before * self.state.held) / (1.0 - before)
+        v, free = self.solid.recovered(free, length)
+        passage.linear(length, share * imposed(last) + (1.0 - share) * v)
+        if share[-1] > _LEAST_SHARE:
+            passage.held = (passage.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]
+        else:
+            passage.held = self.solid.linear(v[-1:], free[:, -1:], 0.0, imposed(last)[-1:])
+        passage.linear((1.0 - last) * self.dt, np.where(last < 1.0, imposed(np.ones(1)), passage.v))
+
+    def arrival(self, s: float) -> tuple[Array, Array]:
+        """Components and branch variables at the end of the step; shapes (n,) and (branches, n)."""
+        v, b, _ = self._arrived(s, False)
+        return v, b
+
+    def _arrived(self, s: float, accounts: bool) -> tuple[Array, Array, _Passage]:
+        here, penetration = self.placement, self.penetration(s)
+        low, high = self._changing(s)
+        passage = self._passed(s, penetration, low, high, accounts)
+        held = penetration * here.unit[:low] - here.profile[:low]
+        within = self._base[:, :low] + self._gain * penetration * here.unit[:low]
+        v = np.concatenate([held, passage.v, self._free[high:]])
+        return v, np.hstack([within, passage.b, self._free_branches[:, high:]]), passage
+
+    def sharp(self, plane_modulus: float) -> Array:
+        """Energy release rate of a sharp edge at every component, if all happens at once; shape (n,).
+
+        It needs no process zone to be resolved: ``E* q^2/(2 pi x)``, with ``q`` the flat punch that leaves
+        the same singularity there; zero where the edge would be under pressure.
+
+        Parameters
+        ----------
+        plane_modulus : float
+            ``E*`` at unit shear modulus.
+
+        Returns
+        -------
+        ndarray
+        """
+        here = self.placement
+        free = self.solid.relieved(self.state.components, self.state.branches, self.dt)
+        if self.control == "penetration":
+            penetration = np.full(len(here.unit), self.value)
+        else:
+            penetration = (self.value - self._held) / self._stiffness
+        q = penetration - (here.profile + free) / here.unit
+        twice = self.modulus * plane_modulus * np.minimum(q, 0.0) ** 2 / np.pi
+        x = here.positions
+        return 0.5 * np.divide(twice, x, out=np.zeros_like(x), where=x > 0.0)
+
+    def accepted(self, s: float) -> FollowingState:
+        """The state at the end of the step."""
+        v, b, passage = self._arrived(s, True)
+        low, high = self._changing(s)
+        for nodes in (slice(0, low), slice(high, None)):
+            started = self.state.components[nodes], self.state.branches[:, nodes]
+            rest = _Passage(self.solid, *started, self.state.held, True)
+            if nodes.stop is None and not self.at_once:
+                rest.recover(np.full(len(rest.v), self.dt))
+            else:
+                rest.linear(np.full(len(rest.v), self.dt), v[nodes])
+            passage.dissipated += rest.dissipated
+            passage.received += rest.received
+        state = self.state
+        return FollowingState(
+            place=self.placement.place,
+            components=v,
+            branches=b,
+            held=passage.held[:, 0],
+            penetration=self.penetration(s),
+            radius=self.geometry.radius(s),
+            edge=s,
+            before=None if self.at_once else (self.dt, state.radius),
+            dissipated=state.dissipated + passage.dissipated,
+            received=state.received + passage.received,
+            updates=state.updates + 1,
+        )
+
+    def forces(self, s: float) -> Array:
+        """All nodal forces, compressive positive; shape (n,)."""
+        v, b = self.arrival(s)
+        loaded = np.zeros(len(v))
+        end = int(np.floor(s)) + 2
+        loaded[:end] = self.solid.force(v[:end], b[:, :end])
+        return self.placement.forces(loaded)
+
+    def closure(self, s: float) -> float:
+        """Closure integral, an energy per area (see ``release``); minus infinity under pressure."""
+        geometry, shift = self.geometry, self.geometry.shift
+        if shift is None:
+            raise AssertionError("no closure without adhesion")
+        self.evaluations += 1
+        m = int(np.floor(s))
+        top = m + 1
+        v, b = self.arrival(s)
+        first = max(int(shift.first[m]), 1)
+        y = self.solid.force(v[first : top + 1], b[:, first : top + 1])
+        # the node in full contact next to the edge tells tension from pressure
+        if y[m - first] > 0.0:
+            return -np.inf
+        inside = np.arange(first, top + 1)
+        low, high = shift.low[inside], shift.high[inside]
+        beyond = int(high.max()) + 1
+        forces = self.placement.forces(y, first)
+        gap = np.zeros(beyond - first)
+        gap[top - first :] = self.placement.displacement_of(v, top, beyond)
+        gap[top - first :] += self.placement.height[top:beyond] - self.penetration(s)
+        share = shift.share[inside]
+        shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
+        return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone))
+
+    def zone(self, s: float) -> float:
+        """Length of the process zone, the same at every edge position."""
+        return self.geometry.zone or 0.0

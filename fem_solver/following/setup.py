@@ -1,0 +1,151 @@
+"""Discrete problem of a scene on meshes that follow the contact edge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Scene, SceneError, UnsupportedScene
+from fem_solver.edge import AdhesiveEdge
+from fem_solver.following.components import Components
+from fem_solver.following.history import FollowingHistory
+from fem_solver.following.placement import Surfaces
+from fem_solver.options import DEFAULT_TOLERANCE, Options
+from fem_solver.release import EdgeGeometry
+from fem_solver.setup import SetUpInterrupted, moduli
+
+Array = NDArray[np.float64]
+
+_TRAVEL = 0.03
+"""Edge travel allowed per step, relative to the contact radius: on that scale the field away from the edge
+changes, and with it what drives the edge."""
+_DIVISIONS = 10.0
+"""Elements per process zone to which the usual tolerance of the steps belongs; it goes with their square, so
+that steps and mesh are refined together."""
+
+
+@dataclass(frozen=True)
+class FollowingSetup:
+    """As :class:`~fem_solver.setup.Setup`, on the mesh where the accepted state has it.
+
+    Parameters
+    ----------
+    surfaces : Surfaces
+    history : FollowingHistory
+    work : float
+        Work of adhesion.
+    plane_modulus : float
+        ``E*`` at unit shear modulus.
+    shortest_time : float
+        Shortest relaxation time; infinite for an elastic solid.
+    tolerance : float
+        Relative accuracy of the force in time where the options ask for none.
+    """
+
+    surfaces: Surfaces
+    history: FollowingHistory
+    work: float
+    plane_modulus: float
+    shortest_time: float
+    tolerance: float
+    resolved_from = 0.0
+    compliance = 0.0
+
+    @property
+    def geometry(self) -> EdgeGeometry:
+        """Edge positions."""
+        return self.history.placement.geometry
+
+    @property
+    def law(self) -> AdhesiveEdge:
+        """Edge law; it may go anywhere."""
+        return AdhesiveEdge(self.geometry, self.work)
+
+    @property
+    def radii(self) -> Array:
+        """Radii of the surface nodes; shape (n,)."""
+        return self.history.placement.radii
+
+    @property
+    def height(self) -> Array:
+        """Height of the indenter at the nodes; shape (n,)."""
+        return self.history.placement.height
+
+    @property
+    def travel(self) -> float:
+        """Edge travel allowed per step."""
+        return _TRAVEL * self.history.state.radius
+
+    @property
+    def has_history(self) -> bool:
+        """Whether the solid relaxes."""
+        return math.isfinite(self.shortest_time)
+
+
+def set_up_following(
+    scene: Scene, meshes: Any, options: Options, proceed: Callable[[], bool] | None = None
+) -> FollowingSetup:
+    """Make the surfaces and the undeformed state.
+
+    Parameters
+    ----------
+    scene : Scene
+    meshes : object
+        As of :class:`~fem_solver.following.placement.Surfaces`.
+    options : Options
+    proceed : callable() -> bool, optional
+        Asked after every mesh that is factorised whether to go on.
+
+    Returns
+    -------
+    FollowingSetup
+
+    Raises
+    ------
+    UnsupportedScene
+        If the chosen form or path does not apply to the scene, or fields in the body are asked for.
+    SetUpInterrupted
+        If it was not to go on.
+    """
+    material = moduli(scene.material)
+    if not material.alike or options.path == "quadrature":
+        raise UnsupportedScene(
+            "material.bulk", "separate relaxation needs a mesh that stays", "a longer zone"
+        )
+    if options.form != "mixed" and material.bulk is None:
+        raise UnsupportedScene(
+            "material.poisson", "the displacement form needs compressibility", "form mixed"
+        )
+    if options.records:
+        raise UnsupportedScene("adhesion.zone", "fields need a mesh that stays", "a longer zone")
+    if scene.adhesion is None or not scene.is_adhesive:
+        raise SceneError("adhesion", "is missing: only an adhesive edge needs a mesh that follows it", "work")
+    if not scene.adhesion.reversible or scene.adhesion.stress is not None:
+        raise UnsupportedScene("adhesion", "this law needs a mesh that stays", "work and zone alone")
+    if scene.loading.compliance > 0.0:
+        raise UnsupportedScene("machine.stiffness", "a spring needs a mesh that stays", "a rigid machine")
+    surfaces = Surfaces(
+        scene, meshes, material.ratio, material.unit_plane_modulus, options.form, options.far_field
+    )
+
+    def stage_done() -> None:
+        if proceed is not None and not proceed():
+            raise SetUpInterrupted
+
+    surfaces.stage_done = stage_done
+    history = FollowingHistory(surfaces, Components(material.shear))
+    surfaces.stage_done = lambda: None
+    times = material.shear.times
+    return FollowingSetup(
+        surfaces=surfaces,
+        history=history,
+        work=scene.adhesion.work,
+        plane_modulus=material.unit_plane_modulus,
+        shortest_time=float(times.min()) if times.size else math.inf,
+        tolerance=DEFAULT_TOLERANCE * (_DIVISIONS / meshes.divisions) ** 2,
+    )

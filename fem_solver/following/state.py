@@ -1,0 +1,108 @@
+"""State of the surface components, and its transfer from one place of the mesh to another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from fem_solver.following.components import Components
+from fem_solver.following.placement import Placement
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FollowingState:
+    """Internal variables of the components at one place of the mesh, and where the edge is.
+
+    Parameters
+    ----------
+    place : object
+        Names the place.
+    components : ndarray, shape (n,)
+        ``v``.
+    branches : ndarray, shape (branches, n)
+        ``b_k``.
+    penetration, radius, edge : float
+        The last two are the contact radius and the edge position in nodes; ``edge = -1`` without contact.
+    before : tuple of float or None
+        Length of the last step and the contact radius at its begin; ``None`` if the path of the edge does not
+        go on smoothly from there.
+    held : ndarray, shape (branches,)
+        Branch variables that the partly released node would have if it had stayed in contact.
+    dissipated, received : float
+        Energy dissipated in the branches, and work done on the surface, so far.
+    updates : int
+        Accepted steps so far.
+    """
+
+    place: Any
+    components: Array
+    branches: Array
+    held: Array
+    penetration: float = 0.0
+    radius: float = 0.0
+    edge: float = -1.0
+    before: tuple[float, float] | None = None
+    dissipated: float = 0.0
+    received: float = 0.0
+    updates: int = 0
+
+
+def undeformed(placement: Placement, branches: int) -> FollowingState:
+    """The state before any contact."""
+    nodes = len(placement.radii)
+    return FollowingState(placement.place, np.zeros(nodes), np.zeros((branches, nodes)), np.zeros(branches))
+
+
+def transferred(state: FollowingState, old: Placement, new: Placement, solid: Components) -> FollowingState:
+    """The same state with the mesh at another place.
+
+    Inside the contact the components follow from the penetration, and the branch variables vary smoothly with
+    the radius; outside both are interpolated together, so that the surface remains free of forces. Neither is
+    interpolated across the edge.
+
+    Parameters
+    ----------
+    state : FollowingState
+    old, new : Placement
+    solid : Components
+
+    Returns
+    -------
+    FollowingState
+    """
+    if old.place == new.place:
+        return state
+    edge = new.geometry.position(state.radius) if state.edge >= 0.0 else -1.0
+    inside, top = int(np.floor(state.edge)) + 1, int(np.floor(edge)) + 1
+    outside = inside + (state.edge > inside - 1)  # the partly released node is neither
+    intensity, share = state.branches / old.unit, edge - (top - 1)
+    within = _interpolated(old.positions[:inside], intensity[:, :inside], new.positions[: top + 1])
+    beyond = _interpolated(old.positions[outside:], intensity[:, outside:], new.positions[top:])
+    between = share * within[:, -1:] + (1.0 - share) * beyond[:, :1]
+    imposed = state.penetration * new.unit - new.profile
+    free = -new.unit[top:] * beyond.sum(axis=0) / solid.shear.relaxed
+    free[0] += share * (imposed[top] - free[0])
+    return replace(
+        state,
+        place=new.place,
+        components=np.concatenate([imposed[:top], free]),
+        branches=np.hstack([within[:, :-1], between, beyond[:, 1:]]) * new.unit,
+        held=within[:, -1] * new.unit[top],
+        edge=edge,
+    )
+
+
+def _interpolated(x: Array, values: Array, at: Array) -> Array:
+    """Monotonic cubic interpolation of every row, continued by at most one interval."""
+    if x.size < 2:
+        return np.repeat(values[:, -1:], len(at), axis=1) if x.size else np.zeros((len(values), len(at)))
+    if not values.any():
+        return np.zeros((len(values), len(at)))
+    low, high = 2.0 * x[0] - x[1], 2.0 * x[-1] - x[-2]
+    return np.asarray(PchipInterpolator(x, values, axis=1)(np.clip(at, low, high)))

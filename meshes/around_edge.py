@@ -1,0 +1,103 @@
+"""Meshes whose fine strip is narrow and placed around the contact edge, wherever that is.
+
+A half-space has no length of its own, so one mesh, scaled, serves every radius between half of that it is
+made for and that radius itself. The meshes are made in units of the process zone, at radii that double from
+one level to the next; the innermost one is fine from the axis on and is not scaled. Their number grows with
+the logarithm of the contact radius over the process zone, their size hardly at all.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from meshes.cache import cached
+from meshes.halfspace import half_space
+from meshes.mesh import HalfSpaceMesh
+from meshes.parameters import MeshParameters
+
+INNER_RADIUS = 24.0
+"""Contact radius, in process zones, up to which the innermost mesh serves."""
+STRIP = 12.0
+"""Half the length of the fine strip, in process zones, of a mesh that is not scaled."""
+_STRIDE = 6.0
+"""Distance between neighbouring places of a mesh that is not scaled, in process zones: half of ``STRIP``, so
+that the edge has at least three quarters of the strip's half before it and behind it."""
+_DOMAIN_RATIO = 400.0
+"""Radius of the domain over that of the strip, where none is specified."""
+_COVERED = 8.0
+"""Radius of the domain, at least, over the largest contact radius of the run."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a mesh is placed: its level and the number of steps by which it is scaled down."""
+
+    level: int
+    step: int
+
+
+@dataclass
+class EdgeMeshes:
+    """Meshes for the places that a contact edge may come to.
+
+    Parameters
+    ----------
+    zone : float
+        Length of the process zone.
+    divisions : int
+        Elements per process zone, at least.
+    largest : float
+        Largest contact radius of the run.
+    grading : float
+        Growth of the element size with the distance from the strip.
+    domain_ratio : float, optional
+        Radius of the domain over that of the strip.
+    in_cache : bool
+        Take the meshes from the cache if they are there.
+    """
+
+    zone: float
+    divisions: int
+    largest: float
+    grading: float = 0.2
+    domain_ratio: float | None = None
+    in_cache: bool = True
+    _meshes: dict[int, HalfSpaceMesh] = field(default_factory=dict, init=False, repr=False)
+
+    def place(self, radius: float) -> Place:
+        """The place nearest to a contact radius."""
+        zones = radius / self.zone
+        if zones <= INNER_RADIUS:
+            return Place(0, 0)
+        level = max(1, math.ceil(math.log2(zones / INNER_RADIUS)))
+        return Place(level, round(self._steps(level) * math.log2(self.centre(level) / zones)))
+
+    def centre(self, level: int) -> float:
+        """Radius, in process zones, for which the mesh of a level is made."""
+        return INNER_RADIUS * 2.0**level
+
+    def scale(self, place: Place) -> float:
+        """Length that one unit of the mesh stands for."""
+        return self.zone * 2.0 ** (-place.step / self._steps(place.level)) if place.level else self.zone
+
+    def _steps(self, level: int) -> int:
+        """Places per halving of the radius."""
+        return math.ceil(math.log(2.0) * self.centre(level) / _STRIDE)
+
+    def parameters(self, level: int) -> MeshParameters:
+        """Parameters of the mesh of a level, in process zones."""
+        centre = self.centre(level)
+        fine_from, fine_to = (centre - STRIP, centre + STRIP) if level else (0.0, centre + 0.5 * STRIP)
+        ratio = self.domain_ratio or _DOMAIN_RATIO
+        # no other length of the scene enters, so that the meshes of one scene serve the next
+        covered = 2.0 ** math.ceil(math.log2(max(_COVERED * self.largest / self.zone, 1.0)))
+        domain = max(ratio * centre, covered)
+        return MeshParameters(1.0 / self.divisions, fine_from, fine_to, domain, self.grading)
+
+    def mesh(self, level: int) -> HalfSpaceMesh:
+        """The mesh of a level, in process zones; made when it is first asked for."""
+        if level not in self._meshes:
+            parameters = self.parameters(level)
+            self._meshes[level] = cached(parameters) if self.in_cache else half_space(parameters)
+        return self._meshes[level]

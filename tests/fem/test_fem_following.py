@@ -1,0 +1,225 @@
+"""The mesh that follows the edge: laws of single components, path, transfer, whole runs with short zones."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.paper_scenes import ONE, WORK
+from support.stopped_runs import in_parts
+
+import fem_solver
+from contact_scene import (
+    Adhesion,
+    Branch,
+    BulkRelaxation,
+    Force,
+    Loading,
+    Material,
+    Ramp,
+    Scene,
+    Sphere,
+    Trace,
+    UnsupportedScene,
+)
+from fem_solver.following import history
+from fem_solver.following.components import Components
+from fem_solver.following.path import EdgePath
+from fem_solver.prony import Prony
+from meshes import EdgeMeshes
+from validation.solvers.finite_elements import FOLLOWED_BEYOND, FiniteElements, edge_meshes
+
+SHEAR = Prony(0.3, np.array([1.0, 2.0, 0.5]), np.array([1e-3, 0.7, 40.0]))
+STEPS = 4000
+TWO = Material(0.75, 0.5, (Branch(4.0, 0.1), Branch(2.75, 3.0)))
+RETRACTION = Loading("relaxed", 0.032, (Ramp(-0.5, 0.002),))
+SHORT = Scene(ONE, Sphere(1.0), RETRACTION, Adhesion(WORK, 1.3e-3))
+PULL_OFF, LOOP, DETACHED = 0.02028430, 8.564744e-4, 30.572995
+"""Of ``SHORT``, by front tracking with short steps."""
+CREEPING, HELD = 4e-3, 229.853
+"""Process zone under a dead load, and the time at which it detaches by front tracking."""
+COARSE = 5e-3
+"""Error at four elements a zone: the bound that is set to the default of ten, which has a quarter of it."""
+
+
+def components(count: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(3)
+    return random.normal(size=count), random.normal(size=(3, count))
+
+
+def test_a_component_under_a_linear_force_creeps_as_in_many_small_steps():
+    solid, (v, b) = Components(SHEAR), components()
+    before, after = solid.force(v, b), np.array([0.0, 2.0, -1.0])
+    time = np.array([1e-3, 1.0, 100.0])
+    reached, branches, work = solid.crept(v, b, time, after)
+    now, inner, done = v, b, np.zeros(3)
+    for step in range(1, STEPS + 1):
+        force = before + step / STEPS * (after - before)
+        free, dt = solid.relieved(now, inner, time / STEPS), time / STEPS
+        y = dt / SHEAR.times[:, None]
+        gain = SHEAR.relaxed + (SHEAR.moduli[:, None] * -np.expm1(-y) / y).sum(axis=0)
+        target = free + force / gain
+        mean = 0.5 * (solid.force(now, inner) + force)
+        done += mean * (target - now)
+        now, inner = target, solid.linear(now, inner, dt, target)
+    assert_allclose(reached, now, rtol=2e-3)
+    assert_allclose(branches, inner, rtol=2e-3, atol=1e-6)
+    assert_allclose(work, done, rtol=2e-3, atol=1e-6)
+    assert_allclose(solid.force(reached, branches), after, atol=1e-12)
+
+
+def test_without_force_a_component_recovers_in_one_step_as_in_two():
+    solid, (v, b) = Components(SHEAR), components()
+    b -= (SHEAR.relaxed * v + b.sum(axis=0)) * SHEAR.moduli[:, None] / SHEAR.moduli.sum()
+    whole = solid.recovered(b, 3.0)
+    first = solid.recovered(b, 1.0)
+    second = solid.recovered(first[1], 2.0)
+    crept = solid.crept(v, b, np.full(3, 3.0), np.zeros(3))
+    for found in (second, crept):
+        assert_allclose(found[0], whole[0], rtol=1e-12)
+        assert_allclose(found[1], whole[1], rtol=1e-9, atol=1e-13)
+    assert_allclose(solid.recovered(b, math.inf)[0], 0.0, atol=1e-13)
+
+
+def test_the_path_meets_the_rows_and_tells_when_a_node_is_passed():
+    path = EdgePath.through(1.0, 0.7, 0.5, (0.25, 1.05))
+    shares = np.linspace(0.0, 1.0, 11)
+    radii = 1.0 + path.travel * (shares + path.bend * shares * (shares - 1.0))
+    assert_allclose(path.passed(radii), shares, atol=1e-12)
+    # the parabola through (-0.25, 1.05), (0, 1), (0.5, 0.7)
+    parabola = np.polyfit([-0.25, 0.0, 0.5], [1.05, 1.0, 0.7], 2)
+    assert_allclose(radii, np.polyval(parabola, 0.5 * shares), atol=1e-12)
+    assert path.passed(np.array([1.2, 0.5])).tolist() == [0.0, 1.0]
+    turning = EdgePath.through(1.0, 1.001, 0.5, (0.25, 1.5))
+    assert abs(turning.bend) == 1.0
+    assert not turning.opens
+    assert EdgePath.through(1.0, 1.0, 0.5, (0.25, 1.5)).passed(np.array([0.9, 1.0, 1.1])).tolist() == [
+        1,
+        1,
+        0,
+    ]
+
+
+def test_places_cover_every_radius_with_meshes_whose_number_grows_with_the_logarithm():
+    family = EdgeMeshes(1.0, 4, 1e6)
+    levels = set()
+    for radius in np.geomspace(1.0, 1e6, 400):
+        place = family.place(radius)
+        levels.add(place.level)
+        scale, parameters = family.scale(place), family.parameters(place.level)
+        low, high = scale * parameters.fine_from, scale * parameters.fine_to
+        assert low == 0.0 or low < radius - 3.0
+        assert radius + 3.0 < high
+        assert scale * parameters.fine_size <= 0.25 * 1.01
+    assert len(levels) < 20
+
+
+@cache
+def retraction(zone: float = 1.3e-3) -> Trace:
+    return FiniteElements().solve(replace(SHORT, adhesion=Adhesion(WORK, zone)), 4)
+
+
+def errors(trace: Trace) -> tuple[float, float, float]:
+    pull_off = -trace.force.min() / PULL_OFF - 1.0
+    return pull_off, trace.external_work[-1] / LOOP - 1.0, trace.outcome.time / DETACHED - 1.0
+
+
+def test_short_zones_are_passed_over_with_little_error():
+    """Zone 6e-3 of the contact radius; 75 steps where a quarter of an element a step takes thousands."""
+    trace = retraction()
+    assert np.abs(errors(trace)).max() < COARSE
+    assert trace.counters.steps < 150
+    residual = trace.extra["balance_residual"]
+    assert np.abs(residual).max() < 2e-3 * trace.external_work[-1]
+
+
+def test_a_run_stopped_and_continued_has_the_same_bits():
+    scene = replace(SHORT, loading=Loading("relaxed", 0.032, (Ramp(0.0315, 0.002),)))
+    whole = FiniteElements().solve(scene, 4)
+    parts, again = in_parts(lambda monitor: FiniteElements().solve(scene, 4, monitor=monitor), (3,))
+    assert len(parts[0]) < len(whole)
+    for name, column in whole.columns().items():
+        assert again.columns()[name].tobytes() == column.tobytes(), name
+
+
+def test_the_mesh_follows_only_where_it_can():
+    solver = FiniteElements()
+    assert solver.follows_edge(SHORT)
+    assert not solver.follows_edge(replace(SHORT, adhesion=Adhesion(WORK, 0.26 / FOLLOWED_BEYOND)))
+    apart = Material(0.75, 0.4, (Branch(6.75, 1.0),), BulkRelaxation())
+    assert not solver.follows_edge(replace(SHORT, material=apart))
+    with pytest.raises(UnsupportedScene, match="a mesh that stays"):
+        fem_solver.solve(replace(SHORT, material=apart), edge_meshes(SHORT, 4))
+    with pytest.raises(UnsupportedScene, match="a mesh that stays"):
+        fem_solver.record(SHORT, edge_meshes(SHORT, 4), fem_solver.Options(record_every=1))
+
+
+def straight(true):
+    return classmethod(lambda cls, start, end, dt, before: cls(start, end - start))
+
+
+def late(true):
+    return lambda self, radii: np.where(true(self, radii) > 0.0, 1.0, 0.0)
+
+
+def forgetful(true):
+    def transferred(*given):
+        moved = true(*given)
+        beyond = np.arange(len(moved.components)) > moved.edge + 1.0
+        if moved.place == given[0].place:
+            return moved
+        kept = np.where(beyond, 0.0, moved.components)
+        return replace(moved, components=kept, branches=np.where(beyond, 0.0, moved.branches))
+
+    return transferred
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("owner", "name", "wrong"),
+    [
+        pytest.param(EdgePath, "through", straight, id="a path of lower order"),
+        pytest.param(EdgePath, "passed", late, id="nodes released at the end of the step"),
+    ],
+)
+def test_faults_in_the_steps_over_many_nodes_show(owner, name, wrong, monkeypatch):
+    """Each moves the pull-off force, or the loop energy, by more than the error of the true steps."""
+    true = np.abs(errors(retraction())).max()
+    monkeypatch.setattr(owner, name, wrong(getattr(owner, name)))
+    found = FiniteElements().solve(SHORT, 4)
+    assert np.abs(errors(found)).max() > 2.0 * true
+
+
+@pytest.mark.slow
+def test_the_limit_of_short_zones_is_reached():
+    """Pull-off force at zones of 1.3e-4, by front tracking, and steps that do not grow."""
+    trace = retraction(1.3e-4)
+    assert -trace.force.min() == pytest.approx(0.0230577, rel=COARSE)
+    assert trace.external_work[-1] == pytest.approx(9.30494e-4, rel=COARSE)
+    assert trace.counters.steps < 1.2 * retraction().counters.steps
+
+
+@pytest.mark.slow
+def test_an_edge_that_creeps_under_a_dead_load_detaches_in_time(monkeypatch):
+    """Slower than a node in a relaxation time; a wake forgotten where the mesh moves changes that time."""
+    loading = Loading("relaxed", 0.032, (Force(-0.006, 1000.0),))
+    scene = replace(SHORT, material=TWO, loading=loading, adhesion=Adhesion(WORK, CREEPING))
+    trace = FiniteElements().solve(scene, 4)
+    assert trace.outcome.time == pytest.approx(HELD, rel=2.0 * COARSE)
+    monkeypatch.setattr(history, "transferred", forgetful(history.transferred))
+    assert FiniteElements().solve(scene, 4).outcome.time != pytest.approx(HELD, rel=2.0 * COARSE)
+
+
+@pytest.mark.slow
+def test_an_edge_jump_without_a_place_to_rest_loses_contact():
+    """The sharp edge, which needs no fine mesh, tells that nothing inside holds the contact."""
+    meshes = edge_meshes(SHORT, 4)
+    solved = fem_solver.solve(
+        replace(SHORT, loading=Loading("relaxed", 0.032, (Force(-1.0, 1.0),))), meshes, fem_solver.Options()
+    )
+    assert solved.outcome.finished
+    assert solved.outcome.kind.value == "detached"
