@@ -121,12 +121,11 @@ def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energie
     if problem.work == 0.0 and penetration <= 0.0:
         return untouched_state(problem, 0.0, penetration), initial_energies(problem.chain, 0.0, relaxed)
     elastic = elastic_problem(problem, material.modulus if relaxed else material.glassy_modulus)
-    trial = equilibrium(
-        elastic, untouched_state(elastic, 0.0, penetration), "penetration", penetration, scale
-    )
+    untouched = untouched_state(elastic, 0.0, penetration)
+    trial = equilibrium(elastic, untouched, scene.loading.start_control, penetration, scale)
     if trial is None:
         return None
-    surface = trial.surface
+    surface, penetration = trial.surface, trial.motion.new_penetration
     state = HalfSpaceState(0.0, penetration, surface, _start_history(problem, surface, penetration, relaxed))
     forces = surface.edge * problem.annuli.areas * surface.scaled
     load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
