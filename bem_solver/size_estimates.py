@@ -156,7 +156,7 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
             return 0.0, penetration if control == "force" else value, 0.0
         return trial.surface.edge, trial.motion.new_penetration, trial.surface.force
 
-    radius, penetration, force = settle("penetration", penetration)
+    radius, penetration, force = settle(scene.loading.start_control, penetration)
 
     def state(_: Step) -> tuple[float, float]:
         return penetration, force

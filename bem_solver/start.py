@@ -122,12 +122,11 @@ def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energie
     if problem.work == 0.0 and penetration <= 0.0:
         return untouched_state(problem, 0.0, penetration), initial_energies(problem.chain, 0.0, relaxed)
     elastic = elastic_problem(problem, material.modulus if relaxed else material.glassy_modulus)
-    trial = equilibrium(
-        elastic, untouched_state(elastic, 0.0, penetration), "penetration", penetration, scale
-    )
+    untouched = untouched_state(elastic, 0.0, penetration)
+    trial = equilibrium(elastic, untouched, scene.loading.start_control, penetration, scale)
     if trial is None:
         return None
-    surface = trial.surface
+    surface, penetration = trial.surface, trial.motion.new_penetration
     if trial.zone >= surface.edge > 0.0:
         raise zone_too_long(trial.zone, surface.edge)
     history = _start_history(problem, surface, penetration, relaxed)

@@ -16,11 +16,11 @@ from typing import ClassVar
 from contact_scene.approach import Approach
 from contact_scene.errors import SceneError, as_tuple, finite, not_negative, one_of, positive, shown
 from contact_scene.machine import Machine
-from contact_scene.segment import Segment, Step, straight
+from contact_scene.segment import Control, Segment, Step, straight
 from contact_scene.table import Table
 from contact_scene.trigger import Trigger, level
 
-STARTS = ("jump-in", "relaxed")
+STARTS = ("jump-in", "relaxed", "snap-in")
 
 
 @dataclass(frozen=True)
@@ -187,11 +187,12 @@ class Loading:
 
     Parameters
     ----------
-    start : "jump-in" or "relaxed"
-        Glassy or fully relaxed equilibrium at ``penetration``. Where a profile allows more than one, it is
-        the one with the outermost stable edge.
+    start : "jump-in", "relaxed" or "snap-in"
+        Glassy or fully relaxed equilibrium at ``penetration``; or contact made at constant stage, the glassy
+        equilibrium with the stage at ``penetration`` (on a rigid machine that is "jump-in"). Where a profile
+        allows more than one, it is the one with the outermost stable edge.
     penetration : float
-        Penetration of the start state.
+        Penetration of the start state; of a "snap-in", position of the stage.
     steps : tuple of Step
         Carried out in order; may be empty (the start state alone). An :class:`Approach` stands for several.
     machine : Machine, optional
@@ -223,6 +224,11 @@ class Loading:
     def compliance(self) -> float:
         """Of the machine; 0 where it is rigid."""
         return 0.0 if self.machine is None else self.machine.compliance
+
+    @property
+    def start_control(self) -> Control:
+        """What ``penetration`` prescribes of the start state: the indenter, or the stage of a spring."""
+        return "stage" if self.start == "snap-in" and self.compliance > 0.0 else "penetration"
 
     @property
     def has_triggers(self) -> bool:
@@ -271,7 +277,8 @@ class Loading:
         segment : Segment
         """
         time, force = 0.0, math.nan
-        driven = self.penetration if self.compliance == 0.0 else math.nan  # indenter, or stage
+        known = self.compliance == 0.0 or self.start_control == "stage"
+        driven = self.penetration if known else math.nan  # indenter, or stage
         for step in self.steps:
             if state is not None:
                 penetration, force = state(step)

@@ -65,10 +65,10 @@ class ContactSolver:
     counters: Counters
     origin: Callable[[], EdgeOrigin | None]
 
-    def start(self, penetration: float, relaxed: bool) -> ContactCandidate:
+    def start(self, control: Control, value: float, relaxed: bool) -> ContactCandidate:
         """Glassy or relaxed equilibrium, from the undeformed half-space."""
         dt = math.inf if relaxed else 0.0
-        problem = self._problem(dt, "penetration", penetration)
+        problem = self._problem(dt, control, value)
         return self._searched(dt, problem, lambda: self.setup.law.start(problem))
 
     def trial(

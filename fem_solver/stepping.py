@@ -176,7 +176,8 @@ class NodeReleaseRun:
 
     def start(self, loading: Loading) -> Outcome | None:
         """Accept the start state; an outcome if there is none."""
-        candidate = self.solver.start(loading.penetration, loading.start == "relaxed")
+        relaxed = loading.start == "relaxed"
+        candidate = self.solver.start(loading.start_control, loading.penetration, relaxed)
         try:
             if candidate.edge.motion is EdgeMotion.RECEDING:
                 reason = f"no stable contact at penetration {loading.penetration:.6g}"

@@ -200,3 +200,20 @@ def test_copies_in_other_units_agree(name):
     steps = (Ramp(0.05, 0.5, until_force=0.001), Hold(0.1), Ramp(-0.5, 0.5))
     asked = scene(RELAXING, *steps, machine=Machine(STIFFNESS))
     is_independent_of_units(SOLVERS[name], asked, *in_units(asked, 2.0**-20, 2.0**10, 2.0**-3))
+
+
+@every_solver
+def test_contact_is_made_at_constant_stage(solver):
+    """With the stage where the surfaces just touch, spring and adhesion balance: the stable branch."""
+    for stiffness, at in ((STIFFNESS, 0.0), (0.1 * STIFFNESS, 0.003)):
+        loading = Loading("snap-in", at, (), Machine(stiffness))
+        trace = solver.solve(Scene(ELASTIC, Sphere(1.0), loading, Adhesion(WORK, ZONE)))
+        state = SpringContact(LAW, stiffness).at_stage(at)
+        accuracy = {"reference": 1e-9, "bem": 1e-3, "fem": 5e-3}[solver.name]
+        assert trace.extra["stage"][0] == pytest.approx(at, abs=1e-12)
+        assert trace.contact_radius[0] == pytest.approx(state.contact_radius, rel=accuracy)
+        most = abs(LAW.pull_off_force_control().force)
+        assert trace.force[0] == pytest.approx(state.force, abs=accuracy * most)
+    rigid = scene(RELAXING)
+    snapped = replace(rigid, loading=replace(rigid.loading, start="snap-in"))
+    assert np.array_equal(solver.solve(rigid).force, solver.solve(snapped).force)

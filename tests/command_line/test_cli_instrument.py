@@ -27,7 +27,7 @@ def test_trace_and_summary_of_a_spring(tmp_path):
     assert (code, summary["outcome"]) == (0, "detached")
     assert columns["force"].max() == pytest.approx(0.003, rel=1e-12)
     assert columns["stage"] == pytest.approx(columns["penetration"] + columns["force"] / 0.2, abs=1e-12)
-    assert summary["detachment_stage"] == pytest.approx(columns["stage"].min(), rel=1e-12)
+    assert summary["stage_at_detachment"] == pytest.approx(columns["stage"].min(), rel=1e-12)
     assert summary["instability_loss"] == columns["instability_loss"][-1] > 0.0
 
 

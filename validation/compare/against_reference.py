@@ -33,7 +33,7 @@ SCALARS = {
     "detachment_radius": "length",
     "detachment_force": "force",
     "detachment_time": "",
-    "detachment_stage": "length",
+    "stage_at_detachment": "length",
     "final_penetration": "length",
     "final_radius": "length",
     "final_force": "force",

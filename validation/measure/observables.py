@@ -44,7 +44,7 @@ class Observables:
     detachment_time, detachment_penetration, detachment_radius, detachment_force : float or None
         Last state in contact of a run that lost contact. ``None`` where the contact shrank to its process
         zone: there the model ends, not the contact, and the state is ``final_*``.
-    detachment_stage : float or None
+    stage_at_detachment : float or None
         Position of the stage there; only of a machine with a spring.
     loop_energy : float or None
         ``integral F dD`` over the run; on a spring the work of the stage, ``integral F dX``.
@@ -71,7 +71,7 @@ class Observables:
     detachment_penetration: float | None = None
     detachment_radius: float | None = None
     detachment_force: float | None = None
-    detachment_stage: float | None = None
+    stage_at_detachment: float | None = None
     loop_energy: float | None = None
     dissipated_energy: float | None = None
     instability_loss: float | None = None
@@ -122,7 +122,7 @@ def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> 
     if "stage" in trace.extra:
         values["instability_loss"] = trace.extra["instability_loss"][-1]
         if "detachment_force" in values:
-            values["detachment_stage"] = trace.extra["stage"][_last_in_contact(trace, zone)]
+            values["stage_at_detachment"] = trace.extra["stage"][_last_in_contact(trace, zone)]
     return Observables(**{name: float(value) for name, value in values.items()})
 
 

@@ -87,10 +87,16 @@ def start_radius(scene: Scene) -> float:
     relaxed = scene.loading.start == "relaxed"
     stiffness = material.relaxed_plane_modulus if relaxed else material.glassy_plane_modulus
 
+    compliance = scene.loading.compliance if scene.loading.start_control == "stage" else 0.0
+
     def excess(radius: ArrayLike) -> NDArray[np.float64]:
         a = np.asarray(radius, float)
         pull = np.sqrt(2.0 * np.pi * a * work / stiffness)
-        return -_finite(scene.loading.penetration - (sneddon.depth(scene.indenter, a) - pull))
+        reached = sneddon.depth(scene.indenter, a) - pull
+        if compliance > 0.0:
+            resisting = sneddon.force(scene.indenter, a, stiffness) - 2.0 * stiffness * a * pull
+            reached = reached + compliance * resisting
+        return -_finite(scene.loading.penetration - reached)
 
     radii = _searched(scene.indenter)
     below = np.flatnonzero(excess(radii) <= 0.0)
@@ -108,6 +114,8 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
     """
     depth, force, before = scene.loading.penetration, 0.0, "start"
     deepest, strongest, farthest = depth, -math.inf, -math.inf
+    if scene.loading.start_control == "stage":
+        deepest, farthest = -math.inf, depth
     compliance = scene.loading.compliance
 
     def state(step: Step) -> tuple[float, float]:

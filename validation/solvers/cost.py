@@ -214,7 +214,7 @@ def _edge_travel(scene: Scene, largest: float) -> tuple[float, float]:
         held = np.flatnonzero(loads[control] <= value)
         return float(radii[held[-1]]) if held.size else 0.0
 
-    present = radius("penetration", scene.loading.penetration)
+    present = radius(scene.loading.start_control, scene.loading.penetration)
     travel, intervals, force = present if work == 0.0 else 0.0, 0.0, 0.0
     depth = scene.loading.penetration
 

@@ -40,7 +40,7 @@ def springs() -> list[StabilityCase]:
     rigid = replace(plain, loading=replace(plain.loading, machine=Machine(math.inf)))
     cases.append(StabilityCase("spring", "rigid", rigid, EquivalentScene(plain), SAME))
     for share in (1e-3, 0.1, 1.0, 10.0, 1e3):
-        runs = ReferenceRuns(("pull_off_force", "detachment_stage", "loop_energy", CURVE))
+        runs = ReferenceRuns(("pull_off_force", "stage_at_detachment", "loop_energy", CURVE))
         cases.append(StabilityCase("spring", f"cycle, k = {share:g}", _cycle(plain, share, unit), runs))
     return cases
 
@@ -55,7 +55,7 @@ def _limit_point(material: Material, share: float, stiffness: float) -> Stabilit
     pulled = replace(plain, loading=replace(plain.loading, machine=Machine(stiffness)))
     values = (
         Value("pull_off_force", -spring.largest_tension().force),
-        Value("detachment_stage", last, first - last),
+        Value("stage_at_detachment", last, first - last),
         Value("instability_loss", spring.lost_in_snap(), spring.energy(lost)),
     )
     expected = ClosedForm(values, "elastic closure of finite zone, least stage", (OutcomeKind.DETACHED,))

@@ -173,7 +173,7 @@ def machines() -> st.SearchStrategy[Machine | None]:
 def instruments() -> st.SearchStrategy[Loading]:
     """What only an instrument can do: one to four steps, some of which end at a level, on a machine."""
     steps = st.lists(st.one_of(*STEPS.values(), *TRIGGERED.values()), min_size=1, max_size=4)
-    starts = st.sampled_from(["jump-in", "relaxed"])
+    starts = st.sampled_from(["jump-in", "relaxed", "snap-in"])
     return st.builds(Loading, starts, shares(-0.3, 1.0, DEPTH), steps, machines())
 
 

@@ -38,20 +38,32 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
         If contact is possible, but not with a process zone of that length; if the zone is lost in rounding.
     """
     depth, edge = scene.loading.penetration, scene.indenter.edge
-    glassy = scene.loading.start == "jump-in"
+    glassy = scene.loading.start != "relaxed"
+    modulus = body.rheology.glassy if glassy else body.rheology.relaxed
+    staged = scene.loading.start_control == "stage"
+    softness = 2.0 * modulus * scene.loading.compliance if staged else 0.0
+
+    def depth_at(radius: float) -> float:
+        """Penetration of a contact of that radius: ``D + F/k = X``, ``F = 2 E* (a D - int_0^a G)``."""
+        if not staged:
+            return depth
+        return (depth + softness * body.transform.integral(radius)) / (1.0 + softness * radius)
+
+    def surface_of(radius: float) -> Surface:
+        return elastic_surface(body, depth_at(radius), radius, glassy)
 
     def residual(radius: float) -> float:
-        return law.residual(elastic_surface(body, depth, radius, glassy), body, math.inf)
+        return law.residual(surface_of(radius), body, math.inf)
 
     if not isinstance(law, Griffith):
-        radius = touching_radius(body, depth, edge)
-        return elastic_surface(body, depth, radius, glassy)
+        if staged:
+            return surface_of(staged_radius(body, modulus, depth, scene.loading.compliance, edge))
+        return surface_of(touching_radius(body, depth, edge))
     zone = law.adhesion.zone
-    modulus = body.rheology.glassy if glassy else body.rheology.relaxed
 
     def tip_residual(radius: float) -> float:
         """The same for a vanishing zone: ``q^2/(2 pi a E*) - dg``, negative where the edge is pressed."""
-        q = modulus * (depth - float(body.transform(np.array([radius]))[0]))
+        q = modulus * (depth_at(radius) - float(body.transform(np.array([radius]))[0]))
         return -math.copysign(q * q, q) / (2.0 * math.pi * radius * modulus * law.adhesion.closing) - 1.0
 
     highest = edge
@@ -59,10 +71,8 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
         highest = max(2.0 * touching_radius(body, depth, edge), 4.0 * zone, _last_ledge(scene))
         while tip_residual(highest) <= 0.0 or residual(highest) <= 0.0:
             highest *= 2.0
-    else:
-        whole = elastic_surface(body, depth, edge, glassy)
-        if law.residual(whole, body) <= 0.0:
-            return whole
+    elif law.residual(surface_of(edge), body) <= 0.0:
+        return surface_of(edge)
     outermost = _outermost(residual, law.smallest_radius, highest)
     if outermost is not None:
         if zone < LEAST_ZONE * outermost:
@@ -71,7 +81,7 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
                 f"the process zone {zone:.4g} is lost in the rounding of the contact radius {outermost:.4g}",
                 f"a zone of at least {LEAST_ZONE:g} of the contact radius",
             )
-        surface = elastic_surface(body, depth, outermost, glassy)
+        surface = surface_of(outermost)
         longest = law.zone_at(surface, body)
         if longest >= outermost and law.adhesion.stress is not None:
             raise zone_too_long(longest, outermost)
@@ -142,14 +152,31 @@ def pressed_radius(body: Body, force: float, edge: float) -> float:
     return min(bracketed(excess, 0.5 * high, excess(0.5 * high), high, excess(high), 0.0, 1e-9 * high), edge)
 
 
-def staged_radius(body: Body, stage: float, compliance: float, edge: float) -> float:
-    """Radius of the adhesionless relaxed contact under a stage at ``stage``, ``G(a) + F(a)/k = X``."""
+def staged_radius(body: Body, modulus: float, stage: float, compliance: float, edge: float) -> float:
+    """Radius of the adhesionless elastic contact under a stage, ``G(a) + F(a)/k = X``.
+
+    Parameters
+    ----------
+    body : Body
+    modulus : float
+        Plane modulus.
+    stage : float
+        Its position, X.
+    compliance : float
+        ``1/k``.
+    edge : float
+        Radius of the indenter's edge.
+
+    Returns
+    -------
+    float
+    """
     if stage <= 0.0:
         return 0.0
 
     def excess(radius: float) -> float:
         depth = float(body.transform(np.array([radius]))[0])
-        force = 2.0 * body.rheology.relaxed * (depth * radius - body.transform.integral(radius))
+        force = 2.0 * modulus * (depth * radius - body.transform.integral(radius))
         return depth + compliance * force - stage
 
     high = touching_radius(body, stage, edge)

@@ -184,7 +184,8 @@ def _largest_load(scene: Scene, body: Body) -> tuple[float, float]:
             hardest, force = max(hardest, *values), values[-1]
             continue
         if segment.control == "stage":
-            radius = staged_radius(body, max(values), segment.compliance, edge)
+            relaxed = body.rheology.relaxed
+            radius = staged_radius(body, relaxed, max(values), segment.compliance, edge)
             values = [float(body.transform(np.array([radius]))[0])] if radius > 0.0 else [depth]
         if trigger is not None and trigger.quantity == "force":
             hardest, force = max(hardest, trigger.level), trigger.level
