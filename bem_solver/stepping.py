@@ -48,6 +48,8 @@ from contact_scene.run_control import (
 from contact_scene.trigger import passed
 
 SOLVER = "bem"
+_ZONE_END_SHARE = 1e-4
+"""Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
 
 
 @dataclass
@@ -139,6 +141,10 @@ class GradedRun:
             return self._after_failure(result, step, start, report)
         travel = abs(result.trial.motion.new_edge - state.contact.edge)
         taken = result.parameter - state.parameter
+        if self._overshoots_its_zone(result, taken, interval):
+            problem.counters.rejected_steps += 1
+            state.step = 0.25 * taken
+            return None
         if result.error > 1.0 and not self._passes_an_annulus(taken, travel):
             problem.counters.rejected_steps += 1
             state.rejected.append((taken, travel))
@@ -151,6 +157,14 @@ class GradedRun:
         if located.reached:
             self.cursor.level_reached()
         return outcome
+
+    def _overshoots_its_zone(self, candidate: Candidate, taken: float, interval: LoadingInterval) -> bool:
+        """Whether a zone of fixed stress comes to fill its contact within a step that is not yet short."""
+        adhesion = self.problem.scene.adhesion
+        if adhesion is None or adhesion.stress is None or self.problem.work == 0.0:
+            return False
+        fills = candidate.trial.zone >= candidate.trial.motion.new_edge
+        return fills and taken > _ZONE_END_SHARE * interval.length
 
     def _passes_an_annulus(self, step: float, travel: float) -> bool:
         """Whether shorter steps do not shorten the travel: the edge passes an annulus at once."""

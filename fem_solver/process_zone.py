@@ -70,15 +70,22 @@ def zone_length(radii: Array, tension: Array, first: int, edge: float, stress: f
     Returns
     -------
     float or None
-        ``None`` if the zone reaches beyond the first node; 0 if the edge does not pull.
+        ``None`` if the zone reaches beyond the first node, or the axis; 0 if the edge does not pull.
     """
     allowed = 4.0 / math.pi * stress
     beyond = np.cumsum(tension[::-1])[::-1]
     vertices = np.arange(first % 2, len(radii), 2)
     vertices = vertices[radii[vertices] < edge][::-1]  # from the edge inwards
     over = beyond[vertices] - 0.5 * tension[vertices]
+    inwards = radii[vertices]
+    if (
+        first == 1 and len(vertices) > 1
+    ):  # to the axis, where no force tells a stress, as between the last two
+        growth = (over[-1] - over[-2]) / (inwards[-2] - inwards[-1])
+        over = np.append(over, over[-1] + growth * inwards[-1])
+        inwards = np.append(inwards, 0.0)
     squares = np.concatenate(([0.0], over * np.abs(over)))
-    distance = np.concatenate(([0.0], edge - radii[vertices]))
+    distance = np.concatenate(([0.0], edge - inwards))
     excess = squares - (allowed * distance) ** 2
     pulling = np.flatnonzero(excess > 0.0)
     if not len(pulling):

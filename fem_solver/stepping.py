@@ -57,6 +57,8 @@ _MISSED_TENSION = 0.1
 """Tension that rows may miss of its largest value, relative to the allowed error of the force."""
 _FIRST = 1.0 / 64.0
 """First step, relative to the interval; twice that relative to the shortest relaxation time."""
+_ZONE_END_SHARE = 1e-4
+"""Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
 _EVENT_TRAVEL = 4.0
 """An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
 _DEVIATION_PER_TOLERANCE = 10.0
@@ -269,6 +271,9 @@ class NodeReleaseRun:
             self._check_budget()
             candidate = self.trial_step(segment, interval.dt, interval.next_time)
             error = max(deviation, candidate.error)
+            if self._overshoots_its_zone(candidate.contact, interval):
+                self._reject(interval)
+                continue
             if error > _REJECT and not interval.shortest:
                 self._reject(interval)
                 continue
@@ -308,6 +313,13 @@ class NodeReleaseRun:
             interval.halve()
         elif error < 0.25 and moved < 0.4 * travel:
             interval.double()
+
+    def _overshoots_its_zone(self, contact: ContactCandidate, interval: DyadicInterval) -> bool:
+        """Whether a zone of fixed stress comes to fill its contact within a step that is not yet short."""
+        if self.setup.geometry.stress is None or not contact.in_equilibrium or interval.shortest:
+            return False
+        fills = contact.problem.zone(contact.edge.s) >= self.solver.radius(contact)
+        return fills and interval.dt > _ZONE_END_SHARE * (interval.end - interval.start)
 
     def _reject(self, interval: DyadicInterval) -> None:
         self.counters.rejected_steps += 1

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from validation.stability import loadings, machines, materials, rates, surfaces, unit_invariance
+from validation.stability import (
+    interface,
+    loadings,
+    machines,
+    materials,
+    rates,
+    surfaces,
+    unit_invariance,
+)
 from validation.stability.case import StabilityCase
 
 AXES: dict[str, Callable[[], list[StabilityCase]]] = {
@@ -15,6 +23,9 @@ AXES: dict[str, Callable[[], list[StabilityCase]]] = {
     "speed": rates.speeds,
     "step": rates.steps,
     "adhesion": surfaces.adhesion,
+    "hysteresis": interface.hysteresis,
+    "rate": interface.rate,
+    "stress": interface.stress,
     "indenter": surfaces.indenters,
     "loading": loadings.loading,
     "dead-load": loadings.pull_off,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -27,7 +27,9 @@ from contact_scene import (
     Material,
     Oscillate,
     PowerLaw,
+    PowerRate,
     Ramp,
+    RateTable,
     Scene,
     Sphere,
     Step,
@@ -39,6 +41,8 @@ from contact_scene import (
 Value = TypeVar("Value")
 SHARE_WITHOUT_ADHESION = 0.2
 SHARE_OF_LONG_ZONES = 0.8
+SHARE_OF_HYSTERESIS = 0.3
+SHARE_OF_RATES = 0.3
 """Scenes whose process zone is no shorter than a hundredth of the contact: the others cost much more."""
 
 
@@ -65,7 +69,7 @@ class _Sizes:
 class _RandomNumbers:
     """Random numbers of a seed, rounded to a few digits so that a scene can be read."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int | tuple[int, ...]) -> None:
         self._generator = np.random.default_rng(seed)
 
     def decades(self, low: float, high: float) -> float:
@@ -101,7 +105,10 @@ def random_scene(seed: int) -> RandomScene:
     sizes = _Sizes(contact, depth, 2.0 * contact * material.relaxed_plane_modulus * depth, time)
     kind = random.one_of(tuple(LOADINGS))
     loading = LOADINGS[kind](random, sizes)
-    scene = Scene(material, _indenter(random, radius, sizes), loading, _adhesion(random, material, sizes))
+    indenter, adhesion = _indenter(random, radius, sizes), _adhesion(random, material, sizes)
+    if adhesion is not None:  # by numbers of its own, so that the others stay those of the seed
+        adhesion = _law(_RandomNumbers((seed, 1)), adhesion, sizes)
+    scene = Scene(material, indenter, loading, adhesion)
     return RandomScene(seed, kind, scene, _stops(random, loading))
 
 
@@ -141,6 +148,21 @@ def _adhesion(random: _RandomNumbers, material: Material, sizes: _Sizes) -> Adhe
     held = material.relaxed_plane_modulus * sizes.depth**2 / (2.0 * math.pi * sizes.radius)
     zone = random.decades(-2.0, -1.0) if random.happens(SHARE_OF_LONG_ZONES) else random.decades(-4.0, -2.0)
     return Adhesion(held * random.decades(-2.5, 0.5), sizes.radius * zone)
+
+
+def _law(random: _RandomNumbers, adhesion: Adhesion, sizes: _Sizes) -> Adhesion:
+    """The same, in part closing at less than it opens, and taking up more the faster it opens."""
+    if random.happens(SHARE_OF_HYSTERESIS):
+        adhesion = replace(adhesion, work_closing=adhesion.work * random.decades(-1.5, 0.0))
+    if random.happens(SHARE_OF_RATES):
+        speed = sizes.radius / (sizes.time * random.decades(-2.0, 4.0))
+        if random.happens(0.7):
+            rate: PowerRate | RateTable = PowerRate(speed, random.between(0.1, 1.5))
+        else:
+            factors = (random.between(1.1, 2.0), random.between(2.0, 10.0))
+            rate = RateTable((speed, 100.0 * speed), tuple(adhesion.work * factor for factor in factors))
+        adhesion = replace(adhesion, rate=rate)
+    return adhesion
 
 
 def _start(random: _RandomNumbers) -> str:

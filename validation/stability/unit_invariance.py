@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Loading,
+    Material,
+    PowerRate,
+    Ramp,
+    RateTable,
+    Scene,
+    Sphere,
+)
 from validation.stability import base
 from validation.stability.case import EquivalentScene, StabilityCase
 from validation.stability.materials import SAME
@@ -54,6 +64,22 @@ def scaled(scene: Scene, length: float, stress: float, time: float) -> Scene:
         scene,
         material=Material(stress * scene.material.modulus, scene.material.poisson, branches),
         indenter=Sphere(length * scene.indenter.radius),
-        adhesion=Adhesion(stress * length * scene.adhesion.work, length * scene.adhesion.zone),
+        adhesion=_scaled_adhesion(scene.adhesion, length, stress, time),
         loading=Loading(scene.loading.start, length * scene.loading.penetration, tuple(steps)),
+    )
+
+
+def _scaled_adhesion(adhesion: Adhesion, length: float, stress: float, time: float) -> Adhesion:
+    energy, speed = stress * length, length / time
+    rate = adhesion.rate
+    if isinstance(rate, PowerRate):
+        rate = PowerRate(speed * rate.speed, rate.exponent)
+    elif rate is not None:
+        rate = RateTable(tuple(speed * v for v in rate.speeds), tuple(energy * w for w in rate.works))
+    return Adhesion(
+        energy * adhesion.work,
+        0.0 if adhesion.stress is not None else length * adhesion.zone,
+        None if adhesion.work_closing is None else energy * adhesion.work_closing,
+        rate,
+        None if adhesion.stress is None else stress * adhesion.stress,
     )

@@ -64,6 +64,26 @@ def answers_or_refuses(solver: CoarseSolver, scene: Scene) -> None:
     assert broken(scene, trace) == []
 
 
+def accounts_for_the_interface(solver: CoarseSolver, scene: Scene) -> None:
+    """Opening takes up at least the work of adhesion, closing gives its energy back; the rest is balanced."""
+    trace = answered(solver, scene)
+    if trace is None or len(trace) == 0 or scene.adhesion is None:
+        return
+    assert trace.outcome.finished or trace.outcome.kind in CLEAR
+    spent = trace.extra["separation_energy"]
+    stored = trace.stored_energy - trace.stored_energy[0]
+    lost = trace.external_work - stored - spent
+    terms = np.abs([trace.external_work, stored, spent]).max()
+    assert np.abs(lost - trace.dissipated_energy).max() <= 1e-12 * terms
+    area = np.pi * trace.contact_radius**2
+    exact = scene.adhesion.rate is None or solver.name != "reference"  # whose rows between steps are cubics
+    rounding = (1e-9 if exact else 1e-3) * scene.adhesion.work * area.max(initial=0.0)
+    opened, change = -np.diff(area), np.diff(spent)
+    closes = opened <= 0.0
+    assert np.abs(change - scene.adhesion.closing * opened)[closes].max(initial=0.0) <= rounding
+    assert np.all(change[~closes] >= scene.adhesion.work * opened[~closes] - rounding)
+
+
 def stays_within_the_step_budget(solver: CoarseSolver, scene: Scene, budget: int) -> None:
     """A run stops at its budget of steps and says so."""
     trace = answered(solver, scene, budget=budget)

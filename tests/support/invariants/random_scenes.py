@@ -27,7 +27,9 @@ from contact_scene import (
     Material,
     Oscillate,
     PowerLaw,
+    PowerRate,
     Ramp,
+    RateTable,
     Scene,
     Sphere,
     Step,
@@ -108,6 +110,28 @@ def adhesions(
     zone = decades(*zones).map(lambda x: x * WIDTH)
     sticky = st.builds(Adhesion, work, zone)
     return st.one_of(st.none(), st.builds(Adhesion, st.just(0.0), zone), sticky, sticky, sticky)
+
+
+def irreversible() -> st.SearchStrategy:
+    """Adhesions that close at less than they open, take up more the faster, or have a fixed stress."""
+    work = decades(-2.0, 0.3).map(lambda x: x * HELD)
+    speeds = decades(-4.0, 2.0).map(lambda v: v * WIDTH)
+    powers = st.builds(PowerRate, speeds, shares(0.1, 1.5))
+
+    def table(work: float, speed: float, rises: tuple[float, float]) -> RateTable:
+        return RateTable((speed, 1e3 * speed), (rises[0] * work, rises[0] * rises[1] * work))
+
+    def build(work: float, zone: float, share: float, law: PowerRate | tuple | None) -> Adhesion:
+        rate = table(work, *law) if isinstance(law, tuple) else law
+        return Adhesion(work, zone, share * work, rate)
+
+    laws = st.none() | powers | st.tuples(speeds, st.tuples(shares(1.0, 3.0), shares(1.0, 5.0)))
+    zones = decades(-1.4, -0.7).map(lambda x: x * WIDTH)
+    pinned = st.builds(build, work, zones, shares(0.02, 1.0), laws)
+    stressed = st.builds(
+        lambda work, da: Adhesion(work, stress=math.sqrt(math.pi * work / (4.0 * da))), work, zones
+    )
+    return st.one_of(pinned, pinned, stressed)
 
 
 DEPTHS = shares(-1.0, 1.5, DEPTH)
@@ -245,7 +269,7 @@ def in_units(scene: Scene, length: float, modulus: float, time: float) -> tuple[
             tuple(step(s) for s in loading.steps),
             loading.machine and Machine(loading.machine.stiffness * modulus * length),
         ),
-        adhesion and Adhesion(adhesion.work * modulus * length, adhesion.zone * length),
+        adhesion and _adhesion_in_units(adhesion, length, modulus, time),
     )
     energy = force * length
     return scaled, {
@@ -257,3 +281,14 @@ def in_units(scene: Scene, length: float, modulus: float, time: float) -> tuple[
         "external_work": energy,
         "dissipated_energy": energy,
     }
+
+
+def _adhesion_in_units(adhesion: Adhesion, length: float, modulus: float, time: float) -> Adhesion:
+    energy, closing, rate = modulus * length, adhesion.work_closing, adhesion.rate
+    if isinstance(rate, PowerRate):
+        rate = PowerRate(rate.speed * length / time, rate.exponent)
+    elif rate is not None:
+        rate = RateTable(tuple(v * length / time for v in rate.speeds), tuple(w * energy for w in rate.works))
+    stress = adhesion.stress and adhesion.stress * modulus
+    zone = 0.0 if stress else adhesion.zone * length
+    return Adhesion(adhesion.work * energy, zone, closing and closing * energy, rate, stress)

@@ -14,6 +14,7 @@ from support.invariants.random_scenes import (
     in_units,
     indenters,
     instruments,
+    irreversible,
     materials,
     scenes,
     shares,
@@ -106,6 +107,9 @@ INSTRUMENT = scenes(adhesion=adhesions(ZONES), loading=instruments())
 INVARIANTS: dict[str, Invariant] = {
     "clear answer": Invariant(checks.answers_or_refuses, st.tuples(ANY), 3, 16),
     "budget": Invariant(checks.stays_within_the_step_budget, st.tuples(ANY, st.integers(1, 60)), 2, 8),
+    "interface": Invariant(
+        checks.accounts_for_the_interface, st.tuples(scenes(adhesion=irreversible())), 1, 12
+    ),
     "energy gained": Invariant(checks.gains_no_energy, st.tuples(ANY), 2, 16),
     "energy balance": Invariant(checks.closes_the_energy_balance, st.tuples(ANY), 2, 12),
     "touch": Invariant(checks.separates_contact_from_gap, st.tuples(ANY), 2, 12),

@@ -48,7 +48,7 @@ FORCE_OF_ROW, RADIUS_OF_ROW = 2, 3
 class RecordedRows:
     """Rows of a run (time, penetration, force, radius, stored energy, edge stress, separation energy).
 
-    The separation energy is followed by ``interface`` where it does not follow from the contact area alone.
+    The separation energy is followed by ``interface`` where it depends on the speed of the edge.
 
     ``kinks``: rows at which rates jump. ``interpolated``: rows to be added by interpolation, as the step they
     lie in, their time, and the penetration if it is prescribed.
@@ -107,6 +107,10 @@ class Recorder:
         stored = energy - energy[:1]
         if self.irreversible is None:
             spent = -self.work * (area - area[:1])
+        elif self.irreversible.adhesion.rate is None:
+            grown = np.diff(area)
+            per_area = np.where(grown > 0.0, self.irreversible.adhesion.closing, self.work)
+            spent = _accumulated(-per_area * grown)[: len(time)]
         tip = self._tip(stress, radius)
         branch = np.where(np.diff(time) > 0.0, np.diff(external - stored) + tip, 0.0)  # dashpots take time
         intensity = np.where(

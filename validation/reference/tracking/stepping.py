@@ -34,6 +34,7 @@ from validation.reference.tracking.step import RowTolerances, trial_step
 from validation.reference.tracking.step_history import FORCE, TIME
 from validation.reference.tracking.step_outcome import FrontCandidate, StepOutcome
 from validation.reference.tracking.step_to_level import excess_of, step_to_level
+from validation.reference.tracking.surface import Surface
 
 NAME = "reference"
 COARSEN_EVERY = 12
@@ -48,6 +49,8 @@ EXTREMUM_HEIGHT = 1e-13
 """Height of an extremum of the force over its rows, in largest forces, below which it is round-off."""
 BESIDE_EXTREMUM = 1.0 / 32.0
 """Distance of the rows on either side of an extremum of the force, in steps: they show where it may lie."""
+ZONE_END_SHARE = 1e-4
+"""Longest step, in load steps, within which a zone of fixed stress may come to fill its contact: the end."""
 MOST_REJECTED = 400
 """Steps rejected one after the other before the run ends with an underflow of the step."""
 
@@ -196,7 +199,7 @@ class FrontStepper:
                 outcome,
                 lambda end: trial_step(self.problem, state, segment, end, self.row_tolerances),
             )
-        self._apply(outcome, segment)
+        self._apply(self._to_the_end_of_the_zone(outcome, segment), segment)
         if reached:
             self.cursor.level_reached()
         if self.progress is not None:
@@ -232,12 +235,23 @@ class FrontStepper:
             self._kink()
         if outcome.detachment:
             self._lose_contact(outcome.detachment)
-        elif outcome.below_zone or self._fills_its_zone():
+        elif outcome.below_zone or self._fills_its_zone(self.state.surface):
             self.outcome = below_zone_outcome([row[FORCE_OF_ROW] for row in state.recorded.rows], state.time)
 
-    def _fills_its_zone(self) -> bool:
+    def _to_the_end_of_the_zone(self, outcome: StepOutcome, segment: Segment) -> StepOutcome:
+        """A shorter step, if a zone of fixed stress would fill the contact somewhere within this one."""
+        state = self.state
+        if not outcome.candidates or not self._fills_its_zone(outcome.candidates[-1].surface):
+            return outcome
+        duration = outcome.candidates[-1].time - state.time
+        if duration <= ZONE_END_SHARE * (segment.end - segment.start):
+            return outcome
+        travel = abs(outcome.candidates[-1].surface.radius - state.surface.radius)
+        return StepOutcome(0.25 * duration, rejected=True, travel=0.25 * travel or None)
+
+    def _fills_its_zone(self, surface: Surface) -> bool:
         """Whether a zone of fixed stress has grown over the whole contact."""
-        surface, condition = self.state.surface, self.problem.condition
+        condition = self.problem.condition
         if not isinstance(condition, Griffith) or condition.adhesion.stress is None or surface.radius == 0.0:
             return False
         return condition.zone_at(surface, self.problem.body) >= surface.radius

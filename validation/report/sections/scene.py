@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from contact_scene import Adhesion, PowerRate
 from validation.compare.suite import SceneComparison
 from validation.drawing import run_figures
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
@@ -105,8 +106,27 @@ def parameters(scene: SceneComparison) -> DataTable:
         ("loading", steps or "none"),
     ]
     if adhesion is not None:
-        rows[4:4] = [("work of adhesion", f"{adhesion.work:g}"), ("process zone", f"{adhesion.zone:g}")]
+        rows[4:4] = [
+            ("work of adhesion", f"{adhesion.work:g}"),
+            ("process zone", f"{adhesion.zone:g}"),
+            *_laws(adhesion),
+        ]
     return DataTable(("", ""), tuple(rows), numeric=False)
+
+
+def _laws(adhesion: Adhesion) -> list[tuple[str, str]]:
+    """What an adhesion tells beyond work and zone."""
+    rows = []
+    if adhesion.stress is not None:
+        rows.append(("cohesive stress, the zone above being that at rest", f"{adhesion.stress:g}"))
+    if adhesion.work_closing is not None:
+        rows.append(("work of adhesion on closing", f"{adhesion.work_closing:g}"))
+    if isinstance(adhesion.rate, PowerRate):
+        law = f"w (1 + (v/{adhesion.rate.speed:g})^{adhesion.rate.exponent:g})"
+        rows.append(("work of adhesion on opening at v", law))
+    elif adhesion.rate is not None:
+        rows.append(("work of adhesion on opening at v", f"table of {len(adhesion.rate.speeds)} rows"))
+    return rows
 
 
 def _numbers(stated: object) -> str:
