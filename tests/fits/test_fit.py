@@ -248,7 +248,7 @@ def test_a_stage_is_turned_into_the_motion_of_the_indenter():
     assert modulus.deviation < 0.01
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_stated_intervals_hold_the_truth_about_as_often_as_they_say():
     inside = []
     for number in range(50):

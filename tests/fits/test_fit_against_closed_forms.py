@@ -62,7 +62,7 @@ def test_an_elastic_jkr_fit_agrees_with_the_closed_form_to_1e_4():
 
     closed = least_squares(residuals, np.log([modulus, work]), xtol=1e-12)
     guess = Scene(Material(0.75 * 1.4, 0.5), Sphere(1.0), LOADING, Adhesion(4e-4, 1e-7))
-    settings = FitSettings(vary=("adhesion.work", "material.modulus"), check_solver=None, resolution=16)
+    settings = FitSettings(vary=("adhesion.work", "material.modulus"), check_solver=None, resolution=8)
     found = fit_curves([replace(curve, noise=seen.noise)], guess, settings)
     fitted = np.log([found.estimates[1].value / 0.75, found.estimates[0].value])
     assert np.abs(fitted - closed.x).max() < 1e-4
