@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.closed_form_solver import registered
 from support.recorded import MODULUS, elastic_scene, hertz_curve
 
 import crosscontact as cc
 from contact_scene import (
+    Adhesion,
     Branch,
     Loading,
     Material,
@@ -17,6 +20,7 @@ from contact_scene import (
     Scene,
     SceneError,
     Sphere,
+    Table,
     read_scene,
     write_scene,
 )
@@ -25,21 +29,32 @@ from validation.execution.store import Store
 from validation.fits.curve_files import write_csv
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import FitSettings, InterruptedFit, fit_curves
+from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.parameters import ParameterSet, scene_parameter
 from validation.fits.problem import FitProblem
+from validation.fits.synthetic import synthetic
+from validation.reference.ting import Ting
+from validation.report.sections.fit import document, drawings, statements
 
 GUESS = 1.3 * MODULUS
 
 
-def fitted(**options):
-    settings = {"vary": ("material.modulus",), "free": ("contact_point",), "check_solver": None} | options
-    curve = hertz_curve(noise=2e-4, offset=0.004)
-    return fit_curves([curve], elastic_scene(GUESS), FitSettings(**settings))
+@pytest.fixture(scope="module", autouse=True)
+def closed_form():
+    """The runs of these fits are closed forms."""
+    with registered() as name:
+        yield name
+
+
+def settings_of(*vary, **more):
+    return FitSettings(vary=vary, **{"solver": "closed-form", "check_solver": None} | more)
 
 
 @pytest.fixture(scope="module")
-def elastic():
-    return fitted(profile=("material.modulus",), free=("contact_point", "baseline"), check_solver="reference")
+def elastic(closed_form):
+    options = {"profile": ("material.modulus",), "free": ("contact_point", "baseline")}
+    curve = hertz_curve(noise=2e-4, offset=0.004)
+    return fit_curves([curve], elastic_scene(GUESS), settings_of("material.modulus", **options))
 
 
 def test_an_elastic_fit_finds_modulus_and_contact_point_within_its_errors(elastic):
@@ -79,7 +94,7 @@ def test_contact_lost_early_or_never_made_is_a_residual():
     scene = elastic_scene()
     model = CurveModel.of(curve, scene)
     parameters = ParameterSet((scene_parameter(scene, "loading.penetration=-1:1:linear"),))
-    problem = FitProblem([model], parameters, "reference", None, 1.6e-4)
+    problem = FitProblem([model], parameters, "closed-form", None)
     assert np.sqrt(np.mean(problem.residuals(parameters.start) ** 2)) < 2.0
     never = problem.residuals(np.array([0.5]) / parameters.parameters[0].scale)
     kept = problem.compared[0]
@@ -89,7 +104,7 @@ def test_contact_lost_early_or_never_made_is_a_residual():
 def test_a_value_that_no_scene_takes_is_a_residual_too():
     curve, scene = hertz_curve(noise=2e-4), elastic_scene()
     parameters = ParameterSet((scene_parameter(scene, "material.poisson"),))
-    problem = FitProblem([CurveModel.of(curve, scene)], parameters, "reference", None, 1.6e-4)
+    problem = FitProblem([CurveModel.of(curve, scene)], parameters, "closed-form", None)
     [prediction] = problem.predictions(
         [(0, ({"material.poisson": 0.7}, problem.parameters.of_curve(parameters.start, 0)[1]))]
     )
@@ -98,7 +113,7 @@ def test_a_value_that_no_scene_takes_is_a_residual_too():
 
 
 def test_an_interrupted_fit_has_its_best_point_and_goes_on_from_its_runs(tmp_path):
-    curve, settings = hertz_curve(noise=2e-4), FitSettings(vary=("material.modulus",), check_solver=None)
+    curve, settings = hertz_curve(noise=2e-4), settings_of("material.modulus")
     said = []
 
     def stop(text):
@@ -152,9 +167,100 @@ def test_tied_numbers_keep_their_ratio_and_each_curve_may_have_its_own():
 def test_bad_arguments_are_one_line_and_exit_2(arguments, words, tmp_path, capsys):
     write_csv(hertz_curve(), tmp_path / "a.csv")
     write_scene(elastic_scene(), tmp_path / "scene.toml")
-    assert (
-        main(["fit", str(tmp_path / "a.csv"), str(tmp_path / "scene.toml"), "--jobs", "1", *arguments]) == 2
-    )
+    files = str(tmp_path / "a.csv"), str(tmp_path / "scene.toml")
+    assert main(["fit", *files, "--jobs", "1", "--solver", "closed-form", *arguments]) == 2
     said = capsys.readouterr().err.strip().split("\n")[-1]
     assert words in said
     assert said.startswith("crosscontact: error:")
+
+
+def triangle(material, noise, rows=240, seed=3):
+    """A record of Ting's triangle: pressed in for a time of one, pulled out as fast."""
+    rate = 0.03
+    time = np.linspace(-0.3, 2.3, rows)
+    law = Ting(material, Sphere(1.0), rate, 1.0, rate)
+    force = np.where(time > 0.0, law.force(np.maximum(time, 1e-9)), 0.0)
+    force += noise * force.max() * np.random.default_rng(seed).standard_normal(rows)
+    return MeasuredCurve(time - time[0], force, rate * (1.0 - np.abs(time - 1.0)), name="ting")
+
+
+def visco(*branches):
+    """A scene with these branches (modulus, time) over a relaxed modulus of one."""
+    material = Material(1.0, 0.5, tuple(Branch(*one) for one in branches))
+    return Scene(material, Sphere(1.0), Loading("jump-in", 0.0, (Ramp(0.03, 0.03), Ramp(-0.1, 0.03))))
+
+
+BRANCH = ("material.modulus", "material.branches[0].modulus", "material.branches[0].time")
+
+
+def test_one_branch_is_found_and_explains_its_own_curve():
+    found = fit_curves([triangle(visco((4.0, 0.5)).material, 0.01)], visco((2.0, 1.0)), settings_of(*BRANCH))
+    assert found.goodness.explained
+    for one, truth in zip(found.estimates, (1.0, 4.0, 0.5), strict=True):
+        assert abs(np.log(one.value / truth)) < 3.0 * one.deviation
+        assert one.deviation < 0.2
+
+
+def test_two_branches_fitted_with_one_are_seen():
+    curve = triangle(visco((20.0, 0.03), (2.0, 1.0)).material, 0.003)
+    found = fit_curves([curve], visco((3.0, 0.3)), settings_of(*BRANCH))
+    assert not found.goodness.explained
+    assert any("misses the shape" in text for text in statements(found))
+
+
+def test_elastic_data_show_no_branch():
+    found = fit_curves([hertz_curve(noise=2e-4)], visco((0.5, 0.5)), settings_of(*BRANCH))
+    said = [text for text in statements(found) if text.startswith("material.branches[0]")]
+    assert any("may be zero" in text for text in said), said
+    assert found.goodness.explained
+
+
+def test_adhesion_hysteresis_that_is_ignored_is_seen():
+    scene = replace(visco((9.0, 1.0)), adhesion=Adhesion(7e-4, 0.013))
+    curve = synthetic(scene, 0.01, resolution=4)
+    guess = replace(scene, material=Material(3.0, 0.5))
+    found = fit_curves([curve], guess, settings_of("adhesion.work", "material.modulus", starts=1))
+    assert not found.goodness.explained
+    assert found.goodness.runs[0].probability < 1e-6
+    assert any("misses the shape" in text for text in statements(found))
+
+
+@pytest.mark.slow
+def test_weights_on_a_fixed_grid_are_fitted_and_their_regularisation_is_stated():
+    curve = triangle(visco((4.0, 0.5)).material, 0.01)
+    grid = settings_of("material.modulus", prony=(0.05, 0.5, 5.0), starts=1)
+    found = fit_curves([curve], visco((2.0, 1.0)), grid)
+    weights = [one.value for one in found.estimates[1:]]
+    assert max(weights) == weights[1]
+    assert found.goodness.explained
+    page = document(found, drawings(found))
+    assert "squared second differences of their logarithms, times 0.1" in str(page)
+
+
+def test_a_stage_is_turned_into_the_motion_of_the_indenter():
+    curve = hertz_curve(noise=0.0)
+    stage = curve.motion + curve.force / 2.0
+    noisy = curve.force + 2e-4 * np.random.default_rng(0).standard_normal(curve.time.size)
+    record = MeasuredCurve(curve.time, noisy, stage=stage, stiffness=2.0)
+    found = fit_curves([record], elastic_scene(GUESS), settings_of("material.modulus"))
+    [modulus] = found.estimates
+    assert abs(np.log(modulus.value / MODULUS)) < 4.0 * modulus.deviation
+    assert modulus.deviation < 0.01
+
+
+@pytest.mark.exhaustive
+def test_stated_intervals_hold_the_truth_about_as_often_as_they_say():
+    inside = []
+    for number in range(50):
+        draw = np.random.default_rng([7, number])
+        modulus, work = 0.9 * np.exp(draw.uniform(-0.5, 0.5)), 5e-4 * np.exp(draw.uniform(-0.7, 0.7))
+        truth = Scene(Material(modulus, 0.5), Sphere(1.0), visco().loading, Adhesion(work, 1e-6))
+        table = Table((0.0, 1.0, 3.0), (0.0, 0.03, -0.03))
+        recorded = replace(truth, loading=Loading("jump-in", 0.0, (table,)))
+        curve = synthetic(recorded, 0.01, seed=number, solver="closed-form")
+        guess = replace(truth, material=Material(0.8, 0.5), adhesion=Adhesion(6e-4, 1e-6))
+        options = settings_of("adhesion.work", "material.modulus", free=("baseline",))
+        found = fit_curves([curve], guess, options)
+        both = zip(found.estimates, (work, modulus), strict=False)
+        inside += [one.low <= at <= one.high for one, at in both]
+    assert 0.90 <= np.mean(inside) <= 0.99

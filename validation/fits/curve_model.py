@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,11 @@ from validation.measure.row_interpolation import RowCurve
 PATH_SHARE = 0.3
 """Force that a deviation of the straight lines from the motion may cost, over the noise of the force:
 together with the noise it is 4 % more than the noise alone."""
+
+CORNER = 0.1
+"""Change of the rate over the largest from which curves are not taken as smooth across it."""
+ON_TIME = 1e-9
+"""Distance of a row from the corner it was stepped onto, over the duration, at most: round-off of times."""
 
 
 @dataclass(frozen=True)
@@ -182,10 +188,44 @@ class CurveModel:
         at = self.curve.time - time_offset - begin
         touching = (at >= 0.0) & (at <= run.time[-1] if run.lost is not None or run.failure else True)
         inside = np.clip(at, 0.0, run.time[-1])
-        force = np.where(touching, RowCurve(run.time, run.force).values(inside), 0.0)
-        radius = np.where(touching, RowCurve(run.time, run.contact_radius).values(inside), 0.0)
+        corners = _corners(self.knots, self.heights) - begin
+        force = np.where(touching, sampled(run.time, run.force, corners, inside), 0.0)
+        radius = np.where(touching, sampled(run.time, run.contact_radius, corners, inside), 0.0)
         lost = None if run.lost is None else begin + run.lost + time_offset
         return CurvePrediction(force, radius, touching, begin + time_offset, lost, run.failure)
+
+
+def sampled(time: Array, value: Array, corners: Array, at: Array) -> Array:
+    """A column of a run between its rows, each stretch between corners of the loading for itself.
+
+    Parameters
+    ----------
+    time, value : ndarray, shape (n,)
+        Rows of the run; it steps onto every corner.
+    corners : ndarray
+        Times of the corners, rising; some may be outside the run.
+    at : ndarray, shape (N,)
+        Times within the run.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+    """
+    places = np.searchsorted(time, corners[(corners > time[0]) & (corners < time[-1])] - ON_TIME * time[-1])
+    ends = np.unique(np.concatenate([[0], places, [time.size - 1]]))
+    result = np.empty(at.size)
+    for first, last in pairwise(ends.tolist()):
+        rows = slice(first, last + 1)
+        inside = (at >= time[first]) & (at <= time[last])
+        if inside.any():
+            result[inside] = RowCurve(time[rows], value[rows]).values(at[inside])
+    return result
+
+
+def _corners(knots: Array, heights: Array) -> Array:
+    """Times at which the rate of the motion changes by much."""
+    rates = np.diff(heights) / np.diff(knots)
+    return knots[1:-1][np.abs(np.diff(rates)) > CORNER * float(np.abs(rates).max())]
 
 
 def run_of(scene: Scene, solver: str, resolution: int | None, tolerance: float | None = None) -> FitRun:

@@ -25,7 +25,7 @@ EXPLORING = 4
 """Evaluations of a start before the starts are compared."""
 MOST_EVALUATIONS = 40
 """Evaluations of the last search."""
-MISFIT_CHANGE = 1e-5
+MISFIT_CHANGE = 1e-6
 """Change of the sum of squares, relative, at which a search ends: of some hundred rows it is far below one,
 which is what a parameter moved by its standard deviation costs."""
 PARAMETER_CHANGE = 1e-6

@@ -8,9 +8,8 @@ import numpy as np
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import NOT_NEGATIVE, not_negative, number, positive
-from validation.fits.curve_model import run_of
+from validation.fits.curve_model import run_of, sampled
 from validation.fits.measured_curve import FEWEST_ROWS, MeasuredCurve
-from validation.measure.row_interpolation import RowCurve
 from validation.solvers import REFERENCE
 
 ROWS = 300
@@ -93,7 +92,8 @@ def synthetic(
             motion[index] = segment.value(at)
     touching = (time >= 0.0) & (time <= end if run.lost is not None else True)
     inside = np.clip(time, 0.0, end)
-    exact = np.where(touching, RowCurve(run.time, run.force).values(inside), 0.0)
+    corners = np.array([moment for segment in segments for moment in (*segment.kinks, segment.end)])
+    exact = np.where(touching, sampled(run.time, run.force, corners, inside), 0.0)
     tension = -float(run.force.min())
     scale = tension if scene.is_adhesive and tension > 0.0 else float(np.abs(run.force).max())
     force = exact + noise * scale * np.random.default_rng(seed).standard_normal(rows)

@@ -1,0 +1,123 @@
+"""Fits by the reference beside fits of the same data by closed forms that are written here."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, least_squares
+
+from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
+from contact_scene.scene_values import with_values
+from validation.fits.baseline import features
+from validation.fits.fit import FitSettings, fit_curves
+from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.synthetic import synthetic
+
+LOADING = Loading("jump-in", 0.0, (Ramp(0.03, 0.03), Ramp(-0.1, 0.03)))
+
+
+def jkr_force(motion, plane_modulus, work):
+    """Johnson, Kendall and Roberts' sphere of radius 1 at a penetration, on the stable branch."""
+    pull = np.sqrt(2.0 * np.pi * work / plane_modulus)
+    lowest = (pull / 4.0) ** (2.0 / 3.0)  # where dD/da = 2 a - pull/(2 sqrt(a)) is zero
+
+    def force(depth):
+        a = brentq(lambda a: a * a - pull * np.sqrt(a) - depth, lowest, 1.0, xtol=1e-15)
+        return 4.0 / 3.0 * plane_modulus * a**3 - np.sqrt(8.0 * np.pi * plane_modulus * work * a**3)
+
+    return np.array([force(depth) for depth in motion])
+
+
+def lowest_penetration(plane_modulus, work):
+    """Where that sphere loses its contact: the least of ``a^2 - s sqrt(a)``."""
+    pull = np.sqrt(2.0 * np.pi * work / plane_modulus)
+    return -0.75 * pull * (pull / 4.0) ** (1.0 / 3.0)
+
+
+@pytest.mark.slow
+def test_an_elastic_jkr_fit_agrees_with_the_closed_form_to_1e_4():
+    modulus, work = 1.2, 6e-4
+    time = np.linspace(0.0, 2.6, 200)
+    motion = 0.03 * (1.0 - np.abs(time - 1.1))
+    lowest = lowest_penetration(modulus, work)
+    contact = (motion >= 0.0) | ((time > 1.1) & (motion >= lowest))
+    exact = np.zeros(time.size)
+    exact[contact] = jkr_force(motion[contact], modulus, work)
+    force = exact + 1e-2 * -exact.min() * np.random.default_rng(0).standard_normal(time.size)
+    curve = MeasuredCurve(time, force, motion)
+
+    seen = features(curve)
+    rows = seen.compared(time.size) & contact
+    assert seen.pull_off is not None
+
+    def residuals(x):
+        plane_modulus, of_adhesion = np.exp(x)
+        lost = 2.1 - lowest_penetration(plane_modulus, of_adhesion) / 0.03
+        moment = (lost - seen.pull_off.time) / seen.pull_off.deviation
+        return np.append(
+            (jkr_force(motion[rows], plane_modulus, of_adhesion) - force[rows]) / seen.noise, moment
+        )
+
+    closed = least_squares(residuals, np.log([modulus, work]), xtol=1e-12)
+    guess = Scene(Material(0.75 * 1.4, 0.5), Sphere(1.0), LOADING, Adhesion(4e-4, 1e-7))
+    settings = FitSettings(vary=("adhesion.work", "material.modulus"), check_solver=None, resolution=8)
+    found = fit_curves([replace(curve, noise=seen.noise)], guess, settings)
+    fitted = np.log([found.estimates[1].value / 0.75, found.estimates[0].value])
+    assert np.abs(fitted - closed.x).max() < 1e-4
+    assert found.goodness.explained
+
+
+def ting_force(time, rate, peak, relaxed, branch, relaxation, steps=4000):
+    """Ting's triangle on one branch: sums over a fine grid of times, sphere of radius 1, nu = 1/2."""
+    grid = np.linspace(0.0, time[-1], steps + 1)
+    middle = 0.5 * (grid[1:] + grid[:-1])
+    speed = np.where(middle < peak, rate, -rate)
+    depth = rate * (peak - np.abs(grid - peak))
+    power = np.diff(np.maximum(depth, 0.0) ** 1.5)
+
+    def modulus(age):
+        return relaxed + branch * np.exp(-age / relaxation)
+
+    force = np.zeros(time.size)
+    for index, now in enumerate(time):
+        past = middle < now
+        if now <= 0.0:
+            continue
+        count, part = int(np.sum(past & (middle < peak))), 0.0
+        if now > peak:
+            # from the latest time back: the moment since which the weighted travel is zero, within its cell
+            travel = np.cumsum((modulus(now - middle[past]) * speed[past])[::-1])
+            back = np.flatnonzero(travel >= 0.0)
+            if not back.size:
+                continue
+            count = int(past.sum()) - int(back[0]) - 1
+            part = travel[back[0]] / (travel[back[0]] - travel[back[0] - 1])
+        swept = modulus(now - middle[: count + 1]) * power[: count + 1]
+        force[index] = 4.0 / 3.0 / 0.75 * (np.sum(swept[:count]) + part * swept[count])
+    return force
+
+
+@pytest.mark.slow
+def test_an_adhesionless_fit_agrees_with_a_ting_model_fit():
+    truth = Scene(Material(1.0, 0.5, (Branch(4.0, 0.5),)), Sphere(1.0), LOADING)
+    curve = synthetic(truth, 0.01, sampling=0.02)
+    seen = features(curve)
+    first = int(np.argmax(curve.motion > 0.0))
+    start = curve.time[first] - curve.motion[first] / 0.03
+    first_guess = np.array([1.2, 3.0, 0.7])
+    ting = least_squares(
+        lambda x: (
+            (ting_force(curve.time - start, 0.03, 1.0, *first_guess * np.exp(x - 1.0)) - curve.force)
+            / seen.noise
+        ),
+        np.ones(3),
+        diff_step=1e-3,
+    )
+    paths = ("material.modulus", "material.branches[0].modulus", "material.branches[0].time")
+    guess = with_values(truth, dict(zip(paths, first_guess.tolist(), strict=True)))
+    found = fit_curves([curve], guess, FitSettings(vary=paths, check_solver=None))
+    for one, other in zip(found.estimates, first_guess * np.exp(ting.x - 1.0), strict=True):
+        assert abs(np.log(one.value / other)) < 0.1 * one.deviation
+    assert found.goodness.explained

@@ -1,0 +1,64 @@
+"""A solver made of closed forms: Hertz, Ting's triangle of penetration, elastic JKR; it takes no time."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+
+import numpy as np
+
+from contact_scene import Counters, Outcome, OutcomeKind, Trace
+from validation import solvers
+from validation.reference import sneddon
+from validation.reference.jkr import JKR
+from validation.reference.ting import Ting
+from validation.solvers.base import Solver
+
+ROWS = 120
+
+
+class ClosedFormSolver(Solver):
+    """Scenes of a sphere whose loading is one table, as fits make them."""
+
+    name = "closed-form"
+    title = "closed forms"
+
+    def _solve(self, scene, resolution, options):
+        table = scene.loading.steps[0]
+        knots = np.array(table.times) - table.times[0]
+        time = np.unique(np.concatenate([knots, np.linspace(0.0, knots[-1], ROWS)]))
+        motion = np.interp(time, knots, table.penetrations)
+        modulus = scene.material.relaxed_plane_modulus
+        if scene.is_adhesive:
+            law = JKR(scene.indenter, modulus, scene.adhesion.work)
+            least = law.pull_off_penetration_control()
+            lost = motion < least.penetration
+            end = int(np.argmax(lost)) if lost.any() else time.size
+            states = [law.at_penetration(at) for at in motion[:end]]
+            force = np.array([one.force for one in states])
+            radius = np.array([one.contact_radius for one in states])
+            if lost.any():
+                at = np.interp(-least.penetration, -motion[end - 1 : end + 1], time[end - 1 : end + 1])
+                time, motion = np.append(time[:end], at), np.append(motion[:end], least.penetration)
+                force, radius = np.append(force, least.force), np.append(radius, least.contact_radius)
+        elif scene.material.is_elastic:
+            radius = np.sqrt(scene.indenter.radius * np.maximum(motion, 0.0))
+            force = np.asarray(sneddon.force(scene.indenter, radius, modulus))
+        else:
+            rise, fall = motion[1] / time[1], -np.diff(table.penetrations)[-1] / np.diff(knots)[-1]
+            law = Ting(scene.material, scene.indenter, rise, knots[1], fall)
+            force, radius = law.force(time), law.contact_radius(time)
+        kind = OutcomeKind.DETACHED if radius[-1] == 0.0 or scene.is_adhesive else OutcomeKind.COMPLETED
+        nothing = np.zeros_like(time)
+        outcome = Outcome(kind, "closed form", float(time[-1]))
+        return Trace(self.name, time, motion, force, radius, nothing, nothing, nothing, outcome, Counters())
+
+
+@contextmanager
+def registered():
+    """The solver among the others, for a while."""
+    method = ClosedFormSolver()
+    solvers.register(method)
+    try:
+        yield method.name
+    finally:
+        solvers.unregister(method.name)
