@@ -35,6 +35,7 @@ html_copy_source = False
 html_show_sourcelink = False
 html_math_renderer = "mathml"
 
+smartquotes = False  # options begin with two hyphens
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "attrs_block"]
 myst_heading_anchors = 3
 nb_execution_mode = "force"
