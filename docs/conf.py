@@ -15,6 +15,7 @@ os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.en
 
 import site_pages  # noqa: E402 - found by the path above
 from jupyter_client import AsyncKernelManager  # noqa: E402
+from nbclient import NotebookClient  # noqa: E402
 
 import crosscontact  # noqa: E402
 
@@ -35,6 +36,7 @@ html_copy_source = False
 html_show_sourcelink = False
 html_math_renderer = "mathml"
 
+smartquotes = False  # options begin with two hyphens
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "attrs_block"]
 myst_heading_anchors = 3
 nb_execution_mode = "force"
@@ -42,6 +44,7 @@ nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_execution_timeout = 120
 
+NotebookClient.startup_timeout.default_value = 300  # seconds, on a busy machine
 AsyncKernelManager.transport.default_value = "ipc"  # no open port for the notebook, and no warning of one
 
 autodoc_typehints = "none"

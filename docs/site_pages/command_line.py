@@ -40,11 +40,10 @@ def _usage(command: argparse.ArgumentParser) -> str:
 
 def _options(command: argparse.ArgumentParser) -> Iterator[str]:
     formatter = command._get_formatter()
-    yield "| argument | |"
-    yield "|---|---|"
-    for action in command._actions:
-        if isinstance(action, argparse._HelpAction):
-            continue
+    actions = [action for action in command._actions if not isinstance(action, argparse._HelpAction)]
+    if actions:
+        yield from ("| argument | |", "|---|---|")
+    for action in actions:
         values = "" if action.nargs == 0 else formatter._format_args(action, _placeholder(action))
         names = ", ".join(f"`{name}{f' {values}' if values else ''}`" for name in action.option_strings)
         yield f"| {names or f'`{values}`'} | {_cell(formatter._expand_help(action) if action.help else '')} |"

@@ -21,7 +21,7 @@ from validation.report import html, saved
 from validation.report.document import DataTable, Fold, Part, Section, number, plain
 from validation.report.figures.paper_figures import FIGURES
 from validation.report.report import Report
-from validation.report.sections import checks, environment
+from validation.report.sections import checks, environment, overview
 from validation.report.sections import claims as claims_section
 from validation.report.sections import scene as scene_section
 from validation.report.sections import stability as stability_section
@@ -123,11 +123,7 @@ def style() -> str:
 
 def _index(cases: dict[str, Case], compared: dict[str, SceneComparison], report: Report) -> str:
     lines = ["# Verification gallery", "", _note(report), ""]
-    failed = len(report.failures)
-    lines += [
-        f"{len(report.checks)} checks on {len(report.scenes)} scenes: {failed or 'none'} not passed.",
-        "",
-    ]
+    lines += [overview.lead(report).text, ""]
     lines += [LEADS_ON, "## By topic", ""]
     by_topic: dict[str, list[str]] = {}
     for name in cases:
