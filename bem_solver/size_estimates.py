@@ -19,6 +19,9 @@ _ANNULI_OF_ESTIMATE = 24
 """Annuli of the elastic contacts from which the largest radius is estimated, to about a percent."""
 _LAYER_ANNULI = 45
 """Largest number of annuli for the sake of a boundary layer, in divisions."""
+_FINER_AT_EDGE = 4.0
+"""By how much graded annuli are finer at the edge than the resolution asks of the process zone: it costs a
+few annuli, and the relaxing layer behind a slowly advancing edge errs by the square of that step."""
 _SMALLEST_GRADING = 1e-5
 """Smallest step of graded annuli at the edge over that at the centre: below it the elliptic functions lose
 digits, and no process zone above 1e-10 of the radius asks for it."""
@@ -72,11 +75,11 @@ def edge_step(divisions: int, share: float, radius: float, layer: float) -> floa
 
 
 def graded_annuli(divisions: int, step: float) -> tuple[int, float]:
-    """Number and grading of annuli with a ``step`` of the angle at the edge, ``1/divisions`` at the centre.
+    """Number and grading of annuli that resolve a ``step`` of the angle at the edge.
 
-    The number grows with the logarithm of the one over the other.
+    At the centre the step is ``1/divisions``; the number grows with the logarithm of the one over the other.
     """
-    grading = min(max(divisions * step, _SMALLEST_GRADING), 1.0)
+    grading = min(max(divisions * step / _FINER_AT_EDGE, _SMALLEST_GRADING), 1.0)
     return max(int(np.ceil(divisions * ellipkm1(grading**2))), FEWEST_ANNULI), grading
 
 
