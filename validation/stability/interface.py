@@ -90,4 +90,4 @@ def _pulled_off(material: Material, adhesion: Adhesion) -> ClosedForm:
         Value("pull_off_force", -pulled.force),
         Value("detachment_penetration", last.penetration, base.TOP - last.penetration),
     )
-    return ClosedForm(values, "branches of opening and closing, finite zone", OutcomeKind.DETACHED)
+    return ClosedForm(values, "branches of opening and closing, finite zone", (OutcomeKind.DETACHED,))

@@ -199,8 +199,9 @@ class FrontStepper:
                 outcome,
                 lambda end: trial_step(self.problem, state, segment, end, self.row_tolerances),
             )
-        self._apply(self._to_the_end_of_the_zone(outcome, segment), segment)
-        if reached:
+        shortened = self._to_the_end_of_the_zone(outcome, segment)
+        self._apply(shortened, segment)
+        if reached and shortened is outcome:
             self.cursor.level_reached()
         if self.progress is not None:
             self.progress(self.cursor.share(self.problem.scene.loading, segment, state.time))
