@@ -61,16 +61,28 @@ class FollowingContactSolver:
     def __init__(self, setup: FollowingSetup, counters: Counters) -> None:
         self.setup, self.counters = setup, counters
 
-    def start(self, penetration: float, relaxed: bool) -> ContactCandidate:
-        """Glassy or relaxed equilibrium, from the undeformed half-space."""
+    def start(self, control: Control, penetration: float, relaxed: bool) -> ContactCandidate:
+        """Glassy or relaxed equilibrium, from the undeformed half-space.
+
+        Parameters
+        ----------
+        control : "penetration"
+            The machine is rigid, so nothing else is prescribed at the start.
+        penetration : float
+        relaxed : bool
+
+        Returns
+        -------
+        ContactCandidate
+        """
         dt = math.inf if relaxed else 0.0
         radius = self._start_radius(dt, penetration)
         if radius == 0.0:
             placement = self.setup.surfaces.around(0.0)
-            problem = self._problem(placement, dt, "penetration", penetration)
+            problem = self._problem(placement, dt, control, penetration)
             edge = PlacedEdge(placement, self.setup.work).start(cast("ContactProblem", problem))
             return self._found(dt, problem, edge)
-        return self._search(dt, "penetration", penetration, radius, (0.0, math.inf), 0.0)
+        return self._search(dt, control, penetration, radius, (0.0, math.inf), 0.0)
 
     def trial(
         self, dt: float, control: Control, value: float, start: float, limits: tuple[float, float]
