@@ -96,7 +96,8 @@ def test_history_in_the_volume(path):
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", ["bem", "fem", "reference"])
 @pytest.mark.parametrize(
-    "name", ["cycle-v0.02", "adhesionless-cycle", "three-branches", "force-4", "cycle-si"]
+    "name",
+    ["cycle-v0.02", "adhesionless-cycle", "three-branches", "force-4", "cycle-si", "rated-edge-si"],
 )
 def test_built_in_scenes(name, solver):
     run = partial({"bem": bem, "fem": fem, "reference": front}[solver], cases.load(name).scene)

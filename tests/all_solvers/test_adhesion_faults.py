@@ -1,0 +1,106 @@
+"""Wrong versions of what the edge takes up, one at a time: check values of the built-in scenes show each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.faults.injection import Fault, missing, seeded, time_limit
+
+from validation.cases import load
+from validation.measure.dimensionless import unit_sizes
+from validation.measure.observables import observe
+from validation.solvers import SOLVERS
+
+TRACKING = "validation.reference.tracking"
+HYSTERESIS, RATED, STRESS = ("hysteresis-si",), ("rated-edge-si",), ("fixed-stress-si",)
+
+
+def constant(value):
+    return lambda true: lambda *given, **named: value
+
+
+def times(factor):
+    return lambda true: lambda *given, **named: factor * true(*given, **named)
+
+
+def closing_as_opening(true):
+    return lambda adhesion, *given: true(adhesion, *given) if given[0] <= 0.0 else adhesion.work
+
+
+def longer_by(factor):
+    return lambda true: lambda *given: factor * (true(*given) or 0.0) or None
+
+
+FAULTS = [
+    Fault("reference", "speed twice too large", f"{TRACKING}.edge_path:ParabolicPath.end_slope",
+          times(2.0), RATED),
+    Fault("reference", "energy given back as taken", f"{TRACKING}.interface_work:InterfaceWork._opening",
+          times(1.1), RATED),
+    Fault("reference", "zone a tenth too long", f"{TRACKING}.cohesive_zone:zone_at", times(1.1), STRESS),
+    Fault("bem", "closes at what it opens at", "bem_solver.edge_energy:energy_taken",
+          closing_as_opening, HYSTERESIS),
+    Fault("bem", "always pinned", "bem_solver.edge_energy:drive", constant(-1.0), HYSTERESIS),
+    Fault("bem", "speed twice too large", "bem_solver.edge_energy:end_velocity", times(2.0), RATED),
+    Fault("bem", "energy spent too large", "bem_solver.edge_energy:energy_spent", times(1.1), HYSTERESIS),
+    Fault("bem", "tension a tenth too large", "bem_solver.cohesive_zone:tension_over", times(1.1), STRESS),
+    Fault("fem", "speed twice too large", "fem_solver.release:EdgeOrigin.opening_speed", times(2.0), RATED),
+    Fault("fem", "energy spent too large", "fem_solver.irreversible_edge:energy_spent",
+          times(1.1), HYSTERESIS),
+    Fault("fem", "zone twice too long", "fem_solver.process_zone:zone_length", longer_by(2.0), STRESS),
+    Fault("fem", "closes at what it opens at", "contact_scene.adhesion:Adhesion.closing",
+          lambda true: lambda self: self.work, HYSTERESIS),
+]  # fmt: skip
+
+
+def spent_by_radius(scene, trace):
+    """What an interface without a rate takes up, from the contact area alone."""
+    opened = -np.pi * np.diff(trace.contact_radius**2)
+    return float(np.sum(np.where(opened > 0.0, scene.adhesion.work, scene.adhesion.closing) * opened))
+
+
+def wrong(solver, name):
+    """Check values that a solver misses on a scene, and balances that do not close; empty if all is well."""
+    case = load(name)
+    scene = case.scene
+    trace = SOLVERS[solver].solve(scene, 6 if solver == "fem" else None)
+    found = observe(trace, scene.adhesion.zone, scene.loading).as_dict()
+    units = unit_sizes(scene)
+    missed = [] if trace.outcome.kind == case.outcome else ["outcome"]
+    for expected in case.expected:
+        value = expected.value * units[expected.unit]
+        scale = max(abs(value), 0.02 * scene.indenter.radius if "penetration" in expected.observable else 0.0)
+        measured = found[expected.observable]
+        if measured is None or abs(measured - value) > expected.tolerance[solver] * scale:
+            missed.append(expected.observable)
+    spent = trace.extra["separation_energy"]
+    if scene.adhesion.rate is None and abs(spent[-1] / spent_by_radius(scene, trace) - 1.0) > 1e-6:
+        missed.append("separation_energy")
+    touching = trace.contact_radius > 0.0
+    if np.abs(trace.dissipated_energy[touching]).max() > 0.1 * np.abs(trace.external_work).max():
+        missed.append("balance")  # an elastic half-space loses what the finite zone takes, and no more
+    return missed
+
+
+def test_every_fault_has_its_function():
+    assert missing(FAULTS) == []
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("solver", ["reference", "bem", "fem"])
+@pytest.mark.parametrize("name", [*HYSTERESIS, *RATED, *STRESS])
+def test_the_true_solvers_miss_nothing(solver, name):
+    assert wrong(solver, name) == []
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("fault", FAULTS, ids=[fault.key for fault in FAULTS])
+def test_a_fault_shows(fault):
+    (name,) = fault.scenes
+    with seeded(fault) as calls:
+        try:
+            with np.errstate(all="ignore"), time_limit(30.0):
+                missed = wrong(fault.solver, name)
+        except (TimeoutError, ArithmeticError, ValueError) as error:
+            missed = [type(error).__name__]
+    assert calls.count > 0
+    assert missed != []
