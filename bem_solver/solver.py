@@ -106,7 +106,8 @@ def _solve_graded(
         started = start_state(problem, scale)
         if started is None:
             reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
-            return trace_without_contact(scene.loading.penetration, reason, counters, problem.work)
+            free = trace_without_contact(scene.loading.penetration, reason, counters, problem.work)
+            return on_machine(free, scene.machine)
         contact, energies = started
         if problem.zone >= contact.edge > 0.0:
             raise zone_too_long(problem.zone, contact.edge)
