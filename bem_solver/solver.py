@@ -120,7 +120,8 @@ def _solve_graded(
         started = start_state(problem, scale)
         if started is None:
             reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
-            return trace_without_contact(scene.loading.penetration, reason, counters, problem.work)
+            free = trace_without_contact(scene.loading.penetration, reason, counters, problem.work)
+            return on_machine(free, scene.machine)
         contact, energies = started
         record = TraceRecorder()
         record.row(problem.chain, contact, energies)
