@@ -62,6 +62,10 @@ def test_more_coordinates_give_small_multiples():
     panels = drawn(dataset(5, 4, 3))
     assert [axes.get_title() for axes in panels] == ["zone = 0.001", "zone = 0.1", "zone = 10"]
     assert len({axes.collections[0].get_clim() for axes in panels}) == 1
+
+
+@pytest.mark.slow
+def test_of_many_values_some_are_drawn():
     assert len(drawn(dataset(5, 4, 4, 5))) == MOST_PANELS  # of sixteen
 
 

@@ -237,7 +237,7 @@ def test_the_command_refuses_in_one_line(capsys, tmp_path, scene_file):
     assert "speed-preload" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("kind", ["hdf5", "parquet"])
+@pytest.mark.parametrize("kind", ["hdf5", pytest.param("parquet", marks=pytest.mark.slow)])
 def test_traces_are_kept_on_request(tmp_path, scene_file, calls, kind):
     package = pytest.importorskip(
         {"hdf5": "h5py", "parquet": "pyarrow.parquet"}[kind], reason="it is not installed"

@@ -1,7 +1,8 @@
 """What a sweep costs beside its runs: ``python -m validation.sweeps.benchmark [--runs N] [--dask]``.
 
-The cheapest runs with a load step, an elastic sphere pressed a little deeper without adhesion, show the
-overhead largest. Each engine is measured against the bare solver: some of the same scenes in as many plain
+An elastic sphere is pressed in without adhesion, by default deep enough for a run to take as many steps as
+one with adhesion at resolution 4; with ``--depth 0.0101`` runs are about as short as there are, and the
+overhead shows most. Each engine is measured against the bare solver: some of the same scenes in as many plain
 processes, a loop around ``Solver.solve`` in each, before the sweep and after it; the shorter time counts.
 Efficiency is the time a run takes there over what it takes in the sweep, start of the processes left out of
 both: by the clock, and by the processor time of this process and its workers, which other programs on the
@@ -29,7 +30,8 @@ from validation.sweeps.run_plan import carry_out
 from validation.sweeps.scene_table import of_scene
 from validation.sweeps.write import write_results
 
-SCENE = Scene(Material(1.0, 0.5), Sphere(1.0), Loading("relaxed", 0.01, (Ramp(0.0101, 0.01),)))
+START, DEPTH = 0.01, 0.02
+"""Penetrations, over the radius, of the relaxed contact at the start and at the end."""
 RESOLUTION = 4
 SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
 """Of the runs, at which memory is read; the first is past what imports and the first batches take."""
@@ -45,11 +47,29 @@ class Spent:
     processor: float
 
 
-def plan_of(runs: int, folder: Path, first: float = 1.0) -> SweepPlan:
-    """A plan of so many runs, over the radius of the sphere; another ``first`` shares no run with it."""
+def plan_of(runs: int, folder: Path, depth: float = DEPTH, first: float = 1.0) -> SweepPlan:
+    """A plan of runs over the radius of the sphere.
+
+    Parameters
+    ----------
+    runs : int
+        How many.
+    folder : Path
+        For tables of the scene.
+    depth : float
+        Largest penetration.
+    first : float
+        Smallest radius; plans with other ones share no run.
+
+    Returns
+    -------
+    SweepPlan
+    """
+    loading = Loading("relaxed", START, (Ramp(depth, START),))
+    scene = Scene(Material(1.0, 0.5), Sphere(1.0), loading)
     radii = {"name": "radius", "key": "indenter.radius", "linspace": [first, 2.0 * first, runs]}
     table = {"coordinates": [radii], "resolution": RESOLUTION, "estimate": False, "drawn": []}
-    return plan_from_dict(table, folder, of_scene(SCENE, folder))
+    return plan_from_dict(table, folder, of_scene(scene, folder))
 
 
 def bare(plan: SweepPlan, processes: int) -> Spent:
@@ -129,18 +149,19 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--runs", type=int, default=2000)
     arguments.add_argument("--jobs", type=int, nargs="+", default=[1, 2])
+    arguments.add_argument("--depth", type=float, default=DEPTH, help=f"largest penetration, above {START}")
     arguments.add_argument("--dask", action="store_true", help="by a local Dask cluster")
     options = arguments.parse_args()
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
     for jobs in options.jobs:
-        _measure(options.runs, jobs, LOCAL_CLUSTER if options.dask else None)
+        _measure(options.runs, options.depth, jobs, LOCAL_CLUSTER if options.dask else None)
 
 
-def _measure(runs: int, jobs: int, dask: str | None) -> None:
+def _measure(runs: int, depth: float, jobs: int, dask: str | None) -> None:
     with tempfile.TemporaryDirectory() as folder, own_engine(jobs, dask) as engine:
         out = Path(folder)
-        plan, warm = plan_of(runs, out), plan_of(16 * jobs, out, first=3.0)
+        plan, warm = plan_of(runs, out, depth), plan_of(16 * jobs, out, depth, first=3.0)
         alone = [bare(plan, jobs)]
         with RunTable(out) as table:
             carry_out(warm, table, engine)
