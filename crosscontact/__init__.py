@@ -68,6 +68,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
     from crosscontact.exam import export_exam, judge
     from crosscontact.result import ContactState, Result, load
+    from validation.solvers import RunOptions, Solver
 
 __all__ = [
     "WLF",
@@ -93,9 +94,11 @@ __all__ = [
     "Ramp",
     "RelaxationData",
     "Result",
+    "RunOptions",
     "Scene",
     "SceneError",
     "ShiftTable",
+    "Solver",
     "SolverComparison",
     "Sphere",
     "StandardLinearSolid",
@@ -127,6 +130,7 @@ __all__ = [
 
 _API = ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers")
 _EXAM = ("export_exam", "judge")
+_FOR_PLUGINS = ("RunOptions", "Solver")
 _RESULT = ("ContactState", "Result", "load")
 
 
@@ -141,6 +145,10 @@ def __getattr__(name: str) -> Any:
         from crosscontact import exam
 
         return getattr(exam, name)
+    if name in _FOR_PLUGINS:
+        from validation import solvers
+
+        return getattr(solvers, name)
     if name in _RESULT:
         from crosscontact import result
 
