@@ -72,6 +72,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     from crosscontact.sweeps import sweep
 
     __version__: str
+    from validation.solvers import RunOptions, Solver
 
 __all__ = [
     "WLF",
@@ -101,9 +102,11 @@ __all__ = [
     "Ramp",
     "RelaxationData",
     "Result",
+    "RunOptions",
     "Scene",
     "SceneError",
     "ShiftTable",
+    "Solver",
     "SolverComparison",
     "Sphere",
     "StandardLinearSolid",
@@ -141,6 +144,7 @@ __all__ = [
 _API = ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers")
 _EXAM = ("export_exam", "judge")
 _FIT = ("Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve")
+_FOR_PLUGINS = ("RunOptions", "Solver")
 _RESULT = ("ContactState", "Result", "load")
 
 
@@ -171,6 +175,10 @@ def __getattr__(name: str) -> Any:
         from crosscontact import fitting
 
         return getattr(fitting, name)
+    if name in _FOR_PLUGINS:
+        from validation import solvers
+
+        return getattr(solvers, name)
     if name in _RESULT:
         from crosscontact import result
 

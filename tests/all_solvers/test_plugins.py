@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
+import venv
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
+from support.exam_answers import answer_of, case, hertz_run
 from support.spring_solver import SCENE, FunctionSolver, spring
 
 import crosscontact as cc
 from contact_scene import SceneError
 from crosscontact import registry
 from crosscontact.cli import main
+from validation.exam.grading import grade
 from validation.solvers import PEERS, Solver, plugins
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.registry import SOLVERS, SolverRegistry
+
+ROOT = Path(__file__).parents[2]
 
 
 class PluginSpring(Solver):
@@ -94,6 +100,56 @@ def test_the_command_line_takes_it(found, tmp_path, capsys):
         cc.solve(str(scene), "missing")
 
 
+def template() -> str:
+    """The solver that the page on plug-ins shows."""
+    page = (ROOT / "docs" / "how-to" / "add-a-solver.md").read_text(encoding="utf-8")
+    return page.split("```python\n")[1].split("```")[0]
+
+
+def test_the_template_of_the_page_works(monkeypatch):
+    text, module = template(), {}
+    assert len(text.splitlines()) <= 60
+    exec(compile(text, "template", "exec"), module)
+    method = module["HertzSolver"]()
+    found = grade(answer_of(method.solve(cc.builtin("elastic-press"))), case().scene, hertz_run())
+    assert found.passed
+    refused = {"cycle-v0.02": "adhesion", "adhesionless-cycle": "material", "punch-programme": "material"}
+    for scene, key in refused.items():
+        assert method.refusal(cc.builtin(scene)).key.startswith(key)
+
+
+@pytest.mark.exhaustive
+def test_a_package_in_a_fresh_environment(tmp_path):
+    """The package of the page, installed; what it depends on is lent by this environment."""
+    page = (ROOT / "docs" / "how-to" / "add-a-solver.md").read_text(encoding="utf-8")
+    package, fresh = tmp_path / "my-solver", tmp_path / "fresh"
+    package.mkdir()
+    (package / "pyproject.toml").write_text(page.split("```toml\n")[1].split("```")[0])
+    (package / "my_solver.py").write_text(template())
+    venv.create(fresh, symlinks=True)
+    python = fresh / "bin" / "python"
+    ask = [str(python), "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
+    library = Path(subprocess.run(ask, capture_output=True, text=True, check=True).stdout.strip())
+    lent = [str(ROOT), *(path for path in sys.path if path.endswith("site-packages"))]
+    (library / "lent.pth").write_text("\n".join(lent))
+    pip = [sys.executable, "-m", "pip", "install", "--no-deps", "--quiet", "--target", str(library)]
+    installed = subprocess.run([*pip, str(package)], capture_output=True, text=True, cwd=tmp_path)
+    if "No matching distribution found for setuptools" in installed.stderr:
+        pytest.skip("no package index is within reach to build the package with")
+    assert installed.returncode == 0, installed.stderr
+    command = [str(python), "-m", "crosscontact", "compare", "elastic-press", "--solvers", "reference,hertz"]
+    run = subprocess.run(
+        [*command, "--out", "report"], capture_output=True, text=True, cwd=tmp_path, timeout=200
+    )
+    assert run.returncode in (0, 1), run.stderr  # 1: the last row before the contact vanishes is coarse
+    assert "Traceback" not in run.stderr
+    report = json.loads((tmp_path / "report" / "report.json").read_text())
+    assert report["scenes"][0]["runs"]["hertz"]["outcome"] == "detached"
+    checks = {one["quantity"]: one for one in report["scenes"][0]["checks"] if one["solver"] == "hertz"}
+    assert all(checks[name]["passed"] for name in ("outcome", "approach_force", "F(t), RMS", "loop_energy"))
+    assert "Hertz, closed form" in (tmp_path / "report" / "index.html").read_text()
+
+
 def test_peers_are_found_by_name_and_run_by_nobody_else():
     assert set(PEERS) <= set(registry.selectable())
     assert not set(PEERS) & {*registry.names(), *SOLVERS}
@@ -104,7 +160,7 @@ def test_peers_are_found_by_name_and_run_by_nobody_else():
         capture_output=True,
         text=True,
         check=True,
-        cwd=Path(__file__).parents[2],
+        cwd=ROOT,
     )
     names, modules = run.stdout.splitlines()
     assert "tamaas" in names.split()

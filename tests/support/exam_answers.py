@@ -8,6 +8,8 @@ import numpy as np
 
 from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace
 from validation.cases import Case, load
+from validation.exam.answer import Answer
+from validation.exam.header import Header
 from validation.execution.runs import Run, measure
 
 SCENE = "elastic-press"
@@ -42,6 +44,11 @@ def hertz_run() -> Run:
     trace = Trace("reference", *(columns[name] for name in COLUMNS), outcome, Counters())
     known = {"force": 1e-6, "contact_radius": 1e-6, "loop_energy": 1e-6, "dissipated_energy": 1e-6}
     return Run(SCENE, "reference", trace, measures=measure(trace, case().scene, 0.0), errors=known)
+
+
+def answer_of(trace: Trace) -> Answer:
+    """A run as an answer."""
+    return Answer(Header(trace.solver), "x", {name: getattr(trace, name) for name in COLUMNS})
 
 
 def text(columns: dict[str, np.ndarray], code: str = "a code", **header: object) -> str:

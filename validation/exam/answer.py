@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, SceneError, Trace
+from contact_scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, SceneError, Trace
 from contact_scene.errors import LARGEST, shown
 from contact_scene.files import read_rows, read_text
 from validation.exam.header import Header, read_header
@@ -70,7 +70,18 @@ class Answer:
         kept: dict[str, Any] = {name: column[:end] for name, column in whole.items()}
         outcome = Outcome(kind, "as read from its rows", float(kept["time"][-1]))
         seconds = self.header.seconds or 0.0
-        return Trace(self.header.code, outcome=outcome, counters=Counters(), wall_seconds=seconds, **kept)
+        events: tuple[Event, ...] = ()
+        if kind is OutcomeKind.DETACHED and kept["contact_radius"][-1] == 0.0:
+            last = (float(kept[name][-1]) for name in ("time", "penetration", "force", "contact_radius"))
+            events = (Event("pull-off", *last),)  # where contact shrinks to nothing, it is lost there
+        return Trace(
+            self.header.code,
+            outcome=outcome,
+            counters=Counters(),
+            events=events,
+            wall_seconds=seconds,
+            **kept,
+        )
 
 
 def read_answer(path: Path, name: str) -> Answer:

@@ -94,10 +94,10 @@ class CodeOnScene:
 
 @dataclass(frozen=True)
 class SceneJudgement:
-    """All codes on one scene, and the run of the reference they are graded against."""
+    """All codes on one scene, and the run of the reference they are graded against, if any answers."""
 
     case: Case
-    reference: Run
+    reference: Run | None
     verdicts: tuple[CodeOnScene, ...]
 
 
@@ -147,12 +147,14 @@ def judge_folder(
     -------
     Judgement
     """
-    runs = reference_runs(folder.cases, executor, store, progress)
+    answered = {one.header.scene for one in folder.answers}
+    needed = [case for case in folder.cases if case.name in answered]
+    runs = reference_runs(needed, executor, store, progress)
     remarks = list(folder.remarks)
     scenes = []
     for case in folder.cases:
-        base = runs[case.name]
-        if base.trace is None:
+        base = runs.get(case.name)
+        if base is not None and base.trace is None:
             remarks.append(f"{case.name}: not judged: the reference has no answer: {base.failure}")
             continue
         verdicts = tuple(_verdict(folder, code, case, base) for code in folder.codes)
@@ -188,9 +190,9 @@ def reference_resolution(scene: Scene) -> int:
     return FINER * SOLVERS[REFERENCE].default_resolution(scene)
 
 
-def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run) -> CodeOnScene:
+def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> CodeOnScene:
     graded = [
-        GradedAnswer(one, None if one.problem else grade(one, case.scene, base))
+        GradedAnswer(one, None if one.problem or base is None else grade(one, case.scene, base))
         for one in folder.answers
         if one.header.code == code and one.header.scene == case.name
     ]

@@ -325,7 +325,7 @@ def run_task(case: Case, solver: str, resolution: int | None = None, estimate: b
 
 
 def _origin(solver: str) -> tuple[str, ...]:
-    """Package and version of a solver that is no part of this program."""
+    """Version of a solver that is no part of this program."""
     origin = solvers.SOLVERS.origin(solver)
     return (origin,) if origin else ()
 

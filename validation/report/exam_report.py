@@ -33,7 +33,7 @@ def data(judgement: Judgement) -> dict[str, Any]:
         "scenes": [
             {
                 "name": scene.case.name,
-                "reference_errors": scene.reference.errors,
+                "reference_errors": None if scene.reference is None else scene.reference.errors,
                 "verdicts": [_verdict(one) for one in scene.verdicts],
             }
             for scene in judgement.scenes

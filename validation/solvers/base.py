@@ -143,7 +143,7 @@ class Solver(ABC):
 
     @property
     def version(self) -> str:
-        """Package and version of a code that is no part of this program; else empty."""
+        """Version of a code that is no part of this program; else empty."""
         return ""
 
     def transition(self, resolution: int | None) -> float | None:

@@ -33,6 +33,11 @@ def package(entry: EntryPoint) -> str:
     return "a package" if entry.dist is None else f"{entry.dist.name} {entry.dist.version}"
 
 
+def version(entry: EntryPoint) -> str:
+    """Version of that package."""
+    return "unknown" if entry.dist is None else entry.dist.version
+
+
 def load(entry: EntryPoint) -> Solver:
     """Load a solver.
 

@@ -71,10 +71,10 @@ class SolverRegistry(MutableMapping[str, Solver]):
         return told
 
     def origin(self, name: str) -> str:
-        """Package and version of a solver that is no part of this program; else empty."""
+        """Version of a solver that is no part of this program; else empty."""
         if name in PEERS:
             return PEERS[name].version
-        return plugins.package(self._plugins[name]) if name in self._plugins else ""
+        return plugins.version(self._plugins[name]) if name in self._plugins else ""
 
 
 SOLVERS = SolverRegistry(BoundaryElements(), FiniteElements(), FrontTracking())

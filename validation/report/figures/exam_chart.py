@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from validation.drawing import export
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
@@ -12,24 +14,27 @@ from validation.exam.judge import CodeOnScene, SceneJudgement
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-QUANTITY = "force, curve"
+SYMBOLS = {"force, curve": "F(t)", "contact_radius, curve": "a(t)"}
 LEAST = 1e-12
 """Smallest error drawn: below it an answer is the run it is graded against, or prescribes the quantity."""
 
 
 def draw(scene: SceneJudgement) -> Figure | None:
     """Logarithmic axes, answers that fail crossed; ``None`` where no answer states its run time."""
-    from matplotlib.figure import Figure
-
     quantity = _quantity(scene)
-    lines = [(one, points) for one in scene.verdicts if (points := _points(one, quantity))]
-    if not lines:
+    lines = [(index, one, _points(one, quantity)) for index, one in enumerate(scene.verdicts)]
+    if not any(points for _, _, points in lines):
         return None
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
+
     figure = Figure(figsize=(1.4 * SIZE[0], SIZE[1]), layout="constrained")
     axes = figure.add_subplot()
     axes.set_xscale("log")
     axes.set_yscale("log")
-    for index, (one, points) in enumerate(lines):
+    for index, one, points in lines:  # a code has the same colour on every scene
+        if not points:
+            continue
         colour = SERIES[index % len(SERIES)]
         across, up, _ = zip(*points, strict=True)
         style = {"color": colour, "linestyle": DASHES[index % len(DASHES)], "linewidth": 1.2}
@@ -41,8 +46,12 @@ def draw(scene: SceneJudgement) -> Figure | None:
             axes.plot(x, y, linestyle="none", marker="x", markersize=9, color=colour)
     axes.axhline(1e-2, color=INK, linewidth=0.7, linestyle=(0, (2, 3)))
     axes.set_xlabel("stated run time (s)")
-    axes.set_ylabel(f"relative error, {quantity.partition(',')[0].replace('_', ' ')} over time")
+    axes.set_ylabel(f"relative error of {SYMBOLS[quantity]}")
     format_axes(axes)
+    for axis in (axes.xaxis, axes.yaxis):  # labels between the decades would run into each other
+        axis.set_minor_formatter(NullFormatter())
+    low, high = axes.get_xlim()
+    axes.set_xlim(min(low, 10.0 ** np.floor(np.log10(low))), max(high, 10.0 ** np.ceil(np.log10(high))))
     axes.legend(
         loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize="small", labelcolor=INK
     )
@@ -55,9 +64,10 @@ def files(figure: Figure, name: str) -> dict[str, bytes]:
 
 
 def _quantity(scene: SceneJudgement) -> str:
-    """The force, or the penetration where the force is prescribed to the end."""
+    """The force, or the contact radius where the force is prescribed to the end."""
     controls = {step.kind for step in scene.case.scene.loading.steps}
-    return "penetration, curve" if controls and controls <= {"force", "force-ramp"} else QUANTITY
+    prescribed = controls and controls <= {"force", "force-ramp"}
+    return "contact_radius, curve" if prescribed else "force, curve"
 
 
 def _points(one: CodeOnScene, quantity: str) -> list[tuple[float, float, bool]]:

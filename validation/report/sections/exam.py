@@ -33,7 +33,6 @@ EXPLAINED = (
     "a limit point count squared. At least 1e-2 is asked for. What an answer does not give is not judged. Of "
     "several answers of a code to a scene the best one counts; all stay in tables and figures."
 )
-CURVE = "force, curve"
 
 
 def lead(judgement: Judgement) -> Paragraph:
@@ -81,23 +80,31 @@ def _totals(judgement: Judgement) -> Iterator[Record]:
 
 
 def section(scene: SceneJudgement) -> Section:
-    """All answers to a scene, and the figure of error against run time."""
-    answered = [one for one in scene.verdicts if one.answers]
+    """All answers to a scene, the figure of error against run time, and every difference."""
+    short = answers(scene)
+    folds = tuple(
+        Fold(_titled(one, graded), (_differences(graded),))
+        for one in scene.verdicts
+        for graded in one.answers
+    )
+    return Section(short.title, (*short.parts, *folds), short.anchor)
+
+
+def answers(scene: SceneJudgement) -> Section:
+    """The same without the single differences."""
     parts: list[Part] = [Paragraph(f"Tags: {', '.join(tags(scene.case.scene))}.")]
+    rows = [_row(one, graded) for one in scene.verdicts for graded in one.answers]
+    if rows:
+        parts.append(DataTable.of(rows))
     others = [f"{one.code}: {one.verdict} ({one.reason})" for one in scene.verdicts if one.reason]
-    if answered:
-        parts.append(DataTable.of(_row(one, graded) for one in answered for graded in one.answers))
     if others:
         parts.append(Bullets(tuple(others)))
     drawing = exam_chart.draw(scene)
     if drawing is not None:
         name = f"exam-{valid_id(scene.case.name)}"
-        caption = f"{scene.case.name}: error of F(t) against stated run time"
+        caption = f"{scene.case.name}: error against stated run time"
         files = exam_chart.files(drawing, name)
         parts.append(Figures((with_drawing(Figure(name, caption, files=files), drawing),)))
-    parts += [
-        Fold(_titled(one, graded), (_differences(graded),)) for one in answered for graded in one.answers
-    ]
     return Section(scene.case.scene.title or scene.case.name, tuple(parts), anchor(scene))
 
 
@@ -125,7 +132,8 @@ def _row(verdict: CodeOnScene, graded: GradedAnswer) -> Record:
         "code": header.label,
         "resolution": header.resolution or ABSENT,
         "seconds": formatted(header.seconds, ".3g"),
-        "F(t)": formatted(None if grade is None else grade.error(CURVE), ".1e"),
+        "F(t)": formatted(None if grade is None else grade.error("force, curve"), ".1e"),
+        "a(t)": formatted(None if grade is None else grade.error("contact_radius, curve"), ".1e"),
         "energy balance": formatted(None if grade is None else grade.error(BALANCE), ".1e"),
         "worst": ABSENT if worst is None else f"{plain(worst.quantity)}: {abs(worst.error):.1e}",
         "decade": reached,

@@ -37,9 +37,9 @@ class Peer(Solver):
 
     @property
     def version(self) -> str:
-        """Package and version; empty where it is not installed."""
+        """Version of the package; empty where it is not installed."""
         try:
-            return f"{self.distribution} {metadata.version(self.distribution)}"
+            return metadata.version(self.distribution)
         except metadata.PackageNotFoundError:
             return ""
 

@@ -1,0 +1,117 @@
+"""What is exported: a twin that holds the whole scene, a page, tags; a whole exam up to the verdict."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support.exam_answers import SCENE, case
+
+from contact_scene import SceneError, read_scene
+from crosscontact.cli import main
+from validation.cases import load
+from validation.exam.export import exam_cases, export_scenes
+from validation.exam.header import Header, read_header
+from validation.exam.scene_json import expanded, scene_of
+from validation.exam.statement import page
+from validation.exam.tags import POSSIBLE, tags
+
+SCRIPT = Path(__file__).parents[2] / "docs" / "how-to" / "closed_forms.py"
+SCENES = ("cycle-v0.02", "punch-programme", "repressed-profile", "three-branches", "cone-pull", "sweep")
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_twin_holds_the_whole_scene(name):
+    scene = load(name).scene
+    data = json.loads(json.dumps(expanded(scene)))
+    assert scene_of(data) == scene
+    assert '"file"' not in json.dumps(data)
+    assert {"branches", "bulk"} <= set(data["material"])
+    assert data["derived"]["glassy_modulus"] == scene.material.glassy_modulus
+
+
+def test_twins_that_are_none_are_told():
+    for wrong in (None, 3, {}, {"material": 1}, {**expanded(load("punch-programme").scene), "extra": 1}):
+        with pytest.raises(SceneError):
+            scene_of(wrong)
+    data = expanded(load("repressed-profile").scene)
+    data["indenter"]["heights"] = 3
+    with pytest.raises(SceneError, match="two lists"):
+        scene_of(data)
+
+
+def test_tags():
+    assert tags(load("cycle-v0.02").scene) == ("adhesive", "ramp", "sphere", "viscoelastic")
+    assert {"punch", "force-control", "spectrum", "table", "oscillation", "hold"} <= set(
+        tags(load("punch-programme").scene)
+    )
+    assert {"elastic", "adhesionless"} <= set(tags(case().scene))
+    assert {tag for name in SCENES for tag in tags(load(name).scene)} <= POSSIBLE
+
+
+def test_the_page_states_the_scene_in_words():
+    text = page(load("punch-programme"))
+    for said in ("flat-ended cylinder of radius `100.0`", "modulus 0.9, time 1.1", "1. the penetration goes"):
+        assert said in text
+    assert "7. the force" not in text
+    assert "6. the force goes linearly to `1000.0` at `200.0`" in text
+    assert "`zone = 0.013`" in page(load("cycle-v0.02"))
+    assert "No adhesion" in page(case())
+
+
+def test_a_header_says_all_that_is_needed_to_compute_it_again():
+    scene = load("repressed-profile").scene
+    header = Header("reference", resolution="32", seconds=0.25, scene="x", problem=expanded(scene))
+    again, odd = read_header(header.lines(), "x")
+    assert odd == ()
+    assert again == header
+    assert scene_of(again.problem) == scene
+
+
+def test_an_exported_exam(tmp_path):
+    cases = exam_cases("quick")
+    names = [one.name for one in cases]
+    assert {"cycle-v0.02", "adhesionless-force", SCENE} <= set(names)
+    assert "bulk-punch" not in names
+    export_scenes(tmp_path, cases[:3])
+    for one in cases[:3]:
+        assert read_scene(tmp_path / one.name / "scene.toml") == one.scene
+        assert json.loads((tmp_path / one.name / "scene.json").read_text())["tags"] == [*tags(one.scene)]
+    listed = json.loads((tmp_path / "exam.json").read_text())["scenes"]
+    assert [entry["name"] for entry in listed] == names[:3]
+
+
+def test_bad_input_is_told_in_a_line(tmp_path, capsys):
+    for command in (
+        ["judge", str(tmp_path / "none")],
+        ["judge", str(tmp_path)],
+        ["exam", "answer", str(tmp_path), "--solvers", "bem"],
+        ["exam", "reproduce", str(tmp_path / "none.csv")],
+    ):
+        assert main(command) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
+    with pytest.raises(SystemExit) as ended:
+        main(["exam", "answer", str(tmp_path), "--solvers", "bem,nobody"])
+    assert ended.value.code == 2
+    assert "'nobody'" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
+    """Export, answer by the script of the page, judge; the reference computed again from its header."""
+    export_scenes(tmp_path, [one for one in exam_cases("quick") if one.name in ("adhesionless-cycle", SCENE)])
+    subprocess.run([sys.executable, str(SCRIPT), str(tmp_path)], check=True)
+    (tmp_path / SCENE / "trace.csv").unlink()  # half of the scenes: judged on those
+    assert main(["judge", str(tmp_path), "--out", str(tmp_path / "report"), "--jobs", "1"]) == 0
+    assert "1 verdict on answers: all passed" in capsys.readouterr().out
+    data = json.loads((tmp_path / "report" / "exam.json").read_text())
+    assert [one["verdicts"][0]["verdict"] for one in data["scenes"]] == ["passed at 1e-4", "no answer"]
+    assert main(["exam", "answer", str(tmp_path), "--solvers", "reference", "--resolution", "4"]) == 0
+    written = tmp_path / "answers" / "reference-4" / SCENE / "trace.csv"
+    assert main(["exam", "reproduce", str(written)]) == 0
+    assert "the same bit for bit" in capsys.readouterr().out
+    written.write_text(written.read_text().replace("# resolution: 4", "# resolution: 5"))
+    assert main(["exam", "reproduce", str(written)]) == 1
