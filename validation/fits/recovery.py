@@ -46,6 +46,8 @@ VARIED = (
 LABELS = ("work of adhesion", "relaxed modulus", "branch modulus", "relaxation time")
 NOISE = 0.01
 SPEEDS = (0.006, 0.03, 0.15)
+ENOUGH = 50
+"""Materials from which coverage is known to 3 %."""
 WITHIN = (0.90, 0.98)
 """Share of intervals that should hold the truth, of the 95 % that they state."""
 
@@ -140,6 +142,8 @@ def report(found: Sequence[RecoveredMaterial], failures: Sequence[str]) -> str:
     share, count = float(inside.mean()), int(inside.size)
     low, high = stats.beta.interval(0.95, share * count + 1.0, count - share * count + 1.0)
     verdict = "pass" if WITHIN[0] <= share <= WITHIN[1] else "FAIL"
+    if len(found) < ENOUGH:
+        verdict = f"judged from {ENOUGH} materials on"
     lines = [
         f"{len(found)} materials, {count} intervals: {100 * share:.1f} % of the 95 % intervals hold the "
         f"truth ({100 * low:.0f} to {100 * high:.0f} %), to be 90 to 98 %: {verdict}",

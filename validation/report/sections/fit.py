@@ -154,7 +154,8 @@ def document(result: FitResult, drawings: Mapping[str, Drawing]) -> Document:
         parts.insert(0, Section("Before you use a number", (Bullets(tuple(said)),)))
 
     def figures(name: str, caption: str) -> Figures:
-        return Figures((with_drawing(Figure(f"fit-{name}", caption, wide=True), drawings[name]),))
+        wide = name == "curves"
+        return Figures((with_drawing(Figure(f"fit-{name}", caption, wide=wide), drawings[name]),))
 
     parts.append(Section("Curves", (figures("curves", CURVES), DataTable.of(_curves(result)))))
     known = (
