@@ -5,6 +5,7 @@ Run by ``pytest -m exhaustive tests/packaging -n 0``, with the extra ``release``
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -36,7 +37,9 @@ pytestmark = [
 
 
 def _run(*command, **options):
-    ended = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    own = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    words = [str(word) for word in command]
+    ended = subprocess.run(words, capture_output=True, text=True, env=own, **options)
     assert ended.returncode == 0, ended.stdout[-2000:] + ended.stderr[-2000:]
     return ended.stdout
 
