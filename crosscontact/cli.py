@@ -111,8 +111,7 @@ def _command(options: argparse.Namespace) -> int:
     if options.command == "compare":
         from crosscontact.commands import compare
 
-        solvers = options.solvers or registry.names()
-        return compare.run(options.scenes, solvers, options.out, jobs, options.fresh)
+        return compare.run(options.scenes, options.solvers, options.out, jobs, options.fresh)
     if options.command == "study" and options.poisson is not None:
         from crosscontact.commands import poisson
 

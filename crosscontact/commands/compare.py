@@ -16,15 +16,17 @@ from validation.report.sections.scene import verdicts
 from validation.report.write import write
 
 
-def run(names: Sequence[str], solvers: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -> int:
+def run(
+    names: Sequence[str], solvers: Sequence[str] | None, out: str | None, jobs: int, fresh: bool = False
+) -> int:
     """Compare and print.
 
     Parameters
     ----------
     names : sequence of str
         Scene files or names of built-in scenes.
-    solvers : sequence of str
-        Names of the solvers; the reference among them.
+    solvers : sequence of str or None
+        Names, the reference among them; ``None``: all for which a scene does not take too long.
     out : str or None
         Folder of the report, if one is to be written.
     jobs : int

@@ -14,6 +14,7 @@ from validation import solvers
 from validation.cases import Expected, load
 from validation.compare.against_reference import against_reference, check_case
 from validation.compare.checks import check_run
+from validation.compare.suite import all_pairs
 from validation.execution.runs import run
 from validation.measure.cycles import cycle_times
 from validation.measure.dimensionless import unit_sizes
@@ -45,6 +46,13 @@ def test_scene_reads_and_its_checks_make_sense(name):
         if expected.value is not None:
             assert set(expected.tolerance) == compared
             assert all(0 < tolerance <= 0.1 for tolerance in expected.tolerance.values())
+
+
+def test_a_solver_for_which_a_scene_takes_too_long_is_run_only_where_it_is_named():
+    case = dataclasses.replace(load("cycle-v0.1"), too_long_for=("bem",))
+    assert {solver for _, solver in all_pairs([case])} == {"fem", "reference"}
+    assert [solver for _, solver in all_pairs([case], ["bem", "reference"])] == ["bem", "reference"]
+    assert load("pdms-cycle-10nm").too_long_for
 
 
 def test_suites_grow():
