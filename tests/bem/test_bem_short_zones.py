@@ -64,6 +64,17 @@ def test_approach_over_zones(rate, force):
     assert_allclose(trace.force[-1], force, atol=1e-3 * np.abs(trace.force).max())
 
 
+@pytest.mark.exhaustive
+def test_slow_approach_and_fast_retraction():
+    """Speeds of 1e-6 and 0.02 in one scene, zone 3e-5 of the radius; pull-off force by front tracking."""
+    steps = (Ramp(0.001, 1e-6), Ramp(-0.5, 0.02))
+    scene = replace(retraction(2.5e-6), loading=Loading("jump-in", 0.0, steps))
+    trace = solve(scene, Options(12))
+    assert trace.outcome.kind == "detached"
+    assert_allclose(-trace.force.min(), 0.007310717, rtol=1e-3)
+    assert trace.counters.steps < 600
+
+
 @pytest.mark.slow
 def test_delayed_detachment_over_zones():
     """Time by front tracking: the penetration bends within a step, and the edge runs away."""
