@@ -61,7 +61,7 @@ SEARCHED_ABOVE = 5e-5
 """``da/a`` above which finite elements find the edge at few places of their mesh."""
 SKIP_THINNEST = {
     **SKIP_THIN,
-    FiniteElements.name: "the edge is sought over tens of thousands of zones, a few at each place of the mesh",
+    FiniteElements.name: "the edge is sought over thousands of zones, a few at each place of the mesh",
 }
 
 
