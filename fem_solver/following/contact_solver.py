@@ -26,8 +26,8 @@ on the scale of its travel."""
 _STRIDE_OF_RADIUS = 0.02
 """Farthest that a search goes to the next place of the mesh, relative to the contact radius: stable and
 unstable contact are farther apart."""
-_START_SEARCHES = 4
-"""Places at which the start radius is sought, each finer around it than the one before."""
+_SHARP_SEARCHES = 4
+"""Places at which the radius of a sharp edge is sought, each finer around it than the one before."""
 
 
 class PlacedEdge(AdhesiveEdge):
@@ -76,7 +76,7 @@ class FollowingContactSolver:
         ContactCandidate
         """
         dt = math.inf if relaxed else 0.0
-        radius = self._start_radius(dt, penetration)
+        radius = self._sharp_radius(dt, "penetration", penetration, self.setup.surfaces.largest)
         if radius == 0.0:
             placement = self.setup.surfaces.around(0.0)
             problem = self._problem(placement, dt, control, penetration)
@@ -112,7 +112,10 @@ class FollowingContactSolver:
         expected = 0.0
         if state.before is not None and 0.0 < dt < math.inf:
             expected = (state.radius - state.before[1]) / state.before[0] * dt
-        radius = min(max(state.radius + expected, low), high)
+        radius = state.radius + expected
+        if not self.setup.has_history:  # each state is an equilibrium by itself
+            radius = self._sharp_radius(dt, control, value, state.radius) or radius
+        radius = min(max(radius, low), high)
         return self._search(dt, control, value, radius, (low, high), abs(radius - state.radius))
 
     def held(self, dt: float, control: Control, value: float, edge: EdgePosition) -> ContactCandidate:
@@ -187,7 +190,8 @@ class FollowingContactSolver:
         ContactCandidate
         """
         surfaces, low, high = self.setup.surfaces, limits[0], min(limits[1], self.setup.surfaces.reach)
-        far, way, stride = low == 0.0 or high == surfaces.reach, None, 0.0
+        far, stride = low == 0.0 or high == surfaces.reach, 0.0
+        within, beyond = 0.0, math.inf  # radii at which the edge advances, and recedes
         while True:
             placement = surfaces.around(radius)
             geometry = placement.geometry
@@ -205,11 +209,11 @@ class FollowingContactSolver:
                 if radius == 0.0:
                     return replace(found, edge=EdgePosition(EdgeMotion.RECEDING, 2.0))
                 continue
-            if way is not None and outwards is not way:
-                stride = 0.0
-            else:
-                stride = min(2.0 * stride + 0.25 * law.range, _STRIDE_OF_RADIUS * reached)
-            way = outwards
+            within, beyond = (reached, beyond) if outwards else (within, reached)
+            if within < beyond < math.inf and within > 0.0:  # it rests between the two
+                radius = 0.5 * (within + beyond)
+                continue
+            stride = min(2.0 * stride + 0.25 * law.range, _STRIDE_OF_RADIUS * reached)
             radius = min(max(reached + (stride if outwards else -stride), low), high)
 
     def _sharp_rest(self, problem: FollowingProblem, radius: float, outwards: bool = False) -> float:
@@ -229,11 +233,22 @@ class FollowingContactSolver:
         share = excess[at] / (excess[at] - excess[at + 1])
         return float(min(x[at] + share * (x[at + 1] - x[at]), reach))
 
-    def _start_radius(self, dt: float, penetration: float) -> float:
-        """Contact radius of a sharp edge on the undeformed half-space: the outermost stable, or 0."""
-        surfaces, radius = self.setup.surfaces, self.setup.surfaces.largest
-        for _ in range(_START_SEARCHES):
-            problem = self._problem(surfaces.around(radius), dt, "penetration", penetration)
+    def _sharp_radius(self, dt: float, control: Control, value: float, radius: float) -> float:
+        """Contact radius of a sharp edge if all happens at once: the outermost stable, or 0.
+
+        Parameters
+        ----------
+        dt, control, value
+            As of :meth:`trial`.
+        radius : float
+            Where the first search has the mesh.
+
+        Returns
+        -------
+        float
+        """
+        for _ in range(_SHARP_SEARCHES):
+            problem = self._problem(self.setup.surfaces.around(radius), dt, control, value)
             radius = self._sharp_rest(problem, math.inf)
             if radius == 0.0:
                 break
