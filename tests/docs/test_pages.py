@@ -11,8 +11,10 @@ from pathlib import Path
 import pytest
 
 from contact_scene import read_scene, scene_from_dict
+from crosscontact import registry
 from crosscontact.arguments import parser
 from crosscontact.cli import main
+from validation import solvers
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
@@ -50,7 +52,9 @@ def test_scene_in_the_reference_is_a_scene():
 
 
 @pytest.mark.parametrize("page", TEXTS, ids=_name)
-def test_commands_are_commands(page):
+def test_commands_are_commands(page, monkeypatch):
+    if "add-a-solver" in page.name:  # its solver is that of a package that the reader writes
+        monkeypatch.setattr(registry, "selectable", lambda: (*solvers.SOLVERS, "hertz"))
     for command in _commands(TEXTS[page]):
         if command == ["--version"]:
             continue

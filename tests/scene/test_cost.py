@@ -30,8 +30,6 @@ ELASTIC = Material(0.75, 0.5)
 HERTZ = Scene(ELASTIC, Sphere(1.0), Loading("relaxed", 0.0, (Ramp(0.04, 0.01), Ramp(0.01, 0.01))))
 FAR = 1e-2
 """Relative error of a path of the edge that is read from a table of radii."""
-OVER_ZONES = ("reference", "fem")
-"""Solvers that step over any number of short zones."""
 
 
 def test_a_path_worked_out_by_hand():
@@ -98,12 +96,11 @@ def test_more_is_never_cheaper(name):
     }
     usual = solver.expected_cost(base)
     assert solver.expected_cost(base, 2 * solver.default_resolution(base)).steps > 1.5 * usual.steps
-    if name in OVER_ZONES:
-        tenth = replace(base, adhesion=Adhesion(5e-4, 1.3e-4))
-        assert solver.expected_cost(tenth).steps >= solver.expected_cost(more["zone"]).steps
-        assert solver.expected_cost(tenth).seconds >= solver.expected_cost(more["zone"]).seconds
-    else:
-        assert solver.expected_cost(more["zone"]).steps > 8.0 * usual.steps
+    # a step is a share of a zone where zones are long, and passes over any number of short ones
+    longer, tenth = (replace(base, adhesion=Adhesion(5e-4, zone)) for zone in (0.026, 1.3e-4))
+    assert usual.steps > 1.4 * solver.expected_cost(longer).steps
+    assert solver.expected_cost(tenth).steps >= solver.expected_cost(more["zone"]).steps
+    assert solver.expected_cost(tenth).seconds >= solver.expected_cost(more["zone"]).seconds
     assert solver.expected_cost(more["branches"]).seconds > 2.0 * usual.seconds
     assert solver.expected_cost(more["steps"]).steps > 10_000
     assert solver.expected_cost(more["zone"]).bytes > usual.bytes
@@ -139,7 +136,7 @@ def test_forecasts_hold_within_a_factor_of_three(name, label):
 @pytest.mark.parametrize("name", SOLVERS)
 def test_a_scene_beyond_all_bounds_has_a_forecast(name):
     endless = replace(SCENES["one branch"], adhesion=Adhesion(1e-60, 1e-60), indenter=Sphere(1e60))
-    assert SOLVERS[name].expected_cost(endless).seconds > (0.5 if name in OVER_ZONES else 1e20)
+    assert SOLVERS[name].expected_cost(endless).seconds > 0.5
 
 
 def test_short_zones_cost_no_more_steps():

@@ -26,7 +26,7 @@ class ClosedFormSolver(Solver):
         table = scene.loading.steps[0]
         knots = np.array(table.times) - table.times[0]
         time = np.unique(np.concatenate([knots, np.linspace(0.0, knots[-1], ROWS)]))
-        motion = np.interp(time, knots, table.penetrations)
+        motion = np.interp(time, knots, table.values)
         modulus = scene.material.relaxed_plane_modulus
         if scene.is_adhesive:
             law = JKR(scene.indenter, modulus, scene.adhesion.work)
@@ -44,7 +44,7 @@ class ClosedFormSolver(Solver):
             radius = np.sqrt(scene.indenter.radius * np.maximum(motion, 0.0))
             force = np.asarray(sneddon.force(scene.indenter, radius, modulus))
         else:
-            rise, fall = motion[1] / time[1], -np.diff(table.penetrations)[-1] / np.diff(knots)[-1]
+            rise, fall = motion[1] / time[1], -np.diff(table.values)[-1] / np.diff(knots)[-1]
             law = Ting(scene.material, scene.indenter, rise, knots[1], fall)
             force, radius = law.force(time), law.contact_radius(time)
         kind = OutcomeKind.DETACHED if radius[-1] == 0.0 or scene.is_adhesive else OutcomeKind.COMPLETED

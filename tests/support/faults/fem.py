@@ -133,29 +133,33 @@ def _(true):
     return lambda self, ratio: true(self, max(ratio, 0.103))
 
 
-@fault("process zone measured from the wrong side", "release:EdgeGeometry._shift")
+@fault("process zone measured from the wrong side", "process_zone:ZoneShift.__init__")
 def _(true):
-    return lambda self, zone: true(self, -zone)
-
-
-@fault("vertices and mid-side nodes mixed in the shift", "release:EdgeGeometry._shift")
-def _(true):
-    def shift(self, zone):
-        true(self, zone)
-        targets = self.radii + zone
-        right = np.clip(np.searchsorted(self.radii, targets + 1e-9 * zone), 1, len(self.radii) - 1)
-        width = self.radii[right] - self.radii[right - 1]
-        self.low, self.high = right - 1, right
-        self.share = np.clip((targets - self.radii[right - 1]) / width, 0.0, 1.0)
-        self.first = np.searchsorted(self.high, np.arange(len(self.radii)), side="right")
+    def shift(self, radii, zone):
+        true(self, radii, -zone)
+        self.zone = zone
 
     return shift
 
 
-@fault("gap read one node short of the shifted point", "release:EdgeGeometry._shift")
+@fault("vertices and mid-side nodes mixed in the shift", "process_zone:ZoneShift.__init__")
 def _(true):
-    def shift(self, zone):
-        true(self, zone)
+    def shift(self, radii, zone):
+        true(self, radii, zone)
+        targets = radii + zone
+        right = np.clip(np.searchsorted(radii, targets + 1e-9 * zone), 1, len(radii) - 1)
+        width = radii[right] - radii[right - 1]
+        self.low, self.high = right - 1, right
+        self.share = np.clip((targets - radii[right - 1]) / width, 0.0, 1.0)
+        self.first = np.searchsorted(self.high, np.arange(len(radii)), side="right")
+
+    return shift
+
+
+@fault("gap read one node short of the shifted point", "process_zone:ZoneShift.__init__")
+def _(true):
+    def shift(self, radii, zone):
+        true(self, radii, zone)
         self.low, self.high = np.maximum(self.low - 1, 0), self.high - 1
 
     return shift
