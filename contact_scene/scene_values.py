@@ -1,7 +1,7 @@
 """Numbers of a scene by dotted path, as in a scene file: ``adhesion.work``, ``material.branches[0].time``.
 
-A path names fields of the scene and, in brackets, places in its lists, counted from 0. Several numbers are
-put in together, so that a scene is checked once it is whole.
+A path names fields of the scene and places in its lists, counted from 0, in brackets or between dots
+(``loading.steps.1.rate``). Several numbers are put in together, so that a scene is checked once it is whole.
 """
 
 from __future__ import annotations
@@ -58,12 +58,15 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
 def _keys(path: str) -> list[str | int]:
     keys: list[str | int] = []
     for part in path.split(".") if isinstance(path, str) else [""]:
+        if keys and part.isdecimal():
+            keys.append(int(part))
+            continue
         match = _PART.fullmatch(part)
         if match is None:
             raise SceneError(shown(path), "is no path", "names joined by dots, as adhesion.work")
         keys.append(match[1])
         keys += [int(index) for index in re.findall(r"\d+", match[2])]
-    return keys
+    return ["loading", *keys] if keys[0] == "machine" else keys  # a table of its own in scene files
 
 
 def _joined(passed: str, key: str | int) -> str:

@@ -43,7 +43,7 @@ PULL_OFF, LOOP, DETACHED = 0.02028430, 8.564744e-4, 30.572995
 CREEPING, HELD = 4e-3, 229.853
 """Process zone under a dead load, and the time at which it detaches by front tracking."""
 COARSE = 5e-3
-"""Error at four elements a zone: the bound that is set to the default of ten, which has a quarter of it."""
+"""Error at four elements a zone: the bound that is set to the default of ten."""
 
 
 def components(count: int = 3) -> tuple[np.ndarray, np.ndarray]:

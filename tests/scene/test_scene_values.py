@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, SceneError, Sphere
+from contact_scene import Adhesion, Branch, Loading, Machine, Material, Ramp, Scene, SceneError, Sphere
 from contact_scene.scene_values import value_at, with_values
 
 SCENE = Scene(
@@ -68,3 +70,12 @@ def test_a_value_that_the_scene_does_not_take_names_its_path():
     elastic = Scene(Material(1.0, 0.3), Sphere(1.0), Loading("jump-in", 0.0))
     with pytest.raises(SceneError, match="the scene has no adhesion"):
         with_values(elastic, {"adhesion.work": 1.0})
+
+
+def test_places_between_dots_and_the_machine_are_named_as_in_a_scene_file():
+    loading = replace(SCENE.loading, machine=Machine(2.0))
+    scene = replace(SCENE, loading=loading)
+    assert value_at(scene, "loading.steps.0.rate") == value_at(scene, "loading.steps[0].rate")
+    stiffer = with_values(scene, {"machine.stiffness": 3.0})
+    assert stiffer.machine == Machine(3.0)
+    assert value_at(stiffer, "machine.stiffness") == 3.0

@@ -69,6 +69,22 @@ discretisation. Where the integral is larger the edge recedes, where it is small
 roots that one holds at which it rises with `a`. Contact is lost where there is none."""
 
 
+CLOSING = """\
+An edge advances only where the integral falls to `work_closing`; between that and `work` it is pinned. The
+contact of the start state has been made by closing."""
+RATE = """\
+`work` is what an edge at rest takes up. An edge that recedes at speed `v` takes up `w(v)` of `rate`: `work *
+(1 + (v/speed)^exponent)`, or a table `speeds`, `works`, straight from rest to its first row, straight in the
+logarithms between its rows, constant beyond."""
+STRESS = """\
+The zone has no fixed length: it is the one over which the mean tension of the sharp edge is `4/pi` times
+`stress`."""
+SPRING = """\
+The indenter hangs on a spring of `stiffness = {stiffness!r}`. What is said of the penetration below holds of
+the stage `X = D + F/stiffness` instead, `external_work` is that of the stage, and contact is lost where there
+is no equilibrium at that stage."""
+
+
 def page(case: Case) -> str:
     """The page as Markdown."""
     scene = case.scene
@@ -85,13 +101,17 @@ def page(case: Case) -> str:
     ]
     if scene.adhesion is not None and scene.is_adhesive:
         values = ", ".join(f"`{name} = {value!r}`" for name, value in asdict(scene.adhesion).items() if value)
-        parts += ["## Adhesion", ADHESION, values + "."]
+        law = {CLOSING: "work_closing", RATE: "rate", STRESS: "stress"}
+        said = [text for text, name in law.items() if getattr(scene.adhesion, name) is not None]
+        parts += ["## Adhesion", ADHESION, *said, values + "."]
     else:
         parts += [
             "## No adhesion",
             "The pressure is nowhere negative, and contact is lost where it would be.",
         ]
-    steps = "\n".join(f"{i}. {_step(step)}" for i, step in enumerate(scene.loading.steps, 1))
+    if scene.machine is not None and scene.loading.compliance > 0.0:
+        parts += ["## Machine", SPRING.format(stiffness=scene.machine.stiffness)]
+    steps = "\n".join(f"{i}. {_step(step)}{_level(step)}" for i, step in enumerate(scene.loading.steps, 1))
     parts += ["## Loading", _start(scene), steps or "1. nothing: the start state alone is asked for"]
     columns = "\n".join(f"- `{name}`: {text}" for name, text in COLUMNS.items())
     parts += ["## The answer", HOW_TO_ANSWER.rstrip(), columns]
@@ -130,6 +150,13 @@ def _start(scene: Scene) -> str:
     state = "glassy" if scene.loading.start == "jump-in" else "fully relaxed"
     depth = scene.loading.penetration
     return f"At `t = 0` the contact is in {state} equilibrium at penetration `{depth!r}`. Then:"
+
+
+def _level(step: Step) -> str:
+    """Where the step ends before."""
+    if step.trigger is None:
+        return ""
+    return f"; the step ends as soon as the {step.trigger.quantity} is `{step.trigger.level!r}`"
 
 
 def _step(step: Step) -> str:

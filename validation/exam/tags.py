@@ -16,6 +16,7 @@ _OF_ADHESION = {"work", "zone"}
 
 POSSIBLE = {
     *("adhesive", "adhesionless", "elastic", "viscoelastic", "spectrum", "separate-bulk", "relaxed-start"),
+    *("spring", "trigger"),
     *(OF_STEP.get(kind, kind) for kind in STEPS),
     *(OF_SHAPE.get(kind.shape, kind.shape) for kind in (Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile)),
 }
@@ -33,6 +34,10 @@ def tags(scene: Scene) -> tuple[str, ...]:
         found.add("separate-bulk")
     if scene.loading.start == "relaxed":
         found.add("relaxed-start")
+    if scene.loading.compliance > 0.0:
+        found.add("spring")
+    if scene.loading.has_triggers:
+        found.add("trigger")
     found |= {OF_STEP.get(step.kind, step.kind) for step in scene.loading.steps}
     found |= {part for part in _stated(scene) if part not in _ALWAYS}
     if scene.is_adhesive:

@@ -22,8 +22,8 @@ ADHESIONLESS_DIVISIONS = 4
 Without adhesion the edge rests on nodes, mid-side nodes among them: two divisions are an element.
 """
 FOLLOWED_BEYOND = 48.0
-"""Largest contact radius, in process zones, beyond which the mesh follows the edge: about there a mesh that
-is fine along the whole path takes as long."""
+"""Largest contact radius, in process zones, beyond which the mesh follows the edge: of the order at which
+a mesh that is fine along the whole path takes as long, not measured closer."""
 FOLLOWING_COST = CostModel(
     steps_per_division=0.5,
     steps_per_interval=20.0,

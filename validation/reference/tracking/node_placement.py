@@ -12,6 +12,8 @@ Array = NDArray[np.float64]
 
 GRADING = 1.75
 """Grading of nodes towards the end of a step: distances shrink by the factor ``1 - GRADING/divisions``."""
+STEEPEST = 0.1
+"""Least of that factor: with few divisions, as a coarse tolerance asks for, it would not be positive."""
 LAYER_FRACTION = 0.15
 """First node before the end of a step, in shortest relaxation times."""
 ZONE_FRACTION = 0.1
@@ -57,7 +59,7 @@ class NodePlacement:
         """Fractions of the step, rising, within (0, 1)."""
         if math.isinf(self.shortest) or duration <= 0.0 or self.travel == 0.0 or self.zone_length == 0.0:
             return np.empty(0)
-        ratio = 1.0 - GRADING / self.divisions
+        ratio = max(1.0 - GRADING / self.divisions, STEEPEST)
         smallest = max(
             LAYER_FRACTION * self.shortest / duration,
             THINNEST_LAYER * self.zone_length / self.travel,
