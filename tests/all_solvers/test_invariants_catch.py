@@ -16,6 +16,7 @@ from contact_scene import (
     Branch,
     Hold,
     Loading,
+    Machine,
     Material,
     Oscillate,
     Outcome,
@@ -37,6 +38,13 @@ RAMPED = replace(PRESSED, loading=Loading("relaxed", 0.01, (Ramp(0.02, 0.05),)))
 BARE = replace(PRESSED, adhesion=None)
 AROUND = replace(PRESSED, loading=Loading("relaxed", 0.01, (Table((0.0, 1.0, 2.0), (0.01, 0.02, 0.01)),)))
 SHAKEN = replace(PRESSED, loading=Loading("relaxed", 0.01, (Oscillate(0.001, 6.0, 1.0),)))
+HELD = replace(
+    PRESSED,
+    loading=Loading("relaxed", 0.02, (Ramp(0.0, 0.05),)),
+    adhesion=Adhesion(5e-4, 0.02, work_closing=2e-4),
+)
+TURNED = Loading("relaxed", 0.01, (Ramp(0.02, 0.05, until_force=2e-3), Ramp(0.01, 0.05)), Machine(0.5))
+SPRUNG = replace(PRESSED, loading=TURNED)
 OTHER_UNITS = (2.0**-30, 2.0**20, 2.0**-10)  # of length, modulus and time
 HISTORIES = ((0.0, 1.0, 3.0), [0.01, 0.02, -0.01], [0.0, 0.02, 0.01], (0.5, -0.7))
 
@@ -118,6 +126,18 @@ BROKEN: dict[str, list[tuple[Alteration, tuple]]] = {
         (changed("time", last_is(-1.0)), (RAMPED,)),
         (changed("penetration", last_is(0.0199)), (RAMPED,)),
         (underflow, (RAMPED,)),
+    ],
+    "interface": [
+        (changed("separation_energy", louder), (HELD,)),
+        (changed("dissipated_energy", louder), (HELD,)),
+    ],
+    "instrument: clear answer": [
+        (changed("stage", last_is(np.nan)), (SPRUNG,)),
+        (underflow, (SPRUNG,)),
+    ],
+    "instrument: energy balance": [
+        (changed("external_work", louder), (SPRUNG,)),
+        (changed("machine_energy", np.zeros_like), (SPRUNG,)),
     ],
     "energy gained": [
         (changed("branch_dissipation", np.negative), (PRESSED,)),
