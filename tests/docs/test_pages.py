@@ -21,9 +21,10 @@ README = ROOT / "README.md"
 PAGES = [path for path in sorted((ROOT / "docs").rglob("*.md")) if "generated" not in path.parts]
 TEXTS = {path: path.read_text("utf-8") for path in [README, *PAGES]}
 BLOCK = re.compile(
-    r"^(`{3,})(?:\{code-block\} )?(\w+)\n(?::caption: (\S+)\n\n?)?(.*?)^\1$", re.DOTALL | re.MULTILINE
+    r"^(`{3,})(?:\{code-(?:block|cell)\} )?(\w+)\n(?::caption: (\S+)\n\n?)?(.*?)^\1$",
+    re.DOTALL | re.MULTILINE,
 )
-EXECUTED = [path for path, text in TEXTS.items() if "\nrun: true\n" in text[:200]]
+EXECUTED = [path for path, text in TEXTS.items() if {"run: true", "jupytext:"} & set(text[:200].splitlines())]
 
 
 def _name(path):
