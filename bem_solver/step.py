@@ -38,6 +38,8 @@ _BESIDE_EXTREMUM = 0.125
 """Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row
 by a sixty-fourth of what it would with the whole step."""
 
+_SHARE_OF_ZONE = 0.25
+"""Expected travel of a step, in process zones, from which on its path is a parabola through an earlier row."""
 _SHARE_OF_TRAVEL = 2.0
 """Error of extrapolating the edge over process zones, in step tolerances of its travel, that is allowed: the
 speed of the edge, on which the closure depends, is then met to about as much."""
@@ -224,13 +226,21 @@ class TrialStep(StepStart):
         interval, contact = self.interval, self.state.contact
         duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
         prescribed = interval.prescribed(parameter)
-        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, self._earlier)
+        earlier = self._earlier(duration)
+        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, earlier)
 
-    @property
-    def _earlier(self) -> EarlierRow | None:
-        """The row before the last, where a step may pass over process zones."""
-        rows, interval = self.state.accepted.rows, self.interval
-        if interval.jump or len(rows) < 2 or not self.problem.over_zones(self.state.contact.edge):
+    def _earlier(self, duration: float) -> EarlierRow | None:
+        """The row before the last, where a step passes over much of a process zone, or over several.
+
+        Within a zone the path is straight: the condition at the end of the step is then one on the place of
+        the edge, and a parabola through earlier rows carries their errors on.
+        """
+        rows, interval, edge = self.state.accepted.rows, self.interval, self.state.contact.edge
+        if interval.jump or len(rows) < 2 or not self.problem.over_zones(edge):
+            return None
+        (last, before), (_, now) = ((one[0], one[1]) for one in rows[-2:])
+        travel = abs(now - before) / (rows[-1][0] - last) * duration
+        if travel < _SHARE_OF_ZONE * self.problem.length_at(edge):
             return None
         (before, edge, load), (now, _, _) = rows[-2:]
         return EarlierRow(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from validation.compare.suite import SceneComparison
 from validation.report.document import (
@@ -98,10 +98,11 @@ def _failures(report: Report) -> DataTable:
 
 def summary(report: Report) -> tuple[Part, ...]:
     """The same for a summary: pull-off forces and outcomes, work left out, and what did not pass."""
+    solvers = tuple(dict.fromkeys(name for scene in report.scenes for name in scene.runs))
     left_out = tuple(f"{scene.case.name}: {skipped_work(scene)}" for scene in report.scenes)
     parts: tuple[Part, ...] = (
         Paragraph(f"{report.wall_seconds:.0f} s on {report.environment['processor']}."),
-        DataTable.of(map(_line, report.scenes)),
+        DataTable.of(_line(scene, solvers) for scene in report.scenes),
         Paragraph("Left out, by the counters of work:"),
         Bullets(left_out),
     )
@@ -110,7 +111,8 @@ def summary(report: Report) -> tuple[Part, ...]:
     return parts
 
 
-def _line(scene: SceneComparison) -> Record:
+def _line(scene: SceneComparison, solvers: Iterable[str]) -> Record:
+    """What the solvers have to say of a scene; some of them may not have been asked."""
     forces = (run.measures.get("pull_off_force") for run in scene.runs.values())
     cells: dict[str, Cell] = {
         "scene": scene.case.name,
@@ -118,10 +120,12 @@ def _line(scene: SceneComparison) -> Record:
         "verdict": passed_or_not(scene.passed),
         "pull-off force": " / ".join(number(force, 5) for force in forces),
     }
-    return cells | {
-        solver: f"{run.trace.outcome.kind}, {run.wall_seconds:.2g} s" if run.trace else run.ending
-        for solver, run in scene.runs.items()
-    }
+    for solver in solvers:
+        run = scene.runs.get(solver)
+        cells[solver] = ABSENT
+        if run is not None:
+            cells[solver] = f"{run.trace.outcome.kind}, {run.wall_seconds:.2g} s" if run.trace else run.ending
+    return cells
 
 
 def _counted(scene: SceneComparison) -> str:
