@@ -39,7 +39,7 @@ _BESIDE_EXTREMUM = 0.125
 by a sixty-fourth of what it would with the whole step."""
 
 _SHARE_OF_ZONE = 0.25
-"""Expected travel of a step, in process zones, from which on its path is a parabola through an earlier row."""
+"""Expected travel of a step, in process zones, from which on its path is a parabola through another row."""
 _SHARE_OF_TRAVEL = 2.0
 """Error of extrapolating the edge over process zones, in step tolerances of its travel, that is allowed: the
 speed of the edge, on which the closure depends, is then met to about as much."""

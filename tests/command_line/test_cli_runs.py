@@ -54,7 +54,7 @@ def test_interrupt(tmp_path, arguments, seconds):
     assert not (tmp_path / "out" / "report.json").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive  # CI makes the same report
 def test_the_quick_suite_passes(tmp_path):
     said = subprocess.run(
         [*COMMAND, "report", "--suite", "quick", "--out", str(tmp_path)],

@@ -299,3 +299,13 @@ def test_where_the_penetration_has_a_smooth_maximum_the_end_of_approach_is_uncer
     )
     corner = spring(1.0)
     assert estimates(corner, corner)["approach_force"] == 0.0
+
+
+def test_energies_that_do_not_add_up_are_an_error_of_the_dissipated_energy():
+    fine, coarse = spring(1.0 + 1e-3), spring(1.0 + 4e-3)
+    usual = estimates(fine, coarse)["dissipated_energy"]
+    left = np.full_like(fine.time, 5e-5)
+    unbalanced = dataclasses.replace(fine, extra={"balance_residual": left})
+    relative_to = scale("dissipated_energy", float(fine.dissipated_energy[-1]), fine)
+    assert estimates(unbalanced, coarse)["dissipated_energy"] == pytest.approx(max(usual, 5e-5 / relative_to))
+    assert 5e-5 / relative_to > 1.1 * usual

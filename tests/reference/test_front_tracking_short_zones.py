@@ -198,8 +198,13 @@ def test_steady_edge_laws(zone: float, pace: float, accuracy: float, start: floa
     assert_allclose(release[rows] / formula / bias, 1.0, atol=accuracy)
 
 
-@SLOW
-@pytest.mark.parametrize(("zone", "loading"), [(1.3e-4, RETRACTION), (1.3e-6, CYCLE)])
+@pytest.mark.parametrize(
+    ("zone", "loading"),
+    [
+        pytest.param(1.3e-4, RETRACTION, marks=SLOW),
+        pytest.param(1.3e-6, CYCLE, marks=pytest.mark.exhaustive),
+    ],
+)
 def test_order_in_the_step(zone: float, loading: Loading) -> None:
     """Second order or better (the tolerance falls with the square of the divisions), and small errors.
 
