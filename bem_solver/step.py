@@ -39,7 +39,8 @@ _BESIDE_EXTREMUM = 0.125
 by a sixty-fourth of what it would with the whole step."""
 
 _SHARE_OF_ZONE = 0.25
-"""Expected travel of a step, in process zones, from which on its path is a parabola through another row."""
+"""Travel of a step, in process zones, from which on its path is a parabola through another row and it is
+judged by that: the longest step within a zone at the coarsest resolution."""
 _SHARE_OF_TRAVEL = 2.0
 """Error of extrapolating the edge over process zones, in step tolerances of its travel, that is allowed: the
 speed of the edge, on which the closure depends, is then met to about as much."""
@@ -285,7 +286,8 @@ class TrialStep(StepStart):
         if problem.rated:
             travel = max(abs(edge - contact.edge), _LEAST_RATED_TRAVEL * contact.edge)
             of_edge = max(of_edge, departure_from_line(missed, _RATED_WEIGHT * travel))
-        if problem.over_zones(contact.edge) and self.state.accepted.curved:
+        passes = abs(edge - contact.edge) >= _SHARE_OF_ZONE * problem.length_at(edge)
+        if passes and problem.over_zones(contact.edge) and self.state.accepted.curved:
             of_edge = min(of_edge, self._departure_from_path(edge, step))
         of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
         return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
