@@ -104,3 +104,15 @@ def test_a_small_term_of_the_balance_is_compared_with_the_balance(folders, capsy
 def test_bad_input_is_one_line(capsys, given):
     assert rounding.main(given) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_quantity_known_to_rounding_may_differ_by_rounding(folders, capsys):
+    """The force where it is prescribed: an estimate of 1e-16 is no measure of what the last bit does."""
+
+    def change(trace):
+        other = scaled(1.0 + 1e-15)(trace)
+        return dataclasses.replace(other, contact_radius=other.contact_radius * (1.0 + 1e-8))
+
+    exact = {"force": 1e-17, "final_force": 1e-17, "contact_radius": ESTIMATE}
+    assert rounding.main(folders(change, errors=exact)) == 0
+    assert "other decisions: small: bem" in capsys.readouterr().out

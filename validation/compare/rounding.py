@@ -130,7 +130,10 @@ def _over_estimates(run: Run, other: Run) -> Iterator[tuple[str, float]]:
             difference = np.inf if value is None or there is None else abs(there - value) / (scale or 1.0)
         else:
             continue
-        yield name, difference / error if error > 0.0 else (np.inf if difference > SAME else 0.0)
+        if difference <= SAME:  # a prescribed quantity has an error of rounding alone
+            yield name, 0.0
+        else:
+            yield name, difference / error if error > 0.0 else np.inf
 
 
 def main(folders: list[str]) -> int:
