@@ -13,7 +13,7 @@ from validation import solvers
 from validation.execution.runs import Run, measure
 from validation.execution.tasks import Task, TaskEnding, TaskResult
 from validation.stability import random_matrix
-from validation.stability.random_matrix import Answer, JudgedScene, Judgement, examine, table
+from validation.stability.random_matrix import AnswerFinding, JudgedScene, RandomSceneAnswer, examine, table
 from validation.stability.random_scenes import LOADINGS, random_scene
 
 CHOSEN = next(
@@ -57,7 +57,7 @@ def result(solver: str, trace: Trace | None, error: float = 1e-3, **how) -> Task
     )
 
 
-def judged(mine: TaskResult, base: Trace | None = None) -> Answer:
+def judged(mine: TaskResult, base: Trace | None = None) -> RandomSceneAnswer:
     """The boundary elements' answer beside a reference of small error."""
     reference = result("reference", base or answer(), 1e-5)
     results = {"bem": mine, "fem": result("fem", answer()), "reference": reference}
@@ -80,36 +80,36 @@ def test_a_seed_is_always_the_same_scene_and_every_kind_comes():
 def test_a_movement_counts_relative_to_itself():
     """Two per cent of a swing of a hundredth of the mean: 2e-4 of the mean, by twice what the run says."""
     off = judged(result("bem", answer(0.13), 5e-5))
-    assert off.finding is Judgement.WRONG
+    assert off.finding is AnswerFinding.WRONG
     assert off.quantity == "force"
     assert off.difference == pytest.approx(0.3 * 0.72 / 1.95, rel=0.1)
-    assert judged(result("bem", answer(0.102), 5e-5)).finding is Judgement.UNDERSTATED
-    assert judged(result("bem", answer(0.102), 1e-3)).finding is Judgement.AGREES
-    assert judged(result("bem", answer(0.102), 1e-2)).finding is Judgement.LOOSE
+    assert judged(result("bem", answer(0.102), 5e-5)).finding is AnswerFinding.UNDERSTATED
+    assert judged(result("bem", answer(0.102), 1e-3)).finding is AnswerFinding.AGREES
+    assert judged(result("bem", answer(0.102), 1e-2)).finding is AnswerFinding.LOOSE
 
 
 def test_other_findings():
     ended = answer(kind=OutcomeKind.NO_EQUILIBRIUM)
-    assert judged(result("bem", ended)).finding is Judgement.DECLINED
-    assert judged(result("bem", answer(), 1e-3), base=ended).finding is Judgement.NO_REFERENCE
-    assert judged(result("bem", answer(kind=OutcomeKind.DETACHED))).finding is Judgement.OTHER_ENDING
+    assert judged(result("bem", ended)).finding is AnswerFinding.DECLINED
+    assert judged(result("bem", answer(), 1e-3), base=ended).finding is AnswerFinding.NO_REFERENCE
+    assert judged(result("bem", answer(kind=OutcomeKind.DETACHED))).finding is AnswerFinding.OTHER_ENDING
     time_back = replace(answer(), time=answer().time[::-1].copy())
-    assert judged(result("bem", time_back)).finding is Judgement.IMPROPER
+    assert judged(result("bem", time_back)).finding is AnswerFinding.IMPROPER
     gaining = replace(answer(), extra={"branch_dissipation": -100.0 * answer().time})
     assert "gain" in judged(result("bem", gaining)).note
     hung = result("bem", None, failure="no answer", ending=TaskEnding.TIMED_OUT)
-    assert judged(hung).finding is Judgement.HUNG
+    assert judged(hung).finding is AnswerFinding.HUNG
     died = result("bem", None, failure="signal 11", ending=TaskEnding.DIED)
     assert judged(died).note == "signal 11"
     refused = result("bem", None, value=Run("seed", "bem", failure="not this one", refused=True))
-    assert judged(refused).finding is Judgement.DECLINED
+    assert judged(refused).finding is AnswerFinding.DECLINED
 
 
 def test_without_an_estimate_only_a_wrong_answer_is_told():
     mine = result("bem", answer(0.102))
     bare = replace(mine, value=replace(mine.value, errors={}))
     found = judged(bare)
-    assert found.finding is Judgement.AGREES
+    assert found.finding is AnswerFinding.AGREES
     assert math.isinf(found.allowed)
 
 
@@ -129,7 +129,7 @@ def test_a_stopped_matrix_goes_on(tmp_path, monkeypatch):
     assert asked == [len(solvers.SOLVERS)] * 3
     assert random_matrix.read(tmp_path / "scenes.jsonl")[:2] == first
     assert (tmp_path / "scenes" / f"seed-{touching[0]}.toml").exists()
-    assert f"| {Judgement.CRASHED} | 3 | 3 | 3 |" in (tmp_path / "table.md").read_text()
+    assert f"| {AnswerFinding.CRASHED} | 3 | 3 | 3 |" in (tmp_path / "table.md").read_text()
 
 
 class NoProcesses:
@@ -146,8 +146,8 @@ class NoProcesses:
 
 
 def test_the_table_shows_the_worst_first():
-    answers = (Answer("bem", Judgement.UNDERSTATED, "completed", "force", 0.1, 0.05),)
-    worse = (Answer("bem", Judgement.WRONG, "completed", "force", 0.3, 0.1),)
+    answers = (RandomSceneAnswer("bem", AnswerFinding.UNDERSTATED, "completed", "force", 0.1, 0.05),)
+    worse = (RandomSceneAnswer("bem", AnswerFinding.WRONG, "completed", "force", 0.3, 0.1),)
     text = table(
         [JudgedScene(1, "cycle", "cone", 0.1, answers), JudgedScene(2, "table", "sphere", 0.1, worse)]
     )

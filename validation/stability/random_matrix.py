@@ -59,7 +59,7 @@ SCALARS = (
 """Numbers that belong to the scene, not to which row comes next to an extremum."""
 
 
-class Judgement(StrEnum):
+class AnswerFinding(StrEnum):
     """What is said of an answer, the worst that applies; the last two are as they should be."""
 
     CRASHED = "crashed"
@@ -75,23 +75,23 @@ class Judgement(StrEnum):
 
 
 FAULTS = (
-    Judgement.CRASHED,
-    Judgement.IMPROPER,
-    Judgement.OTHER_ENDING,
-    Judgement.WRONG,
-    Judgement.UNDERSTATED,
+    AnswerFinding.CRASHED,
+    AnswerFinding.IMPROPER,
+    AnswerFinding.OTHER_ENDING,
+    AnswerFinding.WRONG,
+    AnswerFinding.UNDERSTATED,
 )
 """Judgements after which the scene is written to a file."""
 
 
 @dataclass(frozen=True)
-class Answer:
+class RandomSceneAnswer:
     """What became of one solver on one scene.
 
     Parameters
     ----------
     solver : str
-    finding : Judgement
+    finding : AnswerFinding
     ending : str
         How the run ended.
     quantity : str
@@ -104,7 +104,7 @@ class Answer:
     """
 
     solver: str
-    finding: Judgement
+    finding: AnswerFinding
     ending: str
     quantity: str = ""
     difference: float = 0.0
@@ -121,7 +121,7 @@ class JudgedScene:
     kind: str
     indenter: str
     zone: float
-    answers: tuple[Answer, ...]
+    answers: tuple[RandomSceneAnswer, ...]
 
 
 def examine(chosen: RandomScene, results: Sequence[TaskResult]) -> JudgedScene:
@@ -134,51 +134,55 @@ def examine(chosen: RandomScene, results: Sequence[TaskResult]) -> JudgedScene:
     return JudgedScene(chosen.seed, chosen.kind, scene.indenter.shape, zone, answers)
 
 
-def _answer(chosen: RandomScene, solver: str, result: TaskResult, base: Run | None) -> Answer:
+def _answer(chosen: RandomScene, solver: str, result: TaskResult, base: Run | None) -> RandomSceneAnswer:
     if result.ending is TaskEnding.TIMED_OUT:
-        return Answer(solver, Judgement.HUNG, "", note=result.failure)
+        return RandomSceneAnswer(solver, AnswerFinding.HUNG, "", note=result.failure)
     run: Run | None = result.value
     if run is None or (run.trace is None and not run.refused):
         note = result.failure if run is None else run.failure
-        return Answer(solver, Judgement.CRASHED, "", note=note)
+        return RandomSceneAnswer(solver, AnswerFinding.CRASHED, "", note=note)
     trace, seconds = run.trace, run.cpu_seconds + run.estimate_seconds
     if trace is None:
-        return Answer(solver, Judgement.DECLINED, "refused", note=run.failure)
+        return RandomSceneAnswer(solver, AnswerFinding.DECLINED, "refused", note=run.failure)
     ending = str(trace.outcome.kind)
     wrong = trace_invariants.broken(chosen.scene, trace)
     wrong += trace_invariants.energy_gained(chosen.scene, trace, STEP_ACCURACY)
     if wrong:
-        return Answer(solver, Judgement.IMPROPER, ending, seconds=seconds, note="; ".join(wrong))
+        return RandomSceneAnswer(
+            solver, AnswerFinding.IMPROPER, ending, seconds=seconds, note="; ".join(wrong)
+        )
     if not run.finished:
-        return Answer(solver, Judgement.DECLINED, ending, seconds=seconds, note=trace.outcome.reason)
+        return RandomSceneAnswer(
+            solver, AnswerFinding.DECLINED, ending, seconds=seconds, note=trace.outcome.reason
+        )
     if solver == REFERENCE:
-        return Answer(solver, Judgement.AGREES, ending, seconds=seconds)
+        return RandomSceneAnswer(solver, AnswerFinding.AGREES, ending, seconds=seconds)
     if base is None or base.trace is None or not base.finished:
-        return Answer(solver, Judgement.NO_REFERENCE, ending, seconds=seconds)
+        return RandomSceneAnswer(solver, AnswerFinding.NO_REFERENCE, ending, seconds=seconds)
     if base.trace.outcome.kind is not trace.outcome.kind:
         note = f"the reference: {base.trace.outcome.kind} at t = {base.trace.outcome.time:.4g}"
-        return Answer(solver, Judgement.OTHER_ENDING, ending, seconds=seconds, note=note)
+        return RandomSceneAnswer(solver, AnswerFinding.OTHER_ENDING, ending, seconds=seconds, note=note)
     return _compared(run, trace, base, base.trace, seconds)
 
 
-def _compared(run: Run, trace: Trace, base: Run, base_trace: Trace, seconds: float) -> Answer:
+def _compared(run: Run, trace: Trace, base: Run, base_trace: Trace, seconds: float) -> RandomSceneAnswer:
     ending = str(trace.outcome.kind)
     worst: tuple[float, str, float, float] = (-math.inf, "", 0.0, 0.0)
-    finding = Judgement.AGREES
+    finding = AnswerFinding.AGREES
     for name, difference, own, others in _differences(run, trace, base, base_trace):
         allowed = own + others
-        now = Judgement.AGREES
+        now = AnswerFinding.AGREES
         if difference > WRONG + others:
-            now = Judgement.WRONG
+            now = AnswerFinding.WRONG
         elif difference > max(allowed, NOTICEABLE):
-            now = Judgement.UNDERSTATED
+            now = AnswerFinding.UNDERSTATED
         elif name in CURVES and LOOSE < own < math.inf:
-            now = Judgement.LOOSE
-        ranks = list(Judgement)
+            now = AnswerFinding.LOOSE
+        ranks = list(AnswerFinding)
         key = (difference, name, difference, allowed)
         if ranks.index(now) < ranks.index(finding) or (now is finding and key > worst):
             finding, worst = now, key
-    return Answer(run.solver, finding, ending, worst[1], worst[2], worst[3], seconds)
+    return RandomSceneAnswer(run.solver, finding, ending, worst[1], worst[2], worst[3], seconds)
 
 
 def _differences(
@@ -210,7 +214,7 @@ def table(judged: Sequence[JudgedScene]) -> str:
     """Findings by solver, then the worst scenes of every finding, as Markdown."""
     lines = [f"{len(judged)} random scenes", "", "| finding | " + " | ".join(SOLVERS) + " |"]
     lines.append("|---" * (len(SOLVERS) + 1) + "|")
-    for finding in Judgement:
+    for finding in AnswerFinding:
         counts = [
             sum(answer.finding is finding for one in judged for answer in one.answers if answer.solver == s)
             for s in SOLVERS
@@ -218,10 +222,10 @@ def table(judged: Sequence[JudgedScene]) -> str:
         lines.append(f"| {finding} | " + " | ".join(map(str, counts)) + " |")
     lines += ["", "| finding | solver | seed | loading | indenter | zone/radius | what |", "|---" * 7 + "|"]
     rows = [
-        (list(Judgement).index(answer.finding), answer.solver, -answer.difference, one, answer)
+        (list(AnswerFinding).index(answer.finding), answer.solver, -answer.difference, one, answer)
         for one in judged
         for answer in one.answers
-        if answer.finding not in (Judgement.AGREES, Judgement.DECLINED, Judgement.NO_REFERENCE)
+        if answer.finding not in (AnswerFinding.AGREES, AnswerFinding.DECLINED, AnswerFinding.NO_REFERENCE)
     ]
     for *_, one, answer in sorted(rows, key=lambda row: row[:3]):
         what = (
@@ -240,7 +244,8 @@ def read(file: Path) -> list[JudgedScene]:
     for line in file.read_text("utf-8").splitlines():
         entry = json.loads(line)
         answers = tuple(
-            Answer(**(answer | {"finding": Judgement(answer["finding"])})) for answer in entry["answers"]
+            RandomSceneAnswer(**(answer | {"finding": AnswerFinding(answer["finding"])}))
+            for answer in entry["answers"]
         )
         judged.append(JudgedScene(**(entry | {"answers": answers})))
     return judged
