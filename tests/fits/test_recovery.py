@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene.scene_values import value_at
-from validation.fits.recovery import ENOUGH, VARIED, RecoveredMaterial, random_scenes, report
+from validation.fits.recovery import ENOUGH, LABELS, VARIED, RecoveredMaterial, draw, random_scenes, report
 
 FACTOR = np.exp(0.4)
 """Farthest that a fit starts from the truth."""
@@ -42,3 +42,11 @@ def test_coverage_is_judged_from_enough_materials_on():
     assert ": pass" in report(sound, [])
     assert ": FAIL" in report([material(n, 1.1 if n % 5 == 0 else 0.8) for n in range(ENOUGH)], [])
     assert "judged from" in report(sound[:10], [])
+
+
+def test_every_parameter_is_drawn_beside_what_a_normal_distribution_expects():
+    found = [material(n, 0.8) for n in range(4)]
+    (axes,) = draw(found).axes
+    lines = {line.get_label(): line for line in axes.lines}
+    assert all(len(lines[label].get_xdata()) == len(found) for label in LABELS)
+    assert lines[LABELS[0]].get_linestyle() == "None"

@@ -180,7 +180,7 @@ def draw(found: Sequence[RecoveredMaterial]) -> Figure:
             "color": SERIES[place],
             "markersize": 3.5,
         }
-        axes.plot(quantiles, scores[:, place], label=label, fillstyle="none", linestyle="none", **style)
+        axes.plot(quantiles, scores[:, place], label=label, fillstyle="none", **style)
     axes.plot([-3, 3], [-3, 3], color=INK, linewidth=0.8)
     axes.axhspan(-1.96, 1.96, color=GREY, alpha=0.2, linewidth=0, label="inside the 95 % interval")
     axes.axhline(0.0, color=VERMILION, linewidth=0.5)
