@@ -55,8 +55,12 @@ HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats"}
 HEAVY |= {"tamaas", "ContactMechanics", "SurfaceTopography", "Adhesion"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
-LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments", "crosscontact.cli"}
-LOADED_AT_FIRST_USE |= {"crosscontact.exam_arguments"}
+LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments.shared_options", "crosscontact.cli"}
+LOADED_AT_FIRST_USE |= {
+    f"crosscontact.arguments.{command}"
+    for command in ("compare", "exam", "fields", "fit", "judge", "material", "report", "solve", "stability",
+                    "study", "sweep")
+}  # fmt: skip
 # Single imports of that kind, each about as long as the rest of contact_scene: only scenes with a tabulated
 # indenter, a power-law material or measured moduli need them.
 DEFERRED = {
