@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from contact_scene import SceneError
+from crosscontact import registry
 from crosscontact.key_numbers import aligned
 from validation.execution.engines import own_engine
 from validation.execution.files import in_words
@@ -52,6 +53,7 @@ def run(name: str, out: str | None, jobs: int, dask: str | None, dry_run: bool, 
         If the plan is wrong, or nothing could be written.
     """
     plan = read_plan(name)
+    registry.usable()  # names those that cannot be loaded
     if dry_run:
         there = out is not None and Path(out).is_dir()
         with RunTable(Path(str(out)) if there else None) as table:

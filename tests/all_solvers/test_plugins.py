@@ -11,16 +11,19 @@ from pathlib import Path
 
 import pytest
 from support.exam_answers import answer_of, case, hertz_run
-from support.spring_solver import SCENE, FunctionSolver, spring
+from support.spring_solver import FunctionSolver, small_scene, spring
 
 import crosscontact as cc
 from contact_scene import SceneError
 from crosscontact import registry
 from crosscontact.cli import main
+from validation.cases import load
+from validation.compare.premises import of_case
 from validation.exam.grading import grade
-from validation.solvers import PEERS, Solver, plugins
+from validation.solvers import PEERS, Solver, plugins, solvers
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.registry import SOLVERS, SolverRegistry
+from validation.stability.surfaces import adhesion
 
 ROOT = Path(__file__).parents[2]
 
@@ -43,7 +46,7 @@ ENTRIES = (
     entry("plug-spring", f"{__name__}:PluginSpring"),
     entry("missing", "no_such_package_anywhere:Solver"),
     entry("other-name", f"{__name__}:PluginSpring"),
-    entry("no-solver", f"{__name__}:SCENE"),
+    entry("no-solver", f"{__name__}:ROOT"),
     entry("bem", f"{__name__}:PluginSpring"),
     entry("tamaas", f"{__name__}:PluginSpring"),
 )
@@ -86,18 +89,48 @@ def test_a_broken_one_is_named_and_the_rest_goes_on(found, capsys):
     assert capsys.readouterr().err == ""
 
 
+def test_what_walks_the_registry_leaves_a_broken_one_out(found):
+    names = [one.name for one in solvers()]
+    assert names == ["bem", "fem", "reference", "plug-spring"]
+    assert list(of_case(load("elastic-press"))["tolerances"]) == names
+    assert {name for one in adhesion() for name in one.resolutions} <= set(names)
+
+
+def test_a_sweep_names_a_broken_one_and_goes_on(found, tmp_path, capsys):
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        f'scene = "{small_scene(tmp_path)}"\nsolver = "plug-spring"\nestimate = false\n'
+        '[[coordinates]]\nkey = "indenter.radius"\nvalues = [1.0]\n'
+    )
+    assert main(["sweep", str(plan), "--dry-run"]) == 0
+    told = capsys.readouterr()
+    assert "1 runs of small by plug-spring" in told.out
+    assert [name for name in BROKEN if f'"{name}" of ' in told.err] == list(BROKEN)
+    assert len(told.err.splitlines()) == len(BROKEN)
+
+
+def test_a_plan_with_a_broken_one_is_bad_input(found, tmp_path, capsys):
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        f'scene = "{small_scene(tmp_path)}"\nsolver = "missing"\n'
+        '[[coordinates]]\nkey = "indenter.radius"\nvalues = [1.0]\n'
+    )
+    assert main(["sweep", str(plan), "--dry-run"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert BROKEN["missing"] in line
+
+
 def test_the_command_line_takes_it(found, tmp_path, capsys):
-    scene = tmp_path / "small.toml"
-    scene.write_text(SCENE)
-    assert main(["solve", str(scene), "--solver", "plug-spring"]) == 0
+    scene = small_scene(tmp_path)
+    assert main(["solve", scene, "--solver", "plug-spring"]) == 0
     assert "small by plug-spring: detached" in capsys.readouterr().out
-    assert cc.solve(str(scene), "plug-spring").outcome.kind == "detached"
-    assert main(["solve", str(scene), "--solver", "missing"]) == 2
+    assert cc.solve(scene, "plug-spring").outcome.kind == "detached"
+    assert main(["solve", scene, "--solver", "missing"]) == 2
     told = capsys.readouterr().err.splitlines()
     assert len(told) == 1
     assert BROKEN["missing"] in told[0]
     with pytest.raises(SceneError, match="no_such_package_anywhere"):
-        cc.solve(str(scene), "missing")
+        cc.solve(scene, "missing")
 
 
 def template() -> str:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.spring_solver import SCENE, FunctionSolver, fake, named
+from support.spring_solver import SCENE, FunctionSolver, fake, named, small_scene
 
 import crosscontact
 from contact_scene import OutcomeKind, UnsupportedScene, read_scene
@@ -43,9 +43,7 @@ COUNTERS = ("steps", "rejected_steps", "closure_evaluations", "linear_solves", "
 
 @pytest.fixture
 def scene_file(tmp_path):
-    file = tmp_path / "small.toml"
-    file.write_text(SCENE)
-    return str(file)
+    return small_scene(tmp_path)
 
 
 @pytest.fixture

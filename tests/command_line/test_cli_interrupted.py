@@ -9,7 +9,7 @@ import signal
 
 import numpy as np
 import pytest
-from support.spring_solver import SCENE, FunctionSolver, named, spring
+from support.spring_solver import SCENE, FunctionSolver, named, small_scene, spring
 
 import crosscontact as cc
 from contact_scene import KeptState, LoadingCursor, OutcomeKind
@@ -24,9 +24,7 @@ COST = Cost(1234.0, 34.0, 2.5e6)
 
 @pytest.fixture
 def scene_file(tmp_path):
-    file = tmp_path / "small.toml"
-    file.write_text(SCENE)
-    return str(file)
+    return small_scene(tmp_path)
 
 
 def put(monkeypatch, function, cost=None):

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 from support.converging_schemes import ORDERS, converging
-from support.spring_solver import SCENE, StudiedSolver
+from support.spring_solver import StudiedSolver, small_scene
 from support.unlaid_figures import without_layout
 
 from contact_scene import OutcomeKind, SceneError
@@ -25,9 +25,7 @@ from validation.studies.ladders import ladders
 
 @pytest.fixture
 def scene_file(tmp_path):
-    file = tmp_path / "small.toml"
-    file.write_text(SCENE)
-    return str(file)
+    return small_scene(tmp_path)
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -34,6 +35,13 @@ kind = "ramp"
 to = -0.01
 rate = 0.01
 """
+
+
+def small_scene(folder: Path) -> str:
+    """``SCENE`` as the file ``small.toml`` in a folder."""
+    file = folder / "small.toml"
+    file.write_text(SCENE)
+    return str(file)
 
 
 BUILT_IN = dict(SOLVERS)

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 import xarray
-from support.spring_solver import SCENE, FunctionSolver, named, spring
+from support.spring_solver import FunctionSolver, named, small_scene, spring
 
 import crosscontact as cc
 from contact_scene import UnsupportedScene
@@ -28,9 +28,7 @@ DEPTHS = [0.02, 0.03]
 
 @pytest.fixture
 def scene_file(tmp_path):
-    file = tmp_path / "small.toml"
-    file.write_text(SCENE)
-    return str(file)
+    return small_scene(tmp_path)
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from typing import Any
 
 from validation.cases import Case
 from validation.execution.fingerprints import canonical
-from validation.solvers import SOLVERS
+from validation.solvers import solvers
 
 Premises = Mapping[str, Any]
 NOT_RECORDED = "the earlier report does not say"
@@ -26,7 +26,8 @@ def of_case(case: Case) -> dict[str, Any]:
     parts = {part.name: getattr(scene, part.name) for part in fields(scene) if part.name != "title"}
     parts["profile times"] = case.profile_times
     tolerances = {}
-    for solver, method in SOLVERS.items():
+    for method in solvers():
+        solver = method.name
         names = {"values", "curves", *method.quantity_tolerances, *case.tolerances.get(solver, {})}
         tolerances[solver] = {name: case.tolerance(solver, name) for name in sorted(names)}
     return {"input": {name: _hash(part) for name, part in parts.items()}, "tolerances": tolerances}

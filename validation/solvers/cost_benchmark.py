@@ -14,7 +14,7 @@ import time
 from dataclasses import replace
 
 from contact_scene import Adhesion, Branch, Loading, Material, Oscillate, Ramp, Scene, Sphere
-from validation.solvers.registry import SOLVERS
+from validation.solvers.registry import SOLVERS, solvers
 
 WORK = 5e-4
 CYCLE = Loading("jump-in", 0.0, (Ramp(0.032, 0.1), Ramp(-0.5, 0.1)))
@@ -37,20 +37,18 @@ SCENES = {
 def main(names: list[str]) -> None:
     """Run the scenes by the named solvers, all by default, and print the table."""
     print(f"{'solver':10} {'scene':24} {'steps':>14} {'seconds':>14} {'megabytes':>14}   found/forecast")
-    for name in names or SOLVERS:
-        solver = SOLVERS[name]
+    for solver in [SOLVERS[name] for name in names] or solvers():
         solver.load()
         for label, scene in SCENES.items():
             forecast = solver.expected_cost(scene)
             before, begin = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
             trace = solver.solve(scene)
-            seconds = time.process_time() - begin
+            spent = time.process_time() - begin
             grown = 1e-3 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
             steps = f"{trace.counters.steps}/{forecast.steps:.0f}"
+            seconds = f"{spent:.2f}/{forecast.seconds:.2f}"
             memory = f"{grown:.0f}/{1e-6 * forecast.bytes:.0f}"
-            print(
-                f"{name:10} {label:24} {steps:>14} {f'{seconds:.2f}/{forecast.seconds:.2f}':>14} {memory:>14}"
-            )
+            print(f"{solver.name:10} {label:24} {steps:>14} {seconds:>14} {memory:>14}")
 
 
 if __name__ == "__main__":

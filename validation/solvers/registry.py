@@ -110,5 +110,5 @@ def solver(name: str) -> Solver:
 
 
 def solvers() -> tuple[Solver, ...]:
-    """All solvers, in the order of their registration."""
-    return tuple(SOLVERS.values())
+    """All solvers that can be loaded, in the order of their registration."""
+    return tuple(method for name in SOLVERS if (method := SOLVERS.get(name)) is not None)

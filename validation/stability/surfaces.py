@@ -20,7 +20,7 @@ from contact_scene import (
     TabulatedProfile,
 )
 from validation.reference import sneddon
-from validation.solvers import SOLVERS
+from validation.solvers import solvers
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.finite_elements import FiniteElements
 from validation.stability import base, closed_forms
@@ -152,7 +152,7 @@ def _pull_of(share: float) -> tuple[float, ReferenceRuns, dict[str, Any]]:
         skipped = SKIP_THINNEST if share < SEARCHED_ABOVE else skipped
         return 0.008, BRIEF, {"resolutions": THIN, "skip_reasons": skipped}
     if share > WIDE_BEYOND:
-        finer = {name: 3 * solver.coarse_resolution(adhesive=True) for name, solver in SOLVERS.items()}
+        finer = {one.name: 3 * one.coarse_resolution(adhesive=True) for one in solvers()}
         return base.AWAY, WIDE, {"resolutions": finer}
     return base.AWAY, PEELED, {}
 
