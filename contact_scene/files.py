@@ -92,9 +92,9 @@ def read_pairs(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], t
     first: list[float] = []
     second: list[float] = []
     for index, (line, cells) in enumerate(read_rows(text, shown_file)):
-        if index == 0 and len(cells) == 2 and not any(_is_number(cell) for cell in cells):
+        if index == 0 and len(cells) == 2 and not any(is_number(cell) for cell in cells):
             continue
-        if len(cells) != 2 or not all(_is_number(cell) for cell in cells):
+        if len(cells) != 2 or not all(is_number(cell) for cell in cells):
             raise SceneError(f"line {line}", f"got {shown(','.join(cells))}", allowed, shown_file)
         first.append(float(cells[0]))
         second.append(float(cells[1]))
@@ -105,7 +105,7 @@ def _plain_columns(text: str) -> tuple[tuple[float, ...], tuple[float, ...]] | N
     """Two columns of bare numbers below at most one header, read at once; ``None`` for any other text."""
     head, _, rest = text.partition("\n")
     cells = head.split(",")
-    headed = len(cells) == 2 and not any(_is_number(cell) for cell in cells)
+    headed = len(cells) == 2 and not any(is_number(cell) for cell in cells)
     body = rest if headed else text
     if "#" in text or '"' in text or not body.strip():
         return None
@@ -131,7 +131,8 @@ def write_pairs(path: Path, names: Sequence[str], first: Iterable[float], second
     write_whole(path, "\n".join(rows) + "\n")
 
 
-def _is_number(cell: str) -> bool:
+def is_number(cell: str) -> bool:
+    """Whether a cell of a table holds a number as other programs write it, without underscores."""
     try:
         float(cell)
     except ValueError:

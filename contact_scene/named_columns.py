@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contact_scene.errors import SceneError, shown
+from contact_scene.files import is_number
 
 KINDS = {
     "time": ("t", "time"),
@@ -55,7 +56,7 @@ def named_columns(text: str, file: str) -> NamedColumns:
         )
         if not cells:
             continue
-        if comment or (not rows and not any(_is_number(cell) for cell in cells)):
+        if comment or (not rows and not any(is_number(cell) for cell in cells)):
             headers.append((comment, cells))
             continue
         rows.append(tuple(number_in_line(cell, line, file) for cell in cells))
@@ -130,20 +131,20 @@ def modulus_letter(name: str) -> str:
 
 
 def unknown_columns(table: NamedColumns, file: str) -> SceneError:
+    """The error of a table whose columns tell no known kind of data, with what is allowed."""
     names = ",".join(table.names) if any(table.names) else f"{len(table.rows[0])} columns without names"
     return SceneError("columns", f"got {shown(names)}", KNOWN_NAMES, file)
 
 
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return "_" not in cell
-
-
 def number_in_line(cell: str, line: int, file: str) -> float:
-    if not _is_number(cell):
+    """The number in a cell.
+
+    Raises
+    ------
+    SceneError
+        One line naming file and line, if there is none.
+    """
+    if not is_number(cell):
         raise SceneError(f"line {line}", f"got {shown(cell)}", "a number, with a decimal point", file)
     return float(cell)
 

@@ -19,7 +19,7 @@ from validation.execution.files import output_folder
 from validation.execution.store import Store
 from validation.fits.afm_files import is_afm_file, read_afm, write_afm
 from validation.fits.curve_files import read_csv, write_csv
-from validation.fits.fit import FitResult, FitSettings, InterruptedFit, fit_curves
+from validation.fits.fit import REGULARISATION, FitResult, FitSettings, InterruptedFit, fit_curves
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.statistics import Estimate
 from validation.fits.synthetic import synthetic
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve"]
+
+Curve = MeasuredCurve | str | os.PathLike[str]
+"""A curve, or the path of a file that holds some."""
 
 
 class Fit:
@@ -96,7 +99,7 @@ class Fit:
 
 
 def fit(
-    curves: MeasuredCurve | str | os.PathLike[str] | Sequence[MeasuredCurve | str | os.PathLike[str]],
+    curves: Curve | Sequence[Curve],
     scene: Scene | str | os.PathLike[str],
     vary: Sequence[str] = (),
     *,
@@ -160,33 +163,55 @@ def fit(
     SceneError
         One line, if data or arguments are no good.
     """
-    several = [curves] if isinstance(curves, (MeasuredCurve, str, os.PathLike)) else list(curves)
-    measured: list[MeasuredCurve] = []
-    for one in several:
-        measured += [one] if isinstance(one, MeasuredCurve) else read_curves(one)
-    for key, name in (("solver", solver), ("check_solver", check_solver)):
-        if name is not None and name not in registry.names():
-            raise SceneError(key, f"got {shown(name)}", f"one of {', '.join(registry.names())}")
-    chosen = {} if regularisation is None else {"regularisation": regularisation}
+    measured = _measured(curves)
+    _check_solvers(solver=solver, check_solver=check_solver)
     settings = FitSettings(
         vary=tuple(vary) if not isinstance(vary, str) else (vary,),
         tie=tuple(tie),
         per_curve=tuple(per_curve),
         free=tuple(free),
         prony=tuple(prony),
+        regularisation=REGULARISATION if regularisation is None else regularisation,
         starts=starts,
         seed=seed,
         profile=tuple(profile),
         solver=solver,
         resolution=resolution,
         check_solver=check_solver,
-        **chosen,
     )
     guess = scene if isinstance(scene, Scene) else cases.load(os.fspath(scene)).scene
     folder = None if out is None else output_folder(checked_path(out), "out")
+    return Fit(_fit_and_write(measured, guess, settings, folder, executor, progress))
+
+
+def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
+    """All curves, those of files read."""
+    several = [curves] if isinstance(curves, (MeasuredCurve, str, os.PathLike)) else list(curves)
+    measured: list[MeasuredCurve] = []
+    for one in several:
+        measured += [one] if isinstance(one, MeasuredCurve) else read_curves(one)
+    return measured
+
+
+def _check_solvers(**solvers: str | None) -> None:
+    """Refuse a solver that is none, by the name of its argument."""
+    for key, name in solvers.items():
+        if name is not None and name not in registry.names():
+            raise SceneError(key, f"got {shown(name)}", f"one of {', '.join(registry.names())}")
+
+
+def _fit_and_write(
+    curves: list[MeasuredCurve],
+    guess: Scene,
+    settings: FitSettings,
+    folder: Path | None,
+    executor: Executor | None,
+    progress: Callable[[str], None] | None,
+) -> FitResult:
+    """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
     store = Store(folder)
     try:
-        result = fit_curves(measured, guess, settings, executor, store, progress)
+        result = fit_curves(curves, guess, settings, executor, store, progress)
     except InterruptedFit as interrupted:
         if folder is not None and interrupted.result is not None:
             write_fit(interrupted.result, folder)
@@ -194,7 +219,7 @@ def fit(
     if folder is not None:
         write_fit(result, folder)
         store.clear()
-    return Fit(result)
+    return result
 
 
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:

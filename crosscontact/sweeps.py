@@ -16,15 +16,15 @@ from contact_scene.errors import shown
 from contact_scene.run_control import whole_number
 from crosscontact import registry
 from crosscontact.result import checked_path
-from validation.execution.engines import engine_of, own_engine
+from validation.execution.engines import Engine, engine_of, own_engine
 from validation.execution.folder_lock import locked_folder
 from validation.execution.polled_jobs import JobQueue
 from validation.execution.run_table import RunTable
 from validation.sweeps.dataset import check_installed, to_dataset
-from validation.sweeps.plan import plan_from_dict
+from validation.sweeps.plan import SweepPlan, plan_from_dict
 from validation.sweeps.run_plan import carry_out
 from validation.sweeps.samples import SAMPLES
-from validation.sweeps.scene_table import builtin_or_file, of_scene
+from validation.sweeps.scene_table import SceneTable, builtin_or_file, of_scene
 from validation.sweeps.traces import check_writable
 from validation.sweeps.write import write_results
 
@@ -105,13 +105,7 @@ def sweep(
     if not isinstance(values, Mapping) or not values:
         raise SceneError("values", f"got {shown(values)}", "values by dotted path of the scene")
     with ExitStack() as opened:
-        if isinstance(scene, Scene):
-            base = of_scene(scene, Path(opened.enter_context(tempfile.TemporaryDirectory())))
-        elif isinstance(scene, (str, os.PathLike)):
-            base = builtin_or_file(os.fspath(scene), Path())
-        else:
-            allowed = "a Scene, the name of a built-in scene, or a scene file"
-            raise SceneError("scene", f"got {shown(scene)}", allowed)
+        base = _base(scene, opened)
         table = {
             "solver": solver,
             "resolution": resolution,
@@ -122,22 +116,41 @@ def sweep(
             "measures": measures,
             "traces": traces,
             "coordinates": [_entry(key, entry, design in SAMPLES) for key, entry in values.items()],
-        }
-        plan = plan_from_dict(table if points is None else table | {"points": points}, Path(), base)
-        plan.check()
-        if traces is not None and out is None:
-            raise SceneError("traces", "given without out", "a folder for the traces, out")
-        check_writable(plan)
+        } | ({} if points is None else {"points": points})
+        plan = _checked_plan(table, base, out is not None)
         folder = None if out is None else opened.enter_context(locked_folder(checked_path(out), "out"))
         stored = opened.enter_context(RunTable(folder))
-        if executor is None:
-            engine = opened.enter_context(own_engine(whole_number(jobs, "jobs", 1)))
-        else:
-            engine = opened.enter_context(engine_of(executor))
+        engine = _engine(opened, executor, jobs)
         if batch_seconds is not None:
             engine = replace(engine, batch_seconds=float(batch_seconds))
         runs = carry_out(plan, stored, engine, progress)
         return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)
+
+
+def _base(scene: Scene | str | os.PathLike[str], opened: ExitStack) -> SceneTable:
+    """The scene that is varied; its file, if it has none, is there until ``opened`` is closed."""
+    if isinstance(scene, Scene):
+        return of_scene(scene, Path(opened.enter_context(tempfile.TemporaryDirectory())))
+    if isinstance(scene, (str, os.PathLike)):
+        return builtin_or_file(os.fspath(scene), Path())
+    raise SceneError("scene", f"got {shown(scene)}", "a Scene, the name of a built-in scene, or a scene file")
+
+
+def _checked_plan(table: dict[str, Any], base: SceneTable, has_folder: bool) -> SweepPlan:
+    """A plan all of whose scenes can be built, and whose results can be written."""
+    plan = plan_from_dict(table, Path(), base)
+    plan.check()
+    if plan.traces and not has_folder:
+        raise SceneError("traces", "given without out", "a folder for the traces, out")
+    check_writable(plan)
+    return plan
+
+
+def _engine(opened: ExitStack, executor: Executor | JobQueue | None, jobs: int) -> Engine:
+    """What carries out the runs: the user's executor, or processes that end when ``opened`` is closed."""
+    if executor is not None:
+        return opened.enter_context(engine_of(executor))
+    return opened.enter_context(own_engine(whole_number(jobs, "jobs", 1)))
 
 
 def _entry(key: Any, entry: Any, sampled: bool) -> dict[str, Any]:

@@ -22,12 +22,8 @@ def export(folder: str, suite: str, with_reference: bool, jobs: int) -> int:
 
     Parameters
     ----------
-    folder : str
-        Is made if it is not there.
-    suite : str
-        "quick", "paper" or "full".
-    with_reference : bool
-        Whether the reference's traces and measures are written beside.
+    folder, suite, with_reference
+        As of :func:`crosscontact.exam.export_exam`.
     jobs : int
         Processes.
 
