@@ -26,7 +26,7 @@ def of_case(case: Case) -> dict[str, Any]:
     parts = {part.name: getattr(scene, part.name) for part in fields(scene) if part.name != "title"}
     parts["profile times"] = case.profile_times
     tolerances = {}
-    for solver, method in SOLVERS.items():
+    for solver, method in SOLVERS.usable().items():
         names = {"values", "curves", *method.quantity_tolerances, *case.tolerances.get(solver, {})}
         tolerances[solver] = {name: case.tolerance(solver, name) for name in sorted(names)}
     return {"input": {name: _hash(part) for name, part in parts.items()}, "tolerances": tolerances}

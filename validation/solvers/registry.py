@@ -70,6 +70,11 @@ class SolverRegistry(MutableMapping[str, Solver]):
                 del self._plugins[name]
         return told
 
+    def usable(self) -> dict[str, Solver]:
+        """The listed solvers that can be loaded, by name; nothing is told of the others."""
+        loaded = {name: self.get(name) for name in self}
+        return {name: method for name, method in loaded.items() if method is not None}
+
     def origin(self, name: str) -> str:
         """Version of a solver that is no part of this program; else empty."""
         if name in PEERS:

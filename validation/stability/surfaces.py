@@ -152,7 +152,9 @@ def _pull_of(share: float) -> tuple[float, ReferenceRuns, dict[str, Any]]:
         skipped = SKIP_THINNEST if share < SEARCHED_ABOVE else skipped
         return 0.008, BRIEF, {"resolutions": THIN, "skip_reasons": skipped}
     if share > WIDE_BEYOND:
-        finer = {name: 3 * solver.coarse_resolution(adhesive=True) for name, solver in SOLVERS.items()}
+        finer = {
+            name: 3 * solver.coarse_resolution(adhesive=True) for name, solver in SOLVERS.usable().items()
+        }
         return base.AWAY, WIDE, {"resolutions": finer}
     return base.AWAY, PEELED, {}
 
