@@ -14,8 +14,10 @@ from validation.exam.griffith_limit import tracks, zone_of
 from validation.exam.header import Header
 from validation.exam.judge import GradedAnswer
 from validation.execution.runs import run
+from validation.reference.creep_compliance import creep_compliance
 from validation.reference.jkr import JKR
 from validation.solvers import PEERS
+from validation.solvers.peers import tamaas_units
 
 
 def peer(name: str):
@@ -80,10 +82,16 @@ def test_pixels_of_contact_mechanics_find_the_force_of_hertz():
     assert 1e-3 < coarse.error("contact_radius, curve") < 0.1
 
 
+@pytest.fixture(scope="module")
+def held_by_tamaas():
+    """Its answers at three resolutions."""
+    return {size: answer("tamaas", "adhesionless-force", size) for size in (16, 32, 48)}
+
+
 @pytest.mark.slow
-def test_tamaas_answers_under_force_control():
-    """Its first step is that of the glassy body; later ones leave the closed form, as the exam tells."""
-    given = answer("tamaas", "adhesionless-force", 48)
+def test_tamaas_answers_under_force_control(held_by_tamaas):
+    """Its first step is that of the glassy body, by backward Euler."""
+    given = held_by_tamaas[48]
     time, force, radius = (given.columns[name] for name in ("time", "force", "contact_radius"))
     material = load("adhesionless-force").scene.material
     step = time[1]
@@ -93,3 +101,29 @@ def test_tamaas_answers_under_force_control():
     assert radius[1] == pytest.approx(np.cbrt(0.75 * force[1] / modulus), rel=0.05)
     assert np.all(np.diff(radius) >= 0.0)
     assert force[-1] == 0.01
+
+
+@pytest.mark.slow
+def test_tamaas_creeps_as_lee_and_radok(held_by_tamaas):
+    """The force grows to 0.01 at rate 0.01 and is held: ``a^3 = 3/4 R`` times the integral of ``J dF``."""
+    compliance = creep_compliance(load("adhesionless-force").scene.material)
+    errors = []
+    for given in held_by_tamaas.values():
+        time, radius = given.columns["time"], given.columns["contact_radius"]
+        begun = np.linspace(0.0, np.minimum(time, 1.0), 4001)
+        cube = 0.75 * 0.75 * 0.01 * np.trapezoid(compliance(time - begun), begun, axis=0)
+        errors.append(np.sqrt(np.mean((radius - np.cbrt(cube)) ** 2)) / radius.max())
+    assert errors[0] > errors[1] > errors[2]
+    assert errors[2] < 6e-3
+
+
+def test_tamaas_is_right_in_units_of_the_relaxed_shear_modulus_only():
+    """What its adapter rests on; once it is right in any unit, the adapter needs no unit of its own."""
+    peer("tamaas")
+    shear = tamaas_units.RELAXED / (2.0 * (1.0 + tamaas_units.POISSON))
+    exact = tamaas_units.exact(4)
+    np.testing.assert_allclose(tamaas_units.measured(shear, 4), exact, rtol=1e-4)
+    in_other_units = tamaas_units.measured(1.0, 4)
+    assert in_other_units[0] == pytest.approx(exact[0], rel=1e-4)
+    remembered = (in_other_units[0] - in_other_units[1]) / (exact[0] - exact[1])
+    assert remembered == pytest.approx(1.0 / shear, rel=1e-3)

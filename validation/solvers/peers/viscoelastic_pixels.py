@@ -1,9 +1,12 @@
 """Tamaas: pressures on square pixels, generalised Maxwell body, the mean pressure prescribed.
 
-``MaxwellViscoelastic`` takes steps of one length. The cell of Tamaas is periodic by default; here its
-non-periodic operator is used. Contact radius: that of the disc whose area all loaded pixels cover. The
-model's Young's modulus is the relaxed one (one long step gives Hertz with it); the moduli of the branches are
-shear moduli. It returns no penetration.
+``MaxwellViscoelastic`` takes backward-Euler steps of one length; the moduli of its branches are shear moduli.
+Stresses are given to it in units of the relaxed shear modulus ``G0 = E0/(2 (1 + nu))``: in any other unit its
+memory of earlier steps is too large by ``1/G0`` (version 2.9.0; ``python -m
+validation.solvers.peers.tamaas_units`` shows it), while its first step and its elastic limits are right.
+
+The cell of Tamaas is periodic by default; here its non-periodic operator is used. Contact radius: that of the
+disc of the contact area, which Tamaas corrects for the steps of the outline. It returns no penetration.
 """
 
 from __future__ import annotations
@@ -16,8 +19,8 @@ from contact_scene import Force, ForceRamp, Scene, Sphere, Trace
 from validation.solvers.base import RunOptions
 from validation.solvers.peers.peer import Peer, not_a_sphere, trace_of
 
-SPARE = 2.8
-"""Side of the square over the largest contact radius: beyond 2, so that the contact ends inside it."""
+SPARE = 2.2
+"""Side of the square over a bound of the contact radius: beyond 2, so that the contact ends inside it."""
 TOLERANCE = 1e-8
 """Complementarity error at which Tamaas ends its iteration, relative as it defines it."""
 
@@ -55,20 +58,31 @@ class ViscoelasticPixels(Peer):
         tamaas.set_log_level(tamaas.LogLevel.error)
 
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
+        import tamaas
+
         pixels = max(resolution or self.default_resolution(scene), self.least_resolution)
         time, force = _loading(scene, pixels)
-        assert isinstance(scene.indenter, Sphere)
-        modulus = scene.material.relaxed_plane_modulus
-        side = SPARE * float(np.cbrt(0.75 * force.max() * scene.indenter.radius / modulus))
+        side = SPARE * _radius_bound(scene, float(time[-1]), float(force.max()))
         solver, model = _solver(scene, pixels, side, float(time[1] - time[0]))
+        shear_modulus = scene.material.modulus / (2.0 * (1.0 + scene.material.poisson))
         radius = [0.0]
         for step, load in enumerate(force[1:], 1):
-            solver.solve(float(load) / side**2)
-            loaded = np.count_nonzero(np.asarray(model.traction) > 0.0)
-            radius.append(float(np.sqrt(loaded / np.pi)) * side / pixels)
+            if not solver.solve(float(load) / side**2 / shear_modulus) <= TOLERANCE:
+                raise RuntimeError(f"Tamaas did not converge at time {time[step]:g}")
+            pressure = np.asarray(model.traction)
+            outline = sum(one.perimeter for one in tamaas.FloodFill.getClusters(pressure > 0.0, False))
+            share = tamaas.Statistics2D.contact(pressure, outline)
+            radius.append(side * float(np.sqrt(max(share, 0.0) / np.pi)))
             if options.progress is not None:
                 options.progress(step / (len(time) - 1))
         return trace_of(self, time, np.zeros_like(time), force, np.array(radius))
+
+
+def _radius_bound(scene: Scene, end: float, largest_force: float) -> float:
+    """No contact radius is larger: ``a^3 <= 3/4 F R J(end)``, and creep compliance times modulus <= 1."""
+    assert isinstance(scene.indenter, Sphere)
+    modulus = float(scene.material.relaxation_modulus(end)) / (1.0 - scene.material.poisson**2)
+    return float(np.cbrt(0.75 * largest_force * scene.indenter.radius / modulus))
 
 
 def _loading(scene: Scene, steps: int) -> tuple[Any, Any]:
@@ -89,17 +103,18 @@ def _state(scene: Scene, step: object) -> tuple[float, float]:
 
 
 def _solver(scene: Scene, pixels: int, side: float, time_step: float) -> tuple[Any, Any]:
-    """Solver and model of Tamaas for a scene."""
+    """Solver and model of Tamaas for a scene; stresses in units of the relaxed shear modulus."""
     import tamaas
 
     material = scene.material
     assert isinstance(scene.indenter, Sphere)
     model = tamaas.Model(tamaas.model_type.basic_2d, [side, side], [pixels, pixels])
-    model.E, model.nu = material.modulus, material.poisson
+    model.nu = material.poisson
+    model.E = 2.0 * (1.0 + material.poisson)
     x = (np.arange(pixels) + 0.5) * side / pixels - 0.5 * side
     heights = -(x[:, None] ** 2 + x[None, :] ** 2) / (2.0 * scene.indenter.radius)
     moduli, times = material.spectrum
-    shear = (moduli / (2.0 * (1.0 + material.poisson))).tolist()
+    shear = (moduli / material.modulus).tolist()
     solver = tamaas.MaxwellViscoelastic(model, heights, TOLERANCE, time_step, shear, times.tolist())
     tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
     solver.setIntegralOperator("dcfft")
