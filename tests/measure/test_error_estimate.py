@@ -15,9 +15,10 @@ from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
 from validation.compare.against_reference import against_reference, check_case
-from validation.execution.runs import Run, measure, run
+from validation.execution.runs import Run, run
 from validation.measure.error_estimate import SAFETY, from_own, from_two_runs
 from validation.measure.norms import interpolation_error
+from validation.measure.scalars import measure
 from validation.measure.scaling import scale
 
 CASE = load("cycle-v0.1")

@@ -18,7 +18,8 @@ from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
 from validation.execution.progress import Progress
-from validation.execution.runs import Run, run_all
+from validation.execution.runs import Run
+from validation.execution.solver_tasks import run_all
 from validation.report.build import build
 from validation.report.write import write
 

@@ -10,8 +10,9 @@ import pytest
 
 from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, Ramp, Scene, Sphere, Trace
 from validation import solvers
-from validation.execution.runs import Run, measure
+from validation.execution.runs import Run
 from validation.execution.tasks import Task, TaskEnding, TaskResult
+from validation.measure.scalars import measure
 from validation.stability import random_matrix
 from validation.stability.random_matrix import AnswerFinding, JudgedScene, RandomSceneAnswer, examine, table
 from validation.stability.random_scenes import LOADINGS, random_scene

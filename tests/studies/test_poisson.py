@@ -10,8 +10,9 @@ from numpy.testing import assert_allclose
 from contact_scene import Branch, BulkRelaxation, Counters, Material, Outcome, OutcomeKind, Trace
 from crosscontact.cli import main
 from validation import cases
-from validation.execution import runs
-from validation.execution.runs import Run, measure, run
+from validation.execution import solver_tasks
+from validation.execution.runs import Run, run
+from validation.measure.scalars import measure
 from validation.studies import poisson, poisson_material
 
 GLASSY = 9.0  # G(0)/G(infinity) - 1
@@ -101,7 +102,7 @@ def careless(case, solver, resolution=None, progress=None, estimate=False):
 
 
 def test_command_prints_a_table_and_leaves_every_number(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(runs, "run", answered)
+    monkeypatch.setattr(solver_tasks, "run", answered)
     assert main(["study", "cycle-v0.02", "--poisson", "100", "--jobs", "1", "--out", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
     assert "pull off force" in printed
@@ -119,12 +120,14 @@ def test_command_prints_a_table_and_leaves_every_number(monkeypatch, capsys, tmp
 
 
 def test_disagreement_and_failure_are_exit_code_1(monkeypatch, capsys):
-    monkeypatch.setattr(runs, "run", careless)
+    monkeypatch.setattr(solver_tasks, "run", careless)
     assert main(["study", "cycle-v0.02", "--jobs", "1", "--poisson", "10"]) == 1
     said = capsys.readouterr().err
     assert "failed: cycle-v0.02: K/G = 10: approach_force: beyond the error estimates" in said
     assert "radius: beyond" not in said
-    monkeypatch.setattr(runs, "run", lambda of, solver, *rest, **named: Run("x", solver, failure="no"))
+    monkeypatch.setattr(
+        solver_tasks, "run", lambda of, solver, *rest, **named: Run("x", solver, failure="no")
+    )
     assert main(["study", "cycle-v0.02", "--jobs", "1", "--poisson"]) == 1
     assert capsys.readouterr().err.count("full: failed: no") == len(poisson.RATIOS)
 

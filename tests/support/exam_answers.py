@@ -10,7 +10,8 @@ from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace
 from validation.cases import Case, load
 from validation.exam.answer import Answer
 from validation.exam.header import Header
-from validation.execution.runs import Run, measure
+from validation.execution.runs import Run
+from validation.measure.scalars import measure
 
 SCENE = "elastic-press"
 

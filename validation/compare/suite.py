@@ -9,7 +9,8 @@ from validation.cases import Case
 from validation.compare.against_reference import check_case
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
-from validation.execution.runs import Run, run_all
+from validation.execution.runs import Run
+from validation.execution.solver_tasks import run_all
 from validation.execution.store import Store
 from validation.measure.check import Check
 from validation.solvers import SOLVERS

@@ -16,10 +16,11 @@ import numpy as np
 from contact_scene import COLUMNS, OutcomeKind, Scene, Trace
 from validation.exam.answer import Answer
 from validation.exam.curve_errors import curve_error, factor_in_words, in_contact
-from validation.execution.runs import Run, measure
+from validation.execution.runs import Run
 from validation.measure.cycles import cycle_times
 from validation.measure.error_estimate import MOVEMENT
 from validation.measure.norms import movement_distance
+from validation.measure.scalars import measure
 from validation.measure.scaling import Magnitudes, column_of
 from validation.measure.windows import windows
 

@@ -13,7 +13,8 @@ from validation.exam.answer import Answer
 from validation.exam.answer_folder import AnswerFolder
 from validation.exam.grading import COARSEST, Grade, grade
 from validation.exam.griffith_limit import GriffithTrack, tracks
-from validation.execution.runs import Run, run_of, run_task
+from validation.execution.runs import Run
+from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
 from validation.execution.tasks import run_tasks
 from validation.measure.check import Check

@@ -17,7 +17,8 @@ from validation.exam.answer_folder import DECLINED
 from validation.exam.export import header_of, trace_text
 from validation.exam.scene_json import scene_of
 from validation.execution.files import write_whole
-from validation.execution.runs import Run, run, run_of, run_task
+from validation.execution.runs import Run, run
+from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.tasks import run_tasks
 
 ANSWERS = "answers"

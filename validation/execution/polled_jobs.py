@@ -32,7 +32,19 @@ class JobQueue(Protocol):
     """Takes jobs, such as ``submitit.AutoExecutor``."""
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> QueuedJob:
-        """Put a call into the queue."""
+        """Put a call into the queue.
+
+        Parameters
+        ----------
+        function : callable
+            Picklable.
+        *arguments, **named
+            Of the call.
+
+        Returns
+        -------
+        QueuedJob
+        """
 
 
 class PolledJobs(Executor):
@@ -54,7 +66,20 @@ class PolledJobs(Executor):
         self._poll.start()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
-        """As of any executor."""
+        """As of any executor.
+
+        Parameters
+        ----------
+        function : callable
+            Picklable.
+        *arguments, **named
+            Of the call.
+
+        Returns
+        -------
+        Future
+            Of what the job gives.
+        """
         future: Future[Any] = Future()
         with self._lock:
             self._jobs[future] = self._queue.submit(function, *arguments, **named)

@@ -38,11 +38,37 @@ class WorkerProcesses(Executor):
         self._futures: WeakSet[Future[Any]] = WeakSet()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
-        """As of any executor."""
+        """As of any executor.
+
+        Parameters
+        ----------
+        function : callable
+            Picklable.
+        *arguments, **named
+            Of the call.
+
+        Returns
+        -------
+        Future
+        """
         return self._schedule(None, function, arguments, named)
 
     def submit_limited(self, seconds: float, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
-        """The same, given up after ``seconds`` of processor time, which a busy machine does not change."""
+        """The same, given up after some processor time, which a busy machine does not change.
+
+        Parameters
+        ----------
+        seconds : float
+            Processor time (s).
+        function : callable
+            Picklable.
+        *arguments
+            Of the call.
+
+        Returns
+        -------
+        Future
+        """
         return self._schedule(seconds, function, arguments, {})
 
     def _schedule(

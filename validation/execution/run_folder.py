@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,8 @@ from contact_scene import (
 )
 from contact_scene.files import read_text
 from validation.execution.files import move_whole, to_json, write_whole
-from validation.execution.runs import Run, summary
+from validation.execution.runs import Run
+from validation.measure.observables import Observables
 
 OUTPUT = ("scene.toml", "trace.csv", "summary.json")
 """Files of a run."""
@@ -95,6 +96,28 @@ def write_run(folder: Path, scene: Scene, result: Run) -> None:
             (folder / "trace.csv").unlink(missing_ok=True)
         move_whole(Path(stage), folder)
     write_whole(folder / "summary.json", to_json(summary(result)))
+
+
+def summary(result: Run) -> dict[str, Any]:
+    """Contents of ``summary.json``; ``None`` where something does not apply."""
+    trace = result.trace
+    return {
+        "solver": result.solver,
+        "scene": result.scene,
+        "outcome": str(trace.outcome.kind) if trace else ("refused" if result.refused else "failed"),
+        "reason": trace.outcome.reason if trace else result.failure,
+        "finished": result.finished,
+        "past_extremum": trace.outcome.past_extremum if trace else None,
+        "warnings": list(result.warnings),
+        **Observables().as_dict(),
+        **{name: value for name, value in result.measures.items() if not name.startswith("counters.")},
+        "wall_seconds": result.wall_seconds,
+        "cpu_seconds": result.cpu_seconds,
+        "estimate_seconds": result.estimate_seconds,
+        "counters": asdict(trace.counters) if trace else None,
+        "error_estimates": (result.errors or dict(trace.errors)) if trace else None,
+        "events": [asdict(event) for event in trace.events] if trace else [],
+    }
 
 
 def read_run(source: Path) -> tuple[Scene, Run]:

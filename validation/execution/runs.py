@@ -1,4 +1,4 @@
-"""One run of one solver on one scene, and many of them as tasks.
+"""One run of one solver on one scene.
 
 A run never raises for what a scene or a solver did: it carries the failure, so that a report shows it.
 """
@@ -7,22 +7,18 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Collection, Iterable
-from concurrent.futures import Executor
-from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contact_scene import RunMonitor, Scene, SceneError, Trace
+from contact_scene import RunMonitor, SceneError, Trace
 from validation import solvers
 from validation.cases import Case
-from validation.execution.fingerprints import fingerprint
-from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskResult, one_line, run_tasks
+from validation.execution.tasks import one_line
 from validation.measure import error_estimate
 from validation.measure.cycles import cycle_times
-from validation.measure.observables import Observables, at_last_contact, cycle_losses, observe
+from validation.measure.scalars import measure
 
 
 @dataclass(frozen=True)
@@ -113,14 +109,7 @@ def run(
     begin, spent = time.perf_counter(), time.process_time()
     try:
         return run_or_raise(
-            case,
-            solver,
-            resolution,
-            progress,
-            estimate,
-            monitor,
-            max_steps=max_steps,
-            estimate_monitor=estimate_monitor,
+            case, solver, resolution, progress, estimate, monitor, (), max_steps, estimate_monitor
         )
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
@@ -194,25 +183,23 @@ def run_or_raise(
         estimate_errors=estimate,
     )
     wall, cpu = time.perf_counter() - begin, time.process_time() - spent
-    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
-    if broken:
-        raise NotFiniteError(f"not finite: {', '.join(broken)}")
+    _refuse_not_finite(trace)
     measures = measure(trace, case.scene, wall)
     warnings = solvers.trace_warnings(case.scene, trace) or solvers.scene_warnings(case.scene)
     result = Run(
-        case.name,
-        solver,
-        trace,
-        wall_seconds=wall,
-        cpu_seconds=cpu,
-        measures=measures,
-        warnings=warnings,
+        case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures, warnings=warnings
     )
     if not estimate or not result.finished:
         return result
     spent = time.process_time()
     errors = _errors(case, result, method, resolution, estimate_monitor)
     return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
+
+
+def _refuse_not_finite(trace: Trace) -> None:
+    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
+    if broken:
+        raise NotFiniteError(f"not finite: {', '.join(broken)}")
 
 
 def _errors(
@@ -254,112 +241,3 @@ def _errors(
     return error_estimate.from_two_runs(
         trace, other, result.measures, otherwise, second.ratio, case.scene.loading
     )
-
-
-def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
-    """Every scalar of a run by name: observables, cycle losses, work counters, run time."""
-    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
-    values: dict[str, float | None] = dict(observe(trace, zone, scene.loading).as_dict())
-    stored = float(trace.stored_energy.max()) if len(trace) else 0.0
-    branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
-    values["branch_dissipation"] = branches
-    values["zone_excess"] = branches - loss if branches is not None and loss is not None else None
-    values["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
-    cycles = cycle_losses(trace, cycle_times(scene.loading))
-    peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
-    values["peak_cycle_loss"] = peak.loop if peak else None
-    values["peak_cycle_frequency"] = peak.angular_frequency if peak else None
-    values |= {f"counters.{name}": float(count) for name, count in asdict(trace.counters).items()}
-    values["wall_seconds"] = wall_seconds
-    return values
-
-
-def summary(result: Run) -> dict[str, Any]:
-    """Contents of ``summary.json``; ``None`` where something does not apply."""
-    trace = result.trace
-    return {
-        "solver": result.solver,
-        "scene": result.scene,
-        "outcome": str(trace.outcome.kind) if trace else ("refused" if result.refused else "failed"),
-        "reason": trace.outcome.reason if trace else result.failure,
-        "finished": result.finished,
-        "past_extremum": trace.outcome.past_extremum if trace else None,
-        "warnings": list(result.warnings),
-        **Observables().as_dict(),
-        **{name: value for name, value in result.measures.items() if not name.startswith("counters.")},
-        "wall_seconds": result.wall_seconds,
-        "cpu_seconds": result.cpu_seconds,
-        "estimate_seconds": result.estimate_seconds,
-        "counters": asdict(trace.counters) if trace else None,
-        "error_estimates": (result.errors or dict(trace.errors)) if trace else None,
-        "events": [asdict(event) for event in trace.events] if trace else [],
-    }
-
-
-def expected_seconds(case: Case, solver: str, resolution: int | None = None) -> float:
-    """Rough run time (s), to start long runs first."""
-    method = solvers.SOLVERS.get(solver)
-    return 1.0 if method is None else method.expected_cost(case.scene, resolution).seconds
-
-
-def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
-    """A run as a task.
-
-    Parameters
-    ----------
-    case, solver, resolution, estimate
-        As of :func:`run_or_raise`.
-
-    Returns
-    -------
-    Task
-        To be carried out by :func:`~validation.execution.tasks.run_tasks`.
-    """
-    return Task(
-        fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate, *_origin(solver)),
-        f"{case.name} {solver}",
-        run,
-        (case, solver, resolution, None, estimate),
-        expected_seconds(case, solver, resolution),
-    )
-
-
-def _origin(solver: str) -> tuple[str, ...]:
-    """Version of a solver that is no part of this program."""
-    origin = solvers.SOLVERS.origin(solver)
-    return (origin,) if origin else ()
-
-
-def run_of(result: TaskResult) -> Run:
-    """The run that a task of :func:`run_task` gave, or its failure where a process died with it."""
-    case, solver = result.task.arguments[:2]
-    if result.value is None:
-        return Run(case.name, solver, failure=result.failure, details=result.details)
-    return replace(result.value, scene=case.name)  # a stored one may come from a scene of another name
-
-
-def run_all(
-    pairs: Iterable[tuple[Case, str]],
-    executor: Executor | None = None,
-    store: Store | None = None,
-    progress: Callable[[float, str], None] | None = None,
-    estimated: Collection[str] = (),
-) -> dict[tuple[str, str], Run]:
-    """Run pairs of case and solver, here or through an executor.
-
-    Parameters
-    ----------
-    pairs : iterable of (Case, str)
-    executor, store, progress
-        As of :func:`~validation.execution.tasks.run_tasks`.
-    estimated : collection of str
-        Names of the scenes whose errors are estimated.
-
-    Returns
-    -------
-    dict of (str, str) to Run
-        By scene and solver, in the order of ``pairs``.
-    """
-    tasks = [run_task(case, solver, estimate=case.name in estimated) for case, solver in pairs]
-    runs = map(run_of, run_tasks(tasks, executor, store, progress))
-    return {(result.scene, result.solver): result for result in runs}

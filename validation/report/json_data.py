@@ -13,7 +13,8 @@ from validation.claims.claim import Finding
 from validation.compare.premises import of_case
 from validation.compare.suite import SceneComparison
 from validation.execution.fingerprints import version
-from validation.execution.runs import Run, summary
+from validation.execution.run_folder import summary
+from validation.execution.runs import Run
 from validation.report.report import Report
 from validation.report.sections.costs import spent
 from validation.report.sections.scene import skipped_work

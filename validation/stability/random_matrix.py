@@ -25,7 +25,8 @@ from contact_scene.scenefile import write_scene
 from validation.cases import Case
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
-from validation.execution.runs import Run, run_task
+from validation.execution.runs import Run
+from validation.execution.solver_tasks import run_task
 from validation.execution.tasks import Task, TaskEnding, TaskResult, run_tasks
 from validation.measure.norms import distance
 from validation.measure.scaling import scale

@@ -15,9 +15,9 @@ import numpy as np
 
 from contact_scene import Scene, Trace
 from validation.cases import Case
-from validation.execution.runs import measure
 from validation.measure.cycles import cycle_times
 from validation.measure.norms import distance
+from validation.measure.scalars import measure
 from validation.measure.scaling import Magnitudes
 from validation.studies import schemes
 from validation.studies.extrapolation import Extrapolation, extrapolate, fitted_slope, reference_orders

@@ -18,7 +18,8 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 from validation.cases import Case
-from validation.execution.runs import Run, run_of, run_task
+from validation.execution.runs import Run
+from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.tasks import run_tasks
 from validation.measure.norms import distance
 from validation.measure.scaling import scale

@@ -16,7 +16,8 @@ import numpy as np
 
 from contact_scene import Adhesion, SceneError
 from validation.cases import Case
-from validation.execution.runs import Run, run, run_of, run_task
+from validation.execution.runs import Run, run
+from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.tasks import TaskEnding, run_tasks
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE, SOLVERS

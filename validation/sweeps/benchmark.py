@@ -93,7 +93,24 @@ def _solve_all(scenes: Sequence[Scene]) -> None:
 def swept(
     plan: SweepPlan, processes: int, engine: Engine, table: RunTable
 ) -> tuple[Spent, list[list[float]]]:
-    """A sweep, and the memory (bytes) of this process and of its largest worker at ``SHARES`` of its runs."""
+    """A sweep, and the memory that it takes.
+
+    Parameters
+    ----------
+    plan : SweepPlan
+    processes : int
+        That work on it.
+    engine : Engine
+    table : RunTable
+        Receives the runs.
+
+    Returns
+    -------
+    Spent
+        Of a run.
+    list of [float, float]
+        Bytes of this process and of its largest worker at ``SHARES`` of the runs.
+    """
     memory: list[list[float]] = []
 
     def read(share: float, text: str) -> None:

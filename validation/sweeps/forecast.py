@@ -8,7 +8,7 @@ from contact_scene import Scene
 from validation import solvers
 from validation.cases import Case
 from validation.execution.run_table import RunTable
-from validation.execution.runs import expected_seconds
+from validation.execution.solver_tasks import expected_seconds
 from validation.sweeps.batch import SweepOptions
 from validation.sweeps.plan import SweepPlan, measure_names
 from validation.sweeps.run_plan import missing_runs, options_of

@@ -35,7 +35,7 @@ from contact_scene.errors import SceneError, one_of, shown
 from contact_scene.files import read_text
 from contact_scene.run_control import whole_number
 from validation import solvers
-from validation.execution.runs import measure
+from validation.measure.scalars import measure
 from validation.sweeps.coordinates import Coordinate, read_coordinate
 from validation.sweeps.samples import DESIGNS, SAMPLES, shares
 from validation.sweeps.scene_table import SceneTable, builtin_or_file

@@ -16,7 +16,7 @@ from validation.execution.engines import Engine
 from validation.execution.fingerprints import version
 from validation.execution.progress import duration
 from validation.execution.run_table import RunTable, StoredRun
-from validation.execution.runs import expected_seconds
+from validation.execution.solver_tasks import expected_seconds
 from validation.execution.tasks import Task, TaskResult, completed_tasks
 from validation.sweeps.batch import BatchedRun, OtherVersion, SweepOptions, failed_record, run_batch
 from validation.sweeps.plan import Rows, SweepPlan

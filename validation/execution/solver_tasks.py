@@ -1,0 +1,83 @@
+"""Runs of solvers as tasks: carried out here or by an executor, and each once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable
+from concurrent.futures import Executor
+from dataclasses import replace
+
+from validation import solvers
+from validation.cases import Case
+from validation.execution.fingerprints import fingerprint
+from validation.execution.runs import Run, run
+from validation.execution.store import Store
+from validation.execution.tasks import Task, TaskResult, run_tasks
+
+
+def expected_seconds(case: Case, solver: str, resolution: int | None = None) -> float:
+    """Rough run time (s), to start long runs first."""
+    method = solvers.SOLVERS.get(solver)
+    return 1.0 if method is None else method.expected_cost(case.scene, resolution).seconds
+
+
+def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
+    """A run as a task.
+
+    Parameters
+    ----------
+    case, solver, resolution, estimate
+        As of :func:`run_or_raise`.
+
+    Returns
+    -------
+    Task
+        To be carried out by :func:`~validation.execution.tasks.run_tasks`.
+    """
+    return Task(
+        fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate, *_origin(solver)),
+        f"{case.name} {solver}",
+        run,
+        (case, solver, resolution, None, estimate),
+        expected_seconds(case, solver, resolution),
+    )
+
+
+def _origin(solver: str) -> tuple[str, ...]:
+    """Version of a solver that is no part of this program."""
+    origin = solvers.SOLVERS.origin(solver)
+    return (origin,) if origin else ()
+
+
+def run_of(result: TaskResult) -> Run:
+    """The run that a task of :func:`run_task` gave, or its failure where a process died with it."""
+    case, solver = result.task.arguments[:2]
+    if result.value is None:
+        return Run(case.name, solver, failure=result.failure, details=result.details)
+    return replace(result.value, scene=case.name)  # a stored one may come from a scene of another name
+
+
+def run_all(
+    pairs: Iterable[tuple[Case, str]],
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: Callable[[float, str], None] | None = None,
+    estimated: Collection[str] = (),
+) -> dict[tuple[str, str], Run]:
+    """Run pairs of case and solver, here or through an executor.
+
+    Parameters
+    ----------
+    pairs : iterable of (Case, str)
+    executor, store, progress
+        As of :func:`~validation.execution.tasks.run_tasks`.
+    estimated : collection of str
+        Names of the scenes whose errors are estimated.
+
+    Returns
+    -------
+    dict of (str, str) to Run
+        By scene and solver, in the order of ``pairs``.
+    """
+    tasks = [run_task(case, solver, estimate=case.name in estimated) for case, solver in pairs]
+    runs = map(run_of, run_tasks(tasks, executor, store, progress))
+    return {(result.scene, result.solver): result for result in runs}

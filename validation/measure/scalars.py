@@ -1,0 +1,27 @@
+"""Every scalar of a run by name."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from contact_scene import Scene, Trace
+from validation.measure.cycles import cycle_times
+from validation.measure.observables import at_last_contact, cycle_losses, observe
+
+
+def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
+    """Observables, cycle losses, work counters and run time; ``None`` where one does not apply."""
+    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
+    values: dict[str, float | None] = dict(observe(trace, zone, scene.loading).as_dict())
+    stored = float(trace.stored_energy.max()) if len(trace) else 0.0
+    branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
+    values["branch_dissipation"] = branches
+    values["zone_excess"] = branches - loss if branches is not None and loss is not None else None
+    values["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
+    cycles = cycle_losses(trace, cycle_times(scene.loading))
+    peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
+    values["peak_cycle_loss"] = peak.loop if peak else None
+    values["peak_cycle_frequency"] = peak.angular_frequency if peak else None
+    values |= {f"counters.{name}": float(count) for name, count in asdict(trace.counters).items()}
+    values["wall_seconds"] = wall_seconds
+    return values
