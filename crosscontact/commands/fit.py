@@ -17,7 +17,9 @@ from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.run_folder import check_unused
 from validation.execution.store import Store
-from validation.fits.fit import FitSettings, InterruptedFit, fit_curves
+from validation.fits.fit import fit_curves
+from validation.fits.fit_result import InterruptedFit
+from validation.fits.fit_settings import FitSettings
 from validation.report.write_fit import write_fit
 
 OPTIONS = ("vary", "tie", "per_curve", "free", "prony", "starts", "seed", "profile", "resolution")

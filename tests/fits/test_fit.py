@@ -28,13 +28,16 @@ from crosscontact.cli import main
 from validation.execution.store import Store
 from validation.fits.curve_files import write_csv
 from validation.fits.curve_model import CurveModel
-from validation.fits.fit import FitSettings, InterruptedFit, fit_curves
+from validation.fits.fit import fit_curves
+from validation.fits.fit_result import InterruptedFit
+from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.parameters import ParameterSet, scene_parameter
 from validation.fits.problem import FitProblem
 from validation.fits.synthetic import synthetic
 from validation.reference.ting import Ting
-from validation.report.sections.fit import document, drawings, statements
+from validation.report.sections.fit import document, drawings
+from validation.report.sections.fit_statements import statements
 
 GUESS = 1.3 * MODULUS
 

@@ -11,7 +11,8 @@ from scipy.optimize import brentq, least_squares
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
 from contact_scene.scene_values import with_values
 from validation.fits.baseline import features
-from validation.fits.fit import FitSettings, fit_curves
+from validation.fits.fit import fit_curves
+from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.synthetic import synthetic
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from validation.fits.goodness import goodness, runs_test
 from validation.fits.parameters import FitParameter
 from validation.fits.statistics import (
     bound_notes,
@@ -13,8 +14,6 @@ from validation.fits.statistics import (
     correlation,
     covariance,
     estimates,
-    goodness,
-    runs_test,
 )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.fits.jumps import Jump, jump_behind
 from validation.fits.measured_curve import Array, MeasuredCurve
 
 CONTACT = 6.0
@@ -15,11 +16,6 @@ IN_A_ROW = 3
 """Rows off the baseline, one after the other, with which contact begins: one alone may be a disturbance."""
 ENOUGH_ROWS = 20
 """Rows of a baseline from which its standard deviation is known to a sixth."""
-JUMP = 8.0
-"""Deviations of the noise from which the change between two rows may be a jump, and is not compared."""
-JUMP_OVER_NEIGHBOURS = 3.0
-"""The same over the change beside it on the side in contact, from which it is one for certain: a smooth curve
-has them about equal."""
 EXCLUDED = 2
 """Rows on both sides of a jump that are not compared: between them the force tells the moment of the jump
 only, for which there is a residual of its own, and the force would make misfit a step function of it."""
@@ -29,27 +25,6 @@ MEDIAN_EFFICIENCY = 0.37
 """Variance of the standard deviation over that of the median magnitude, both of as many normal numbers."""
 _THIRD_DIFFERENCE = np.sqrt(20.0)  # standard deviation of 1, -3, 3, -1 times independent noise
 _NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard normal number
-
-
-@dataclass(frozen=True)
-class Jump:
-    """A jump of the force between two rows.
-
-    Parameters
-    ----------
-    row : int
-        The last row before it.
-    time, deviation : float
-        Middle of the interval, and standard deviation of a moment somewhere in it.
-    timed : bool
-        Whether contact begins or ends in this interval for certain: where the force is as steep beside it, it
-        may have come to nothing on a continuous curve.
-    """
-
-    row: int
-    time: float
-    deviation: float
-    timed: bool = True
 
 
 @dataclass(frozen=True)
@@ -122,8 +97,8 @@ def features(curve: MeasuredCurve) -> CurveFeatures:
         degrees = outside.size - 2.0
     if curve.noise is not None:
         noise, source, degrees = curve.noise, "stated", np.inf
-    snap_in = _jump(curve, first - 1, noise, 1) if first > 0 else None
-    pull_off = _jump(curve, last - 1, noise, -1) if last < force.size else None
+    snap_in = jump_behind(curve, first - 1, noise, 1) if first > 0 else None
+    pull_off = jump_behind(curve, last - 1, noise, -1) if last < force.size else None
     return CurveFeatures(noise, degrees, source, baseline, drift, first, last, snap_in, pull_off)
 
 
@@ -166,31 +141,3 @@ def _line(time: Array, force: Array) -> tuple[float, float, float]:
     if abs(slope) < 3.0 * deviation / float(np.sqrt(np.sum(middle**2))):  # no slope that can be seen
         return float(force.mean()), 0.0, float(np.std(force, ddof=1))
     return float(level), float(slope), deviation
-
-
-def _jump(curve: MeasuredCurve, row: int, noise: float, inward: int) -> Jump | None:
-    """The jump behind a row, if the force jumps there.
-
-    Parameters
-    ----------
-    curve : MeasuredCurve
-    row : int
-        Last row before it.
-    noise : float
-    inward : int
-        1 if contact lies behind the jump, -1 if before.
-
-    Returns
-    -------
-    Jump or None
-    """
-    force, time = curve.force, curve.time
-    beside = row + 1 if inward > 0 else row - 1
-    if row < 0 or beside < 0 or max(row, beside) + 1 >= force.size:
-        return None
-    change, neighbour = abs(force[row + 1] - force[row]), abs(force[beside + 1] - force[beside])
-    if change < JUMP * noise:
-        return None
-    width = float(time[row + 1] - time[row])
-    timed = bool(change >= JUMP_OVER_NEIGHBOURS * (neighbour + noise))
-    return Jump(row, float(0.5 * (time[row] + time[row + 1])), width / float(np.sqrt(12.0)), timed)

@@ -9,19 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Loading, OutcomeKind, Scene, SceneError, Sphere, Table
+from contact_scene import Loading, Scene, SceneError, Sphere, Table
 from contact_scene.scene_values import with_values
-from validation import solvers
-from validation.execution.tasks import one_line
 from validation.fits.baseline import CurveFeatures, features
+from validation.fits.fit_run import FitRun, sampled
 from validation.fits.measured_curve import Array, MeasuredCurve
 from validation.fits.measured_path import straight_lines
-from validation.measure.row_interpolation import RowCurve
 
 PATH_SHARE = 0.3
 """Force that a deviation of the straight lines from the motion may cost, over the noise of the force:
@@ -29,32 +26,6 @@ together with the noise it is 4 % more than the noise alone."""
 
 CORNER = 0.1
 """Change of the rate over the largest from which curves are not taken as smooth across it."""
-ON_TIME = 1e-9
-"""Distance of a row from the corner it was stepped onto, over the duration, at most: round-off of times."""
-
-
-@dataclass(frozen=True)
-class FitRun:
-    """The part of a run that a fit compares.
-
-    Parameters
-    ----------
-    time, force, contact_radius : ndarray, shape (n,)
-        Rows; empty if there is no contact at all.
-    lost : float or None
-        When contact was lost.
-    failure : str
-        Why the run did not reach its end; its rows up to there count.
-    """
-
-    time: Array
-    force: Array
-    contact_radius: Array
-    lost: float | None = None
-    failure: str = ""
-
-
-NO_CONTACT = FitRun(np.empty(0), np.empty(0), np.empty(0))
 
 
 @dataclass(frozen=True)
@@ -195,68 +166,7 @@ class CurveModel:
         return CurvePrediction(force, radius, touching, begin + time_offset, lost, run.failure)
 
 
-def sampled(time: Array, value: Array, corners: Array, at: Array) -> Array:
-    """A column of a run between its rows, each stretch between corners of the loading for itself.
-
-    Parameters
-    ----------
-    time, value : ndarray, shape (n,)
-        Rows of the run; it steps onto every corner.
-    corners : ndarray
-        Times of the corners, rising; some may be outside the run.
-    at : ndarray, shape (N,)
-        Times within the run.
-
-    Returns
-    -------
-    ndarray, shape (N,)
-    """
-    places = np.searchsorted(time, corners[(corners > time[0]) & (corners < time[-1])] - ON_TIME * time[-1])
-    ends = np.unique(np.concatenate([[0], places, [time.size - 1]]))
-    result = np.empty(at.size)
-    for first, last in pairwise(ends.tolist()):
-        rows = slice(first, last + 1)
-        inside = (at >= time[first]) & (at <= time[last])
-        if inside.any():
-            result[inside] = RowCurve(time[rows], value[rows]).values(at[inside])
-    return result
-
-
 def _corners(knots: Array, heights: Array) -> Array:
     """Times at which the rate of the motion changes by much."""
     rates = np.diff(heights) / np.diff(knots)
     return knots[1:-1][np.abs(np.diff(rates)) > CORNER * float(np.abs(rates).max())]
-
-
-def run_of(scene: Scene, solver: str, resolution: int | None, tolerance: float | None = None) -> FitRun:
-    """Solve a scene; what goes wrong is part of the answer.
-
-    Parameters
-    ----------
-    scene : Scene
-    solver : str
-    resolution : int or None
-    tolerance : float or None
-        Of the time steps, where no resolution is given.
-
-    Returns
-    -------
-    FitRun
-    """
-    method = solvers.solver(solver)
-    method.load()
-    try:
-        trace = method.solve(scene, resolution, step_tolerance=tolerance)
-    except SceneError as error:
-        return replace(NO_CONTACT, failure=str(error))
-    except Exception as error:
-        if tolerance is not None:  # steps as coarse as a fit can do with may be too coarse for this scene
-            return run_of(scene, solver, resolution)
-        return replace(NO_CONTACT, failure=one_line(error))
-    columns = trace.time, trace.force, trace.contact_radius
-    finite = np.isfinite(columns).all(axis=0)
-    if not finite.all():
-        return replace(NO_CONTACT, failure="the run is not finite")
-    ended = trace.outcome.finished and trace.outcome.kind is not OutcomeKind.COMPLETED
-    failure = "" if trace.outcome.finished else f"{trace.outcome.kind}: {trace.outcome.reason}"
-    return FitRun(*columns, float(trace.time[-1]) if ended else None, failure)

@@ -23,7 +23,8 @@ from validation.execution.fingerprints import fingerprint
 from validation.execution.store import Store
 from validation.execution.tasks import Task, run_tasks
 from validation.fits.baseline import noise_of_differences
-from validation.fits.curve_model import NO_CONTACT, CurveModel, CurvePrediction, FitRun, run_of
+from validation.fits.curve_model import CurveModel, CurvePrediction
+from validation.fits.fit_run import NO_CONTACT, FitRun, run_of
 from validation.fits.measured_curve import Array
 from validation.fits.parameters import BASELINE, CONTACT_POINT, DRIFT, TIME_OFFSET, ParameterSet
 
@@ -204,7 +205,20 @@ class FitProblem:
     def predicted_force(
         self, index: int, prediction: CurvePrediction, instrument: Mapping[str, float]
     ) -> Array:
-        """Force as the instrument would record it, shape (N,)."""
+        """Force as the instrument would record it.
+
+        Parameters
+        ----------
+        index : int
+            Of the curve.
+        prediction : CurvePrediction
+        instrument : mapping of str to float
+            Baseline (force), drift (force per time).
+
+        Returns
+        -------
+        ndarray, shape (N,)
+        """
         time = self.models[index].curve.time
         return prediction.force + instrument[BASELINE] + instrument[DRIFT] * (time - time[0])
 

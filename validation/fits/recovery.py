@@ -31,7 +31,8 @@ from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.execution.tasks import Task, TaskResult, run_tasks
-from validation.fits.fit import FitSettings, fit_curves
+from validation.fits.fit import fit_curves
+from validation.fits.fit_settings import FitSettings
 from validation.fits.synthetic import synthetic
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import NOT_NEGATIVE, not_negative, number, positive
-from validation.fits.curve_model import run_of, sampled
+from validation.fits.fit_run import run_of, sampled
 from validation.fits.measured_curve import FEWEST_ROWS, MeasuredCurve
 from validation.solvers import REFERENCE
 

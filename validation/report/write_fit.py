@@ -11,7 +11,7 @@ from validation.drawing import export
 from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
 from validation.execution.fingerprints import version
-from validation.fits.fit import FitResult
+from validation.fits.fit_result import FitResult
 from validation.report import html
 from validation.report.sections import fit
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from validation.drawing.axes import format_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
-from validation.fits.fit import FitResult, FittedCurve
+from validation.fits.fit_result import FitResult, FittedCurve
 from validation.fits.profile_likelihood import LikelihoodProfile
 
 if TYPE_CHECKING:
