@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from contact_scene.errors import SceneError, finite, not_negative, positive
+from contact_scene.segment import Segment, Step
+from contact_scene.trigger import Trigger
 
 
 @dataclass(frozen=True)
-class Approach:
+class Approach(Step):
     """Approach at ``rate`` until ``force``, stay for ``dwell``, go back at speed ``retract``.
 
     Parameters
@@ -23,9 +25,10 @@ class Approach:
         Time for which penetration (or stage) stays.
     retract : float, optional
         Speed of the retraction; default (0): ``rate``.
-    to : float
+    to : float, optional
         Greatest penetration (or position of the stage) of the approach; a run that gets there without the
-        force ends, and says so.
+        force ends, and says so. Default: a bound before which the force is reached for certain, which the
+        scene states where it can (:mod:`contact_scene.approach_bound`).
     away : float, optional
         Where the retraction ends, if the contact is not lost before; default: ``-to``, as far above the
         surface as ``to`` is below.
@@ -33,18 +36,33 @@ class Approach:
 
     rate: float
     force: float
-    to: float
+    to: float | None = None
     dwell: float = 0.0
     retract: float = 0.0
     away: float = math.nan
     kind: ClassVar[str] = "approach"
 
     def __post_init__(self) -> None:
-        for key, check in (("rate", positive), ("force", finite), ("to", positive), ("dwell", not_negative)):
+        for key, check in (("rate", positive), ("force", finite), ("dwell", not_negative)):
             object.__setattr__(self, key, check(getattr(self, key), key))
         retract = positive(self.retract, "retract") if self.retract != 0.0 else self.rate
-        away = finite(self.away, "away") if self.away == self.away else -self.to
-        if away >= self.to:
-            raise SceneError("away", f"got {away!r}", f"less than to = {self.to:g}")
         object.__setattr__(self, "retract", retract)
-        object.__setattr__(self, "away", away)
+        if self.away == self.away:
+            object.__setattr__(self, "away", finite(self.away, "away"))
+        if self.to is None:
+            return
+        to = positive(self.to, "to")
+        object.__setattr__(self, "to", to)
+        if self.away != self.away:
+            object.__setattr__(self, "away", -to)
+        if self.away >= to:
+            raise SceneError("away", f"got {self.away!r}", f"less than to = {to:g}")
+
+    @property
+    def trigger(self) -> Trigger:
+        """What ends the approach."""
+        return Trigger("force", self.force)
+
+    def segment(self, time: float, penetration: float, force: float) -> Segment:
+        """No control law of its own: it stands for other steps once its bound is known."""
+        raise SceneError("to", "is missing in a loading without a scene", "a bound of the approach")

@@ -194,7 +194,8 @@ class Loading:
     penetration : float
         Penetration of the start state; of a "snap-in", position of the stage.
     steps : tuple of Step
-        Carried out in order; may be empty (the start state alone). An :class:`Approach` stands for several.
+        Carried out in order; may be empty (the start state alone). An :class:`Approach` stands for several,
+        which the scene puts in where one of them has no bound.
     machine : Machine, optional
         What holds the indenter; default: rigid. With a spring the steps that prescribe a penetration
         prescribe the position of the stage, which is that of the start state at first.
@@ -208,15 +209,13 @@ class Loading:
     def __post_init__(self) -> None:
         one_of(self.start, "start", STARTS)
         object.__setattr__(self, "penetration", finite(self.penetration, "penetration"))
-        steps: list[Step] = []
-        for index, step in enumerate(as_tuple(self.steps, "steps", "a tuple of loading steps")):
-            if isinstance(step, Approach):
-                steps += expanded(step)
-            elif isinstance(step, Step):
-                steps.append(step)
-            else:
+        steps = as_tuple(self.steps, "steps", "a tuple of loading steps")
+        for index, step in enumerate(steps):
+            if not isinstance(step, Step):
                 raise SceneError(f"steps[{index}]", f"got {shown(step)}", "a loading step")
-        object.__setattr__(self, "steps", tuple(steps))
+        if not any(isinstance(step, Approach) and step.to is None for step in steps):
+            steps = tuple(part for step in steps for part in expanded(step))
+        object.__setattr__(self, "steps", steps)
         if self.machine is not None and not isinstance(self.machine, Machine):
             raise SceneError("machine", f"got {shown(self.machine)}", "a Machine or None")
 
@@ -301,8 +300,10 @@ class Loading:
                 driven = trigger.level
 
 
-def expanded(approach: Approach) -> tuple[Step, ...]:
-    """The steps an approach stands for."""
-    press = Ramp(approach.to, approach.rate, until_force=approach.force)
-    pull = Ramp(approach.away, approach.retract)
-    return (press, Hold(approach.dwell), pull) if approach.dwell > 0.0 else (press, pull)
+def expanded(step: Step) -> tuple[Step, ...]:
+    """The steps an approach with a bound stands for; any other step is itself."""
+    if not isinstance(step, Approach) or step.to is None:
+        return (step,)
+    press = Ramp(step.to, step.rate, until_force=step.force)
+    pull = Ramp(step.away, step.retract)
+    return (press, Hold(step.dwell), pull) if step.dwell > 0.0 else (press, pull)

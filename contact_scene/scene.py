@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from contact_scene.adhesion import Adhesion
+from contact_scene.approach_bound import bounded_approaches
 from contact_scene.errors import SceneError, shown
 from contact_scene.indenter import Indenter
 from contact_scene.loading import Loading
@@ -39,6 +40,8 @@ class Scene:
         if self.adhesion is not None and self.adhesion.stress is not None:
             at_rest = self.adhesion.at_rest_on(self.material.relaxed_plane_modulus)
             object.__setattr__(self, "adhesion", at_rest)
+        loading = bounded_approaches(self.loading, self.material, self.indenter, self.adhesion)
+        object.__setattr__(self, "loading", loading)
         if not isinstance(self.title, str):
             raise SceneError("title", f"got {shown(self.title)}", "a string")
         if self.is_adhesive and self.adhesion is not None and self.adhesion.zone >= self.indenter.edge:

@@ -11,16 +11,25 @@ import pytest
 from support.scene_text import GOOD
 
 from contact_scene import (
+    Adhesion,
     Approach,
+    Branch,
+    Cone,
     Event,
+    FlatPunch,
     Force,
     ForceRamp,
     Hold,
     Loading,
     LoadingCursor,
     Machine,
+    Material,
+    Oscillate,
+    PowerLaw,
     Ramp,
+    Scene,
     SceneError,
+    Sphere,
     Table,
     Trigger,
     read_scene,
@@ -39,6 +48,9 @@ def read(tmp_path, text):
 def with_steps(*entries):
     """The good scene with other load steps."""
     return GOOD[: GOOD.index("[[loading.steps]]")] + "\n".join(f"[[loading.steps]]\n{e}" for e in entries)
+
+
+PROFILED = GOOD[: GOOD.index("[indenter]")] + '[indenter]\nshape = "profile"\nfile = "t.csv"\n\n[adhesion]'
 
 
 def test_machine_is_read_and_written(tmp_path):
@@ -70,7 +82,14 @@ def test_machine_is_read_and_written(tmp_path):
             with_steps('kind = "force-ramp"\nto = 1\nrate = 1\nuntil_force = 1'),
             "loading.steps[0].until_force",
         ),
-        (with_steps('kind = "approach"\nrate = 1\nforce = 1'), "loading.steps[0].to"),
+        (
+            with_steps('kind = "force"\nvalue = 1\nduration = 1', 'kind = "approach"\nrate = 1\nforce = 1'),
+            "loading.steps[1].to",
+        ),
+        (
+            PROFILED + with_steps('kind = "approach"\nrate = 1\nforce = 1').partition("[adhesion]")[2],
+            "loading.steps[0].to",
+        ),
         (with_steps('kind = "approach"\nrate = 1\nforce = 1\nto = 1\naway = 2'), "loading.steps[0].away"),
         (
             with_steps('kind = "approach"\nrate = 1\nforce = 1\nto = 1\nretract = -2'),
@@ -84,7 +103,7 @@ def test_machine_is_read_and_written(tmp_path):
     ],
 )
 def test_bad_values_are_named(tmp_path, text, key):
-    (tmp_path / "t.csv").write_text("0,0\n1,1\n")
+    (tmp_path / "t.csv").write_text("0,0\n1,1\n2,4\n")
     with pytest.raises(SceneError) as caught:
         read(tmp_path, text)
     assert key in str(caught.value)
@@ -152,6 +171,67 @@ def test_approach_stands_for_ramp_hold_ramp(tmp_path):
     )
     write_scene(scene, tmp_path / "again.toml")
     assert read_scene(tmp_path / "again.toml") == scene
+
+
+def bound(*steps, indenter=None, work=0.0, material=None, machine=None):
+    """Where the last ramp to a force ends at most, in a scene whose approach says nothing of it."""
+    adhesion = Adhesion(work, 0.01) if work else None
+    loading = Loading("relaxed", 0.01, steps, machine)
+    scene = Scene(material or Material(0.75, 0.5), indenter or Sphere(2.0), loading, adhesion)
+    return [step.to for step in scene.loading.steps if step.trigger is not None][-1]
+
+
+def test_an_approach_without_a_bound_gets_that_of_twice_the_force():
+    """Hertz, Sneddon's cone and the flat punch with ``E* = 1``, ``R = 2``, by hand."""
+    until = Approach(1.0, 0.3)
+    hertz = (0.6 * 3.0 * 2.0 / 4.0) ** (2.0 / 3.0) / 2.0
+    assert bound(until) == pytest.approx(hertz, rel=1e-12)
+    assert bound(until, machine=Machine(K)) == pytest.approx(hertz + 0.3 / K, rel=1e-12)
+    assert bound(until, indenter=PowerLaw(2.0, 0.25)) == pytest.approx(hertz, rel=1e-12)
+    slope = math.tan(math.radians(20.0))
+    cone = math.sqrt(0.6 * math.pi * slope / 2.0)
+    assert bound(until, indenter=Cone(70.0)) == pytest.approx(cone, rel=1e-12)
+    assert bound(until, indenter=FlatPunch(0.5)) == pytest.approx(0.6, rel=1e-12)
+    assert bound(Ramp(7.0, 1.0), Ramp(0.0, 1.0), until) == 7.0
+    assert bound(Oscillate(3.0, 1.0, 4.0, -1.0), until) == pytest.approx(0.01 + 3.0 + 4.0)
+    assert bound(Table((0.0, 1.0, 2.0), (0.0, 5.0, 0.0)), until) == 5.0
+    ramp, back = Scene(Material(0.75, 0.5), Sphere(2.0), Loading("relaxed", 0.0, (until,))).loading.steps
+    assert (ramp.until_force, back.to) == (0.3, -ramp.to)
+
+
+def test_the_bound_of_a_tension_grows_with_work_and_glass():
+    """``D^2 = 8 pi w a/E0* * 2 (Einf/E0) 3/4`` on a sphere, which any pull of a glass stays below."""
+    glassy = Material(0.75, 0.5, (Branch(0.75 * 9.0, 1.0),))
+    for material, ratio in ((None, 1.0), (glassy, 10.0)):
+        depth = bound(Approach(1.0, -1e-3), work=0.1, material=material)
+        radius = math.sqrt(2.0 * depth)
+        assert depth**2 == pytest.approx(8.0 * math.pi * 0.1 * radius * 1.5 * ratio, rel=1e-12)
+    assert bound(Approach(1.0, -1.0), indenter=FlatPunch(0.5), work=0.1) == pytest.approx(
+        math.sqrt(2.0 * math.pi * 0.51 * 0.1), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("wrong", "key"),
+    [
+        (lambda: bound(Approach(1.0, 0.0)), "loading.steps[0].force"),
+        (lambda: bound(Force(1.0, 1.0), Approach(1.0, 1.0)), "loading.steps[1].to"),
+        (lambda: bound(ForceRamp(1.0, 1.0), Approach(1.0, 1.0)), "loading.steps[1].to"),
+        (
+            lambda: bound(Approach(1.0, 1.0), material=Material(0.75, 0.3, (), "elastic")),
+            "loading.steps[0].to",
+        ),
+        (lambda: bound(Approach(1.0, 1e60), indenter=PowerLaw(100.0, 1e300)), "loading.steps[0].to"),
+        (lambda: bound(Approach(1.0, 1.0, away=1e9)), "loading.steps[0].away"),
+        (lambda: Loading("relaxed", 0.0, (Approach(1.0, 1.0),)).steps[0].segment(0.0, 0.0, 0.0), "to"),
+    ],
+)
+def test_where_no_bound_can_be_stated_one_is_asked_for(wrong, key):
+    with pytest.raises(SceneError) as caught:
+        wrong()
+    assert caught.value.key == key
+    assert "\n" not in str(caught.value)
+    assert caught.value.allowed
 
 
 def test_cubic_table_has_no_kinks_and_no_extremum_between_rows(tmp_path):
