@@ -99,6 +99,24 @@ def test_contents_lead_to_every_section_and_fold():
     assert contents.count("✗") == 1
 
 
+def test_folded_sections_of_a_large_document_have_pages_of_their_own(monkeypatch):
+    overview = Section("Overview", (DataTable.of([{"scene": LinkCell("first", "scene-first")}]),), "overview")
+    passed = Section("First <scene>", (Section("Runs", (TABLE,)),), "scene-first", folded=True)
+    failed = Section("Second", (Paragraph("open " * 300),), "scene-second", VerdictCell("FAIL", False))
+    document = Document("All", (), (overview, passed, failed))
+    assert list(html.pages(document)) == ["index.html"]
+    monkeypatch.setattr(html, "MOST_BYTES", len(html.text(document)) - 1)
+    pages = html.pages(document)
+    first, own = pages.pop("index.html"), pages.pop("pages/scene-first.html")
+    assert pages == {}
+    assert first.count('<a href="pages/scene-first.html">') == 2  # in the contents and in the overview
+    assert (first.count("1.5e-3"), own.count("1.5e-3")) == (0, 1)
+    assert 'id="scene-second"' in first
+    assert "<h1>First &lt;scene&gt;</h1>" in own
+    assert '<a href="../index.html">All</a>' in own
+    assert html.ON_PAGES in first
+
+
 def test_rules_of_pictures_are_stated_once():
     picture = '<svg><defs><style type="text/css">.a{fill: none}.b{fill: red}</style></defs></svg>'
     other = '<svg><defs><style type="text/css">.a{fill: none}</style></defs></svg>'

@@ -1,21 +1,29 @@
 """A document as one HTML page that loads nothing: for screen, phone and paper, light and dark.
 
 Beside the text stands a table of contents that stays in sight. A script of the page sorts tables by a column
-and opens the fold that a link leads to; without it the page shows the same.
+and opens the fold that a link leads to; without it the page shows the same. A document too large for one page
+has its folded sections on pages of their own.
 """
 
 from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from validation.report.document import Document, Fold, Part, Section, VerdictCell
+from validation.report.document import Document, Fold, Paragraph, Part, Section, VerdictCell
 from validation.report.pictures import valid_id
+
+INDEX = "index.html"
+FOLDER = "pages"
+"""Of the pages that folded sections have for themselves."""
+MOST_BYTES = 1_900_000
+"""Of the first page: below two megabytes, which a telephone loads in seconds and a mail still carries."""
+ON_PAGES = "What passed has pages of its own, to which the overview and the contents lead."
 
 
 @dataclass(frozen=True)
@@ -23,20 +31,56 @@ class ContentsEntry:
     """A line of the table of contents, and those below it."""
 
     title: str
-    anchor: str
+    address: str
     verdict: VerdictCell | None
     entries: tuple[ContentsEntry, ...]
 
 
+def pages(document: Document) -> dict[str, str]:
+    """All pages of a document, by their paths: one, or a first one and one for each folded section.
+
+    Parameters
+    ----------
+    document : Document
+
+    Returns
+    -------
+    dict of str to str
+        ``index.html`` of at most ``MOST_BYTES``, as far as folded sections make up what is beyond; if there
+        are others, ``pages/ANCHOR.html``. Links work from a folder as from a server.
+    """
+    whole = text(document)
+    moved = tuple(part for part in document.parts if isinstance(part, Section) and part.folded and part.anchor)
+    if len(whole.encode()) <= MOST_BYTES or not moved:
+        return {INDEX: whole}
+    addresses = {part.anchor: f"{FOLDER}/{part.anchor}.html" for part in moved}
+    lead = (*document.lead, Paragraph(ON_PAGES))
+    found = {INDEX: _page(replace(document, lead=lead), addresses)}
+    for part in moved:
+        found[addresses[part.anchor]] = _page(Document(part.title, (), part.parts), {}, document.title)
+    return found
+
+
 def text(document: Document) -> str:
-    """The whole page, style sheet and script inside it."""
-    parts = _with_anchors(document.parts, document.contents_depth, set())
+    """The whole document as one page, style sheet and script inside it."""
+    return _page(document, {})
+
+
+def _page(document: Document, addresses: Mapping[str, str], up: str = "") -> str:
+    """A page of a document, without the parts that have ``addresses`` elsewhere, by their anchors.
+
+    ``up`` is the title of the first page, where this is another.
+    """
+    listed = _with_anchors(document.parts, document.contents_depth, set())
+    parts = tuple(part for part in listed if getattr(part, "anchor", "") not in addresses)
     page = (
         _templates()
         .get_template("document.html")
         .render(
             document=replace(document, parts=parts),
-            contents=tuple(_entries(parts, document.contents_depth)),
+            contents=tuple(_entries(listed, document.contents_depth, addresses)),
+            addresses=addresses,
+            up=up,
             style=source("style.css"),
             script=source("script.js"),
         )
@@ -91,11 +135,12 @@ def _free_anchor(title: str, taken: set[str]) -> str:
     return name
 
 
-def _entries(parts: Iterable[Part], depth: int) -> Iterator[ContentsEntry]:
+def _entries(parts: Iterable[Part], depth: int, addresses: Mapping[str, str]) -> Iterator[ContentsEntry]:
     for part in parts:
         if isinstance(part, (Section, Fold)) and depth > 0:
-            below = tuple(_entries(part.parts, depth - 1))
-            yield ContentsEntry(part.title, part.anchor, getattr(part, "verdict", None), below)
+            below = tuple(_entries(part.parts, depth - 1, {})) if part.anchor not in addresses else ()
+            address = addresses.get(part.anchor, f"#{part.anchor}")
+            yield ContentsEntry(part.title, address, getattr(part, "verdict", None), below)
 
 
 @cache

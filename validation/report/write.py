@@ -76,7 +76,7 @@ def suites(report: Report) -> list[junit.CheckSuite]:
 def write(report: Report, folder: Path) -> None:
     """Write ``index.html``, ``summary.md``, ``report.json``, ``junit.xml``, ``runs/SCENE/SOLVER/``.
 
-    Figures of the paper, of the matrix and of fields also come as files in ``figures/``.
+    What passed has pages of its own in ``pages/`` where one page would be too large. Figures of the paper, of the matrix and of fields also come as files in ``figures/``.
     """
     (folder / "index.html").unlink(missing_ok=True)  # if it is there, the set is complete
     for one in report.scenes:
@@ -132,9 +132,13 @@ def write_zones(name: str, runs: list[ZoneRun], folder: Path) -> Path:
 
 
 def _write_page(document: Document, folder: Path) -> None:
-    """Write the copies of the figures and, last, ``index.html``."""
+    """Write the copies of the figures, further pages and, last, ``index.html``."""
     for figure in figures_of(document.parts):
         for name, data in figure.files.items():
             (folder / "figures").mkdir(exist_ok=True)
             write_whole(folder / "figures" / name, data)
-    write_whole(folder / "index.html", html.text(document))
+    for old in (folder / html.FOLDER).glob("*.html"):
+        old.unlink()
+    for name, text in reversed(html.pages(document).items()):
+        (folder / name).parent.mkdir(exist_ok=True)
+        write_whole(folder / name, text)
