@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from contact_scene import Counters
 from contact_scene.segment import Control
 from fem_solver.edge import EdgeMotion, EdgePosition
-from fem_solver.release import ContactProblem, EdgeOrigin
+from fem_solver.edge_geometry import EdgeOrigin
+from fem_solver.release import ContactProblem
 from fem_solver.setup import Setup
 
 Array = NDArray[np.float64]
@@ -66,7 +67,19 @@ class ContactSolver:
     origin: Callable[[], EdgeOrigin | None]
 
     def start(self, control: Control, value: float, relaxed: bool) -> ContactCandidate:
-        """Glassy or relaxed equilibrium, from the undeformed half-space."""
+        """Glassy or relaxed equilibrium, from the undeformed half-space.
+
+        Parameters
+        ----------
+        control : "penetration", "force" or "stage"
+        value : float
+            Of the controlled quantity.
+        relaxed : bool
+
+        Returns
+        -------
+        ContactCandidate
+        """
         dt = math.inf if relaxed else 0.0
         problem = self._problem(dt, control, value)
         return self._searched(dt, problem, lambda: self.setup.law.start(problem))

@@ -15,7 +15,8 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import brentq
 
-from fem_solver.release import ContactProblem, EdgeGeometry
+from fem_solver.edge_geometry import EdgeGeometry
+from fem_solver.release import ContactProblem
 
 _NODE_TOLERANCE = 1e-10
 """Accuracy of the edge position, in node spacings."""

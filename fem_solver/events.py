@@ -57,7 +57,21 @@ class LoadJump:
         return self.done >= 1.0
 
     def trial(self, solver: ContactSolver, state: SurfaceState, tolerance: float) -> ContactCandidate | None:
-        """The next part; ``None`` if it has to be shorter. Without equilibrium, contact is lost."""
+        """The next part of the jump.
+
+        Parameters
+        ----------
+        solver : ContactSolver
+        state : SurfaceState
+            The last accepted one.
+        tolerance : float
+            Deviation from a linear response, relative to the largest response so far.
+
+        Returns
+        -------
+        ContactCandidate or None
+            ``None`` if the part has to be shorter; without equilibrium, contact is lost.
+        """
         self.part = min(self.part, 1.0 - self.done)
         end = self._at(solver, state, self.done + self.part)
         if not end.in_equilibrium:

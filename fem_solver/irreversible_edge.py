@@ -13,7 +13,8 @@ import math
 
 from contact_scene import Adhesion
 from fem_solver.edge import AdhesiveEdge, EdgeMotion, EdgePosition
-from fem_solver.release import ContactProblem, EdgeGeometry
+from fem_solver.edge_geometry import EdgeGeometry
+from fem_solver.release import ContactProblem
 
 
 class IrreversibleEdge(AdhesiveEdge):
@@ -45,12 +46,15 @@ class IrreversibleEdge(AdhesiveEdge):
 
         Parameters
         ----------
-        problem, s, low, high
-            As of :meth:`EdgeLaw.seek`.
+        problem : ContactProblem
+            With the edge of the last accepted state.
+        s, low, high : float
+            Edge positions, in nodes: begin of the search and its range.
 
         Returns
         -------
         EdgePosition
+            Pinned at ``s``, at rest elsewhere, or the end of the range.
         """
         origin = problem.origin
         assert origin is not None

@@ -204,7 +204,18 @@ class SurfaceRecorder:
         return max(max(depths) - min(depths), 1e-2 * max(abs(d) for d in depths))
 
     def trace(self, outcome: Outcome, counters: Counters, wall_seconds: float) -> Trace:
-        """All that was recorded."""
+        """All that was recorded.
+
+        Parameters
+        ----------
+        outcome : Outcome
+        counters : Counters
+        wall_seconds : float
+
+        Returns
+        -------
+        Trace
+        """
         rows = self.content.rows
         table = np.array(rows, float).reshape(len(rows), len(COLUMNS) + len(EXTRA))
         columns = dict(zip((*COLUMNS, *EXTRA), table.T.copy(), strict=True))

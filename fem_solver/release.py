@@ -22,98 +22,14 @@ of two, and ripple from node to node.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.condensed import Response
+from fem_solver.edge_geometry import EdgeGeometry, EdgeOrigin
 from fem_solver.process_zone import LEAST_ZONE, ZoneShift, zone_length
 
 Array = NDArray[np.float64]
-
-
-_LEAST_SPEED = 0.01
-"""Speed at the end of a step, relative to its mean, that the formula is not allowed to fall below."""
-
-
-@dataclass(frozen=True)
-class EdgeOrigin:
-    """Where the edge starts a step, and how it came there.
-
-    Parameters
-    ----------
-    edge, radius : float
-        Edge position in nodes, and the contact radius.
-    rate, duration : float
-        Mean rate of the radius over the step before, and the length of that; ``duration`` 0 after a kink.
-    """
-
-    edge: float
-    radius: float
-    rate: float = 0.0
-    duration: float = 0.0
-
-    def opening_speed(self, radius: float, dt: float) -> float:
-        """Speed at which the edge recedes at the end of a step to ``radius``; infinite in no time."""
-        if dt <= 0.0:
-            return math.inf
-        mean = (self.radius - radius) / dt
-        if self.duration <= 0.0:
-            return mean
-        slope = mean + (mean + self.rate) * dt / (dt + self.duration)
-        return max(slope, _LEAST_SPEED * mean)
-
-
-class EdgeGeometry:
-    """Radii that belong to edge positions, and the shift by one process zone.
-
-    Parameters
-    ----------
-    radii : ndarray, shape (n,)
-        Surface nodes, vertices and mid-side nodes in turn, from the axis.
-    effective : ndarray, shape (n,)
-        Contact radius of the sets ``0..m``.
-    zone : float or None
-        Process-zone length, at fixed stress that at rest; ``None`` without adhesion.
-    reach : float
-        Radius up to which the mesh is made for a contact edge.
-    edge : float
-        Largest radius the indenter touches.
-    stress : float, optional
-        Cohesive stress of a process zone whose length follows from it.
-    """
-
-    def __init__(
-        self,
-        radii: Array,
-        effective: Array,
-        zone: float | None,
-        reach: float,
-        edge: float,
-        stress: float | None = None,
-    ) -> None:
-        self.radii, self.zone, self.stress = radii, zone, stress
-        self.effective = np.where(radii < edge * (1.0 - 1e-9), effective, np.minimum(effective, edge))
-        count = len(radii)
-        within = int(np.searchsorted(radii, edge * (1.0 + 1e-9))) - 1
-        span = reach - (zone or 0.0)
-        on_mesh = int(np.searchsorted(radii, span * (1.0 + 1e-9))) - 1
-        self.capped = within <= on_mesh
-        self.last = min(within, on_mesh, count - 2)
-        self.shift = None if zone is None else ZoneShift(radii, zone)
-
-    def radius(self, s: float) -> float:
-        """Contact radius at the edge position ``s``; 0 at ``s = -1`` (no contact)."""
-        m = int(np.floor(s))
-        inner = self.effective[m] if m >= 0 else 0.0
-        part = s - m
-        return float(inner + part * (self.effective[m + 1] - inner)) if part > 0.0 else float(inner)
-
-    def position(self, radius: float) -> float:
-        """Edge position of a contact radius."""
-        return float(np.interp(radius, self.effective, np.arange(len(self.effective))))
 
 
 class ContactProblem:

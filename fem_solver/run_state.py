@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fem_solver.condensed import CondensedState
 from fem_solver.contact_solver import ContactCandidate
 from fem_solver.following.state import FollowingState
-from fem_solver.quadrature import QuadratureSnapshot, QuadratureState
+from fem_solver.quadrature_state import QuadratureSnapshot, QuadratureState
 from fem_solver.recorder import RecorderContent, RowBefore
 from fem_solver.step_control import DyadicInterval
 

@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import BulkRelaxation, Material, Scene, SceneError, UnsupportedScene
+from contact_scene import Scene, SceneError, UnsupportedScene
 from fem_solver.condensed import CondensedHistory
 from fem_solver.cost import run_cost
 from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
+from fem_solver.edge_geometry import EdgeGeometry
 from fem_solver.halfspace import Factorisation, HalfSpace
 from fem_solver.irreversible_edge import IrreversibleEdge
+from fem_solver.moduli import Moduli, moduli
 from fem_solver.options import DEFAULT_TOLERANCE, Options
-from fem_solver.prony import Prony
 from fem_solver.quadrature import QuadratureHistory
-from fem_solver.release import EdgeGeometry
 from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
@@ -29,57 +29,6 @@ _MARGIN = 1.2
 """Radius up to which surface nodes enter the surface compliance, relative to that the mesh is made for."""
 _TRAVEL_SHARE = 0.01
 """Edge travel per step without adhesion, relative to the radius the mesh is made for."""
-
-
-@dataclass(frozen=True)
-class Moduli:
-    """Shear and bulk relaxation; ``bulk`` is ``None`` if incompressible."""
-
-    shear: Prony
-    bulk: Prony | None
-    alike: bool
-
-    @property
-    def ratio(self) -> float:
-        """Relaxed ``G/K``."""
-        return 0.0 if self.bulk is None else self.shear.relaxed / self.bulk.relaxed
-
-    @property
-    def instantaneous_ratio(self) -> float:
-        """Glassy ``G/K``."""
-        if self.alike or self.bulk is None:
-            return self.ratio
-        return self.shear.glassy / self.bulk.glassy
-
-    @property
-    def unit_plane_modulus(self) -> float:
-        """``E*`` of the glassy solid at unit shear modulus, ``2/(1 - nu)``."""
-        ratio = self.instantaneous_ratio
-        poisson = (3.0 - 2.0 * ratio) / (2.0 * (3.0 + ratio))
-        return 2.0 / (1.0 - poisson)
-
-
-def moduli(material: Material) -> Moduli:
-    """Shear modulus ``E(t)/(2 (1 + nu))`` and what ``material.bulk`` makes of the bulk modulus."""
-    values, times = material.spectrum
-    young = Prony(material.modulus, values, times)
-    shear = young.scaled(0.5 / (1.0 + material.poisson))
-    compressible = material.poisson < 0.5
-    factor = 1.0 / (3.0 * (1.0 - 2.0 * material.poisson)) if compressible else math.inf
-    if material.bulk is None:
-        return Moduli(shear, young.scaled(factor) if compressible else None, True)
-    none = np.zeros(0)
-    if isinstance(material.bulk, BulkRelaxation):
-        relaxed = material.bulk.modulus or material.modulus * factor
-        branches = [branch for branch in material.bulk.branches if branch.modulus > 0.0]
-        bulk = Prony(
-            relaxed,
-            np.array([b.modulus for b in branches], float),
-            np.array([b.time for b in branches], float),
-        )
-    else:
-        bulk = Prony(material.modulus * factor, none, none)
-    return Moduli(shear, bulk, shear.times.size == 0 and bulk.times.size == 0)
 
 
 @dataclass(frozen=True)

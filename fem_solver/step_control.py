@@ -144,7 +144,22 @@ class SlopeErrorEstimator:
     slopes: dict[str, float] = field(default_factory=dict)
 
     def error(self, slopes: dict[str, float], scales: dict[str, float], dt: float) -> float:
-        """Change of slope over the step, relative to ``tolerance`` times the scale; 0 just after a kink."""
+        """Change of slope over the step, relative to ``tolerance`` times the scale.
+
+        Parameters
+        ----------
+        slopes : dict of str to float
+            Of the trial step, a quantity per time.
+        scales : dict of str to float
+            Of the quantities.
+        dt : float
+            Length of the step.
+
+        Returns
+        -------
+        float
+            The largest of all quantities; 0 just after a kink.
+        """
         worst = 0.0
         for name, slope in slopes.items():
             if name in self.slopes and scales[name] > 0.0:

@@ -28,7 +28,20 @@ class SteppedRun(Protocol):
     @property
     def state(self) -> SurfaceState: ...
 
-    def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate: ...
+    def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
+        """A step of any length.
+
+        Parameters
+        ----------
+        segment : Segment
+        dt, end : float
+            Length of the step and the time at its end.
+
+        Returns
+        -------
+        StepCandidate
+        """
+        ...
 
 
 class _NoEquilibrium(Exception):

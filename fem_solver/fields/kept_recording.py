@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from contact_scene import KeptState, RunMonitor
 from fem_solver.condensed import CondensedState
 from fem_solver.fields.history import SurfaceLog
-from fem_solver.quadrature import QuadratureState
+from fem_solver.quadrature_state import QuadratureState
 from fem_solver.recorder import SurfaceState
 
 

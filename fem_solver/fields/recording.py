@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from contact_scene import Trace
 from fem_solver.condensed import CondensedState
 from fem_solver.fields.history import HistoryLog
-from fem_solver.quadrature import QuadratureState
+from fem_solver.quadrature_state import QuadratureState
 from fem_solver.recorder import SurfaceState
 from fem_solver.setup import Setup
 

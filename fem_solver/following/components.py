@@ -41,12 +41,36 @@ class Components:
         self._rates, self._modes = np.linalg.eigh(matrix / (self._root * self._root.T))
 
     def linear(self, v: Array, b: Array, dt: Array | float, reached: Array) -> Array:
-        """Branch variables after a time in which ``v`` goes linearly to ``reached``."""
+        """Branch variables after a time in which ``v`` goes linearly to ``reached``.
+
+        Parameters
+        ----------
+        v, reached : ndarray, shape (m,)
+        b : ndarray, shape (branches, m)
+        dt : ndarray, shape (m,), or float
+            Time.
+
+        Returns
+        -------
+        ndarray, shape (branches, m)
+        """
         y = dt / self._times
         return np.exp(-y) * b + self._moduli * phi(y) * (reached - v)
 
     def relieved(self, v: Array, b: Array, dt: Array | float) -> Array:
-        """The value that ``v`` goes to linearly where the force has vanished after a time."""
+        """The value that ``v`` goes to linearly where the force has vanished after a time.
+
+        Parameters
+        ----------
+        v : ndarray, shape (m,)
+        b : ndarray, shape (branches, m)
+        dt : ndarray, shape (m,), or float
+            Time.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+        """
         y = dt / self._times
         gain = (self._moduli * phi(y)).sum(axis=0)
         memory = (np.exp(-y) * b).sum(axis=0) - gain * v
@@ -93,7 +117,20 @@ class Components:
         return 0.5 * (self.shear.relaxed * v**2 + (b**2 / self._moduli).sum(axis=0))
 
     def loss(self, v: Array, b: Array, dt: Array | float, reached: Array) -> Array:
-        """Energy dissipated in each component while ``v`` goes linearly to ``reached`` in a finite time."""
+        """Energy dissipated in each component while ``v`` goes linearly to ``reached`` in a finite time.
+
+        Parameters
+        ----------
+        v, reached : ndarray, shape (m,)
+        b : ndarray, shape (branches, m)
+        dt : ndarray, shape (m,), or float
+            Time.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            Energies.
+        """
         weights = Prony(self.shear.relaxed, self._moduli, self._times).loss_weights(dt)  # type: ignore[arg-type]
         change = reached - v
         parts = weights[0] * b**2 / self._moduli + weights[1] * b * change

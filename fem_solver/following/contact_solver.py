@@ -16,6 +16,7 @@ from fem_solver.edge import AdhesiveEdge, EdgeMotion, EdgePosition
 from fem_solver.following.placement import Placement
 from fem_solver.following.problem import FollowingProblem
 from fem_solver.following.setup import FollowingSetup
+from fem_solver.following.sharp_edge import sharp_rest
 from fem_solver.release import ContactProblem
 
 Array = NDArray[np.float64]
@@ -205,7 +206,7 @@ class FollowingContactSolver:
             if found.in_equilibrium or ended:
                 return found
             if far:
-                radius, far = self._sharp_rest(problem, reached, outwards), False
+                radius, far = sharp_rest(problem, self.setup, reached, outwards), False
                 if radius == 0.0:
                     return replace(found, edge=EdgePosition(EdgeMotion.RECEDING, 2.0))
                 continue
@@ -216,40 +217,14 @@ class FollowingContactSolver:
             stride = min(2.0 * stride + 0.25 * law.range, _STRIDE_OF_RADIUS * reached)
             radius = min(max(reached + (stride if outwards else -stride), low), high)
 
-    def _sharp_rest(self, problem: FollowingProblem, radius: float, outwards: bool = False) -> float:
-        """Where a sharp edge that leaves a radius all at once comes to rest; 0 if contact is lost.
-
-        An edge that would outgrow the mesh rests at the largest radius the mesh is made for.
-        """
-        reach = self.setup.surfaces.reach
-        excess = problem.sharp(self.setup.plane_modulus) - self.setup.work
-        x = problem.placement.positions
-        stable = (excess[:-1] < 0.0) & (excess[1:] >= 0.0)
-        stable &= (x[:-1] > radius) if outwards else (x[1:] < radius)
-        rests = np.flatnonzero(stable)
-        if not rests.size:
-            return reach if outwards else 0.0
-        at = rests[0] if outwards else rests[-1]
-        share = excess[at] / (excess[at] - excess[at + 1])
-        return float(min(x[at] + share * (x[at + 1] - x[at]), reach))
-
     def _sharp_radius(self, dt: float, control: Control, value: float, radius: float) -> float:
         """Contact radius of a sharp edge if all happens at once: the outermost stable, or 0.
 
-        Parameters
-        ----------
-        dt, control, value
-            As of :meth:`trial`.
-        radius : float
-            Where the first search has the mesh.
-
-        Returns
-        -------
-        float
+        The first search has the mesh at ``radius``, each other one where the one before has found the edge.
         """
         for _ in range(_SHARP_SEARCHES):
             problem = self._problem(self.setup.surfaces.around(radius), dt, control, value)
-            radius = self._sharp_rest(problem, math.inf)
+            radius = sharp_rest(problem, self.setup, math.inf)
             if radius == 0.0:
                 break
         return radius

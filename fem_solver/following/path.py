@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class EdgePath:
+class EdgeParabola:
     """A parabola in time through the last two rows and the trial row; a line where there is one row only.
 
     ``a = start + travel (theta + bend theta (theta - 1))`` with the share ``theta`` of the step. The parabola
@@ -30,7 +30,7 @@ class EdgePath:
     bend: float = 0.0
 
     @classmethod
-    def through(cls, start: float, end: float, dt: float, before: tuple[float, float] | None) -> EdgePath:
+    def through(cls, start: float, end: float, dt: float, before: tuple[float, float] | None) -> EdgeParabola:
         """The path from ``start`` to ``end``.
 
         Parameters
@@ -44,7 +44,7 @@ class EdgePath:
 
         Returns
         -------
-        EdgePath
+        EdgeParabola
         """
         travel = end - start
         if before is None or travel == 0.0:

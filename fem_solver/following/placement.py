@@ -13,8 +13,8 @@ from scipy.linalg.blas import dtrmv
 from scipy.linalg.lapack import dtrtrs
 
 from contact_scene import Scene
+from fem_solver.edge_geometry import EdgeGeometry
 from fem_solver.halfspace import HalfSpace
-from fem_solver.release import EdgeGeometry
 from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
@@ -26,7 +26,7 @@ _MARGIN = 1.2
 
 
 @dataclass(frozen=True)
-class Level:
+class UnscaledSurface:
     """A mesh that is not scaled: its surface nodes and their compliance ``L L^T`` at unit shear modulus.
 
     Parameters
@@ -53,7 +53,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Placement:
-    """A level, scaled: ``root`` remains that of the level, everything else is in the scene's units.
+    """An unscaled surface, scaled: ``root`` remains, everything else is in the scene's units.
 
     Parameters
     ----------
@@ -90,7 +90,19 @@ class Placement:
         return dtrmv(self.root, v, lower=1) / np.sqrt(self.scale)
 
     def displacement_of(self, v: Array, first: int, end: int) -> Array:
-        """``L v`` of the nodes ``first..end-1``."""
+        """``L v`` of the nodes ``first..end-1``.
+
+        Parameters
+        ----------
+        v : ndarray, shape (n,)
+        first, end : int
+            Range of nodes.
+
+        Returns
+        -------
+        ndarray, shape (end - first,)
+            Lengths, positive downwards.
+        """
         return self.root[first:end, :end] @ v[:end] / np.sqrt(self.scale)
 
 
@@ -116,7 +128,7 @@ class Surfaces:
     ) -> None:
         self._scene, self._meshes, self._ratio = scene, meshes, ratio
         self._plane_modulus, self._form, self._far_field = plane_modulus, form, far_field
-        self._levels: dict[int, Level] = {}
+        self._levels: dict[int, UnscaledSurface] = {}
         self._placements: OrderedDict[Any, Placement] = OrderedDict()
         self.zone: float = scene.adhesion.zone if scene.adhesion is not None else 0.0
         self.largest = float(meshes.largest)
@@ -160,20 +172,20 @@ class Surfaces:
             lowest=float(np.searchsorted(radii, low + self.zone)) if low > 0.0 else 2.0,
         )
 
-    def _level(self, level: int) -> Level:
+    def _level(self, level: int) -> UnscaledSurface:
         if level not in self._levels:
             self._levels[level] = self._factorised(self._meshes.mesh(level))
             self.stage_done()
         return self._levels[level]
 
-    def _factorised(self, mesh: Any) -> Level:
+    def _factorised(self, mesh: Any) -> UnscaledSurface:
         space = HalfSpace(mesh, self._form == "mixed", self._far_field)
         # a mesh is scaled down to half at most
         reach = 2.0 * self.reach / self.zone
         count = int(np.searchsorted(space.radii, max(reach, _MARGIN * mesh.parameters.fine_to)))
         count = min(count + 1 - count % 2, len(space.radii))
         operator = SurfaceOperator(space.factorise(self._ratio).compliance(count)[0])
-        return Level(
+        return UnscaledSurface(
             radii=space.radii[:count],
             root=np.asfortranarray(operator.root()),
             unit=operator.unit,

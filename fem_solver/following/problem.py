@@ -17,70 +17,18 @@ both are the means over them of what a continuous edge leaves there. The times f
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.segment import Control
 from fem_solver.following.components import Components
-from fem_solver.following.path import EdgePath
+from fem_solver.following.passage import NodePassage
+from fem_solver.following.path import EdgeParabola
 from fem_solver.following.placement import Placement
 from fem_solver.following.state import FollowingState
 
 Array = NDArray[np.float64]
-
-_LEAST_SHARE = 1e-6
-"""Share of a node's contact below which what it would have in full contact is that of one just covered."""
-
-
-@dataclass
-class _Passage:
-    """Components of a range of nodes on their way through a step; sums up energies if asked to.
-
-    ``held`` (branches, 1) are the branch variables of the partly released node if it were in contact.
-    """
-
-    solid: Components
-    v: Array
-    b: Array
-    held: Array
-    accounts: bool
-    dissipated: float = 0.0
-    received: float = 0.0
-
-    def linear(self, dt: Array, reached: Array) -> None:
-        """``v`` goes linearly to ``reached``."""
-        after = self.solid.linear(self.v, self.b, dt, reached)
-        if self.accounts:
-            mean = 0.5 * (self.solid.force(self.v, self.b) + self.solid.force(reached, after))
-            self.received += float(np.sum(mean * (reached - self.v)))
-            lossy = (dt > 0.0) & np.isfinite(dt)
-            if lossy.any():
-                parts = (self.v[lossy], self.b[:, lossy], dt[lossy], reached[lossy])
-                self.dissipated += float(np.sum(self.solid.loss(*parts)))
-        self.v, self.b = reached, after
-
-    def creep(self, dt: Array, force: Array) -> None:
-        """The force goes linearly to ``force``."""
-        v, b, work = self.solid.crept(self.v, self.b, dt, force)
-        if self.accounts:
-            change = self.solid.stored(v, b) - self.solid.stored(self.v, self.b)
-            self.received += float(np.sum(work))
-            self.dissipated += float(np.sum(work - change))
-        self.v, self.b = v, b
-
-    def recover(self, dt: Array) -> None:
-        """Without force, where that takes any time."""
-        free = dt > 0.0
-        if not free.any():
-            return
-        v, b = self.v.copy(), self.b.copy()
-        v[free], b[:, free] = self.solid.recovered(b[:, free], dt[free])
-        if self.accounts:
-            self.dissipated += float(np.sum(self.solid.stored(self.v, self.b) - self.solid.stored(v, b)))
-        self.v, self.b = v, b
 
 
 class FollowingProblem:
@@ -161,12 +109,12 @@ class FollowingProblem:
         edges = sorted((max(self.state.edge, -1.0), s))
         return int(np.floor(edges[0])) + 1, min(int(np.floor(edges[1])) + 2, len(self.placement.unit))
 
-    def _passed(self, s: float, penetration: float, low: int, high: int, accounts: bool) -> _Passage:
+    def _passed(self, s: float, penetration: float, low: int, high: int, accounts: bool) -> NodePassage:
         """Nodes ``low..high-1`` at the end of the step with the edge at ``s``."""
         here, state = self.placement, self.state
         nodes, index = slice(low, high), np.arange(low, high)
         unit, profile = here.unit[nodes], here.profile[nodes]
-        passage = _Passage(
+        passage = NodePassage(
             self.solid, state.components[nodes], state.branches[:, nodes], state.held, accounts
         )
         share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
@@ -180,7 +128,7 @@ class FollowingProblem:
             passage.held = self.solid.linear(*start, self.dt, held[top])
             passage.linear(np.full(high - low, self.dt), share * held + (1.0 - share) * self._free[nodes])
             return passage
-        path = EdgePath.through(state.radius, self.geometry.radius(s), self.dt, state.before)
+        path = EdgeParabola.through(state.radius, self.geometry.radius(s), self.dt, state.before)
         ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
         at, change = path.passed(ends), penetration - state.penetration
 
@@ -188,78 +136,18 @@ class FollowingProblem:
             return (state.penetration + theta * change) * unit - profile
 
         if path.opens:
-            self._release(passage, share[0], at[1:], at[:-1], imposed, low == self._partly)
+            passage.release(self.dt, share[0], at[1:], at[:-1], imposed, low == self._partly)
         else:
-            self._cover(passage, share, at[:-1], at[1:], imposed)
+            before = state.edge - np.floor(state.edge)
+            passage.cover(self.dt, share, at[:-1], at[1:], imposed, before)
         return passage
-
-    def _release(
-        self,
-        passage: _Passage,
-        share: float,
-        first: Array,
-        last: Array,
-        imposed: Callable[[Array], Array],
-        partly: bool,
-    ) -> None:
-        """Nodes that the edge leaves behind, the first of them in part.
-
-        Parameters
-        ----------
-        passage : _Passage
-        share : float
-            Of the first node, in contact at the end.
-        first, last : ndarray, shape (m,)
-            Shares of the step at which the release of each node begins and ends.
-        imposed : callable(ndarray) -> ndarray
-            ``v`` in contact at a share of the step.
-        partly : bool
-            Whether the first node is in contact only in part from the begin on.
-        """
-        passage.linear(first * self.dt, np.where(first > 0.0, imposed(first), passage.v))
-        length = (last - first) * self.dt
-        # the node that remains in part, as if it had stayed in contact
-        branches = self.state.held[:, None] if partly else passage.b[:, :1]
-        reached = imposed(last)[:1]
-        passage.held = self.solid.linear(imposed(first)[:1], branches, length[:1], reached)
-        force = np.zeros(len(passage.v))
-        force[0] = share * self.solid.force(reached, passage.held)[0]
-        passage.creep(length, force)
-        passage.recover((1.0 - last) * self.dt)
-
-    def _cover(
-        self, passage: _Passage, share: Array, first: Array, last: Array, imposed: Callable[[Array], Array]
-    ) -> None:
-        """Nodes that the edge covers, the last of them in part.
-
-        Parameters
-        ----------
-        passage : _Passage
-        share : ndarray, shape (m,)
-            Of each node, in contact at the end.
-        first, last : ndarray, shape (m,)
-            Shares of the step at which each node begins to be covered and is covered.
-        imposed : callable(ndarray) -> ndarray
-            ``v`` in contact at a share of the step.
-        """
-        passage.recover(first * self.dt)
-        length, free = (last - first) * self.dt, passage.b.copy()
-        before = self.state.edge - np.floor(self.state.edge)
-        free[:, 0] = (free[:, 0] - before * self.state.held) / (1.0 - before)
-        v, free = self.solid.recovered(free, length)
-        passage.linear(length, share * imposed(last) + (1.0 - share) * v)
-        if share[-1] > _LEAST_SHARE:
-            passage.held = (passage.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]
-        else:
-            passage.held = self.solid.linear(v[-1:], free[:, -1:], 0.0, imposed(last)[-1:])
-        passage.linear((1.0 - last) * self.dt, np.where(last < 1.0, imposed(np.ones(1)), passage.v))
 
     def arrival(self, s: float) -> tuple[Array, Array]:
         """Components and branch variables at the end of the step; shapes (n,) and (branches, n)."""
         v, b, _ = self._arrived(s, False)
         return v, b
 
-    def _arrived(self, s: float, accounts: bool) -> tuple[Array, Array, _Passage]:
+    def _arrived(self, s: float, accounts: bool) -> tuple[Array, Array, NodePassage]:
         here, penetration = self.placement, self.penetration(s)
         low, high = self._changing(s)
         passage = self._passed(s, penetration, low, high, accounts)
@@ -300,7 +188,7 @@ class FollowingProblem:
         low, high = self._changing(s)
         for nodes in (slice(0, low), slice(high, None)):
             started = self.state.components[nodes], self.state.branches[:, nodes]
-            rest = _Passage(self.solid, *started, self.state.held, True)
+            rest = NodePassage(self.solid, *started, self.state.held, True)
             if nodes.stop is None and not self.at_once:
                 rest.recover(np.full(len(rest.v), self.dt))
             else:

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from contact_scene import Scene, SceneError, UnsupportedScene
 from fem_solver.edge import AdhesiveEdge
+from fem_solver.edge_geometry import EdgeGeometry
 from fem_solver.following.components import Components
 from fem_solver.following.history import FollowingHistory
 from fem_solver.following.placement import Surfaces
+from fem_solver.moduli import moduli
 from fem_solver.options import DEFAULT_TOLERANCE, Options
-from fem_solver.release import EdgeGeometry
-from fem_solver.setup import SetUpInterrupted, moduli
+from fem_solver.setup import SetUpInterrupted
 
 Array = NDArray[np.float64]
 

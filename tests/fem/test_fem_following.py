@@ -28,7 +28,7 @@ from contact_scene import (
 )
 from fem_solver.following import history
 from fem_solver.following.components import Components
-from fem_solver.following.path import EdgePath
+from fem_solver.following.path import EdgeParabola
 from fem_solver.prony import Prony
 from meshes import EdgeMeshes
 from validation.solvers.finite_elements import FOLLOWED_BEYOND, FiniteElements, edge_meshes
@@ -86,7 +86,7 @@ def test_without_force_a_component_recovers_in_one_step_as_in_two():
 
 
 def test_the_path_meets_the_rows_and_tells_when_a_node_is_passed():
-    path = EdgePath.through(1.0, 0.7, 0.5, (0.25, 1.05))
+    path = EdgeParabola.through(1.0, 0.7, 0.5, (0.25, 1.05))
     shares = np.linspace(0.0, 1.0, 11)
     radii = 1.0 + path.travel * (shares + path.bend * shares * (shares - 1.0))
     assert_allclose(path.passed(radii), shares, atol=1e-12)
@@ -94,10 +94,10 @@ def test_the_path_meets_the_rows_and_tells_when_a_node_is_passed():
     parabola = np.polyfit([-0.25, 0.0, 0.5], [1.05, 1.0, 0.7], 2)
     assert_allclose(radii, np.polyval(parabola, 0.5 * shares), atol=1e-12)
     assert path.passed(np.array([1.2, 0.5])).tolist() == [0.0, 1.0]
-    turning = EdgePath.through(1.0, 1.001, 0.5, (0.25, 1.5))
+    turning = EdgeParabola.through(1.0, 1.001, 0.5, (0.25, 1.5))
     assert abs(turning.bend) == 1.0
     assert not turning.opens
-    assert EdgePath.through(1.0, 1.0, 0.5, (0.25, 1.5)).passed(np.array([0.9, 1.0, 1.1])).tolist() == [
+    assert EdgeParabola.through(1.0, 1.0, 0.5, (0.25, 1.5)).passed(np.array([0.9, 1.0, 1.1])).tolist() == [
         1,
         1,
         0,
@@ -182,8 +182,8 @@ def forgetful(true):
 @pytest.mark.parametrize(
     ("owner", "name", "wrong"),
     [
-        pytest.param(EdgePath, "through", straight, id="a path of lower order"),
-        pytest.param(EdgePath, "passed", late, id="nodes released at the end of the step"),
+        pytest.param(EdgeParabola, "through", straight, id="a path of lower order"),
+        pytest.param(EdgeParabola, "passed", late, id="nodes released at the end of the step"),
     ],
 )
 def test_faults_in_the_steps_over_many_nodes_show(owner, name, wrong, monkeypatch):

@@ -7,8 +7,9 @@ import pytest
 
 from fem_solver.condensed import Response
 from fem_solver.edge import AdhesiveEdge, EdgeMotion
+from fem_solver.edge_geometry import EdgeGeometry
 from fem_solver.halfspace import HalfSpace
-from fem_solver.release import ContactProblem, EdgeGeometry
+from fem_solver.release import ContactProblem
 from fem_solver.surface import SurfaceOperator
 from meshes import fit, structured_half_space
 from validation.reference.finite_zone import FiniteZone

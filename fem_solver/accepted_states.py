@@ -1,0 +1,196 @@
+"""States that a run accepts, one row each, and the ends that a state may bring.
+
+Penetration is positive downwards, force positive in compression.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Counters, LoadingCursor, Outcome, OutcomeKind, RunMonitor
+from contact_scene.run_control import below_zone_outcome, budget_outcome
+from contact_scene.segment import Control
+from fem_solver.contact_solver import ContactCandidate, ContactSolver
+from fem_solver.edge import NO_CONTACT, AdhesiveEdge, EdgeMotion, EdgePosition
+from fem_solver.edge_geometry import EdgeOrigin
+from fem_solver.events import zone_reached
+from fem_solver.following.contact_solver import FollowingContactSolver
+from fem_solver.following.setup import FollowingSetup
+from fem_solver.irreversible_edge import IrreversibleEdge, energy_spent
+from fem_solver.recorder import SurfaceRecorder, SurfaceState
+from fem_solver.run_state import StepBefore
+from fem_solver.setup import Setup
+from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
+
+Array = NDArray[np.float64]
+
+
+class RunEnded(Exception):
+    """The run ends before its loading does."""
+
+    def __init__(self, outcome: Outcome) -> None:
+        super().__init__(outcome.reason)
+        self.outcome = outcome
+
+
+@dataclass
+class AcceptedStates:
+    """What a run holds, and how a state becomes part of it.
+
+    Parameters
+    ----------
+    setup : Setup or FollowingSetup
+    recorder : SurfaceRecorder
+    estimator : SlopeErrorEstimator
+    force_scale : callable(float) -> float
+        Force to which errors of the force are relative, at a contact radius.
+    max_steps : int
+        Budget of trial steps.
+    requested : frozenset of float
+        Times stepped onto beside kinks and ends of load steps.
+    on_stop : callable(float)
+        Called at the start and at every stop.
+    on_commit : callable(float, ndarray)
+        Called after every accepted step with its length and nodal forces.
+    on_take_back : callable()
+        Called after the last step has been taken back.
+    monitor : RunMonitor or None
+    progress : callable(float) or None
+    """
+
+    setup: Setup | FollowingSetup
+    recorder: SurfaceRecorder
+    estimator: SlopeErrorEstimator
+    force_scale: Callable[[float], float]
+    max_steps: int
+    requested: frozenset[float]
+    on_stop: Callable[[float], None]
+    on_commit: Callable[[float, Array], None]
+    on_take_back: Callable[[], None]
+    monitor: RunMonitor | None = None
+    progress: Callable[[float], None] | None = None
+    cursor: LoadingCursor = field(default_factory=LoadingCursor)
+    counters: Counters = field(default_factory=Counters)
+    time: float = 0.0
+    interval: DyadicInterval | None = None
+    step: float | None = None
+    before: StepBefore | None = None
+
+    def __post_init__(self) -> None:
+        self.solver: ContactSolver
+        if isinstance(self.setup, FollowingSetup):
+            following = FollowingContactSolver(self.setup, self.counters)
+            self.solver = following  # type: ignore[assignment] # another class with the same methods
+        else:
+            self.solver = ContactSolver(self.setup, self.counters, self._edge_origin)
+
+    @property
+    def state(self) -> SurfaceState:
+        """The last accepted state."""
+        return self.recorder.last
+
+    def _edge_origin(self) -> EdgeOrigin | None:
+        """Edge of the last accepted state; the step to it counts unless rates jump there."""
+        last = self.recorder.content.last
+        if last is None:
+            return None
+        smooth = "radius" in self.estimator.slopes
+        return EdgeOrigin(last.edge, last.radius, last.rate, last.duration if smooth else 0.0)
+
+    def _check_budget(self) -> None:
+        outcome = budget_outcome(self.counters, self.max_steps, self.time)
+        if outcome is not None:
+            raise RunEnded(outcome)
+
+    def _commit(self, candidate: ContactCandidate, contact: bool = True) -> None:
+        """Accept a state, in contact or free: history, row, counters."""
+        forces = candidate.problem.forces(candidate.edge.s)
+        penetration, force, radius = candidate.penetration, candidate.force, self.solver.radius(candidate)
+        if not (np.isfinite(forces).all() and all(map(math.isfinite, (penetration, force, radius)))):
+            self._end(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
+        least = self.setup.resolved_from
+        if contact and radius < least:
+            reason = f"the contact shrinks below the radius {least:.6g} the mesh is made for"
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
+        history = self.setup.history
+        received = self.solver.accept(candidate, forces)
+        self.on_commit(candidate.dt, forces)
+        displacement = history.displacement
+        gap = self.setup.height - penetration + displacement
+        self.counters.steps += self.recorder.content.last is not None
+        self.recorder.add(
+            SurfaceState(
+                time=self.time,
+                penetration=penetration,
+                force=force,
+                radius=radius,
+                edge=candidate.edge.s,
+                forces=forces,
+                displacement=displacement,
+                stored=history.stored_energy,
+                interface=-0.5 * float(forces @ gap),
+                branch_dissipation=history.state.dissipated,
+                zone=candidate.problem.zone(candidate.edge.s),
+                received=received,
+                **self._interface(candidate, radius),
+            )
+        )
+        if self.setup.geometry.stress is not None and self.state.zone >= radius:
+            forces_so_far = [row[2] for row in self.recorder.content.rows]
+            raise RunEnded(below_zone_outcome(forces_so_far, self.time))
+
+    def _interface(self, candidate: ContactCandidate, radius: float) -> dict[str, float]:
+        """Closure, energy spent and rate of the edge, where they do not follow from the contact radius."""
+        law, last = self.setup.law, self.recorder.content.last
+        if not isinstance(law, IrreversibleEdge):
+            return {}
+        closure = candidate.problem.closure(candidate.edge.s)
+        if last is None:
+            return {"closure": closure}
+        dt = candidate.dt
+        spent = energy_spent(law.adhesion, (last.radius, radius), (last.closure, closure))
+        rate = (radius - last.radius) / dt if dt > 0.0 else 0.0
+        return {"closure": closure, "spent": last.spent + spent, "rate": rate, "duration": dt}
+
+    def _contact_lost(self, candidate: ContactCandidate) -> NoReturn:
+        """No equilibrium: the contact outgrows the mesh, or is lost."""
+        geometry = self.setup.geometry
+        if candidate.edge.motion is EdgeMotion.ADVANCING:
+            reached = geometry.radius(candidate.edge.s)
+            reason = f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
+        self._pulled_off()
+
+    def _pulled_off(self) -> NoReturn:
+        self.recorder.event("pull-off")
+        reason = f"contact lost at penetration {self.state.penetration:.6g}"
+        if self.setup.compliance > 0.0:  # the spring takes the indenter to where the stage is
+            stage = self.state.penetration + self.setup.compliance * self.state.force
+            free = EdgePosition(EdgeMotion.RESTING, NO_CONTACT)
+            self._commit(self.solver.held(0.0, "stage", stage, free), contact=False)
+        self._end(OutcomeKind.DETACHED, reason)
+
+    def _below_zone(self, candidate: ContactCandidate) -> bool:
+        zone = self.setup.geometry.zone
+        return zone is not None and self.solver.radius(candidate) < zone
+
+    def _end_at_zone(self, load: Callable[[float], tuple[float, Control, float]]) -> NoReturn:
+        """End with the row at which the contact is as short as its process zone (see ``zone_reached``)."""
+        law = self.setup.law
+        assert isinstance(law, AdhesiveEdge)
+        reached = zone_reached(self.solver, law.taken, load)
+        if reached is None:
+            self._pulled_off()
+        self.time += reached.dt
+        self._commit(reached)
+        forces = [row[2] for row in self.recorder.content.rows]
+        raise RunEnded(below_zone_outcome(forces, self.time))
+
+    def _end(self, kind: OutcomeKind, reason: str) -> NoReturn:
+        raise RunEnded(Outcome(kind, reason, self.time))

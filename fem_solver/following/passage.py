@@ -1,0 +1,138 @@
+"""Nodes on their way through a step: in contact, partly released, free, or in reverse.
+
+Each change of a node takes its own time, which follows from the path of the edge (see ``problem``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.following.components import Components
+
+Array = NDArray[np.float64]
+
+_LEAST_SHARE = 1e-6
+"""Share of a node's contact below which what it would have in full contact is that of one just covered."""
+
+
+@dataclass
+class NodePassage:
+    """Components of a range of nodes on their way through a step; sums up energies if asked to.
+
+    ``held`` are the branch variables of the partly released node if it were in contact: (branches,) those at
+    the begin of the step, (branches, 1) those at its end.
+    """
+
+    solid: Components
+    v: Array
+    b: Array
+    held: Array
+    accounts: bool
+    dissipated: float = 0.0
+    received: float = 0.0
+
+    def linear(self, dt: Array, reached: Array) -> None:
+        """``v`` goes linearly to ``reached``."""
+        after = self.solid.linear(self.v, self.b, dt, reached)
+        if self.accounts:
+            mean = 0.5 * (self.solid.force(self.v, self.b) + self.solid.force(reached, after))
+            self.received += float(np.sum(mean * (reached - self.v)))
+            lossy = (dt > 0.0) & np.isfinite(dt)
+            if lossy.any():
+                parts = (self.v[lossy], self.b[:, lossy], dt[lossy], reached[lossy])
+                self.dissipated += float(np.sum(self.solid.loss(*parts)))
+        self.v, self.b = reached, after
+
+    def creep(self, dt: Array, force: Array) -> None:
+        """The force goes linearly to ``force``."""
+        v, b, work = self.solid.crept(self.v, self.b, dt, force)
+        if self.accounts:
+            change = self.solid.stored(v, b) - self.solid.stored(self.v, self.b)
+            self.received += float(np.sum(work))
+            self.dissipated += float(np.sum(work - change))
+        self.v, self.b = v, b
+
+    def recover(self, dt: Array) -> None:
+        """Without force, where that takes any time."""
+        free = dt > 0.0
+        if not free.any():
+            return
+        v, b = self.v.copy(), self.b.copy()
+        v[free], b[:, free] = self.solid.recovered(b[:, free], dt[free])
+        if self.accounts:
+            self.dissipated += float(np.sum(self.solid.stored(self.v, self.b) - self.solid.stored(v, b)))
+        self.v, self.b = v, b
+
+    def release(
+        self,
+        dt: float,
+        share: float,
+        first: Array,
+        last: Array,
+        imposed: Callable[[Array], Array],
+        partly: bool,
+    ) -> None:
+        """Nodes that the edge leaves behind, the first of them in part.
+
+        Parameters
+        ----------
+        dt : float
+            Length of the step.
+        share : float
+            Of the first node, in contact at the end.
+        first, last : ndarray, shape (m,)
+            Shares of the step at which the release of each node begins and ends.
+        imposed : callable(ndarray) -> ndarray
+            ``v`` in contact at a share of the step.
+        partly : bool
+            Whether the first node is in contact only in part from the begin on.
+        """
+        self.linear(first * dt, np.where(first > 0.0, imposed(first), self.v))
+        length = (last - first) * dt
+        # the node that remains in part, as if it had stayed in contact
+        branches = self.held[:, None] if partly else self.b[:, :1]
+        reached = imposed(last)[:1]
+        self.held = self.solid.linear(imposed(first)[:1], branches, length[:1], reached)
+        force = np.zeros(len(self.v))
+        force[0] = share * self.solid.force(reached, self.held)[0]
+        self.creep(length, force)
+        self.recover((1.0 - last) * dt)
+
+    def cover(
+        self,
+        dt: float,
+        share: Array,
+        first: Array,
+        last: Array,
+        imposed: Callable[[Array], Array],
+        before: float,
+    ) -> None:
+        """Nodes that the edge covers, the last of them in part.
+
+        Parameters
+        ----------
+        dt : float
+            Length of the step.
+        share : ndarray, shape (m,)
+            Of each node, in contact at the end.
+        first, last : ndarray, shape (m,)
+            Shares of the step at which each node begins to be covered and is covered.
+        imposed : callable(ndarray) -> ndarray
+            ``v`` in contact at a share of the step.
+        before : float
+            Share of the first node, in contact at the begin.
+        """
+        self.recover(first * dt)
+        length, free = (last - first) * dt, self.b.copy()
+        free[:, 0] = (free[:, 0] - before * self.held) / (1.0 - before)
+        v, free = self.solid.recovered(free, length)
+        self.linear(length, share * imposed(last) + (1.0 - share) * v)
+        if share[-1] > _LEAST_SHARE:
+            self.held = (self.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]
+        else:
+            self.held = self.solid.linear(v[-1:], free[:, -1:], 0.0, imposed(last)[-1:])
+        self.linear((1.0 - last) * dt, np.where(last < 1.0, imposed(np.ones(1)), self.v))

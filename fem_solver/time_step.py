@@ -1,0 +1,210 @@
+"""One time step: trials of shrinking length until one is accepted, or the edge leaves in a jump.
+
+A trial (``contact_solver``, ``events``) returns a candidate and changes nothing. Steps are dyadic divisions
+of an interval between two stops (``step_control``).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NoReturn
+
+from contact_scene import Segment
+from contact_scene.segment import Control
+from fem_solver.accepted_states import AcceptedStates
+from fem_solver.contact_solver import ContactCandidate
+from fem_solver.curved_loads import deviation_from_tangent
+from fem_solver.edge import EdgeMotion
+from fem_solver.events import edge_jump
+from fem_solver.recorder import SurfaceState
+from fem_solver.run_state import StepBefore, StepCandidate, TensionPeak
+from fem_solver.step_control import DyadicInterval, missed_peak
+from fem_solver.trigger import step_to_level
+
+_REJECT = 2.0
+"""A step is rejected if its estimated error exceeds this multiple of the allowed one."""
+_MISSED_TENSION = 0.1
+"""Tension that rows may miss of its largest value, relative to the allowed error of the force."""
+_ZONE_END_SHARE = 1e-4
+"""Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
+_EVENT_TRAVEL = 4.0
+"""An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
+_DEVIATION_PER_TOLERANCE = 10.0
+"""Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its swing."""
+_RADIUS_SCALE = 10.0
+"""Allowed error of the radius per that of the force, relative to their sizes: the travel bounds it closer."""
+_ELASTIC_TRAVEL = 4.0
+"""Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
+_ELASTIC_SHARE = 0.1
+"""Edge travel per step of an elastic solid, relative to the contact radius, where that is more."""
+
+
+class SteppedStates(AcceptedStates):
+    """A run that goes from one accepted state to the next within an interval between two stops."""
+
+    def _advance(self, segment: Segment, interval: DyadicInterval, span: float) -> None:
+        """One accepted step, after as many trials as it takes."""
+        while True:
+            deviation = self._deviation(segment, interval, span)
+            if deviation > _REJECT and not interval.shortest:
+                interval.halve()
+                continue
+            self._check_budget()
+            candidate = self.trial_step(segment, interval.dt, interval.next_time)
+            error = max(deviation, candidate.error)
+            if self._overshoots_its_zone(candidate.contact, interval):
+                self._reject(interval)
+                continue
+            if error > _REJECT and not interval.shortest:
+                self._reject(interval)
+                continue
+            peak = self._tension_peak(candidate)
+            if peak is not None and peak.rise * interval.dt > peak.allowed and not interval.shortest:
+                self._reject(interval)
+                continue
+            if peak is None or not self._divide_last_step(peak, interval):
+                break
+        contact, slopes = candidate.contact, candidate.slopes
+        if segment.trigger is not None:
+            at_level = step_to_level(self, segment, segment.trigger, interval.dt, contact)
+            if at_level is not None:
+                self.time += at_level.dt
+                self._commit(at_level)
+                self.cursor.level_reached()
+                return
+        radius, travel, jumped = self.state.radius, self._travel(), not contact.in_equilibrium
+        if jumped:
+            contact, slopes, error = self._edge_jump(contact), {}, 0.0
+        elif self._below_zone(contact):
+            self._end_in_step(segment, interval.dt)
+        before = StepBefore(
+            self.time,
+            interval.position,
+            self.estimator.slopes,
+            self.recorder.mark(),
+            self.setup.history.state,
+        )
+        self.time = interval.next_time
+        interval.advance()
+        self._commit(contact)
+        self.before = None if jumped else before
+        self.estimator.accept(slopes)
+        moved = abs(self.state.radius - radius)
+        if error > 1.0 or moved > 0.9 * travel:
+            interval.halve()
+        elif error < 0.25 and moved < 0.4 * travel:
+            interval.double()
+
+    def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
+        """A step with its edge within one step's travel.
+
+        Parameters
+        ----------
+        segment : Segment
+        dt, end : float
+            Length of the step and the time at its end.
+
+        Returns
+        -------
+        StepCandidate
+        """
+        now = self.state
+        contact = self.solver.trial(dt, segment.control, segment.value(end), now.edge, self._reach(now))
+        if not contact.in_equilibrium:
+            return StepCandidate(contact, {}, math.inf)
+        radius = self.solver.radius(contact)
+        quantities = {
+            "force": (contact.force, now.force, self.force_scale(radius)),
+            "penetration": (contact.penetration, now.penetration, self.recorder.depth_scale()),
+            "radius": (radius, now.radius, _RADIUS_SCALE * radius),
+        }
+        if segment.control == "penetration":
+            del quantities["penetration"]
+        slopes = {name: (new - old) / dt for name, (new, old, _) in quantities.items()}
+        scales = {name: scale for name, (_, _, scale) in quantities.items()}
+        return StepCandidate(contact, slopes, self.estimator.error(slopes, scales, dt))
+
+    def _travel(self) -> float:
+        """Edge travel allowed in the present step.
+
+        Without a history each state is an equilibrium by itself, and the edge may pass many zones in a step;
+        the shortest step alone keeps to the travel of the others: what lies farther is reached in a jump.
+        """
+        travel, interval = self.setup.travel, self.interval
+        if self.setup.has_history or interval is None or interval.shortest:
+            return travel
+        return max(_ELASTIC_TRAVEL * travel, _ELASTIC_SHARE * self.state.radius)
+
+    def _reach(self, now: SurfaceState) -> tuple[float, float]:
+        """Edge positions within one step's travel, at least one node either way."""
+        geometry, travel = self.setup.geometry, self._travel()
+        low, high = geometry.position(now.radius - travel), geometry.position(now.radius + travel)
+        return min(low, now.edge - 1.0), max(high, now.edge + 1.0)
+
+    def _deviation(self, segment: Segment, interval: DyadicInterval, span: float) -> float:
+        """Deviation of the prescribed value from its tangent over a step, relative to the allowed one."""
+        if segment.linear or span == 0.0:
+            return 0.0
+        largest = deviation_from_tangent(segment, interval.time, interval.next_time)
+        return largest / (_DEVIATION_PER_TOLERANCE * self.estimator.tolerance * span)
+
+    def _overshoots_its_zone(self, contact: ContactCandidate, interval: DyadicInterval) -> bool:
+        """Whether a zone of fixed stress comes to fill its contact within a step that is not yet short."""
+        if self.setup.geometry.stress is None or not contact.in_equilibrium or interval.shortest:
+            return False
+        fills = contact.problem.zone(contact.edge.s) >= self.solver.radius(contact)
+        return fills and interval.dt > _ZONE_END_SHARE * (interval.end - interval.start)
+
+    def _reject(self, interval: DyadicInterval) -> None:
+        self.counters.rejected_steps += 1
+        interval.halve()
+
+    def _tension_peak(self, candidate: StepCandidate) -> TensionPeak | None:
+        """The turn of the tension at the last row, if it is the largest so far."""
+        tension = -self.state.force
+        rise, fall = -self.estimator.slopes.get("force", 0.0), candidate.slopes.get("force", math.inf)
+        allowed = _MISSED_TENSION * self.estimator.tolerance * self.force_scale(self.state.radius)
+        turns = rise > 0.0 and fall > 0.0 and tension + allowed > self.recorder.content.largest_tension
+        return TensionPeak(rise, fall, allowed) if turns else None
+
+    def _divide_last_step(self, peak: TensionPeak, interval: DyadicInterval) -> bool:
+        """Take the last step back if too much of the peak may lie within it; whether it is taken back."""
+        before = self.before
+        if before is None or not interval.divisible(before.position):
+            return False
+        earlier = -before.slopes["force"] if "force" in before.slopes else math.inf
+        if missed_peak(earlier, peak.rise, peak.fall, self.time - before.time) <= peak.allowed:
+            return False
+        self._take_back(before, interval)
+        return True
+
+    def _take_back(self, before: StepBefore, interval: DyadicInterval) -> None:
+        """Return to the begin of the last step, to take it in parts."""
+        self.time = before.time
+        self.estimator.accept(before.slopes)
+        self.recorder.take_back(before.row)
+        self.setup.history.take_back(before.history)  # type: ignore[arg-type]
+        self.on_take_back()
+        self.counters.steps -= 1
+        self.counters.rejected_steps += 1
+        self.before = None
+        interval.take_back(before.position)
+
+    def _edge_jump(self, candidate: ContactCandidate) -> ContactCandidate:
+        """The state after an edge jump; it is an event if the edge jumps far."""
+        landed = edge_jump(self.solver, candidate)
+        if not landed.in_equilibrium or self._below_zone(landed):
+            self._contact_lost(landed)
+        if abs(self.solver.radius(landed) - self.state.radius) > _EVENT_TRAVEL * self.setup.travel:
+            advancing = candidate.edge.motion is EdgeMotion.ADVANCING
+            self.recorder.event("snap-in" if advancing else "pull-off")
+        return landed
+
+    def _end_in_step(self, segment: Segment, dt: float) -> NoReturn:
+        """The contact becomes shorter than its process zone within a step."""
+        start = self.time
+
+        def load(share: float) -> tuple[float, Control, float]:
+            return share * dt, segment.control, segment.value(start + share * dt)
+
+        self._end_at_zone(load)
