@@ -19,7 +19,9 @@ from validation.execution.files import output_folder
 from validation.execution.store import Store
 from validation.fits.afm_files import is_afm_file, read_afm, write_afm
 from validation.fits.curve_files import read_csv, write_csv
-from validation.fits.fit import REGULARISATION, FitResult, FitSettings, InterruptedFit, fit_curves
+from validation.fits.fit import fit_curves
+from validation.fits.fit_result import FitResult, InterruptedFit
+from validation.fits.fit_settings import REGULARISATION, FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.statistics import Estimate
 from validation.fits.synthetic import synthetic
