@@ -48,7 +48,7 @@ def test_elastic_pull_off(material, written):
     assert_allclose(trace.outcome.time, (0.01 - lost) / 0.01, rtol=1e-3)
 
 
-@pytest.mark.parametrize("rate", CYCLES)
+@pytest.mark.parametrize("rate", [0.02, *(pytest.param(v, marks=pytest.mark.slow) for v in (0.002, 0.1))])
 def test_cycle(rate):
     force, radius, pull, lost, loop = CYCLES[rate]
     trace = bem(cycle(rate))
@@ -84,6 +84,7 @@ def test_fast_retraction_approaches_its_limit_from_below():
     assert lacks[-1] < 6e-3
 
 
+@pytest.mark.slow
 def test_lee_radok_loading_and_ting_unloading():
     trace = bem(scene(Ramp(0.05, 0.05), Ramp(-0.5, 0.05), start="relaxed", adhesion=None))
     exact = Ting(ONE, SPHERE, 0.05, 1.0, 0.05)

@@ -66,6 +66,9 @@ LOADINGS = {
 }
 SLOW = {
     "hold",
+    "long zone",
+    "power 8",
+    "sweep",
     "three branches",
     "dead tension",
     "cone",
@@ -151,6 +154,7 @@ def test_tabulated_sphere_is_the_sphere():
     assert_allclose(mine.external_work[-1], sphere.external_work[-1], rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_power_two_is_the_sphere():
     mine, sphere = bem(cycle(0.1, indenter=PowerLaw(2.0, 0.5)), resolution=6), bem(cycle(0.1), resolution=6)
     assert_allclose(mine.force.min(), sphere.force.min(), rtol=1e-9)

@@ -94,8 +94,10 @@ def test_kinks_of_a_table_are_stepped_onto():
     "question",
     [
         cycle(0.1, depth=0.01),
-        scene(Ramp(0.02, 0.1), Hold(0.1), Force(PULL, 0.1), Ramp(-0.5, 0.1)),
-        scene(Ramp(0.01, 0.05), Ramp(-0.02, 0.05), adhesion=None),
+        pytest.param(
+            scene(Ramp(0.02, 0.1), Hold(0.1), Force(PULL, 0.1), Ramp(-0.5, 0.1)), marks=pytest.mark.slow
+        ),
+        pytest.param(scene(Ramp(0.01, 0.05), Ramp(-0.02, 0.05), adhesion=None), marks=pytest.mark.slow),
     ],
     ids=["cycle", "four steps", "adhesionless"],
 )

@@ -85,7 +85,13 @@ def test_displacement_and_strain_belong_to_the_stress():
 
 
 @pytest.mark.parametrize(
-    ("poisson", "form"), [(0.3, "mixed"), (0.5, "mixed"), (0.3, "displacement")], ids=str
+    ("poisson", "form"),
+    [
+        pytest.param(0.3, "mixed", marks=pytest.mark.slow),
+        (0.5, "mixed"),
+        pytest.param(0.3, "displacement", marks=pytest.mark.slow),
+    ],
+    ids=str,
 )
 def test_back_substitution_gives_what_internal_variables_in_the_body_give(poisson, form):
     pairs = zip(states("condensed", poisson, form), states("quadrature", poisson, form), strict=True)

@@ -31,6 +31,11 @@ TABLE = TabulatedProfile(
 )
 SHAPES = [Sphere(1.0), Cone(80.0), PowerLaw(3.0, 1.5), FlatPunch(0.2), TABLE]
 shapes = pytest.mark.parametrize("indenter", SHAPES, ids=lambda s: s.shape)
+shapes_table_slow = pytest.mark.parametrize(
+    "indenter",
+    [*SHAPES[:-1], pytest.param(TABLE, marks=pytest.mark.slow)],
+    ids=lambda s: s.shape,
+)
 materials = pytest.mark.parametrize("material", [ONE, WIDE, ELASTIC], ids=["one", "five", "elastic"])
 
 
@@ -69,7 +74,7 @@ def test_check_values_of_the_one_branch_cycle():
 
 
 @materials
-@shapes
+@shapes_table_slow
 def test_a_ramp_is_its_convolution(material, indenter):
     time, rate = 0.9, 0.05
     radius, force = lee_radok.ramp(material, indenter, rate, time)
@@ -116,7 +121,7 @@ def test_creep_after_a_step_ends_in_the_relaxed_contact(indenter):
         assert_allclose(sneddon.force(indenter, late, 1.0), load, rtol=1e-10)
 
 
-@shapes
+@shapes_table_slow
 @pytest.mark.parametrize("hold", [0.0, 0.4])
 def test_ting_satisfies_its_two_integrals(indenter, hold):
     cycle = Ting(WIDE, indenter, 0.05, 1.0, 0.08, hold)

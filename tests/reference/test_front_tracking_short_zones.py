@@ -130,7 +130,10 @@ ZONES = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 2e-8]
 
 @pytest.mark.parametrize(
     ("loading", "growth"),
-    [pytest.param(RETRACTION, 40, id="retraction"), pytest.param(CYCLE, 60, id="cycle", marks=SLOW)],
+    [
+        pytest.param(RETRACTION, 40, id="retraction", marks=SLOW),
+        pytest.param(CYCLE, 60, id="cycle", marks=SLOW),
+    ],
 )
 def test_work_grows_with_the_logarithm_of_the_zone(loading: Loading, growth: float) -> None:
     """Steps, and nodes carried from step to step, per decade of zone."""
@@ -145,6 +148,7 @@ def test_work_grows_with_the_logarithm_of_the_zone(loading: Loading, growth: flo
     assert np.all(nodes < 400 + 150 * decades)
 
 
+@SLOW
 def test_pull_off_force_in_the_limit_of_fast_opening() -> None:
     """Zone to zero at a given speed: glassy opening from the relaxed radius (formulation, section 8)."""
     start = JKR(Sphere(1.0), 1.0, WORK).at_penetration(0.032).contact_radius

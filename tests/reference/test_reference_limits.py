@@ -141,7 +141,7 @@ def test_viscoelastic_punch_lets_go_between_its_bounds():
 
 
 @shapes(Sphere(1.0), Cone(80.0), TABLE)
-@pytest.mark.parametrize("material", [ONE, THREE], ids=["one", "three"])
+@pytest.mark.parametrize("material", [ONE, pytest.param(THREE, marks=pytest.mark.slow)], ids=["one", "three"])
 def test_adhesionless_cycle_is_lee_radoks_and_tings(material, indenter):
     scene = Scene(
         material, indenter, Loading("relaxed", 0.0, (Ramp(0.04, 0.05), Hold(0.2), Ramp(-0.05, 0.08)))
