@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 from contact_scene import Scene, SceneError
 from contact_scene.errors import NOT_NEGATIVE, number, shown
 from contact_scene.run_control import whole_number
-from crosscontact import registry
+from crosscontact import registry, run_figure
 from crosscontact.key_numbers import aligned
 from crosscontact.limits import SMALLEST_RESOLUTION
-from crosscontact.result import Result, two_axes
+from crosscontact.result import Result
 from validation import cases
 from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
@@ -170,16 +170,15 @@ class SolverComparison:
     def __getitem__(self, solver: str) -> Result:
         return self.results[solver]
 
-    def plot(self, axes: Sequence[Axes] | None = None) -> tuple[Axes, Axes]:
+    def plot(self, axes: Sequence[Axes] | None = None) -> tuple[Axes, ...]:
         """All results laid over each other, as :meth:`Result.plot`."""
+        with_stage = any(run_figure.has_stage(result.trace) for result in self.results.values())
         if axes is None:
-            from matplotlib import pyplot
-
-            axes = pyplot.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")[1]
-        left, right = two_axes(axes)
+            axes = run_figure.new_axes(with_stage)
+        panels = run_figure.checked_axes(axes, with_stage)
         for result in sorted(self.results.values(), key=lambda result: result.solver != registry.REFERENCE):
-            result.plot((left, right))
-        return left, right
+            result.plot(panels)
+        return panels
 
     def _rows(self) -> list[tuple[str, ...]]:
         head = ("solver", "quantity", "found", "expected", "difference", "limit", "verdict")

@@ -20,6 +20,8 @@ KEY_MEASURES = {
     "dissipated_energy": "energy",
 }
 """Measures shown for every run, and the kind of their unit."""
+MACHINE_MEASURES = {"stage_at_detachment": "length", "instability_loss": "energy"}
+"""Those shown after them where the machine is a spring: the last is the energy lost at snaps."""
 
 SCALES_IN_WORDS = (
     "penetrations to the largest of the run, losses at least to the largest energy, else to the value"
@@ -71,10 +73,11 @@ class KeyNumber:
 def key_numbers(
     scene: Scene, measures: Mapping[str, float | None], errors: Mapping[str, float]
 ) -> list[KeyNumber]:
-    """The key numbers of a run on a scene, in the order of ``KEY_MEASURES``."""
+    """The key numbers of a run on a scene, in the order of ``KEY_MEASURES``; then those of its spring."""
     units = unit_sizes(scene)
     numbers = []
-    for name, kind in KEY_MEASURES.items():
+    shown = KEY_MEASURES | (MACHINE_MEASURES if scene.loading.compliance > 0.0 else {})
+    for name, kind in shown.items():
         value, jkr = measures.get(name), units.get("jkr-force") if kind == "force" else None
         scaled = value is not None and kind in units
         numbers.append(

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import base64
 import os
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contact_scene import (
-    Outcome,
-    Scene,
-    SceneError,
-)
+from contact_scene import Outcome, Scene, SceneError
 from contact_scene.errors import shown
+from crosscontact import run_figure
 from crosscontact.key_numbers import aligned, key_numbers, table
-from validation.drawing.curves import labels, of_trace
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
 from validation.execution.files import output_folder
@@ -39,6 +35,9 @@ _UNITS = {
     "external_work": "energy",
     "dissipated_energy": "energy",
     "branch_dissipation": "energy",
+    "stage": "length",
+    "machine_energy": "energy",
+    "instability_loss": "energy",
 }
 """Kind of the unit of a column of the trace."""
 INK: dict[str, Any] = {"color": "#0a0a0a", "linestyle": "-", "linewidth": 1.5}
@@ -155,12 +154,14 @@ class Result:
             "reason": self.outcome.reason,
         }
 
-    def plot(self, axes: Sequence[Axes] | None = None, **line: Any) -> tuple[Axes, Axes]:
+    def plot(self, axes: Sequence[Axes] | None = None, **line: Any) -> tuple[Axes, ...]:
         """Draw force against penetration and contact radius against force; the pull-off is marked.
+
+        On a spring force against stage stands between them, and every instability is marked.
 
         Parameters
         ----------
-        axes : two Axes, optional
+        axes : two Axes, on a spring two or three, optional
             Where to draw, e.g. what another result's ``plot`` returned; by default a new figure.
         **line
             Line properties of Matplotlib, e.g. ``color``.
@@ -170,44 +171,18 @@ class Result:
         tuple of Axes
             Spheres in the paper's dimensionless quantities, other shapes in units of the scene.
         """
+        with_stage = run_figure.has_stage(self.trace)
         if axes is None:
-            from matplotlib import pyplot
-
-            axes = pyplot.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")[1]
-        left, right = two_axes(axes)
-        self._draw(left, right, curve_style(self.solver) | line)
-        return left, right
+            axes = run_figure.new_axes(with_stage)
+        panels = run_figure.checked_axes(axes, with_stage)
+        run_figure.draw(panels, self.trace, self.scene, curve_style(self.solver) | line)
+        return panels
 
     def figure(self) -> Figure:
-        """The two panels of :meth:`plot` as a figure that no window shows, to be saved."""
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(8.4, 3.4), layout="constrained")
-        self.plot(figure.subplots(1, 2), **INK)
+        """The panels of :meth:`plot` as a figure that no window shows, to be saved."""
+        figure = run_figure.new_figure(run_figure.has_stage(self.trace))
+        self.plot(figure.axes, **INK)
         return figure
-
-    def _draw(self, left: Axes, right: Axes, line: dict[str, Any]) -> None:
-        curve, names = of_trace(self.trace, self.scene), labels(self.scene)
-        marker = line.pop("marker", "o")  # of a run of a single row; a curve has none
-        panels = (
-            (left, "penetration", "force", (4.0, -12.0)),
-            (right, "force", "contact_radius", (9.0, -3.0)),
-        )
-        for axes, across, up, offset in panels:
-            x, y = curve.columns[across], curve.columns[up]
-            axes.plot(x, y, label=self.solver, marker=marker if len(x) == 1 else None, **line)
-            if curve.pull_off is not None and curve.pull_off < len(x):
-                at = (x[curve.pull_off], y[curve.pull_off])
-                axes.plot(*at, "o", color=line["color"], fillstyle="none", markersize=6)
-                if not any(text.get_text() == "pull-off" for text in axes.texts):
-                    axes.annotate("pull-off", at, offset, textcoords="offset points", fontsize="small")
-            axes.set(xlabel=names[across], ylabel=names[up])
-            axes.grid(True, color="#e2e2e2", linewidth=0.5)
-            axes.set_axisbelow(True)
-            axes.margins(0.06, 0.12)
-            axes.locator_params(axis="x", nbins=5)  # more labels run into each other
-            axes.ticklabel_format(style="sci", scilimits=(-3, 4), useOffset=False)
-        left.legend(frameon=False, fontsize="small")
 
     def __repr__(self) -> str:
         rows = table(key_numbers(self.scene, self.measures, self.errors))
@@ -226,7 +201,7 @@ class Result:
         picture = base64.b64encode(png(self.figure(), 80)).decode()
         return (
             f"<p><b>{escape(self._heading())}</b></p>"
-            f'<img alt="force against penetration and contact radius against force" '
+            f'<img alt="{run_figure.in_words(run_figure.has_stage(self.trace))}" '
             f'src="data:image/png;base64,{picture}">'
             f"<table><thead><tr>{cells}</tr></thead><tbody>{lines}</tbody></table>"
         )
@@ -240,21 +215,6 @@ class Result:
         Profiles are not written. :func:`load` reads the folder back.
         """
         write_run(output_folder(checked_path(folder), "folder"), self.scene, self.run)
-
-
-def two_axes(axes: Sequence[Axes]) -> tuple[Axes, Axes]:
-    """The two panels of a figure of runs.
-
-    Raises
-    ------
-    SceneError
-        If they are not two Axes of Matplotlib.
-    """
-    several = isinstance(axes, Collection) and not isinstance(axes, str)
-    panels: list[Any] = list(axes) if several else [axes]
-    if len(panels) != 2 or not all(hasattr(panel, "annotate") for panel in panels):
-        raise SceneError("axes", f"got {shown(axes)}", "two Axes, as pyplot.subplots(1, 2) gives them")
-    return panels[0], panels[1]
 
 
 def checked_path(folder: str | os.PathLike[str]) -> Path:

@@ -103,23 +103,15 @@ def test_a_pinned_edge_under_force_control_is_a_punch():
     assert_allclose(slope, 2.0 * radius[-1], rtol=1e-9)
 
 
-@each_solver
-@pytest.mark.slow
-def test_a_steep_law_is_followed(solver):
-    follows_its_equation(solver, "steep")
-
-
-@each_solver
-def test_an_opening_edge_follows_its_equation_of_motion(solver):
-    follows_its_equation(solver, "power")
-
-
-@pytest.mark.slow
-def test_an_opening_edge_follows_a_table():
-    follows_its_equation("reference", "table")
-
-
-def follows_its_equation(solver, law):
+@pytest.mark.parametrize(
+    ("solver", "law"),
+    [
+        *((solver, "power") for solver in TOLERANCES),
+        *(pytest.param(solver, "steep", marks=pytest.mark.slow) for solver in TOLERANCES),
+        pytest.param("reference", "table", marks=pytest.mark.slow),
+    ],
+)
+def test_an_opening_edge_follows_its_equation_of_motion(solver, law):
     adhesion, start, rate = Adhesion(WORK, ZONE, None, RATES[law]), 0.02, 2e-3
     trace = solved(solver, scene([Ramp(-0.025, rate)], adhesion, start))
     assert trace.outcome.finished

@@ -30,6 +30,18 @@ CONE = dataclasses.replace(
     loading=cc.Loading("jump-in", 0.03, (cc.Ramp(0.05, 0.05), cc.Ramp(-0.5, 0.05))),
 )
 
+SPRUNG = dataclasses.replace(
+    SCENE,
+    material=cc.Material(0.75, 0.5),
+    loading=cc.Loading("jump-in", 0.0, (cc.Ramp(0.01, 0.02), cc.Ramp(-0.5, 0.02)), cc.Machine(0.05)),
+)
+
+
+@pytest.fixture(scope="module")
+def sprung():
+    """A result on a spring, from which contact is lost in an instability."""
+    return cc.solve(SPRUNG, resolution=4)
+
 
 @pytest.fixture(scope="module")
 def result():
@@ -157,6 +169,49 @@ def test_plot_draws_two_panels_and_marks_the_pull_off(result, axes_free):
     assert mark.get_xdata()[0] == pytest.approx(result.pull_off.penetration)
     assert mark.get_ydata()[0] == pytest.approx(-result.pull_off.force / size)
     assert [text.get_text() for text in left.texts] == ["pull-off"]
+
+
+def test_on_a_spring_the_stage_is_drawn_and_instabilities_are_marked(sprung, axes_free):
+    figure = sprung.figure()
+    left, middle, right = figure.axes
+    assert (left.get_xlabel(), middle.get_xlabel()) == ("penetration Δ/R", "stage X/R")
+    assert left.get_ylabel() == middle.get_ylabel() == right.get_xlabel()
+    (event,) = sprung.trace.events
+    stage = event.penetration + event.force / 0.05
+    assert stage == pytest.approx(sprung.trace.extra["stage"][-1])
+    curve, _, cross, jump = middle.lines
+    assert np.array_equal(curve.get_xdata(), sprung.trace.extra["stage"][:-1])
+    assert cross.get_xdata()[0] == pytest.approx(stage)
+    assert cross.get_ydata()[0] == curve.get_ydata()[-1]
+    assert jump.get_xdata() == pytest.approx([stage, stage])
+    assert jump.get_ydata()[-1] == 0.0
+    assert left.lines[3].get_xdata() == pytest.approx([event.penetration, stage])
+    assert left.get_xlim()[0] > stage  # the free indenter is far away: the contact is what is shown
+    assert right.lines[2].get_ydata()[0] == event.contact_radius
+    assert [text.get_text() for text in left.get_legend().get_texts()] == ["reference", "instability"]
+    assert 'alt="force against penetration, force against stage and contact' in sprung._repr_html_()
+
+
+def test_on_a_spring_two_axes_do_too(sprung, axes_free):
+    from matplotlib.figure import Figure
+
+    left, right = sprung.plot(Figure().subplots(1, 2))
+    assert (left.get_xlabel(), right.get_ylabel()) == ("penetration Δ/R", "contact radius a/R")
+    with pytest.raises(cc.SceneError, match="two or three Axes"):
+        sprung.plot(Figure().subplots(1, 4))
+    compared = cc.SolverComparison(SPRUNG, {"bem": sprung, "reference": sprung}, {}, ())
+    assert len(compared.plot()[0].get_legend().get_texts()) == 3  # the instability once
+
+
+def test_on_a_spring_the_energy_lost_at_snaps_is_named(sprung, result):
+    lines = repr(sprung).splitlines()
+    (loss,) = (line.split() for line in lines if "instability_loss" in line)
+    trace = sprung.trace
+    assert float(loss[1]) == pytest.approx(trace.dissipated_energy[-1] - trace.dissipated_energy[-2])
+    assert f"{sprung.measures['stage_at_detachment']:.8g}" in repr(sprung)
+    assert "instability loss" in sprung._repr_html_()
+    assert sprung.to_pandas().attrs["units"]["stage"] == "length in scene units"
+    assert "instability" not in repr(result)
 
 
 def test_axes_in_axes_out(result, axes_free):
