@@ -111,8 +111,8 @@ class FollowingContactSolver:
         low = geometry.radius(limits[0]) if limits[0] > self.setup.law.lowest else 0.0
         high = geometry.radius(limits[1]) if math.isfinite(limits[1]) else math.inf
         expected = 0.0
-        if state.before is not None and 0.0 < dt < math.inf:
-            expected = (state.radius - state.before[1]) / state.before[0] * dt
+        if state.before and 0.0 < dt < math.inf:
+            expected = (state.radius - state.before[0][1]) / state.before[0][0] * dt
         radius = state.radius + expected
         if not self.setup.has_history:  # each state is an equilibrium by itself
             radius = self._sharp_radius(dt, control, value, state.radius) or radius

@@ -9,13 +9,23 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+Row = tuple[float, float]
+"""Time from an earlier row to the begin of the step, and the contact radius at that row."""
+
+_ITERATIONS = 60
+"""Most iterations for the moment at which the edge is at a radius: halvings alone would take as many."""
+_MOMENT_TOLERANCE = 1e-14
+"""Accuracy of that moment, relative to the step."""
+
 
 @dataclass(frozen=True)
-class EdgeParabola:
-    """A parabola in time through the last two rows and the trial row; a line where there is one row only.
+class EdgePolynomial:
+    """A cubic in time through the last three rows and the trial row; of lower order where rows are missing.
 
-    ``a = start + travel (theta + bend theta (theta - 1))`` with the share ``theta`` of the step. The parabola
-    is bent no further than it is monotonic.
+    ``a = start + travel p(theta)`` with the share ``theta`` of the step and
+    ``p = theta + bend theta (theta - 1) + twist theta (theta - 1) (theta + earlier)``: Newton's form. It is
+    bent and twisted no further than it is monotonic. The speed at the end of the step is that of the backward
+    differentiation formula of the same order.
 
     Parameters
     ----------
@@ -23,14 +33,19 @@ class EdgeParabola:
         Contact radius at the begin of the step and its change.
     bend : float
         Between -1 and 1.
+    twist : float
+    earlier : float
+        Length of the step before, relative to this one.
     """
 
     start: float
     travel: float
     bend: float = 0.0
+    twist: float = 0.0
+    earlier: float = 1.0
 
     @classmethod
-    def through(cls, start: float, end: float, dt: float, before: tuple[float, float] | None) -> EdgeParabola:
+    def through(cls, start: float, end: float, dt: float, before: tuple[Row, ...]) -> EdgePolynomial:
         """The path from ``start`` to ``end``.
 
         Parameters
@@ -39,19 +54,31 @@ class EdgeParabola:
             Contact radii.
         dt : float
             Length of the step.
-        before : tuple of float, optional
-            Length of the step before and the contact radius at its begin.
+        before : tuple of Row
+            At most two earlier rows, the later one first.
 
         Returns
         -------
-        EdgeParabola
+        EdgePolynomial
         """
         travel = end - start
-        if before is None or travel == 0.0:
+        if not before or travel == 0.0:
             return cls(start, travel)
-        length, earlier = before
-        curvature = (travel / dt - (start - earlier) / length) / (dt + length)
-        return cls(start, travel, float(np.clip(curvature * dt**2 / travel, -1.0, 1.0)))
+        length, radius = before[0]
+        slope = (start - radius) / length
+        curvature = (travel / dt - slope) / (dt + length)
+        bend = float(np.clip(curvature * dt**2 / travel, -1.0, 1.0))
+        if len(before) < 2:
+            return cls(start, travel, bend)
+        age, oldest = before[1]
+        curvature_before = (slope - (radius - oldest) / (age - length)) / age
+        third = (curvature - curvature_before) / (dt + age)
+        earlier = length / dt
+        # Bernstein coefficients of the slope are positive: 1 - bend - earlier twist, 1 - twist and
+        # 1 + bend + (1 + earlier) twist
+        least, most = -(1.0 + bend) / (1.0 + earlier), min((1.0 - bend) / earlier, 1.0)
+        twist = float(np.clip(third * dt**3 / travel, least, most))
+        return cls(start, travel, bend, twist, earlier)
 
     @property
     def opens(self) -> bool:
@@ -66,4 +93,22 @@ class EdgeParabola:
         slope = 1.0 - self.bend
         root = slope + np.sqrt(np.maximum(slope**2 + 4.0 * self.bend * way, 0.0))
         share = np.divide(2.0 * way, root, out=np.zeros_like(way), where=root > 0.0)
-        return np.clip(share, 0.0, 1.0)
+        share = np.clip(share, 0.0, 1.0)
+        return share if self.twist == 0.0 else self._improved(share, way)
+
+    def _improved(self, share: Array, way: Array) -> Array:
+        """Roots of the cubic, from those of the parabola: Newton's method within brackets that shrink."""
+        low, high = np.zeros_like(way), np.ones_like(way)
+        bend, twist, earlier = self.bend, self.twist, self.earlier
+        for _ in range(_ITERATIONS):
+            product, slope = share * (share - 1.0), 2.0 * share - 1.0
+            excess = share + product * (bend + twist * (share + earlier)) - way
+            rate = 1.0 + bend * slope + twist * (slope * (share + earlier) + product)
+            low, high = np.where(excess <= 0.0, share, low), np.where(excess >= 0.0, share, high)
+            ahead = share - np.divide(excess, rate, out=np.zeros_like(rate), where=rate > 0.0)
+            inside = (ahead >= low) & (ahead <= high) & (rate > 0.0)
+            ahead = np.where(inside, ahead, 0.5 * (low + high))
+            moved, share = np.abs(ahead - share).max(initial=0.0), ahead
+            if moved < _MOMENT_TOLERANCE:
+                break
+        return np.where(way >= 1.0, 1.0, np.where(way <= 0.0, 0.0, share))

@@ -24,11 +24,15 @@ from numpy.typing import NDArray
 from contact_scene.segment import Control
 from fem_solver.following.components import Components
 from fem_solver.following.passage import NodePassage
-from fem_solver.following.path import EdgeParabola
+from fem_solver.following.path import EdgePolynomial, Row
 from fem_solver.following.placement import Placement
 from fem_solver.following.state import FollowingState
 
 Array = NDArray[np.float64]
+
+
+EARLIER_ROWS = 2
+"""Earlier rows through which the path of the edge goes: its order is their number and one."""
 
 
 class FollowingProblem:
@@ -128,7 +132,7 @@ class FollowingProblem:
             passage.held = self.solid.linear(*start, self.dt, held[top])
             passage.linear(np.full(high - low, self.dt), share * held + (1.0 - share) * self._free[nodes])
             return passage
-        path = EdgeParabola.through(state.radius, self.geometry.radius(s), self.dt, state.before)
+        path = EdgePolynomial.through(state.radius, self.geometry.radius(s), self.dt, state.before)
         ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
         at, change = path.passed(ends), penetration - state.penetration
 
@@ -204,11 +208,18 @@ class FollowingProblem:
             penetration=self.penetration(s),
             radius=self.geometry.radius(s),
             edge=s,
-            before=None if self.at_once else (self.dt, state.radius),
+            before=self._rows_before(),
             dissipated=state.dissipated + passage.dissipated,
             received=state.received + passage.received,
             updates=state.updates + 1,
         )
+
+    def _rows_before(self) -> tuple[Row, ...]:
+        """Rows before the end of this step through which the path of the next one goes."""
+        if self.at_once:
+            return ()
+        earlier = tuple((age + self.dt, radius) for age, radius in self.state.before[: EARLIER_ROWS - 1])
+        return (self.dt, self.state.radius), *earlier
 
     def forces(self, s: float) -> Array:
         """All nodal forces, compressive positive; shape (n,)."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from fem_solver.following.components import Components
+from fem_solver.following.path import Row
 from fem_solver.following.placement import Placement
 
 Array = NDArray[np.float64]
@@ -29,9 +30,9 @@ class FollowingState:
         ``b_k``.
     penetration, radius, edge : float
         The last two are the contact radius and the edge position in nodes; ``edge = -1`` without contact.
-    before : tuple of float or None
-        Length of the last step and the contact radius at its begin; ``None`` if the path of the edge does not
-        go on smoothly from there.
+    before : tuple of Row
+        The rows before this one from which on the path of the edge is smooth, the last one first (see
+        ``path``).
     held : ndarray, shape (branches,)
         Branch variables that the partly released node would have if it had stayed in contact.
     dissipated, received : float
@@ -47,7 +48,7 @@ class FollowingState:
     penetration: float = 0.0
     radius: float = 0.0
     edge: float = -1.0
-    before: tuple[float, float] | None = None
+    before: tuple[Row, ...] = ()
     dissipated: float = 0.0
     received: float = 0.0
     updates: int = 0
