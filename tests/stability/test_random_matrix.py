@@ -14,7 +14,8 @@ from validation.execution.runs import Run
 from validation.execution.tasks import Task, TaskEnding, TaskResult
 from validation.measure.scalars import measure
 from validation.stability import random_matrix
-from validation.stability.random_matrix import AnswerFinding, JudgedScene, RandomSceneAnswer, examine, table
+from validation.stability.random_answers import AnswerFinding, JudgedScene, RandomSceneAnswer, examine
+from validation.stability.random_matrix import table
 from validation.stability.random_scenes import LOADINGS, random_scene
 
 CHOSEN = next(

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
@@ -37,13 +36,13 @@ from contact_scene import (
     Table,
     TabulatedProfile,
 )
+from validation.stability.random_numbers import RandomNumbers, SceneSizes
 
-Value = TypeVar("Value")
 SHARE_WITHOUT_ADHESION = 0.2
 SHARE_OF_LONG_ZONES = 0.8
+"""Scenes whose process zone is no shorter than a hundredth of the contact: the others cost much more."""
 SHARE_OF_HYSTERESIS = 0.3
 SHARE_OF_RATES = 0.3
-"""Scenes whose process zone is no shorter than a hundredth of the contact: the others cost much more."""
 
 
 @dataclass(frozen=True)
@@ -56,63 +55,32 @@ class RandomScene:
     profile_times: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class _Sizes:
-    """What everything is measured in: contact radius, penetration, force, relaxation time."""
-
-    radius: float
-    depth: float
-    force: float
-    time: float
-
-
-class _RandomNumbers:
-    """Random numbers of a seed, rounded to a few digits so that a scene can be read."""
-
-    def __init__(self, seed: int | tuple[int, ...]) -> None:
-        self._generator = np.random.default_rng(seed)
-
-    def decades(self, low: float, high: float) -> float:
-        """Evenly over powers of ten."""
-        return float(f"{10.0 ** self._generator.uniform(low, high):.3g}")
-
-    def between(self, low: float, high: float) -> float:
-        """Evenly."""
-        return float(f"{self._generator.uniform(low, high):.3g}")
-
-    def one_of(self, values: tuple[Value, ...]) -> Value:
-        """One of several, all alike."""
-        return values[int(self._generator.integers(len(values)))]
-
-    def count(self, low: int, high: int) -> int:
-        """A whole number, both ends included."""
-        return int(self._generator.integers(low, high + 1))
-
-    def happens(self, share: float) -> bool:
-        """True in that share of the cases."""
-        return bool(self._generator.uniform() < share)
-
-
 def random_scene(seed: int) -> RandomScene:
     """The scene of a seed, always the same."""
-    random = _RandomNumbers(seed)
-    si = random.happens(0.5)
-    time = random.decades(-4.0, 2.0) if si else 1.0
-    radius = random.decades(-6.0, -2.0) if si else 1.0
-    material = _material(random, random.decades(3.0, 9.0) if si else 1.0, time)
-    contact = random.between(0.03, 0.3) * radius
-    depth = contact**2 / radius
-    sizes = _Sizes(contact, depth, 2.0 * contact * material.relaxed_plane_modulus * depth, time)
+    random = RandomNumbers(seed)
+    material, radius, sizes = drawn_sizes(random)
     kind = random.one_of(tuple(LOADINGS))
     loading = LOADINGS[kind](random, sizes)
-    indenter, adhesion = _indenter(random, radius, sizes), _adhesion(random, material, sizes)
+    indenter, adhesion = drawn_indenter(random, radius, sizes), drawn_adhesion(random, material, sizes)
     if adhesion is not None:  # by numbers of its own, so that the others stay those of the seed
-        adhesion = _law(_RandomNumbers((seed, 1)), adhesion, sizes)
+        adhesion = drawn_law(RandomNumbers((seed, 1)), adhesion, sizes)
     scene = Scene(material, indenter, loading, adhesion)
     return RandomScene(seed, kind, scene, _stops(random, loading))
 
 
-def _material(random: _RandomNumbers, modulus: float, time: float) -> Material:
+def drawn_sizes(random: RandomNumbers) -> tuple[Material, float, SceneSizes]:
+    """Material, radius of the indenter, and the contact they make."""
+    si = random.happens(0.5)
+    time = random.decades(-4.0, 2.0) if si else 1.0
+    radius = random.decades(-6.0, -2.0) if si else 1.0
+    material = drawn_material(random, random.decades(3.0, 9.0) if si else 1.0, time)
+    contact = random.between(0.03, 0.3) * radius
+    depth = contact**2 / radius
+    force = 2.0 * contact * material.relaxed_plane_modulus * depth
+    return material, radius, SceneSizes(contact, depth, force, time)
+
+
+def drawn_material(random: RandomNumbers, modulus: float, time: float) -> Material:
     """None to six branches over six decades of time, in one scene of three close together."""
     poisson = random.one_of((0.0, 0.3, 0.45, 0.49, 0.5, 0.5))
     spread = 0.02 if random.happens(0.33) else 3.0
@@ -123,7 +91,7 @@ def _material(random: _RandomNumbers, modulus: float, time: float) -> Material:
     return Material(modulus, poisson, branches)
 
 
-def _indenter(random: _RandomNumbers, radius: float, sizes: _Sizes) -> Indenter:
+def drawn_indenter(random: RandomNumbers, radius: float, sizes: SceneSizes) -> Indenter:
     """About as wide as ``sizes.radius`` at ``sizes.depth``."""
     shape = random.one_of(("sphere", "sphere", "sphere", "cone", "punch", "power", "profile"))
     if shape == "cone":
@@ -141,7 +109,7 @@ def _indenter(random: _RandomNumbers, radius: float, sizes: _Sizes) -> Indenter:
     return Sphere(radius)
 
 
-def _adhesion(random: _RandomNumbers, material: Material, sizes: _Sizes) -> Adhesion | None:
+def drawn_adhesion(random: RandomNumbers, material: Material, sizes: SceneSizes) -> Adhesion | None:
     """``work`` in decades of what holds the contact against its depth; zones of the contact radius."""
     if random.happens(SHARE_WITHOUT_ADHESION):
         return None
@@ -150,7 +118,7 @@ def _adhesion(random: _RandomNumbers, material: Material, sizes: _Sizes) -> Adhe
     return Adhesion(held * random.decades(-2.5, 0.5), sizes.radius * zone)
 
 
-def _law(random: _RandomNumbers, adhesion: Adhesion, sizes: _Sizes) -> Adhesion:
+def drawn_law(random: RandomNumbers, adhesion: Adhesion, sizes: SceneSizes) -> Adhesion:
     """The same, in part closing at less than it opens, and taking up more the faster it opens."""
     if random.happens(SHARE_OF_HYSTERESIS):
         adhesion = replace(adhesion, work_closing=adhesion.work * random.decades(-1.5, 0.0))
@@ -165,16 +133,16 @@ def _law(random: _RandomNumbers, adhesion: Adhesion, sizes: _Sizes) -> Adhesion:
     return adhesion
 
 
-def _start(random: _RandomNumbers) -> str:
+def _start(random: RandomNumbers) -> str:
     return random.one_of(("jump-in", "relaxed"))
 
 
-def _speed(random: _RandomNumbers, sizes: _Sizes) -> float:
+def _speed(random: RandomNumbers, sizes: SceneSizes) -> float:
     """The depth in a thousandth to a thousand relaxation times."""
     return sizes.depth / (sizes.time * random.decades(-3.0, 3.0))
 
 
-def _cycle(random: _RandomNumbers, sizes: _Sizes) -> Loading:
+def _cycle(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     """Pressed in, held or not, withdrawn until contact is lost."""
     speed = _speed(random, sizes)
     hold = (Hold(sizes.time * random.decades(-3.0, 3.0)),) if random.happens(0.5) else ()
@@ -184,13 +152,13 @@ def _cycle(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     )
 
 
-def _retraction(random: _RandomNumbers, sizes: _Sizes) -> Loading:
+def _retraction(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     """Withdrawn from rest, mostly fast: the edge is frozen up to a corner of the force."""
     speed = sizes.depth / (sizes.time * random.decades(-3.5, 0.5))
     return Loading("relaxed", sizes.depth, (Ramp(-4.0 * sizes.depth, speed),))
 
 
-def _oscillation(random: _RandomNumbers, sizes: _Sizes) -> Loading:
+def _oscillation(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     """Small swings about a depth, at rest or on the way out."""
     amplitude = sizes.depth * random.decades(-3.0, -0.3)
     frequency = random.decades(-1.5, 2.0) / sizes.time
@@ -202,7 +170,7 @@ def _oscillation(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     return Loading(_start(random), sizes.depth * random.between(0.3, 1.0), (step,))
 
 
-def _sweep(random: _RandomNumbers, sizes: _Sizes) -> Loading:
+def _sweep(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     """Swings of rising frequency."""
     duration = sizes.time * random.decades(-1.0, 1.5)
     chirp = 4.0 * math.pi * random.between(1.0, 8.0) / duration**2
@@ -210,7 +178,7 @@ def _sweep(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     return Loading(_start(random), sizes.depth * random.between(0.3, 1.0), (step,))
 
 
-def _table(random: _RandomNumbers, sizes: _Sizes) -> Loading:
+def _table(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     """Up and down through a few depths: the edge passes places where it lingered."""
     start = sizes.depth * random.between(0.2, 0.8)
     times, depths = [0.0], [start]
@@ -220,7 +188,7 @@ def _table(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     return Loading(_start(random), start, (Table(tuple(times), tuple(depths)),))
 
 
-def _dead_load(random: _RandomNumbers, sizes: _Sizes) -> Loading:
+def _dead_load(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     """A load put on at once, then another."""
     first = sizes.force * random.between(-0.5, 1.5)
     second = sizes.force * random.between(-1.0, 1.0)
@@ -232,7 +200,7 @@ def _dead_load(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     )
 
 
-def _force_ramp(random: _RandomNumbers, sizes: _Sizes) -> Loading:
+def _force_ramp(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     """Pressed by a growing load, then pulled by a growing tension."""
     rate = sizes.force / (sizes.time * random.decades(-2.0, 2.0))
     down = ForceRamp(-2.0 * sizes.force, rate * random.decades(-1.0, 1.0))
@@ -241,7 +209,7 @@ def _force_ramp(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     )
 
 
-def _mixed(random: _RandomNumbers, sizes: _Sizes) -> Loading:
+def _mixed(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     """Two or three of the others, one after the other."""
     start = sizes.depth * random.between(0.3, 1.0)
     steps: list[Step] = []
@@ -251,7 +219,7 @@ def _mixed(random: _RandomNumbers, sizes: _Sizes) -> Loading:
     return Loading(_start(random), start, tuple(steps))
 
 
-LOADINGS: dict[str, Callable[[_RandomNumbers, _Sizes], Loading]] = {
+LOADINGS: dict[str, Callable[[RandomNumbers, SceneSizes], Loading]] = {
     "cycle": _cycle,
     "retraction": _retraction,
     "oscillation": _oscillation,
@@ -264,7 +232,7 @@ LOADINGS: dict[str, Callable[[_RandomNumbers, _Sizes], Loading]] = {
 """Loading by its kind in words."""
 
 
-def _stops(random: _RandomNumbers, loading: Loading) -> tuple[float, ...]:
+def _stops(random: RandomNumbers, loading: Loading) -> tuple[float, ...]:
     """None to three times within the loading, as far as it is known before the run."""
     ends = [segment.end for _, segment in loading.segments() if math.isfinite(segment.end)]
     if not ends or random.happens(0.5):

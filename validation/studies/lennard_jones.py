@@ -1,0 +1,131 @@
+"""A process zone of fixed stress against Lennard-Jones tractions: pull-off force over speed, ``python -m``.
+
+``python -m validation.studies.lennard_jones`` withdraws a sphere from rest on a standard linear solid, by
+Lennard-Jones tractions (:mod:`validation.reference.lennard_jones`), by the reference with ``stress = s``, the
+largest tension of that law, and by the reference with a zone of the fixed length it has at rest. The process
+zone is a model of the traction: the differences are of the models.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
+from validation.reference.lennard_jones import LennardJonesSphere
+from validation.solvers import REFERENCE, SOLVERS
+
+WORK, DEPTH, RATIO = 5.026548e-4, 0.032, 10.0
+"""Work of adhesion and start penetration of the paper's cycles; glassy over relaxed modulus."""
+TABOR = (3.0, 5.0)
+SPEEDS = (6e-4, 2e-3, 6e-3, 2e-2, 6e-2, 0.2)
+AWAY = -0.5
+"""Penetration by which contact is lost at any speed."""
+
+
+@dataclass(frozen=True)
+class PullOffComparison:
+    """Pull-off forces of one withdrawal, in ``pi w R``.
+
+    Parameters
+    ----------
+    tabor, speed : float
+        Tabor's parameter, and speed in radii per relaxation time.
+    lennard_jones, fixed_stress, fixed_length : float
+    """
+
+    tabor: float
+    speed: float
+    lennard_jones: float
+    fixed_stress: float
+    fixed_length: float
+
+    @property
+    def differences(self) -> tuple[float, float]:
+        """Of fixed stress and of fixed length, relative to Lennard-Jones."""
+        return self.fixed_stress / self.lennard_jones - 1.0, self.fixed_length / self.lennard_jones - 1.0
+
+
+def material(ratio: float = RATIO) -> Material:
+    """``E0* = 1``, one branch of time 1; elastic where the ratio is 1."""
+    return Material(0.75, 0.5, (Branch(0.75 * (ratio - 1.0), 1.0),) if ratio > 1.0 else ())
+
+
+def compared(
+    tabor: float, speed: float, ratio: float = RATIO, resolution: int | None = None, divisions: int = 4
+) -> PullOffComparison:
+    """One withdrawal by all three.
+
+    Parameters
+    ----------
+    tabor : float
+        Tabor's parameter of the relaxed contact.
+    speed : float
+        Radii per relaxation time.
+    ratio : float
+        Glassy over relaxed modulus.
+    resolution : int or None
+        Of the reference.
+    divisions : int
+        Annuli of the Lennard-Jones sphere in a zone at rest.
+
+    Returns
+    -------
+    PullOffComparison
+    """
+    law = LennardJonesSphere(material(ratio), 1.0, WORK, math.cbrt(WORK**2) / tabor)
+    unit = math.pi * WORK
+
+    def by_zone(adhesion: Adhesion) -> float:
+        loading = Loading("relaxed", DEPTH, (Ramp(AWAY, speed),))
+        scene = Scene(law.material, Sphere(1.0), loading, adhesion)
+        return -float(SOLVERS[REFERENCE].solve(scene, resolution).force.min()) / unit
+
+    return PullOffComparison(
+        tabor,
+        speed,
+        law.pull_off(DEPTH, speed, divisions).force / unit,
+        by_zone(Adhesion(WORK, stress=law.stress)),
+        by_zone(Adhesion(WORK, law.zone_at_rest)),
+    )
+
+
+def table(rows: Iterable[PullOffComparison]) -> Iterator[str]:
+    """Lines of Markdown, a row as soon as it is there; mean size and deviation of the differences."""
+    yield "| Tabor | speed | Lennard-Jones | fixed stress | | fixed length | |"
+    yield "|---" * 7 + "|"
+    found = []
+    for row in rows:
+        found.append(row.differences)
+        stress, length = row.differences
+        yield (
+            f"| {row.tabor:g} | {row.speed:g} | {row.lennard_jones:.3f} | {row.fixed_stress:.3f} "
+            f"| {100 * stress:+.1f} % | {row.fixed_length:.3f} | {100 * length:+.1f} % |"
+        )
+    sizes = 100.0 * np.abs(np.array(found))
+    (stress, length), (spread, of_length) = sizes.mean(axis=0), sizes.std(axis=0)
+    yield ""
+    yield f"Mean difference: fixed stress {stress:.0f} % (sd {spread:.0f} %), "
+    yield f"fixed length {length:.0f} % (sd {of_length:.0f} %)"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(description="fixed cohesive stress against Lennard-Jones tractions")
+    parser.add_argument("--tabor", type=float, nargs="+", default=TABOR)
+    parser.add_argument("--speed", type=float, nargs="+", default=SPEEDS, help="radii per relaxation time")
+    parser.add_argument("--ratio", type=float, default=RATIO, help="glassy over relaxed modulus; 1: elastic")
+    parser.add_argument("--resolution", type=int, help="of the reference")
+    chosen = parser.parse_args(arguments)
+    rows = (compared(mu, v, chosen.ratio, chosen.resolution) for mu in chosen.tabor for v in chosen.speed)
+    for line in table(rows):
+        print(line, flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
