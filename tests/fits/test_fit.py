@@ -15,6 +15,7 @@ from contact_scene import (
     Adhesion,
     Branch,
     Loading,
+    Machine,
     Material,
     Ramp,
     Scene,
@@ -240,7 +241,7 @@ def test_weights_on_a_fixed_grid_are_fitted_and_their_regularisation_is_stated()
     assert "squared second differences of their logarithms, times 0.1" in str(page)
 
 
-def test_a_stage_is_turned_into_the_motion_of_the_indenter():
+def test_a_record_of_the_stage_drives_the_stage_of_its_spring():
     curve = hertz_curve(noise=0.0)
     stage = curve.motion + curve.force / 2.0
     noisy = curve.force + 2e-4 * np.random.default_rng(0).standard_normal(curve.time.size)
@@ -249,6 +250,67 @@ def test_a_stage_is_turned_into_the_motion_of_the_indenter():
     [modulus] = found.estimates
     assert abs(np.log(modulus.value / MODULUS)) < 4.0 * modulus.deviation
     assert modulus.deviation < 0.01
+    run_scene, _ = CurveModel.of(record, elastic_scene()).scene_of({})
+    assert run_scene.machine == Machine(2.0)
+    assert max(run_scene.loading.steps[0].values) == pytest.approx(stage.max(), rel=1e-2)
+
+
+def spring_scene(stiffness, work=5e-4, modulus=0.9):
+    """An elastic sphere that sticks, on a spring soft enough for contact to be lost in a jump."""
+    stage = Table((0.0, 1.0, 6.0), (0.0, 0.05, -0.3))
+    loading = Loading("jump-in", 0.0, (stage,), Machine(stiffness))
+    return Scene(Material(modulus, 0.5), Sphere(1.0), loading, Adhesion(work, 1e-6))
+
+
+SPRING_SEEDS = range(3)
+
+
+@pytest.mark.parametrize("stiffness", [0.02, 0.2])
+def test_on_a_soft_spring_adhesion_is_found_within_its_interval_snap_off_included(stiffness):
+    truth = spring_scene(stiffness)
+    inside = []
+    for seed in SPRING_SEEDS:
+        sampling = 0.0131 + 0.00037 * seed
+        curve = synthetic(
+            truth, 0.01, sampling, seed=seed, contact_point=3e-3, baseline=2e-4, solver="closed-form"
+        )
+        assert curve.stiffness == pytest.approx(stiffness)
+        snap_off = np.abs(np.diff(curve.force)).max()
+        assert snap_off > 0.7 * (2e-4 - curve.force.min())  # pull-off, all at once
+        guess = spring_scene(stiffness, 7e-4, 0.7)
+        options = settings_of("adhesion.work", "material.modulus", free=("contact_point", "baseline"))
+        found = fit_curves([curve], guess, options)
+        assert found.goodness.explained
+        for one, at in zip(found.estimates, (5e-4, 0.9, 3e-3, 2e-4), strict=True):
+            inside.append(one.low <= at <= one.high)
+        lost = np.flatnonzero(found.curves[0].force < 0.5 * found.curves[0].force.min())[-1]
+        assert abs(int(lost) - int(np.argmax(np.abs(np.diff(curve.force))))) <= 1
+    assert sum(inside) >= len(inside) - 2  # 24 intervals of 95 %
+
+
+def test_the_spring_itself_may_be_varied_and_is_the_records_where_the_scene_has_none():
+    truth = spring_scene(0.2)
+    curve = synthetic(truth, 0.01, 0.0137, solver="closed-form")
+    rigid = replace(truth, loading=replace(truth.loading, machine=None))
+    found = fit_curves([curve], rigid, settings_of("machine.stiffness", "adhesion.work"))
+    stiffness = found.estimates[0]
+    assert stiffness.start == pytest.approx(0.2)
+    assert stiffness.low <= 0.2 <= stiffness.high
+    assert found.scene.machine.stiffness == stiffness.value
+    other = replace(truth, loading=replace(truth.loading, machine=Machine(0.1)))
+    found = fit_curves([curve], other, settings_of("adhesion.work", starts=1))
+    assert any("0.2, not the scene's 0.1" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [("machine.stiffness", "not that of a stage"), ("loading.steps[0].rate", "measured motion takes")],
+)
+def test_numbers_that_play_no_part_are_refused(path, words):
+    scene = elastic_scene()
+    scene = replace(scene, loading=replace(scene.loading, machine=Machine(1.0)))
+    with pytest.raises(SceneError, match=words):
+        fit_curves([hertz_curve()], scene, settings_of("material.modulus", path))
 
 
 @pytest.mark.exhaustive

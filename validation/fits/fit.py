@@ -24,7 +24,7 @@ from validation.fits.profile_likelihood import LikelihoodProfile, likelihood_pro
 from validation.fits.search import BestSoFar, Search, search
 from validation.fits.second_solver import SecondSolver, second_solver
 from validation.fits.statistics import covariance
-from validation.fits.unknowns import bending, unknowns, with_grid
+from validation.fits.unknowns import bending, unknowns, with_grid, with_spring
 from validation.solvers import REFERENCE
 
 
@@ -63,7 +63,8 @@ def fit_curves(
         At Ctrl-C.
     """
     began = time.perf_counter()
-    scene, settings = with_grid(scene, settings)
+    curves = _named_apart(curves)
+    scene, settings = with_grid(with_spring(scene, curves), settings)
     problem, warnings = _prepared(curves, scene, settings, executor, store)
     best = BestSoFar(problem, progress)
     error_share: float | None = None
@@ -111,10 +112,11 @@ def _prepared(
     problem : FitProblem
     warnings : list of str
     """
-    models = [CurveModel.of(curve, scene) for curve in _named_apart(curves)]
+    models = [CurveModel.of(curve, scene) for curve in curves]
     parameters = ParameterSet(tuple(unknowns(models, scene, settings)))
     _check_profiles(parameters, settings)
     warnings = [text for model in models for text in data_checks.check(model, parameters)]
+    warnings += [text for curve in curves for text in data_checks.of_spring(curve, scene, parameters)]
     problem = FitProblem(
         models,
         parameters,

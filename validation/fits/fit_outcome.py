@@ -120,7 +120,7 @@ def _fitted(problem: FitProblem, index: int, x: Array) -> FittedCurve:
         force,
         (model.curve.force - force) / model.features.noise,
         problem.compared[index],
-        model.curve.motion - point[1][CONTACT_POINT],
+        model.curve.position - point[1][CONTACT_POINT],
         model.features.noise,
         model.features.noise_source,
         prediction.failure,
