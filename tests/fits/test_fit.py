@@ -30,6 +30,7 @@ from validation.execution.store import Store
 from validation.fits.curve_files import write_csv
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
+from validation.fits.fit_question import check_folder, question
 from validation.fits.fit_result import InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
@@ -87,6 +88,8 @@ def test_a_fit_in_python_prints_no_number_without_its_error(elastic, tmp_path):
     data = json.loads((tmp_path / "fit.json").read_text())
     assert all("deviation" in one for one in data["parameters"])
     assert data["goodness"]["degrees"] > 100
+    assert data["question"] == elastic.question
+    assert set(elastic.question) == {"curves", "first guess", "parameters"}
     assert read_scene(tmp_path / "scene.toml").material.modulus == pytest.approx(found.scene.material.modulus)
     page = (tmp_path / "index.html").read_text()
     assert "explains the data" in page
@@ -176,6 +179,26 @@ def test_bad_arguments_are_one_line_and_exit_2(arguments, words, tmp_path, capsy
     said = capsys.readouterr().err.strip().split("\n")[-1]
     assert words in said
     assert said.startswith("crosscontact: error:")
+
+
+def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path, capsys):
+    write_csv(hertz_curve(), tmp_path / "a.csv")
+    write_scene(elastic_scene(), tmp_path / "scene.toml")
+    [curve], out = cc.read_curves(tmp_path / "a.csv"), tmp_path / "out"
+    out.mkdir()
+    asked = question([curve], elastic_scene(), settings_of("material.modulus"))
+    (out / "fit.json").write_text(json.dumps({"question": asked}))
+    renamed = question([replace(curve, name="b")], elastic_scene(), settings_of("material.modulus"))
+    check_folder(out, renamed, elastic_scene())
+    arguments = ["fit", str(tmp_path / "a.csv"), str(tmp_path / "scene.toml"), "--out", str(out)]
+    assert main([*arguments, "--vary", "indenter.radius"]) == 2
+    assert "holds another fit (other parameters)" in capsys.readouterr().err
+    (out / "fit.json").write_text("{}")
+    assert main([*arguments, "--vary", "material.modulus"]) == 2
+    said = capsys.readouterr().err
+    assert "not of a fit of this program; allowed: another folder, or --fresh" in said
+    assert main([*arguments, "--vary", "material.modulos", "--fresh"]) == 2
+    assert "material has no modulos" in capsys.readouterr().err
 
 
 def triangle(material, noise, rows=240, seed=3):

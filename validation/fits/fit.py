@@ -15,6 +15,7 @@ from validation.fits import data_checks
 from validation.fits.curve_model import CurveModel
 from validation.fits.fineness import fineness
 from validation.fits.fit_outcome import explained, judged, unfinished
+from validation.fits.fit_question import question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import Array, MeasuredCurve
@@ -64,6 +65,7 @@ def fit_curves(
     """
     began = time.perf_counter()
     curves = _named_apart(curves)
+    asked = question(curves, scene, settings)
     scene, settings = with_grid(with_spring(scene, curves), settings)
     problem, warnings = _prepared(curves, scene, settings, executor, store)
     best = BestSoFar(problem, progress)
@@ -79,7 +81,10 @@ def fit_curves(
     except KeyboardInterrupt:
         if best.x is None:
             raise InterruptedFit(None) from None
-        raise InterruptedFit(unfinished(problem, best, finished, scene, settings, warnings)) from None
+        if progress is not None:
+            progress("interrupted: the errors of the best so far are worked out (once more ends at once)")
+        found = unfinished(problem, best, finished, scene, settings, warnings)
+        raise InterruptedFit(None if found is None else replace(found, question=asked)) from None
     return replace(
         result,
         profiles=profiles,
@@ -87,6 +92,7 @@ def fit_curves(
         error_share=error_share,
         runs=problem.runs,
         seconds=time.perf_counter() - began,
+        question=asked,
     )
 
 

@@ -87,6 +87,7 @@ def judged(
         warnings=(*warnings, *_failures(problem, found.x)),
         runs=problem.runs,
         seconds=0.0,
+        question={},
     )
 
 

@@ -76,6 +76,8 @@ class FitResult:
     warnings : tuple of str
     runs : int
     seconds : float
+    question : mapping of str to str
+        What was asked, as hashes.
     """
 
     scene: Scene
@@ -97,6 +99,7 @@ class FitResult:
     warnings: tuple[str, ...]
     runs: int
     seconds: float
+    question: dict[str, str]
 
 
 class InterruptedFit(KeyboardInterrupt):
