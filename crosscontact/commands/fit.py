@@ -15,15 +15,14 @@ from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
-from validation.execution.run_folder import check_unused
 from validation.execution.store import Store
 from validation.fits.fit import fit_curves
+from validation.fits.fit_question import check_folder, question
 from validation.fits.fit_result import InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.report.write_fit import write_fit
 
 OPTIONS = ("vary", "tie", "per_curve", "free", "prony", "starts", "seed", "profile", "resolution")
-KEPT = "fit.json"
 
 
 def settings_of(options: argparse.Namespace) -> FitSettings:
@@ -74,8 +73,8 @@ def run(
     except ImportError as error:
         raise SceneError("", str(error), "a CSV file, or the extra") from None
     folder = None if out is None else output_folder(out)
-    if folder is not None and not fresh and not (folder / KEPT).exists():
-        check_unused(folder, scene)
+    if folder is not None and not fresh:
+        check_folder(folder, question(curves, scene, settings), scene)
     store = Store(folder, fresh)
     try:
         with Progress("fit") as progress, processes(jobs) as executor:

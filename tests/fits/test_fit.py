@@ -15,6 +15,7 @@ from contact_scene import (
     Adhesion,
     Branch,
     Loading,
+    Machine,
     Material,
     Ramp,
     Scene,
@@ -29,6 +30,7 @@ from validation.execution.store import Store
 from validation.fits.curve_files import write_csv
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
+from validation.fits.fit_question import check_folder, question
 from validation.fits.fit_result import InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
@@ -86,6 +88,8 @@ def test_a_fit_in_python_prints_no_number_without_its_error(elastic, tmp_path):
     data = json.loads((tmp_path / "fit.json").read_text())
     assert all("deviation" in one for one in data["parameters"])
     assert data["goodness"]["degrees"] > 100
+    assert data["question"] == elastic.question
+    assert set(elastic.question) == {"curves", "first guess", "parameters"}
     assert read_scene(tmp_path / "scene.toml").material.modulus == pytest.approx(found.scene.material.modulus)
     page = (tmp_path / "index.html").read_text()
     assert "explains the data" in page
@@ -177,6 +181,26 @@ def test_bad_arguments_are_one_line_and_exit_2(arguments, words, tmp_path, capsy
     assert said.startswith("crosscontact: error:")
 
 
+def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path, capsys):
+    write_csv(hertz_curve(), tmp_path / "a.csv")
+    write_scene(elastic_scene(), tmp_path / "scene.toml")
+    [curve], out = cc.read_curves(tmp_path / "a.csv"), tmp_path / "out"
+    out.mkdir()
+    asked = question([curve], elastic_scene(), settings_of("material.modulus"))
+    (out / "fit.json").write_text(json.dumps({"question": asked}))
+    renamed = question([replace(curve, name="b")], elastic_scene(), settings_of("material.modulus"))
+    check_folder(out, renamed, elastic_scene())
+    arguments = ["fit", str(tmp_path / "a.csv"), str(tmp_path / "scene.toml"), "--out", str(out)]
+    assert main([*arguments, "--vary", "indenter.radius"]) == 2
+    assert "holds another fit (other parameters)" in capsys.readouterr().err
+    (out / "fit.json").write_text("{}")
+    assert main([*arguments, "--vary", "material.modulus"]) == 2
+    said = capsys.readouterr().err
+    assert "not of a fit of this program; allowed: another folder, or --fresh" in said
+    assert main([*arguments, "--vary", "material.modulos", "--fresh"]) == 2
+    assert "material has no modulos" in capsys.readouterr().err
+
+
 def triangle(material, noise, rows=240, seed=3):
     """A record of Ting's triangle: pressed in for a time of one, pulled out as fast."""
     rate = 0.03
@@ -240,7 +264,7 @@ def test_weights_on_a_fixed_grid_are_fitted_and_their_regularisation_is_stated()
     assert "squared second differences of their logarithms, times 0.1" in str(page)
 
 
-def test_a_stage_is_turned_into_the_motion_of_the_indenter():
+def test_a_record_of_the_stage_drives_the_stage_of_its_spring():
     curve = hertz_curve(noise=0.0)
     stage = curve.motion + curve.force / 2.0
     noisy = curve.force + 2e-4 * np.random.default_rng(0).standard_normal(curve.time.size)
@@ -249,6 +273,67 @@ def test_a_stage_is_turned_into_the_motion_of_the_indenter():
     [modulus] = found.estimates
     assert abs(np.log(modulus.value / MODULUS)) < 4.0 * modulus.deviation
     assert modulus.deviation < 0.01
+    run_scene, _ = CurveModel.of(record, elastic_scene()).scene_of({})
+    assert run_scene.machine == Machine(2.0)
+    assert max(run_scene.loading.steps[0].values) == pytest.approx(stage.max(), rel=1e-2)
+
+
+def spring_scene(stiffness, work=5e-4, modulus=0.9):
+    """An elastic sphere that sticks, on a spring soft enough for contact to be lost in a jump."""
+    stage = Table((0.0, 1.0, 6.0), (0.0, 0.05, -0.3))
+    loading = Loading("jump-in", 0.0, (stage,), Machine(stiffness))
+    return Scene(Material(modulus, 0.5), Sphere(1.0), loading, Adhesion(work, 1e-6))
+
+
+SPRING_SEEDS = range(3)
+
+
+@pytest.mark.parametrize("stiffness", [0.02, 0.2])
+def test_on_a_soft_spring_adhesion_is_found_within_its_interval_snap_off_included(stiffness):
+    truth = spring_scene(stiffness)
+    inside = []
+    for seed in SPRING_SEEDS:
+        sampling = 0.0131 + 0.00037 * seed
+        curve = synthetic(
+            truth, 0.01, sampling, seed=seed, contact_point=3e-3, baseline=2e-4, solver="closed-form"
+        )
+        assert curve.stiffness == pytest.approx(stiffness)
+        snap_off = np.abs(np.diff(curve.force)).max()
+        assert snap_off > 0.7 * (2e-4 - curve.force.min())  # pull-off, all at once
+        guess = spring_scene(stiffness, 7e-4, 0.7)
+        options = settings_of("adhesion.work", "material.modulus", free=("contact_point", "baseline"))
+        found = fit_curves([curve], guess, options)
+        assert found.goodness.explained
+        for one, at in zip(found.estimates, (5e-4, 0.9, 3e-3, 2e-4), strict=True):
+            inside.append(one.low <= at <= one.high)
+        lost = np.flatnonzero(found.curves[0].force < 0.5 * found.curves[0].force.min())[-1]
+        assert abs(int(lost) - int(np.argmax(np.abs(np.diff(curve.force))))) <= 1
+    assert sum(inside) >= len(inside) - 2  # 24 intervals of 95 %
+
+
+def test_the_spring_itself_may_be_varied_and_is_the_records_where_the_scene_has_none():
+    truth = spring_scene(0.2)
+    curve = synthetic(truth, 0.01, 0.0137, solver="closed-form")
+    rigid = replace(truth, loading=replace(truth.loading, machine=None))
+    found = fit_curves([curve], rigid, settings_of("machine.stiffness", "adhesion.work"))
+    stiffness = found.estimates[0]
+    assert stiffness.start == pytest.approx(0.2)
+    assert stiffness.low <= 0.2 <= stiffness.high
+    assert found.scene.machine.stiffness == stiffness.value
+    other = replace(truth, loading=replace(truth.loading, machine=Machine(0.1)))
+    found = fit_curves([curve], other, settings_of("adhesion.work", starts=1))
+    assert any("0.2, not the scene's 0.1" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [("machine.stiffness", "not that of a stage"), ("loading.steps[0].rate", "measured motion takes")],
+)
+def test_numbers_that_play_no_part_are_refused(path, words):
+    scene = elastic_scene()
+    scene = replace(scene, loading=replace(scene.loading, machine=Machine(1.0)))
+    with pytest.raises(SceneError, match=words):
+        fit_curves([hertz_curve()], scene, settings_of("material.modulus", path))
 
 
 @pytest.mark.exhaustive

@@ -1,4 +1,7 @@
-"""A solver made of closed forms: Hertz, Ting's triangle of penetration, elastic JKR; it takes no time."""
+"""A solver made of closed forms: Hertz, Ting's triangle of penetration, elastic JKR; it takes no time.
+
+Hertz and JKR also on a spring, the stage being driven: contact is lost at the limit point of the stage.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ from validation.reference.ting import Ting
 from validation.solvers.base import Solver
 
 ROWS = 120
+RADII = 20000  # of a branch of equilibria on a spring
 
 
 class ClosedFormSolver(Solver):
@@ -28,7 +32,9 @@ class ClosedFormSolver(Solver):
         time = np.unique(np.concatenate([knots, np.linspace(0.0, knots[-1], ROWS)]))
         motion = np.interp(time, knots, table.values)
         modulus = scene.material.relaxed_plane_modulus
-        if scene.is_adhesive:
+        if scene.loading.compliance > 0.0:
+            time, motion, force, radius = on_spring(scene, time, motion)
+        elif scene.is_adhesive:
             law = JKR(scene.indenter, modulus, scene.adhesion.work)
             least = law.pull_off_penetration_control()
             lost = motion < least.penetration
@@ -51,6 +57,31 @@ class ClosedFormSolver(Solver):
         nothing = np.zeros_like(time)
         outcome = Outcome(kind, "closed form", float(time[-1]))
         return Trace(self.name, time, motion, force, radius, nothing, nothing, nothing, outcome, Counters())
+
+
+def on_spring(scene, time, stage):
+    """Rows of an elastic contact under a driven stage: the stable equilibria, up to where they end."""
+    rows = np.unique(np.concatenate([time, np.linspace(0.0, time[-1], 8 * ROWS)]))
+    time, stage = rows, np.interp(rows, time, stage)
+    modulus = scene.material.relaxed_plane_modulus
+    radii = np.linspace(1e-6, 2.0, RADII) * np.sqrt(scene.indenter.radius * stage.max())
+    if scene.is_adhesive:
+        law = JKR(scene.indenter, modulus, scene.adhesion.work)
+        force, depth = law.force(radii), law.penetration(radii)
+    else:
+        force, depth = sneddon.force(scene.indenter, radii, modulus), radii**2 / scene.indenter.radius
+    at = depth + scene.loading.compliance * force
+    stable = slice(int(np.argmin(at)), None)
+    least, at, radii, force = at[stable][0], at[stable], radii[stable], force[stable]
+    lost = stage < least
+    if scene.is_adhesive and lost.any():
+        end = int(np.argmax(lost))
+        time = np.append(time[:end], np.interp(-least, -stage[end - 1 : end + 1], time[end - 1 : end + 1]))
+        stage = np.append(stage[:end], least)
+    radius, force = np.interp(stage, at, radii), np.interp(stage, at, force)
+    if not scene.is_adhesive:
+        radius[stage < 0.0] = force[stage < 0.0] = 0.0
+    return time, stage - scene.loading.compliance * force, force, radius
 
 
 @contextmanager

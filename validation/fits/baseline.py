@@ -65,6 +65,17 @@ class CurveFeatures:
                 kept[max(jump.row + 1 - EXCLUDED, 0) : jump.row + 1 + EXCLUDED] = False
         return kept
 
+    def contact(self, rows: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which rows are in contact, and of which this is certain by a jump, shape (rows,) each."""
+        place = np.arange(rows)
+        recorded = (place >= self.first) & (place < self.last)
+        known = np.zeros(rows, bool)
+        if self.snap_in is not None and self.snap_in.timed:
+            known |= place <= (self.first + self.last) // 2
+        if self.pull_off is not None and self.pull_off.timed:
+            known |= place > (self.first + self.last) // 2
+        return recorded, known
+
 
 def noise_of_differences(values: Array) -> float:
     """Standard deviation of independent noise on a smooth curve, from third differences, outliers aside."""
@@ -88,7 +99,7 @@ def features(curve: MeasuredCurve) -> CurveFeatures:
     last = max(last, first)
     free = _free_rows((force - level)[::-1], force.size - last)
     trailing = np.arange(force.size - free, force.size)
-    outside = np.concatenate([leading, trailing])
+    outside = np.concatenate([_undisturbed(force, leading, noise), _undisturbed(force, trailing, noise)])
     baseline, drift, source = level, 0.0, "differences of neighbouring rows"
     degrees = MEDIAN_EFFICIENCY * force.size
     if outside.size >= ENOUGH_ROWS:
@@ -106,6 +117,20 @@ def _leaves(off: NDArray[np.bool_]) -> int:
     """The first of ``IN_A_ROW`` rows off the baseline; the number of rows if there are none."""
     run = np.convolve(off, np.ones(IN_A_ROW, int), mode="valid") == IN_A_ROW
     return int(np.argmax(run)) if run.any() else off.size
+
+
+def _undisturbed(force: Array, rows: NDArray[np.intp], noise: float) -> NDArray[np.intp]:
+    """The rows but for those where the mean of ``IN_A_ROW`` shows a contact too weak for a single row.
+
+    A tip may snap in softly and come through zero force soon after; the mean of n rows has the noise over
+    the root of n.
+    """
+    if rows.size < ENOUGH_ROWS:
+        return rows
+    excess = force[rows] - np.median(force[rows])
+    means = np.convolve(excess, np.full(IN_A_ROW, 1.0 / IN_A_ROW), mode="valid")
+    off = np.abs(means) > CONTACT * noise / np.sqrt(IN_A_ROW)
+    return rows[np.convolve(off, np.ones(IN_A_ROW), mode="full") == 0.0]
 
 
 def _free_rows(excess: Array, first: int) -> int:

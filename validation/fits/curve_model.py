@@ -3,6 +3,11 @@
 The loading of the scene gives way to the measured motion; its start and the penetration it starts from stay:
 contact begins where the motion first comes to that penetration (``jump-in``), or with the first row
 (``relaxed``, or a record that begins in contact). Before, and after contact is lost, the force is zero.
+
+A record of the stage drives the stage of a machine with the record's spring: the force follows from contact
+and spring, and contact is lost at the limit point of the stage. Before contact no force bends the spring, so
+that contact is made at constant stage (``snap-in``). The noise of the force is nowhere in the motion. Only a
+``relaxed`` start, which prescribes the indenter, drives the indenter by stage and measured force.
 """
 
 from __future__ import annotations
@@ -13,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Loading, Scene, SceneError, Sphere, Table
+from contact_scene import Machine, Scene, SceneError, Sphere, Table
 from contact_scene.scene_values import with_values
 from validation.fits.baseline import CurveFeatures, features
 from validation.fits.fit_run import FitRun, sampled
@@ -61,7 +66,7 @@ class CurveModel:
     scene : Scene
     features : CurveFeatures
     knots, heights : ndarray, shape (K,)
-        The measured motion as straight lines.
+        The measured motion of indenter or stage as straight lines.
     """
 
     curve: MeasuredCurve
@@ -86,15 +91,13 @@ class CurveModel:
                 problem = f"stated for a {scene.indenter.shape}"
                 raise SceneError("indenter_radius", problem, allowed, curve.name)
             scene = replace(scene, indenter=Sphere(curve.indenter_radius))
-        reach = float(np.ptp(curve.motion))
+        scene, motion = _driven(curve, scene, seen)
+        reach = float(np.ptp(curve.position))
         if reach == 0.0:
-            raise SceneError("penetration", "does not move", "an approach or a retraction", curve.name)
+            column = "penetration" if curve.stage is None else "stage"
+            raise SceneError(column, "does not move", "an approach or a retraction", curve.name)
         slope = float(np.ptp(curve.force)) / reach
         tolerance = PATH_SHARE * seen.noise / slope if slope > 0.0 else reach
-        motion = curve.motion
-        if curve.stage is not None and curve.stiffness is not None:
-            level = seen.baseline + seen.drift * (curve.time - curve.time[0])
-            motion = motion + level / curve.stiffness
         try:
             knots, heights = straight_lines(curve.time, motion, tolerance)
         except SceneError as error:
@@ -136,7 +139,7 @@ class CurveModel:
         later = self.knots > begin
         times = (begin, *self.knots[later].tolist())
         table = Table(times, (first, *heights[later].tolist()))
-        return replace(scene, loading=Loading(scene.loading.start, first, (table,))), begin
+        return replace(scene, loading=replace(scene.loading, penetration=first, steps=(table,))), begin
 
     def prediction(self, run: FitRun, begin: float | None, time_offset: float = 0.0) -> CurvePrediction:
         """A run at the rows of the curve.
@@ -164,6 +167,18 @@ class CurveModel:
         radius = np.where(touching, sampled(run.time, run.contact_radius, corners, inside), 0.0)
         lost = None if run.lost is None else begin + run.lost + time_offset
         return CurvePrediction(force, radius, touching, begin + time_offset, lost, run.failure)
+
+
+def _driven(curve: MeasuredCurve, scene: Scene, seen: CurveFeatures) -> tuple[Scene, Array]:
+    """The scene with the machine and the start of a record, and the motion that drives it, shape (N,)."""
+    loading = replace(scene.loading, machine=None)
+    if curve.stage is None or curve.stiffness is None:
+        return replace(scene, loading=loading), curve.motion
+    if loading.start == "relaxed":
+        level = seen.baseline + seen.drift * (curve.time - curve.time[0])
+        return replace(scene, loading=loading), curve.motion + level / curve.stiffness
+    loading = replace(loading, start="snap-in", machine=Machine(curve.stiffness))
+    return replace(scene, loading=loading), curve.stage
 
 
 def _corners(knots: Array, heights: Array) -> Array:

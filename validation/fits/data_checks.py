@@ -6,7 +6,8 @@ import numpy as np
 
 from contact_scene import Scene, SceneError
 from validation.fits.curve_model import CurveModel
-from validation.fits.parameters import CONTACT_POINT, ParameterSet
+from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.parameters import CONTACT_POINT, SPRING, ParameterSet
 from validation.reference import sneddon
 
 OPPOSED = -0.5
@@ -16,6 +17,8 @@ OUTSIDE_ROWS = 5
 ABSURD, PLAUSIBLE = 1e4, 1e2
 """Factors by which the largest force may miss that of the scene's elastic contact: above the first it is not
 this contact, below the second it may be."""
+SAME_SPRING = 1e-3
+"""Relative difference of two spring constants that is not mentioned: springs are hardly calibrated to it."""
 FEW_ROWS = 50
 """Rows in contact below which the shape of the curve, not its noise, limits what a fit can tell."""
 LOUD = 0.1
@@ -38,7 +41,7 @@ def check(model: CurveModel, parameters: ParameterSet) -> list[str]:
         return SceneError(key, problem, allowed, curve.name)
 
     inside = slice(seen.first, seen.last)
-    force, motion = curve.force, curve.motion
+    force, motion = curve.force, curve.position
     rows = seen.last - seen.first
     if rows < 2:
         raise error(
@@ -61,6 +64,22 @@ def check(model: CurveModel, parameters: ParameterSet) -> list[str]:
         problem = f"never comes to {start:.4g}, where the scene begins contact"
         raise error(column, problem, f"positions counted from first touch, or {CONTACT_POINT} free")
     return [f"{curve.name}: {text}" for text in _warnings(model)]
+
+
+def of_spring(curve: MeasuredCurve, scene: Scene, parameters: ParameterSet) -> list[str]:
+    """Warnings about the spring that holds the indenter: the scene's plays no part, or is another one."""
+    if scene.machine is None or any(one.kind in SPRING for one in parameters.parameters):
+        return []
+    stated = scene.machine.stiffness
+    if curve.stage is None or curve.stiffness is None:
+        text = "positions are those of the indenter: the spring of the scene plays no part"
+    elif scene.loading.start == "relaxed":
+        text = "a relaxed start drives the indenter by stage and measured force, which is noisy"
+    elif abs(curve.stiffness / stated - 1.0) > SAME_SPRING:
+        text = f"the spring constant of the record holds, {curve.stiffness:.6g}, not the scene's {stated:.6g}"
+    else:
+        return []
+    return [f"{curve.name}: {text}"]
 
 
 def _check_columns(model: CurveModel, column: str) -> None:

@@ -15,6 +15,7 @@ from validation.fits import data_checks
 from validation.fits.curve_model import CurveModel
 from validation.fits.fineness import fineness
 from validation.fits.fit_outcome import explained, judged, unfinished
+from validation.fits.fit_question import question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import Array, MeasuredCurve
@@ -24,7 +25,7 @@ from validation.fits.profile_likelihood import LikelihoodProfile, likelihood_pro
 from validation.fits.search import BestSoFar, Search, search
 from validation.fits.second_solver import SecondSolver, second_solver
 from validation.fits.statistics import covariance
-from validation.fits.unknowns import bending, unknowns, with_grid
+from validation.fits.unknowns import bending, unknowns, with_grid, with_spring
 from validation.solvers import REFERENCE
 
 
@@ -63,7 +64,9 @@ def fit_curves(
         At Ctrl-C.
     """
     began = time.perf_counter()
-    scene, settings = with_grid(scene, settings)
+    curves = _named_apart(curves)
+    asked = question(curves, scene, settings)
+    scene, settings = with_grid(with_spring(scene, curves), settings)
     problem, warnings = _prepared(curves, scene, settings, executor, store)
     best = BestSoFar(problem, progress)
     error_share: float | None = None
@@ -78,7 +81,10 @@ def fit_curves(
     except KeyboardInterrupt:
         if best.x is None:
             raise InterruptedFit(None) from None
-        raise InterruptedFit(unfinished(problem, best, finished, scene, settings, warnings)) from None
+        if progress is not None:
+            progress("interrupted: the errors of the best so far are worked out (once more ends at once)")
+        found = unfinished(problem, best, finished, scene, settings, warnings)
+        raise InterruptedFit(None if found is None else replace(found, question=asked)) from None
     return replace(
         result,
         profiles=profiles,
@@ -86,6 +92,7 @@ def fit_curves(
         error_share=error_share,
         runs=problem.runs,
         seconds=time.perf_counter() - began,
+        question=asked,
     )
 
 
@@ -111,10 +118,11 @@ def _prepared(
     problem : FitProblem
     warnings : list of str
     """
-    models = [CurveModel.of(curve, scene) for curve in _named_apart(curves)]
+    models = [CurveModel.of(curve, scene) for curve in curves]
     parameters = ParameterSet(tuple(unknowns(models, scene, settings)))
     _check_profiles(parameters, settings)
     warnings = [text for model in models for text in data_checks.check(model, parameters)]
+    warnings += [text for curve in curves for text in data_checks.of_spring(curve, scene, parameters)]
     problem = FitProblem(
         models,
         parameters,

@@ -87,6 +87,7 @@ def judged(
         warnings=(*warnings, *_failures(problem, found.x)),
         runs=problem.runs,
         seconds=0.0,
+        question={},
     )
 
 
@@ -120,7 +121,7 @@ def _fitted(problem: FitProblem, index: int, x: Array) -> FittedCurve:
         force,
         (model.curve.force - force) / model.features.noise,
         problem.compared[index],
-        model.curve.motion - point[1][CONTACT_POINT],
+        model.curve.position - point[1][CONTACT_POINT],
         model.features.noise,
         model.features.noise_source,
         prediction.failure,

@@ -29,8 +29,8 @@ class FittedCurve:
         Measured minus fitted over the noise.
     compared : ndarray of bool, shape (N,)
         Rows that took part.
-    penetration : ndarray, shape (N,)
-        Measured, from the fitted contact point.
+    position : ndarray, shape (N,)
+        Of stage or indenter as measured, from the fitted contact point.
     noise : float
     noise_source : str
     failure : str
@@ -41,7 +41,7 @@ class FittedCurve:
     force: Array
     residuals: Array
     compared: NDArray[np.bool_]
-    penetration: Array
+    position: Array
     noise: float
     noise_source: str
     failure: str = ""
@@ -76,6 +76,8 @@ class FitResult:
     warnings : tuple of str
     runs : int
     seconds : float
+    question : mapping of str to str
+        What was asked, as hashes.
     """
 
     scene: Scene
@@ -97,6 +99,7 @@ class FitResult:
     warnings: tuple[str, ...]
     runs: int
     seconds: float
+    question: dict[str, str]
 
 
 class InterruptedFit(KeyboardInterrupt):

@@ -97,6 +97,13 @@ class MeasuredCurve:
         return SceneError(key, problem, allowed, self.name)
 
     @property
+    def position(self) -> Array:
+        """What the instrument prescribed, shape (N,): the position of the stage, or else of the indenter."""
+        driven = self.penetration if self.stage is None else self.stage
+        assert driven is not None
+        return driven
+
+    @property
     def motion(self) -> Array:
         """Measured position of the indenter, shape (N,): the stage less the extension of the spring."""
         if self.penetration is not None:

@@ -20,6 +20,8 @@ from validation.fits.measured_curve import Array
 CONTACT_POINT, BASELINE, DRIFT, TIME_OFFSET = "contact_point", "baseline", "drift", "time_offset"
 INSTRUMENT = (CONTACT_POINT, BASELINE, DRIFT, TIME_OFFSET)
 """Parameters of a curve's own that are no numbers of the scene."""
+SPRING = ("machine.stiffness", "loading.machine.stiffness")
+"""Paths of the spring between stage and indenter."""
 RANGE = 1e3
 """Factor about the scene's value within which a positive parameter is searched, if no bounds are given."""
 LIMITED = {"material.poisson": (0.0, 0.5)}

@@ -5,6 +5,9 @@ over the standard deviation of a moment within its sampling interval; the contac
 measured. A run that loses contact early, or breaks down, leaves a force of zero behind: a large residual, no
 error.
 
+Rows that one of run and record has in contact and the other not are residuals without derivatives: the
+moments of the jumps, which have them, lead the search there.
+
 Baseline and drift are linear and cost no run, the time offset is a shift of the same run. All other
 derivatives are differences of runs, which share no work and may be carried out side by side.
 """
@@ -125,6 +128,7 @@ class FitProblem:
         predicted = self.predictions(calls)
         base = [self._of_curve(index, predicted[index], points[index][1]) for index in range(count)]
         starts = np.concatenate([[0], np.cumsum([part.size for part in base])])
+        contradicted = [self._contradicted(index, predicted[index]) for index in range(count)]
         penalties = self._penalties(x)
         result = np.zeros((int(starts[-1]) + penalties.size, len(self.parameters)))
         for (place, curve, step), (_, point), moved_to in zip(
@@ -135,6 +139,7 @@ class FitProblem:
             # A row that comes into contact or loses it jumps; a derivative it has on either side only.
             flipped = (moved_to.touching != predicted[curve].touching)[self.compared[curve]]
             change[: flipped.size][flipped] = 0.0
+            change[: flipped.size][contradicted[curve]] = 0.0
             result[starts[curve] : starts[curve + 1], place] = change
         for place, one in enumerate(self.parameters.parameters):
             if one.curve is not None and one.kind in (BASELINE, DRIFT):
@@ -142,7 +147,8 @@ class FitProblem:
                 since = model.curve.time - model.curve.time[0] if one.kind == DRIFT else np.ones(kept.size)
                 begin = starts[one.curve]
                 rows = slice(begin, begin + int(kept.sum()))
-                result[rows, place] = since[kept] * one.scale / model.features.noise
+                slope = since[kept] * one.scale / model.features.noise
+                result[rows, place] = np.where(contradicted[one.curve], 0.0, slope)
         if penalties.size:
             for place in range(len(self.parameters)):
                 moved = x.copy()
@@ -240,6 +246,15 @@ class FitProblem:
             if jump is not None and jump.timed
         ]
         return np.concatenate([*parts, np.array(moments, float)])
+
+    def _contradicted(self, index: int, prediction: CurvePrediction) -> NDArray[np.bool_]:
+        """Compared rows where the record is in contact for certain and the run is not, or the other way.
+
+        There the force is wrong by the whole of it, however right the parameters are but for the moment of
+        the jump, which has a residual of its own: what they seem to say of baseline and modulus leads astray.
+        """
+        recorded, known = self.models[index].features.contact(prediction.touching.size)
+        return ((recorded != prediction.touching) & known)[self.compared[index]]
 
     def _penalties(self, x: Array) -> Array:
         return np.empty(0) if self.penalty is None else self.penalty(self.parameters.values(x))

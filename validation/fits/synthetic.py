@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from contact_scene import Scene, SceneError
+from contact_scene import Machine, Scene, SceneError
 from contact_scene.errors import NOT_NEGATIVE, not_negative, number, positive
-from validation.fits.fit_run import run_of, sampled
-from validation.fits.measured_curve import FEWEST_ROWS, MeasuredCurve
+from contact_scene.segment import Segment
+from validation.fits.fit_run import FitRun, run_of, sampled
+from validation.fits.measured_curve import FEWEST_ROWS, Array, MeasuredCurve
 from validation.solvers import REFERENCE
 
 ROWS = 300
@@ -33,11 +36,14 @@ def synthetic(
     resolution: int | None = None,
     name: str = "",
 ) -> MeasuredCurve:
-    """A curve of a scene whose steps prescribe the penetration.
+    """A curve of a scene whose steps prescribe the penetration, or the stage of a spring.
+
+    With a spring contact is made at constant stage, where the scene begins it.
 
     Parameters
     ----------
     scene : Scene
+        On a spring, if its machine is one.
     noise : float
         Standard deviation of the force over the largest tension (without adhesion: the largest force).
     sampling : float, optional
@@ -49,7 +55,8 @@ def synthetic(
     baseline, drift : float
         Recorded force without contact at time zero, and its change over time.
     stiffness : float, optional
-        Of a spring between stage and indenter: the stage is recorded instead of the penetration.
+        Of a spring in the scene's machine: its steps then drive the stage, which is recorded instead of the
+        penetration.
     solver, resolution : str, int or None
     name : str
         Of the curve; by default the scene's title.
@@ -61,48 +68,104 @@ def synthetic(
     Raises
     ------
     SceneError
-        If a load step controls the force, or the solver does not finish the scene.
+        If a load step controls the force or ends at a level, or the solver does not finish the scene.
     """
     noise = number(noise, "noise", NOT_NEGATIVE, low=0.0)
-    segments = [segment for _, segment in scene.loading.segments()]
-    if not segments or any(segment.control != "penetration" for segment in segments):
-        raise SceneError(
-            "loading.steps", "do not prescribe the penetration", "ramps, holds, oscillations, tables"
-        )
+    scene = _on_spring(scene, stiffness)
+    segments = _driven_segments(scene)
     run = run_of(scene, solver, resolution)
     if run.failure or run.time.size < 2:
         raise SceneError("", f"no curve: {run.failure or 'no contact'}", "a scene that the solver finishes")
+    time = _row_times(scene, segments, run, sampling)
+    motion = _motion(scene, segments, time)
+    exact = _exact_force(segments, run, time)
+    tension = -float(run.force.min())
+    scale = tension if scene.is_adhesive and tension > 0.0 else float(np.abs(run.force).max())
+    force = exact + noise * scale * np.random.default_rng(seed).standard_normal(time.size)
+    force += baseline + drift * time
+    not_negative(abs(contact_point), "contact_point")
+    position = motion + contact_point
+    spring = scene.loading.compliance > 0.0
+    return MeasuredCurve(
+        time - time[0],
+        force,
+        penetration=None if spring else position,
+        stage=position if spring else None,
+        stiffness=1.0 / scene.loading.compliance if spring else None,
+        name=name or scene.title or "curve",
+    )
+
+
+def _on_spring(scene: Scene, stiffness: float | None) -> Scene:
+    """The scene with its spring, which nothing bends before contact: contact is made at constant stage."""
+    loading = scene.loading
+    if stiffness is not None:
+        loading = replace(loading, machine=Machine(positive(stiffness, "stiffness")))
+    if loading.compliance > 0.0 and loading.start == "jump-in":
+        loading = replace(loading, start="snap-in")
+    return replace(scene, loading=loading)
+
+
+def _driven_segments(scene: Scene) -> list[Segment]:
+    """The load steps as laws of the position, of which all is known before the run.
+
+    Raises
+    ------
+    SceneError
+    """
+    segments = [segment for _, segment in scene.loading.segments()]
+    known = all(segment.control != "force" and math.isfinite(segment.end) for segment in segments)
+    if not segments or not known or scene.loading.has_triggers:
+        raise SceneError(
+            "loading.steps", "do not prescribe the penetration", "ramps, holds, oscillations, tables"
+        )
+    return segments
+
+
+def _row_times(scene: Scene, segments: Sequence[Segment], run: FitRun, sampling: float | None) -> Array:
+    """Times of the rows, shape (N,): zero where contact begins.
+
+    Parameters
+    ----------
+    scene : Scene
+    segments : sequence of Segment
+    run : FitRun
+    sampling : float or None
+        Time between two rows.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+    """
     end = float(run.time[-1])
     beside = BESIDE * end
-    rate = segments[0].rate(0.0)
-    begin = -beside if scene.loading.start == "jump-in" and rate > 0.0 else 0.0
+    before = scene.loading.start != "relaxed" and segments[0].rate(0.0) > 0.0
+    begin = -beside if before else 0.0
     last = end + beside if run.lost is not None else end
     last = min(last, segments[-1].end)
     step = end / ROWS if sampling is None else positive(sampling, "sampling")
     rows = math.floor((last - begin) / step) + 1
     if not FEWEST_ROWS <= rows <= MOST_ROWS:
         raise SceneError("sampling", f"gives {rows} rows", f"{FEWEST_ROWS} to {MOST_ROWS} rows")
-    time = begin + step * np.arange(rows)
-    motion = np.empty(rows)
+    return np.asarray(begin + step * np.arange(rows), float)
+
+
+def _motion(scene: Scene, segments: Sequence[Segment], time: Array) -> Array:
+    """What the steps prescribe at some times, and before them the first one's straight line."""
+    rate = segments[0].rate(0.0)
+    motion = np.empty(time.size)
     for index, at in enumerate(time.tolist()):
         if at < 0.0:
             motion[index] = scene.loading.penetration + rate * at
         else:
             segment = next((s for s in segments if at <= s.end), segments[-1])
             motion[index] = segment.value(at)
+    return motion
+
+
+def _exact_force(segments: Sequence[Segment], run: FitRun, time: Array) -> Array:
+    """Force without noise, zero without contact."""
+    end = float(run.time[-1])
     touching = (time >= 0.0) & (time <= end if run.lost is not None else True)
-    inside = np.clip(time, 0.0, end)
     corners = np.array([moment for segment in segments for moment in (*segment.kinks, segment.end)])
-    exact = np.where(touching, sampled(run.time, run.force, corners, inside), 0.0)
-    tension = -float(run.force.min())
-    scale = tension if scene.is_adhesive and tension > 0.0 else float(np.abs(run.force).max())
-    force = exact + noise * scale * np.random.default_rng(seed).standard_normal(rows)
-    force += baseline + drift * time
-    columns = {"time": time - begin, "force": force}
-    if stiffness is None:
-        columns["penetration"] = motion + contact_point
-    else:
-        # what the record gives back by stage - force/stiffness is the motion, but for the noise of the force
-        columns["stage"] = motion + contact_point + exact / positive(stiffness, "stiffness")
-    not_negative(abs(contact_point), "contact_point")
-    return MeasuredCurve(**columns, stiffness=stiffness, name=name or scene.title or "curve")  # type: ignore[arg-type]
+    return np.where(touching, sampled(run.time, run.force, corners, np.clip(time, 0.0, end)), 0.0)

@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact_scene import Branch, Scene, SceneError
+from contact_scene import Branch, Machine, Scene, SceneError
 from contact_scene.errors import shown
+from contact_scene.scene_values import value_at
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit_settings import FitSettings
-from validation.fits.measured_curve import Array
+from validation.fits.measured_curve import Array, MeasuredCurve
 from validation.fits.parameters import (
     BASELINE,
     DRIFT,
+    SPRING,
     TIME_OFFSET,
     FitParameter,
     scene_parameter,
@@ -34,6 +36,15 @@ def with_grid(scene: Scene, settings: FitSettings) -> tuple[Scene, FitSettings]:
     grid = tuple(f"material.branches[{index}].modulus" for index in range(count))
     scene = replace(scene, material=replace(scene.material, branches=branches))
     return scene, replace(settings, vary=(*settings.vary, *grid))
+
+
+def with_spring(scene: Scene, curves: Sequence[MeasuredCurve]) -> Scene:
+    """The scene on the spring of the curves, where it states none and all of them were recorded on one."""
+    springs = {None if curve.stage is None else curve.stiffness for curve in curves}
+    [spring] = springs if len(springs) == 1 else [None]
+    if scene.machine is not None or spring is None:
+        return scene
+    return replace(scene, loading=replace(scene.loading, machine=Machine(spring)))
 
 
 def bending(settings: FitSettings) -> Callable[[Mapping[str, float]], Array]:
@@ -58,6 +69,8 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
             raise SceneError("tie", f"got {shown(entry)}", "PATH=OTHER, both numbers of the scene")
         tied.setdefault(other, []).append(path)
     varied = [entry.partition("=")[0] for entry in (*settings.vary, *settings.per_curve)]
+    for path in (*varied, *(one for ties in tied.values() for one in ties)):
+        _check_part(path, models, scene)
     for other in tied:
         if other not in varied:
             raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
@@ -68,6 +81,18 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
             found.append(scene_parameter(model.scene, entry, ties, (index, model.curve.name)))
         found += [_instrument(model, index, name) for name in dict.fromkeys(settings.free)]
     return found
+
+
+def _check_part(path: str, models: Sequence[CurveModel], scene: Scene) -> None:
+    """Refuse a path that names no number of the scene, or one that plays no part in the model of a curve."""
+    value_at(scene, path)
+    if path.startswith("loading.steps"):
+        problem = "plays no part: the measured motion takes the place of the loading steps"
+        raise SceneError(path, problem, "numbers of material, adhesion, indenter or machine")
+    for model in models:
+        if path in SPRING and model.scene.machine is None:
+            problem = "plays no part: the motion of the indenter is recorded, not that of a stage"
+            raise SceneError(path, problem, "curves with a column stage", model.curve.name)
 
 
 def _instrument(model: CurveModel, index: int, kind: str) -> FitParameter:
@@ -95,8 +120,10 @@ def _instrument(model: CurveModel, index: int, kind: str) -> FitParameter:
         return FitParameter(
             name, 0.0, -TIME_SHARE * duration, TIME_SHARE * duration, False, duration, curve=index
         )
-    reach = float(np.ptp(curve.motion))
+    reach = float(np.ptp(curve.position))
     touch = 0.0
-    if 0 < seen.first < seen.last and model.scene.loading.start == "jump-in":
-        touch = float(curve.motion[seen.first - 1 : seen.first + 1].mean()) - model.scene.loading.penetration
+    if 0 < seen.first < seen.last and model.scene.loading.start != "relaxed":
+        touch = (
+            float(curve.position[seen.first - 1 : seen.first + 1].mean()) - model.scene.loading.penetration
+        )
     return FitParameter(name, touch, touch - reach, touch + reach, False, reach, curve=index)

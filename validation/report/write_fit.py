@@ -61,6 +61,7 @@ def of_fit(result: FitResult) -> dict[str, Any]:
         "seconds": result.seconds,
         "environment": stamp(),
         "program": version(),
+        "question": result.question,
     }
 
 

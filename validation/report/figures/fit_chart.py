@@ -22,7 +22,7 @@ SIZE = 2.2  # points of a marker
 
 
 def draw_curves(curves: Sequence[FittedCurve]) -> Figure:
-    """A column for each curve: force over penetration, residuals over time."""
+    """A column for each curve: force over position, residuals over time."""
     from matplotlib.figure import Figure
 
     columns = min(len(curves), MOST_COLUMNS)
@@ -38,12 +38,13 @@ def draw_curves(curves: Sequence[FittedCurve]) -> Figure:
         one = curves[place]
         kept, colour = one.compared, SERIES[0]
         measured = {"linestyle": "none", "marker": "o", "markersize": SIZE, "rasterized": True}
-        upper.plot(one.penetration[kept], one.curve.force[kept], color=colour, label="measured", **measured)
+        upper.plot(one.position[kept], one.curve.force[kept], color=colour, label="measured", **measured)
         if not kept.all():
-            left = one.penetration[~kept], one.curve.force[~kept]
+            left = one.position[~kept], one.curve.force[~kept]
             upper.plot(*left, color=GREY, label="not compared", **measured)
-        upper.plot(one.penetration, one.force, color=VERMILION, linewidth=1.1, label="fit")
-        upper.set(xlabel="penetration (unit of the scene)", title=one.curve.name)
+        upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
+        driven = "penetration" if one.curve.stage is None else "position of the stage"
+        upper.set(xlabel=f"{driven} (unit of the scene)", title=one.curve.name)
         lower.plot(one.curve.time[kept], one.residuals[kept], color=colour, **measured)
         lower.axhline(0.0, color=INK, linewidth=0.8)
         lower.set(xlabel="time (unit of the scene)")

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 CURVES = """\
-Measured and fitted force over penetration; below, what is left, over the noise. Grey rows around jumps of the
-force are not compared, the moments of the jumps are."""
+Measured and fitted force over the position of indenter or stage; below, what is left, over the noise. Grey
+rows around jumps of the force are not compared, the moments of the jumps are."""
 COMBINATIONS = """\
 Products of powers of the parameters whose errors are independent of each other, the least known first, with
 their relative standard deviation. Powers below 0.2 are left out."""
