@@ -7,6 +7,7 @@ state is kept. None of it chooses a step size or looks at a solution.
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
@@ -15,7 +16,7 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 from contact_scene.errors import SceneError, number
 from contact_scene.loading import Loading
@@ -269,7 +270,15 @@ class _LinearAlgebraThreads:
     def __init__(self) -> None:
         self.lock = threading.Lock()
         self.runs = 0
-        self.limit: threadpool_limits | None = None
+        self.restore: Callable[[], None] | None = None
+        self._libraries: tuple[int, ThreadpoolController] | None = None
+
+    def libraries(self) -> ThreadpoolController:
+        """Those that are loaded; to look them up takes milliseconds: again only if a module was imported."""
+        modules = len(sys.modules)
+        if self._libraries is None or self._libraries[0] != modules:
+            self._libraries = (modules, ThreadpoolController())
+        return self._libraries[1]
 
 
 _THREADS = _LinearAlgebraThreads()
@@ -285,13 +294,13 @@ def single_threaded() -> Iterator[None]:
     """
     with _THREADS.lock:
         if _THREADS.runs == 0:
-            _THREADS.limit = threadpool_limits(1, user_api="blas")
+            _THREADS.restore = _THREADS.libraries().limit(limits=1, user_api="blas").restore_original_limits
         _THREADS.runs += 1
     try:
         yield
     finally:
         with _THREADS.lock:
             _THREADS.runs -= 1
-            if _THREADS.runs == 0 and _THREADS.limit is not None:
-                _THREADS.limit.restore_original_limits()
-                _THREADS.limit = None
+            if _THREADS.runs == 0 and _THREADS.restore is not None:
+                _THREADS.restore()
+                _THREADS.restore = None

@@ -25,8 +25,8 @@ _TABLES = """
 PRAGMA locking_mode = EXCLUSIVE;
 PRAGMA journal_mode = WAL;
 PRAGMA synchronous = NORMAL;
-CREATE TABLE IF NOT EXISTS runs (fingerprint TEXT PRIMARY KEY, record TEXT, seconds REAL) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS traces (fingerprint TEXT PRIMARY KEY, columns BLOB) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS runs (fingerprint TEXT PRIMARY KEY, record TEXT, seconds REAL);
+CREATE TABLE IF NOT EXISTS traces (fingerprint TEXT PRIMARY KEY, columns BLOB);
 """
 Columns = dict[str, NDArray[np.float64]]
 

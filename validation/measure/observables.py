@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -82,7 +82,7 @@ class Observables:
 
     def as_dict(self) -> dict[str, float | None]:
         """All observables by name."""
-        return asdict(self)
+        return dict(vars(self))
 
 
 def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> Observables:

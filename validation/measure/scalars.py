@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-
 from contact_scene import Scene, Trace
 from validation.measure.cycles import cycle_times
 from validation.measure.observables import at_last_contact, cycle_losses, observe
@@ -22,6 +20,6 @@ def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float 
     peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
     values["peak_cycle_loss"] = peak.loop if peak else None
     values["peak_cycle_frequency"] = peak.angular_frequency if peak else None
-    values |= {f"counters.{name}": float(count) for name, count in asdict(trace.counters).items()}
+    values |= {f"counters.{name}": float(count) for name, count in vars(trace.counters).items()}
     values["wall_seconds"] = wall_seconds
     return values

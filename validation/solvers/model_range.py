@@ -129,8 +129,7 @@ def _length(scene: Scene) -> float:
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """What makes the answer to a scene doubtful, known before it is solved; one sentence each."""
     found = []
-    start = start_radius(scene)
-    if scene.adhesion is not None and scene.is_adhesive and start > 0.0:
+    if scene.adhesion is not None and scene.is_adhesive and (start := start_radius(scene)) > 0.0:
         share = scene.adhesion.zone / start
         if share > LARGEST_ZONE:
             found.append(_zone_warning(share))

@@ -3,10 +3,10 @@
 An elastic sphere is pressed in without adhesion, by default deep enough for a run to take as many steps as
 one with adhesion at resolution 4; with ``--depth 0.0101`` runs are about as short as there are, and the
 overhead shows most. Each engine is measured against the bare solver: some of the same scenes in as many plain
-processes, a loop around ``Solver.solve`` in each, before the sweep and after it; the shorter time counts.
-Efficiency is the time a run takes there over what it takes in the sweep, start of the processes left out of
-both: by the clock, and by the processor time of this process and its workers, which other programs on the
-machine change less. The memory of this process and of its workers is read as the runs pass.
+processes, a loop around ``Solver.solve`` in each. Sweep and bare solver take turns; of each the shortest time
+counts. Efficiency is the time a run takes there over what it takes in the sweep, start of the processes left
+out of both: by the clock, and by the processor time of this process and its workers, which other programs on
+the machine change less. The memory of this process and of its workers is read as the runs pass.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import argparse
 import os
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -33,10 +33,15 @@ from validation.sweeps.write import write_results
 START, DEPTH = 0.01, 0.02
 """Penetrations, over the radius, of the relaxed contact at the start and at the end."""
 RESOLUTION = 4
+FIRST, APART = 1.0, 2.5
+"""Smallest radius of the first turn, and factor to that of the next: a turn's radii grow by less."""
 SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
 """Of the runs, at which memory is read; the first is past what imports and the first batches take."""
-BARE_RUNS = 200
-"""Runs of the bare solver: some seconds, so that the ends of the processes' shares do not count."""
+ROUNDS = 5
+"""Turns of the sweep and of the bare solver: on a busy machine one of them is little disturbed."""
+BARE_RUNS = 100
+"""Runs of the bare solver in a turn: a second or more, so that the ends of the processes' shares do not
+count."""
 
 
 @dataclass(frozen=True)
@@ -91,9 +96,13 @@ def _solve_all(scenes: Sequence[Scene]) -> None:
 
 
 def swept(
-    plan: SweepPlan, processes: int, engine: Engine, table: RunTable
-) -> tuple[Spent, list[list[float]]]:
-    """A sweep, and the memory that it takes.
+    plan: SweepPlan,
+    processes: int,
+    engine: Engine,
+    table: RunTable,
+    progress: Callable[[float, str], None] | None = None,
+) -> Spent:
+    """A sweep.
 
     Parameters
     ----------
@@ -103,25 +112,34 @@ def swept(
     engine : Engine
     table : RunTable
         Receives the runs.
+    progress : callable, optional
+        As of :func:`~validation.sweeps.run_plan.carry_out`.
 
     Returns
     -------
     Spent
-        Of a run.
-    list of [float, float]
-        Bytes of this process and of its largest worker at ``SHARES`` of the runs.
     """
-    memory: list[list[float]] = []
-
-    def read(share: float, text: str) -> None:
-        if len(memory) < len(SHARES) and share >= SHARES[len(memory)]:
-            own, *workers = (resident(process) for process in family())
-            memory.append([own, max(workers, default=0.0)])
-
     before, began = processor_seconds(), time.perf_counter()
-    carry_out(plan, table, engine, read)
+    carry_out(plan, table, engine, progress)
     wall, spent = time.perf_counter() - began, processor_seconds() - before
-    return Spent(processes * wall / plan.count, spent / plan.count), memory
+    return Spent(processes * wall / plan.count, spent / plan.count)
+
+
+class Memory:
+    """Bytes of this process and of its largest worker at ``SHARES`` of all runs."""
+
+    def __init__(self) -> None:
+        self.read: list[tuple[float, float]] = []
+
+    def of_turn(self, turn: int) -> Callable[[float, str], None]:
+        """Progress of a turn."""
+
+        def look(share: float, text: str) -> None:
+            if len(self.read) < len(SHARES) and (turn + share) / ROUNDS >= SHARES[len(self.read)]:
+                own, *workers = (resident(process) for process in family())
+                self.read.append((own, max(workers, default=0.0)))
+
+        return look
 
 
 def family() -> list[int]:
@@ -178,31 +196,33 @@ def main() -> None:
 def _measure(runs: int, depth: float, jobs: int, dask: str | None) -> None:
     with tempfile.TemporaryDirectory() as folder, own_engine(jobs, dask) as engine:
         out = Path(folder)
-        plan, warm = plan_of(runs, out, depth), plan_of(16 * jobs, out, depth, first=3.0)
-        alone = [bare(plan, jobs)]
+        plans = [plan_of(runs // ROUNDS, out, depth, FIRST * APART**turn) for turn in range(ROUNDS)]
+        sweeps, alone, memory = [], [], Memory()
         with RunTable(out) as table:
-            carry_out(warm, table, engine)
-            spent, memory = swept(plan, jobs, engine, table)
-        alone.append(bare(plan, jobs))
+            carry_out(plan_of(16 * jobs, out, depth, FIRST / APART), table, engine)
+            for turn, plan in enumerate(plans):
+                alone.append(bare(plan, jobs))
+                sweeps.append(swept(plan, jobs, engine, table, memory.of_turn(turn)))
         began = time.perf_counter()
         with RunTable(out) as table:
-            again = carry_out(plan, table)
+            again = [carry_out(plan, table) for plan in plans]
             resumed = time.perf_counter() - began
-            write_results(plan, again, out)
+            write_results(plans[-1], again[-1], out)
         writing = time.perf_counter() - began - resumed
         size = sum(file.stat().st_size for file in out.iterdir())
-    wall, processor = min(one.wall for one in alone), min(one.processor for one in alone)
+    spent, free = (Spent(min(s.wall for s in a), min(s.processor for s in a)) for a in (sweeps, alone))
     what = f"Dask, {jobs} workers" if dask else f"{jobs} process{'es' if jobs > 1 else ''}"
-    print(f"{what}: {runs} runs, {jobs / spent.wall:.1f} a second; bare solver {jobs / wall:.1f}")
-    clock, processors = wall / spent.wall, processor / spent.processor
+    print(f"{what}: {runs} runs, {jobs / spent.wall:.1f} a second; bare solver {jobs / free.wall:.1f}")
+    clock, processors = free.wall / spent.wall, free.processor / spent.processor
     print(f"  efficiency {clock:.3f} by the clock, {processors:.3f} by the processors")
-    print(f"  processor time of a run {1e3 * spent.processor:.2f} ms, bare {1e3 * processor:.2f} ms")
+    print(f"  processor time of a run {1e3 * spent.processor:.2f} ms, bare {1e3 * free.processor:.2f} ms")
     told = ", ".join(
         f"{100 * share:.0f} %: {own / 1e6:.1f} and {worker / 1e6:.1f} MB"
-        for share, (own, worker) in zip(SHARES, memory, strict=False)
+        for share, (own, worker) in zip(SHARES, memory.read, strict=False)
     )
     print(f"  memory of this process and of its largest worker at {told}")
-    print(f"  once more, all stored: {resumed:.2f} s; writing {writing:.2f} s; {size / 1e6:.1f} MB on disk")
+    print(f"  once more, all stored: {resumed:.2f} s; {size / 1e6:.1f} MB on disk")
+    print(f"  writing {runs // ROUNDS} of them: {writing:.2f} s")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 A batch is as long as its overhead allows, so that a kill loses little: runs of some length travel alone. The
 overhead of a task, of the processes and of Dask, is measured by ``python -m validation.sweeps.benchmark``.
+Without an executor a batch spares the writing of each run by itself.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from contact_scene.errors import SceneError
 from validation.cases import Case
 from validation.execution.engines import Engine
 from validation.execution.fingerprints import version
+from validation.execution.memory import keep_freed
 from validation.execution.progress import duration
 from validation.execution.run_table import RunTable, StoredRun
 from validation.execution.solver_tasks import expected_seconds
@@ -24,8 +26,9 @@ from validation.sweeps.plan import Rows, SweepPlan
 TAIL = 2
 """Batches for each place of an engine that the runs left are divided into, so that all workers end
 together."""
-SHORTEST = 10
-"""Part of a full batch that is the least for that: a job in a queue is not worth a second of work."""
+SHORTEST = 4
+"""Part of a full batch that is the least for that: a task costs Dask 2 to 8 ms of processor time, which is
+to stay small beside its work, as is the start of a job in a queue."""
 
 
 @dataclass(frozen=True)
@@ -107,8 +110,6 @@ class _Batches:
             at += len(scenes)
 
     def _size(self, left: int) -> int:
-        if self._engine.executor is None:
-            return 1
         by_cost = round(self._engine.batch_seconds / max(self._cost(), 1e-6))
         tail = -(-left // (TAIL * self._engine.outstanding))
         size = max(1, min(by_cost, max(tail, by_cost // SHORTEST)))
@@ -154,6 +155,8 @@ def carry_out(
         If a worker has another version of the program.
     """
     engine = engine or Engine()
+    if engine.executor is None:
+        keep_freed()  # as a worker process does
     keys, missing = missing_runs(plan, table)
     found = SweepRuns(keys, table)
     tell = _Teller(len(missing), len(keys), progress)
