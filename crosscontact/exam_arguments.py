@@ -34,7 +34,12 @@ def add_exam(
         metavar="N",
         help="one answer for each; default: the solver's choice",
     )
-    _jobs(answer, count, "; 1 for run times that mean something")
+    answer.add_argument(
+        "--jobs",
+        type=count,
+        metavar="N",
+        help="processes; default: 1, so that run times are not those of a busy machine",
+    )
     again = actions.add_parser("reproduce", help="compute a trace again from its header alone")
     again.add_argument("file", metavar="FILE", help="such as DIR/SCENE/reference.csv")
 
@@ -65,9 +70,8 @@ def run_judge(options: argparse.Namespace, jobs: int) -> int:
     return judge.run(options.folder, options.out, jobs, options.fresh)
 
 
-def _jobs(command: argparse.ArgumentParser, count: Callable[[str], int], more: str = "") -> None:
-    text = f"processes; default: the number of cores{more}"
-    command.add_argument("--jobs", type=count, metavar="N", help=text)
+def _jobs(command: argparse.ArgumentParser, count: Callable[[str], int]) -> None:
+    command.add_argument("--jobs", type=count, metavar="N", help="processes; default: the number of cores")
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -102,6 +102,9 @@ def test_bad_input_is_told_in_a_line(tmp_path, capsys):
 @pytest.mark.slow
 def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
     """Export, answer by the script of the page, judge; the reference computed again from its header."""
+    lines = SCRIPT.read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 30
+    assert max(map(len, lines)) <= 100
     export_scenes(tmp_path, [one for one in exam_cases("quick") if one.name in ("adhesionless-cycle", SCENE)])
     subprocess.run([sys.executable, str(SCRIPT), str(tmp_path)], check=True)
     (tmp_path / SCENE / "trace.csv").unlink()  # half of the scenes: judged on those

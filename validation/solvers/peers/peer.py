@@ -77,12 +77,16 @@ def elastic_ramps(scene: Scene) -> str:
 
 
 def ramp_times(scene: Scene, rows: int) -> tuple[Array, Array]:
-    """Times and penetrations along the ramps of a scene, ``rows`` a ramp; each of shape (n,)."""
+    """Times and penetrations along the ramps of a scene, ``rows`` a ramp; each of shape (n,).
+
+    Evenly spaced in the root of the penetration, as the contact radius of a sphere is.
+    """
     time, depth = [np.zeros(1)], [np.array([scene.loading.penetration])]
     for _, segment in scene.loading.segments():
-        at = np.linspace(segment.start, segment.end, rows + 1)[1:]
-        time.append(at)
-        depth.append(np.array([segment.value(float(t)) for t in at]))
+        first, last = segment.value(segment.start), segment.value(segment.end)
+        roots = np.linspace(*(np.sign(end) * np.sqrt(abs(end)) for end in (first, last)), rows + 1)[1:]
+        depth.append(roots * np.abs(roots))
+        time.append(segment.start + (depth[-1] - first) / (last - first) * (segment.end - segment.start))
     return np.concatenate(time), np.concatenate(depth)
 
 
