@@ -60,11 +60,18 @@ class Peer(Solver):
         raise AssertionError("defined by every peer")
 
 
-def not_a_sphere(scene: Scene) -> str:
-    """Another indenter or a bulk modulus of its own, in words."""
+def beyond_a_sphere(scene: Scene) -> str:
+    """What is beyond a sphere on a half-space with one work of adhesion and plain load steps, in words."""
+    adhesion = scene.adhesion
     if not isinstance(scene.indenter, Sphere):
         return f"the shape {scene.indenter.shape}"
-    return "a bulk modulus that relaxes apart from shear" if scene.material.bulk is not None else ""
+    if scene.material.bulk is not None:
+        return "a bulk modulus that relaxes apart from shear"
+    if adhesion is not None and (adhesion.rate is not None or adhesion.work_closing is not None):
+        return "a work of adhesion that is another on closing or at other speeds"
+    if scene.loading.compliance > 0.0:
+        return "a spring in the machine"
+    return "a load step that ends at a level" if scene.loading.has_triggers else ""
 
 
 def elastic_ramps(scene: Scene) -> str:
@@ -73,7 +80,7 @@ def elastic_ramps(scene: Scene) -> str:
         return "relaxation"
     if not all(isinstance(step, Ramp) for step in scene.loading.steps) or not scene.loading.steps:
         return "steps other than ramps of the penetration"
-    return not_a_sphere(scene)
+    return beyond_a_sphere(scene)
 
 
 def ramp_times(scene: Scene, rows: int) -> tuple[Array, Array]:
@@ -84,7 +91,8 @@ def ramp_times(scene: Scene, rows: int) -> tuple[Array, Array]:
     time, depth = [np.zeros(1)], [np.array([scene.loading.penetration])]
     for _, segment in scene.loading.segments():
         first, last = segment.value(segment.start), segment.value(segment.end)
-        roots = np.linspace(*(np.sign(end) * np.sqrt(abs(end)) for end in (first, last)), rows + 1)[1:]
+        begin, end = (float(np.sign(value) * np.sqrt(abs(value))) for value in (first, last))
+        roots = np.linspace(begin, end, rows + 1)[1:]
         depth.append(roots * np.abs(roots))
         time.append(segment.start + (depth[-1] - first) / (last - first) * (segment.end - segment.start))
     return np.concatenate(time), np.concatenate(depth)
