@@ -56,6 +56,7 @@ def test_another_sign_unit_or_diameter_is_told():
         "contact_radius": (2.0, "contact radius is 2 times the reference throughout, a diameter?"),
         "stored_energy": (1e3, "stored energy is 1000 times the reference throughout, another unit or sign?"),
     }
+    wrong["external_work"] = (0.0, "external work is zero throughout")
     for column, (factor, said) in wrong.items():
         found = graded(columns | {column: factor * columns[column]})
         assert said in found.remarks
