@@ -6,6 +6,7 @@ import json
 import runpy
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,8 +15,9 @@ from support.exam_answers import SCENE, case
 from contact_scene import SceneError, read_scene
 from crosscontact.cli import main
 from validation.cases import load
-from validation.exam.export import exam_cases, export_scenes
+from validation.exam.export import exam_cases, export_reference, export_scenes
 from validation.exam.header import Header, read_header
+from validation.exam.judge import reference_runs
 from validation.exam.scene_json import expanded, scene_of
 from validation.exam.statement import page
 from validation.exam.tags import POSSIBLE, tags
@@ -129,3 +131,26 @@ def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
     assert "the same bit for bit" in capsys.readouterr().out
     written.write_text(written.read_text().replace("# resolution: 4", "# resolution: 5"))
     assert main(["exam", "reproduce", str(written)]) == 1
+
+
+@pytest.mark.slow
+def test_a_reference_trace_is_reproduced_from_its_header_alone(tmp_path, capsys):
+    """A scene with a spring and a trigger, all of which the header holds; no file beside it."""
+    asked = [replace(load("spring-elastic"), profile_times=())]
+    export_scenes(tmp_path, asked)
+    runs = reference_runs(asked)
+    export_reference(tmp_path, asked, runs)
+    folder = tmp_path / "spring-elastic"
+    known = json.loads((folder / "reference.json").read_text())
+    assert known["outcome"] == "detached"
+    assert known["measures"]["pull_off_force"] == runs["spring-elastic"].measures["pull_off_force"]
+    assert 0.0 < known["relative_errors"]["force"] < 1e-4
+    alone = tmp_path / "elsewhere" / "x.csv"
+    alone.parent.mkdir()
+    content = (folder / "reference.csv").read_text()
+    alone.write_text(content)
+    assert main(["exam", "reproduce", str(alone)]) == 0
+    assert "the same bit for bit" in capsys.readouterr().out
+    assert content.count('"modulus": 0.75') == 1
+    alone.write_text(content.replace('"modulus": 0.75', '"modulus": 0.76'))
+    assert main(["exam", "reproduce", str(alone)]) == 1

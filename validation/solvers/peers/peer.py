@@ -27,6 +27,7 @@ class Peer(Solver):
 
     distribution: ClassVar[str]
     module: ClassVar[str]
+    columns: ClassVar[tuple[str, ...]] = ("time", "penetration", "force", "contact_radius")
     tolerance = 2e-2
     curve_tolerance = 2e-2
     curve_style: ClassVar[Mapping[str, Any]] = {
