@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
@@ -44,7 +43,9 @@ class ElasticRetraction(Peer):
 
     def formulas(self) -> Any:
         """The module of the closed form."""
-        return import_module(f"Adhesion.ReferenceSolutions.{self.solution}")
+        from Adhesion.ReferenceSolutions import JKR, MaugisDugdale
+
+        return {"JKR": JKR, "MaugisDugdale": MaugisDugdale}[self.solution]
 
 
 def stated(scene: Scene) -> tuple[float, float, float]:
