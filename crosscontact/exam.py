@@ -8,7 +8,7 @@ from pathlib import Path
 from contact_scene.errors import one_of
 from validation.exam.answer_folder import read_folder
 from validation.exam.export import exam_cases, export_reference, export_scenes
-from validation.exam.judge import Judgement, judge_folder
+from validation.exam.judge import Judgement, judge_folder, reference_runs
 from validation.execution.files import output_folder
 from validation.execution.store import Store
 from validation.report import exam_report
@@ -38,7 +38,7 @@ def export_exam(
     cases = exam_cases(one_of(suite, "suite", SUITES))
     export_scenes(target, cases)
     if with_reference:
-        export_reference(target, cases)
+        export_reference(target, cases, reference_runs(cases))
     return tuple(case.name for case in cases)
 
 

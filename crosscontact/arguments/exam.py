@@ -44,7 +44,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         metavar="N",
         help="one answer for each; default: the solver's choice",
     )
-    jobs_option(answer, "processes; default: the number of cores; 1 for run times that mean something")
+    jobs_option(answer, "processes; default: 1, so that run times are not those of a busy machine")
     again = actions.add_parser("reproduce", help="compute a trace again from its header alone")
     again.add_argument("file", metavar="FILE", help="such as DIR/SCENE/reference.csv")
 

@@ -10,6 +10,7 @@ from contact_scene import SceneError
 from contact_scene.errors import shown
 from validation.exam.answer_folder import listed_cases
 from validation.exam.export import exam_cases, export_reference, export_scenes
+from validation.exam.judge import reference_runs
 from validation.exam.own_answers import ANSWERS, answer_all, reproduce
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
@@ -39,9 +40,10 @@ def export(folder: str, suite: str, with_reference: bool, jobs: int) -> int:
         progress = Progress("exam export")
         try:
             with processes(min(jobs, len(cases))) as executor:
-                runs = export_reference(target, cases, executor, progress=progress)
+                runs = reference_runs(cases, executor, progress=progress)
         finally:
             progress.close()
+        export_reference(target, cases, runs)
         for run in runs.values():
             if not run.finished:
                 print(f"failed: {run.scene}: {run.ending}", file=sys.stderr)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from crosscontact.commands.failures import exit_code
 from validation.exam.answer_folder import read_folder
 from validation.exam.judge import judge_folder
 from validation.execution.files import output_folder
@@ -51,4 +50,7 @@ def run(folder: str, out: str | None, jobs: int, fresh: bool = False) -> int:
         store.clear()
         print(f"written to {target / 'index.html'}")
     sys.stdout.flush()
-    return exit_code([check for check in judgement.checks if not check.passed])
+    failed = [check for check in judgement.checks if not check.passed]
+    for check in failed:
+        print(f"failed: {check.scene}: {check.solver}: {check.note}", file=sys.stderr)
+    return 1 if failed else 0

@@ -18,6 +18,7 @@ from validation.reference.creep_compliance import creep_compliance
 from validation.reference.jkr import JKR
 from validation.solvers import PEERS
 from validation.solvers.peers import tamaas_units
+from validation.solvers.peers.peer import beyond_a_sphere
 
 
 def peer(name: str):
@@ -47,6 +48,16 @@ def test_each_declines_in_words_what_it_does_not_cover(name):
     refused = {scene for scene in scenes if method.refusal(load(scene).scene) is not None}
     assert refused == set(scenes) - {taken}
     assert f'"{name}" does not cover' in str(method.refusal(load("cycle-v0.02").scene))
+    beyond = {
+        "rated-edge-si": "a work of adhesion",
+        "hysteresis-si": "a work of adhesion",
+        "spring-elastic": "a spring in the machine",
+        "repressed-profile": "the shape profile",
+        "bulk-punch": "the shape flat-punch",
+    }
+    for scene, said in beyond.items():
+        assert beyond_a_sphere(load(scene).scene).startswith(said)
+    assert method.refusal(load("rated-edge-si").scene) is not None
     assert set(method.columns) <= set(COLUMNS)
     assert method.version
 

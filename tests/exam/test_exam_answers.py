@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
-from support.exam_answers import SCENE, hertz, put, text
+from support.exam_answers import SCENE, case, hertz, put, text
 
 from contact_scene import OutcomeKind, SceneError
 from validation.exam import answer as answer_module
 from validation.exam.answer import read_answer
 from validation.exam.answer_folder import read_folder
+from validation.exam.scene_json import expanded
 
 HEAD = "# code: a code\n"
 FAULTS = {
@@ -37,6 +40,13 @@ FAULTS = {
     HEAD + "time,force\n-1,0\n": "line 3, time: got -1",
     HEAD + "time,contact_radius\n0,-1\n": "line 3, contact_radius: got -1",
     HEAD + "time,force\n" + "0,0\n" * 4: "has 4 rows; allowed: 1 to 3 rows",
+    HEAD + HEAD + "time,force\n0,0\n": "header: code: is given twice",
+    HEAD + "# seconds: 1e-300\ntime,force\n0,0\n": "header: seconds: got '1e-300'; allowed: a number from",
+    HEAD + "time;force\n0,5;0,1\n": "line 2: cells are separated by semicolons; allowed: commas",
+    HEAD + "Time\tForce\n0\t0\n": "line 2: cells are separated by tabs",
+    HEAD + "time force\n0 0\n": "line 2: cells are separated by blanks",
+    HEAD.replace("\n", "\r") + "time,force\r0,0\r": "lines that end in a carriage return alone",
+    (HEAD + "time,force\n0,0\n").replace("", "\0"): "holds zero bytes, as UTF-16 does; allowed: UTF-8 text",
 }
 
 
@@ -69,6 +79,9 @@ def test_the_header_is_read_and_made_harmless(tmp_path):
     assert (answer.header.label, answer.header.seconds) == ("a code 2.0 alphab", 3.5)
     assert (answer.header.resolution, answer.header.transition) == ("64", 5.0)
     assert "'colour' is no key" in answer.remarks[0]
+    many = "".join(f"# key{number}: 1\n" for number in range(500))
+    (told,) = read_answer(put(tmp_path, many + text(hertz(5))), "x").remarks
+    assert "'key0' and 499 more are no keys" in told
     tabor = read_answer(put(tmp_path, text(hertz(5), tabor=2)), "x").header.transition
     assert tabor == pytest.approx(2.314)
 
@@ -92,13 +105,53 @@ def test_a_folder_of_answers(tmp_path):
     (tmp_path / "code.toml").write_text('code = "e"\ndeclines = ["elastic", "no-tag"]\n')
     (tmp_path / "b" / "code.toml").write_text("code = [")
     (tmp_path / "link").symlink_to(tmp_path / "a")
+    (tmp_path / "b" / "no").mkdir()
+    (tmp_path / "b" / "no" / "code.toml").write_text('code = "<b>"')
+    (tmp_path / "b" / "lists").mkdir()
+    (tmp_path / "b" / "lists" / "code.toml").write_text('code = "f"\ndeclines = [["elastic"], 3]')
+    put(tmp_path / "a", text(hertz(5)), "trace-\n.csv")
+    (tmp_path / "a" / SCENE / "trace-128.csv").symlink_to(tmp_path / "a" / SCENE / "trace.csv")
+    (tmp_path / "answers.zip").write_bytes(b"PK")
     found = read_folder(tmp_path)
     assert [case.name for case in found.cases] == [SCENE]
-    assert sorted(one.header.code for one in found.answers) == ["a code", "a code", "b"]
+    assert sorted(one.header.code for one in found.answers) == ["a code", "a code", "a code", "b"]
+    assert f"a/{SCENE}/trace-?.csv" in {one.file for one in found.answers}
     assert found.declined == {("d", SCENE): "no viscosity", ("e", SCENE): "by tag: elastic"}
     told = "\n".join(found.remarks)
-    for said in ("'no-such-scene' is no scene", "'no-tag' is no tag", "b/code.toml: not a TOML file"):
+    for said in (
+        "'no-such-scene' is no scene",
+        "'no-tag' is no tag",
+        "b/code.toml: not a TOML file",
+        "b/no/code.toml: code: got '<b>'",
+        "b/lists/code.toml: declines: got [['elastic'], 3]; allowed: a list of tags",
+        "'trace-128.csv': symbolic links are not followed",
+        "'answers.zip': archives are not unpacked",
+    ):
         assert said in told
+    assert all("\n" not in remark for remark in found.remarks)
+
+
+def test_an_answer_to_another_version_of_the_scene_is_told(tmp_path):
+    stated = expanded(case().scene)
+    put(tmp_path / "same", text(hertz(5), problem=json.dumps(stated | {"title": "in other words"})))
+    stated["loading"]["steps"][0]["rate"] = 0.02
+    put(tmp_path / "other", text(hertz(5), problem=json.dumps(stated)))
+    other, same = read_folder(tmp_path).answers
+    assert same.problem == ""
+    assert other.problem == (
+        f"other/{SCENE}/trace.csv: answers another scene of this name: loading.steps.0.rate is 0.02 there, "
+        "0.01 here"
+    )
+    assert not other.columns
+
+
+def test_why_a_folder_holds_no_answer(tmp_path):
+    put(tmp_path / "a" / "b" / "c" / "d", text(hertz(5)))
+    with pytest.raises(SceneError, match=r"no answer \(.*folders more than 4 deep are not looked into"):
+        read_folder(tmp_path)
+    put(tmp_path, text(hertz(5)), scene="no-such-scene")
+    with pytest.raises(SceneError, match=r"no answer \(no-such-scene/trace.csv: 'no-such-scene' is no scene"):
+        read_folder(tmp_path)
 
 
 def test_folders_that_cannot_be_judged(tmp_path):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import runpy
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,11 +15,13 @@ from support.exam_answers import SCENE, case
 from contact_scene import SceneError, read_scene
 from crosscontact.cli import main
 from validation.cases import load
-from validation.exam.export import exam_cases, export_scenes
+from validation.exam.export import exam_cases, export_reference, export_scenes
 from validation.exam.header import Header, read_header
+from validation.exam.judge import reference_runs
 from validation.exam.scene_json import expanded, scene_of
 from validation.exam.statement import page
 from validation.exam.tags import POSSIBLE, tags
+from validation.scenes import suite
 
 SCRIPT = Path(__file__).parents[2] / "docs" / "how-to" / "closed_forms.py"
 SCENES = ("cycle-v0.02", "punch-programme", "repressed-profile", "three-branches", "cone-pull", "sweep")
@@ -50,6 +54,15 @@ def test_tags():
     )
     assert {"elastic", "adhesionless"} <= set(tags(case().scene))
     assert {tag for name in SCENES for tag in tags(load(name).scene)} <= POSSIBLE
+
+
+def test_the_page_of_results_has_a_scene_of_every_tag():
+    asked = runpy.run_path(str(SCRIPT.parents[1] / "make_exam.py"), run_name="make_exam")
+    answered = {tag for name in asked["SCENES"] for tag in tags(load(name).scene)}
+    of_exams = {tag for name in suite("full") for tag in tags(load(name).scene)}
+    assert of_exams - answered == {"sweep", "separate-bulk"}  # minutes long; not answered by the reference
+    assert {"work-closing", "rate", "stress", "spring", "profile", "punch", "cone"} <= answered
+    assert all(len(sizes) > 1 for name, sizes in asked["RESOLUTIONS"].items() if name != "adhesion-jkr")
 
 
 def test_the_page_states_the_scene_in_words():
@@ -102,6 +115,9 @@ def test_bad_input_is_told_in_a_line(tmp_path, capsys):
 @pytest.mark.slow
 def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
     """Export, answer by the script of the page, judge; the reference computed again from its header."""
+    lines = SCRIPT.read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 30
+    assert max(map(len, lines)) <= 100
     export_scenes(tmp_path, [one for one in exam_cases("quick") if one.name in ("adhesionless-cycle", SCENE)])
     subprocess.run([sys.executable, str(SCRIPT), str(tmp_path)], check=True)
     (tmp_path / SCENE / "trace.csv").unlink()  # half of the scenes: judged on those
@@ -115,3 +131,26 @@ def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
     assert "the same bit for bit" in capsys.readouterr().out
     written.write_text(written.read_text().replace("# resolution: 4", "# resolution: 5"))
     assert main(["exam", "reproduce", str(written)]) == 1
+
+
+@pytest.mark.slow
+def test_a_reference_trace_is_reproduced_from_its_header_alone(tmp_path, capsys):
+    """A scene with a spring and a trigger, all of which the header holds; no file beside it."""
+    asked = [replace(load("spring-elastic"), profile_times=())]
+    export_scenes(tmp_path, asked)
+    runs = reference_runs(asked)
+    export_reference(tmp_path, asked, runs)
+    folder = tmp_path / "spring-elastic"
+    known = json.loads((folder / "reference.json").read_text())
+    assert known["outcome"] == "detached"
+    assert known["measures"]["pull_off_force"] == runs["spring-elastic"].measures["pull_off_force"]
+    assert 0.0 < known["relative_errors"]["force"] < 1e-4
+    alone = tmp_path / "elsewhere" / "x.csv"
+    alone.parent.mkdir()
+    content = (folder / "reference.csv").read_text()
+    alone.write_text(content)
+    assert main(["exam", "reproduce", str(alone)]) == 0
+    assert "the same bit for bit" in capsys.readouterr().out
+    assert content.count('"modulus": 0.75') == 1
+    alone.write_text(content.replace('"modulus": 0.75', '"modulus": 0.76'))
+    assert main(["exam", "reproduce", str(alone)]) == 1

@@ -11,10 +11,11 @@ import pytest
 from support.exam_answers import SCENE, case, hertz, hertz_run, put, text
 from support.unlaid_figures import without_layout
 
-from contact_scene import COLUMNS
+from contact_scene import COLUMNS, Adhesion, Machine, PowerRate
 from validation.exam import griffith_limit, judge
 from validation.exam.answer import Answer
 from validation.exam.answer_folder import read_folder
+from validation.exam.energy_balance import balance_error
 from validation.exam.grading import Difference, Grade, decade, grade
 from validation.exam.header import Header
 from validation.exam.judge import VerdictKind, judge_folder
@@ -55,6 +56,7 @@ def test_another_sign_unit_or_diameter_is_told():
         "contact_radius": (2.0, "contact radius is 2 times the reference throughout, a diameter?"),
         "stored_energy": (1e3, "stored energy is 1000 times the reference throughout, another unit or sign?"),
     }
+    wrong["external_work"] = (0.0, "external work is zero throughout")
     for column, (factor, said) in wrong.items():
         found = graded(columns | {column: factor * columns[column]})
         assert said in found.remarks
@@ -85,6 +87,28 @@ def test_energies_that_do_not_close_fail():
     found = graded(columns)
     assert found.error("energy balance") == pytest.approx(0.03, rel=0.1)
     assert not found.passed
+
+
+def test_the_balance_knows_springs_and_an_edge_that_closes_for_less():
+    base, columns = case().scene, hertz(400)
+    rows = BASE.trace
+    names = set(columns)
+    assert balance_error(names, rows, base) < 1e-12
+    sprung = replace(base, loading=replace(base.loading, machine=Machine(stiffness=0.05)))
+    spring = 0.5 * rows.force**2 / 0.05
+    on_stage = replace(rows, external_work=rows.external_work + spring)
+    assert balance_error(names, on_stage, sprung) < 1e-12
+    assert balance_error(names, rows, sprung) > 0.1
+    assert balance_error(names - {"force"}, on_stage, sprung) is None
+    area = np.pi * rows.contact_radius**2
+    half = len(rows) // 2
+    opening = np.arange(len(rows)) > half  # closes up to the middle, gives 1e-3 per area; opens for 2e-3
+    spent = np.where(opening, 2e-3 * (area[half] - area) - 1e-3 * area[half], -1e-3 * area)
+    edge = replace(base, adhesion=Adhesion(2e-3, 0.01, work_closing=1e-3))
+    assert balance_error(names, replace(rows, external_work=rows.external_work + spent), edge) < 1e-12
+    assert balance_error(names, rows, edge) > 0.1
+    rated = replace(base, adhesion=Adhesion(2e-3, 0.01, rate=PowerRate(1e-3, 0.5)))
+    assert balance_error(names, rows, rated) is None
 
 
 def test_decades():

@@ -130,3 +130,16 @@ def test_installed_alone_it_works(installed, tmp_path):
             path.name for path in (tmp_path / "out").iterdir()
         }
         _run(environment / "bin" / "crosscontact", "report", "--help", cwd=tmp_path)
+
+
+def test_installed_alone_it_judges_a_script_in_plain_numpy(installed, tmp_path):
+    environment, extra = installed
+    if extra:
+        pytest.skip("the same with every extra")
+    program = environment / "bin" / "crosscontact"
+    _run(program, "exam", "export", "exam", cwd=tmp_path)
+    script = ROOT / "docs" / "how-to" / "closed_forms.py"
+    _run(environment / "bin" / "python", script, "exam", cwd=tmp_path)
+    told = _run(program, "judge", "exam", cwd=tmp_path)
+    assert "2 verdicts on answers: all passed" in told
+    assert "declined by tag: adhesive" in told

@@ -96,6 +96,7 @@ def read_answer(path: Path, name: str) -> Answer:
     header = Header(_nameable(path.parent.parent.name))
     try:
         text = read_text(path)
+        _check_signs(text, name)
         lines = text.split("\n")
         count = next((i for i, line in enumerate(lines) if not line.lstrip().startswith("#")), len(lines))
         header, remarks = read_header([line.strip() for line in lines[:count]], name)
@@ -110,9 +111,27 @@ def _nameable(name: str) -> str:
     return "".join(c for c in name if c.isascii() and (c.isalnum() or c in "._+-"))[:40].lstrip("._+-") or "?"
 
 
+def _check_signs(text: str, file: str) -> None:
+    """What spreadsheets and other systems write that is no comma-separated UTF-8."""
+    if "\x00" in text:
+        raise SceneError("", "holds zero bytes, as UTF-16 does", "UTF-8 text", file)
+    if "\r" in text:
+        raise SceneError("", "has lines that end in a carriage return alone", "line feeds", file)
+
+
+def _check_separator(line: int, head: str, file: str) -> None:
+    """A head of one cell that other signs separate."""
+    for sign, name in ((";", "semicolons"), ("\t", "tabs"), (" ", "blanks")):
+        if {"time", *COLUMNS[1:]} & {word.strip().lower() for word in head.split(sign)} and sign in head:
+            allowed = "commas between cells, points in numbers"
+            raise SceneError(f"line {line}", f"cells are separated by {name}", allowed, file)
+
+
 def _columns(text: str, file: str) -> tuple[dict[str, Array], tuple[str, ...]]:
     rows = read_rows(text, file)
     (line, names), body = rows[0], rows[1:]
+    if len(names) == 1:
+        _check_separator(line, names[0], file)
     for name in names:
         if any(sign in name for sign in "[(/"):
             allowed = "columns in the units of the scene, without a unit in their names"

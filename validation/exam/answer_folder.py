@@ -9,9 +9,6 @@ of a scene says why this one is not answered.
 from __future__ import annotations
 
 import json
-import os
-import tomllib
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,17 +18,12 @@ from contact_scene.errors import shown
 from contact_scene.files import read_text
 from validation.cases import Case, load
 from validation.exam.answer import Answer, read_answer
-from validation.exam.scene_json import expanded
-from validation.exam.tags import POSSIBLE, tags
+from validation.exam.answer_files import answer_files, is_trace
+from validation.exam.declining import Declined, read_declined
+from validation.exam.scene_json import difference, expanded
 from validation.scenes import names
 
 EXAM = "exam.json"
-CODE = "code.toml"
-DECLINED = "declined.txt"
-DEEPEST = 4
-"""Folders below the one that is judged that are looked into: code, resolution, suite, scene."""
-MOST_FILES = 2000
-"""Files that are read: the full suite by fifty codes."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +44,7 @@ class AnswerFolder:
 
     cases: tuple[Case, ...]
     answers: tuple[Answer, ...]
-    declined: dict[tuple[str, str], str]
+    declined: Declined
     remarks: tuple[str, ...]
 
     @property
@@ -72,45 +64,29 @@ def read_folder(folder: Path) -> AnswerFolder:
     """
     if not folder.is_dir():
         raise SceneError("DIR", f"{folder} is no folder", "a folder with answers, see docs/how-to/exam.md")
-    files = list(_files(folder))
     remarks: list[str] = []
-    if len(files) > MOST_FILES:
-        remarks.append(f"{folder}: only the first {MOST_FILES} of {len(files)} files are read")
-    answers, declined_tags, reasons = [], [], []
-    for path in files[:MOST_FILES]:
-        name = path.relative_to(folder).as_posix()
-        if path.name == CODE:
-            declined_tags.append((path, name))
-        elif path.name == DECLINED:
-            reasons.append((path, name))
-        else:
+    answers, declining = [], []
+    for path in answer_files(folder, remarks):
+        relative = path.relative_to(folder).as_posix()
+        name = "".join(sign if sign.isprintable() else "?" for sign in relative)
+        if is_trace(path.name):
             answers.append(_placed(read_answer(path, name), path))
+        else:
+            declining.append((path, name))
     cases = _cases(folder, answers)
     known = {case.name for case in cases}
+    asked = {case.name: expanded(case.scene) for case in cases if any(one.header.problem for one in answers)}
+    answers = [_of_this_exam(one, asked.get(one.header.scene)) for one in answers]
     for one in answers:
         if one.header.scene not in known:
             remarks.append(f"{one.file}: {shown(one.header.scene)} is no scene of this exam")
-    declined: dict[tuple[str, str], str] = {}
-    for path, name in declined_tags:
-        declined |= _declined_by_tag(path, name, cases, remarks)
-    for path, name in reasons:
-        declined |= _declined_by_reason(path, name, known, remarks)
+    declined = read_declined(declining, cases, remarks)
     kept = tuple(one for one in answers if one.header.scene in known)
     if not kept and not declined:
-        raise SceneError("DIR", f"{folder} holds no answer", "files SCENE/trace.csv, see docs/how-to/exam.md")
+        reason = f" ({remarks[-1]})" if remarks else ""
+        allowed = "files SCENE/trace.csv, see docs/how-to/exam.md"
+        raise SceneError("DIR", f"{folder} holds no answer{reason}", allowed)
     return AnswerFolder(cases, kept, declined, tuple(remarks))
-
-
-def _files(folder: Path) -> Iterator[Path]:
-    """Files that may belong to an exam, links not followed."""
-    for where, inner, names_here in os.walk(folder):
-        depth = len(Path(where).relative_to(folder).parts)
-        inner[:] = sorted(one for one in inner if not one.startswith(".")) if depth < DEEPEST else []
-        for name in sorted(names_here):
-            path = Path(where) / name
-            is_trace = name == "trace.csv" or (name.startswith("trace-") and name.endswith(".csv"))
-            if (is_trace or name in (CODE, DECLINED)) and not path.is_symlink():
-                yield path
 
 
 def _placed(answer: Answer, path: Path) -> Answer:
@@ -118,6 +94,15 @@ def _placed(answer: Answer, path: Path) -> Answer:
     if answer.header.scene:
         return answer
     return replace(answer, header=replace(answer.header, scene=path.parent.name))
+
+
+def _of_this_exam(answer: Answer, asked: dict[str, Any] | None) -> Answer:
+    """The answer; without its columns where its header states another scene than is asked."""
+    if answer.header.problem is None or asked is None:
+        return answer
+    apart = difference(answer.header.problem, asked)
+    problem = f"{answer.file}: answers another scene of this name: {apart}"
+    return replace(answer, columns={}, problem=problem) if apart and not answer.problem else answer
 
 
 def _cases(folder: Path, answers: list[Answer]) -> tuple[Case, ...]:
@@ -157,46 +142,3 @@ def _case(folder: Path, name: Any) -> Case:
         if expanded(built_in.scene) == expanded(scene):
             return replace(built_in, profile_times=())
     return Case(name, scene)
-
-
-def _declined_by_tag(
-    path: Path, name: str, cases: tuple[Case, ...], remarks: list[str]
-) -> dict[tuple[str, str], str]:
-    """Scenes that a ``code.toml`` declines, each with the tags for which."""
-    try:
-        data = tomllib.loads(read_text(path))
-    except (ValueError, RecursionError) as error:
-        remarks.append(f"{name}: not a TOML file: {' '.join(str(error).split())[:200]}")
-        return {}
-    code, declines = data.get("code"), data.get("declines", [])
-    if not isinstance(code, str) or not isinstance(declines, list):
-        remarks.append(f"{name}: code and declines; allowed: a name, and a list of tags")
-        return {}
-    known = POSSIBLE.union(*(tags(case.scene) for case in cases))
-    odd = [tag for tag in declines if tag not in known]
-    if odd:
-        remarks.append(
-            f"{name}: {shown(odd[0])} is no tag of a scene here; allowed: {', '.join(sorted(known))}"
-        )
-    declined = {}
-    for case in cases:
-        common = [tag for tag in tags(case.scene) if tag in declines]
-        if common:
-            declined[code[:40], case.name] = f"by tag: {', '.join(common)}"
-    return declined
-
-
-def _declined_by_reason(
-    path: Path, name: str, known: set[str], remarks: list[str]
-) -> dict[tuple[str, str], str]:
-    """The scene that a ``declined.txt`` declines: ``CODE: reason``."""
-    scene = path.parent.name
-    try:
-        code, colon, reason = read_text(path).partition(":")
-    except SceneError as error:
-        remarks.append(str(error).replace(str(path), name))
-        return {}
-    if scene not in known or not colon or not 1 <= len(code.strip()) <= 40:
-        remarks.append(f"{name}: allowed: a line CODE: REASON in the folder of a scene")
-        return {}
-    return {(code.strip(), scene): " ".join(reason.split())[:200]}

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 ENERGIES = ("stored_energy", "external_work", "dissipated_energy")
 PLAIN_FACTOR = 0.1
 """Largest part of a difference that a constant factor may leave over to be told as such."""
+NOTHING = 1e-9
+"""Factor below which a column counts as zero."""
 LEAST_FACTOR = 1e-2
 """Least departure of a factor from 1 that is told: the least accuracy that passes."""
 
@@ -98,6 +100,8 @@ def _factor(first: Array, second: Array, mean: Callable[[Array], float]) -> floa
 def factor_in_words(column: str, factor: float) -> str:
     """What a constant factor suggests, in words."""
     name = column.replace("_", " ")
+    if abs(factor) < NOTHING:
+        return f"{name} is zero throughout"
     if abs(factor + 1.0) < PLAIN_FACTOR:
         sign = {
             "force": "compression is positive",

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,14 +10,13 @@ from contact_scene import Trace, write_scene
 from validation.cases import Case, load
 from validation.exam.answer_folder import EXAM
 from validation.exam.header import Header
-from validation.exam.judge import reference_resolution, reference_runs
+from validation.exam.judge import reference_resolution
 from validation.exam.scene_json import expanded
 from validation.exam.statement import COLUMNS, HOW_TO_ANSWER, page
 from validation.exam.tags import tags
 from validation.execution import environment, fingerprints
 from validation.execution.files import to_json, write_whole
 from validation.execution.runs import Run
-from validation.execution.store import Store
 from validation.scenes import names
 from validation.scenes import suite as of_suite
 from validation.solvers import REFERENCE, SOLVERS
@@ -64,29 +62,11 @@ declines = ["adhesive", "oscillation"]
 """
 
 
-def export_reference(
-    folder: Path,
-    cases: Sequence[Case],
-    executor: Executor | None = None,
-    store: Store | None = None,
-    progress: Callable[[float, str], None] | None = None,
-) -> dict[str, Run]:
-    """Write ``reference.csv`` and ``reference.json`` into the folder of every scene.
+def export_reference(folder: Path, cases: Sequence[Case], runs: Mapping[str, Run]) -> None:
+    """Write ``reference.csv`` and ``reference.json`` into the folder of every scene that has a trace.
 
-    Parameters
-    ----------
-    folder : Path
-        As of :func:`export_scenes`.
-    cases : sequence of Case
-    executor, store, progress
-        As of :func:`~validation.execution.tasks.run_tasks`.
-
-    Returns
-    -------
-    dict of str to Run
-        By scene; those without a trace are not written.
+    ``runs`` are those of :func:`~validation.exam.judge.reference_runs`, by scene.
     """
-    runs = reference_runs(cases, executor, store, progress)
     for case in cases:
         run = runs[case.name]
         if run.trace is None:
@@ -101,7 +81,6 @@ def export_reference(
             "relative_errors": run.errors,
         }
         write_whole(folder / case.name / REFERENCE_MEASURES, to_json(data))
-    return runs
 
 
 def header_of(case: Case, run: Run, resolution: int | None) -> Header:

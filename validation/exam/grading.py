@@ -11,11 +11,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
 from contact_scene import COLUMNS, OutcomeKind, Scene, Trace
 from validation.exam.answer import Answer
 from validation.exam.curve_errors import curve_error, factor_in_words, in_contact
+from validation.exam.energy_balance import balance_error
 from validation.execution.runs import Run
 from validation.measure.cycles import cycle_times
 from validation.measure.error_estimate import MOVEMENT
@@ -106,8 +105,10 @@ def grade(answer: Answer, scene: Scene, base: Run) -> Grade:
         *_scalars(answer, trace, scene, reference, base),
         *_movements(answer, trace, scene, reference, base),
         *_ending(answer, trace, reference),
-        *_balance(answer, trace, scene),
     ]
+    left = balance_error(set(answer.columns), in_contact(trace), scene)
+    if left is not None:
+        differences.append(Difference(BALANCE, left))
     return Grade(tuple(differences), decade(differences, base), tuple(told))
 
 
@@ -212,20 +213,3 @@ def _ending(answer: Answer, trace: Trace, reference: Trace) -> Iterator[Differen
     missing += max(float(trace.time[0] - reference.time[0]), 0.0)
     if span > 0.0:
         yield Difference(COVERED, missing / span)
-
-
-def _balance(answer: Answer, trace: Trace, scene: Scene) -> Iterator[Difference]:
-    """What is left of work + work of adhesion * change of area - change of stored energy - loss."""
-    needed = {"contact_radius", "stored_energy", "external_work", "dissipated_energy"}
-    if not needed <= set(answer.columns) or len(trace) < 2:
-        return
-    rows = in_contact(trace)
-    work = scene.adhesion.work if scene.adhesion is not None else 0.0
-    surface = work * np.pi * (rows.contact_radius**2 - rows.contact_radius[0] ** 2)
-    stored = rows.stored_energy - rows.stored_energy[0]
-    left = rows.external_work - rows.external_work[0] + surface - stored - rows.dissipated_energy
-    left += rows.dissipated_energy[0]
-    terms = (rows.stored_energy, rows.external_work, surface)
-    size = max(float(np.abs(term).max()) for term in terms)
-    if size > 0.0:
-        yield Difference(BALANCE, float(np.abs(left).max()) / size)

@@ -137,7 +137,9 @@ def tracks(graded: Sequence[_Graded], case: Case) -> GriffithTrack | None:
     few = len(by_transition) < FEWEST and np.inf not in by_transition
     if few or not isinstance(sphere, Sphere) or not scene.material.is_elastic:
         return None
-    if adhesion is None or not scene.is_adhesive:
+    if adhesion is None or not scene.is_adhesive or adhesion.rate is not None:
+        return None
+    if adhesion.work_closing is not None:
         return None
     zone = VANISHING * largest_contact_radius(scene)
     limit_case = replace(case, scene=replace(scene, adhesion=Adhesion(adhesion.work, zone)))

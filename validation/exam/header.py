@@ -14,10 +14,10 @@ from contact_scene.errors import shown
 
 LONGEST = 60
 """Characters of a text in the header: it becomes a cell of a table and a label of a figure."""
-LONGEST_SECONDS = 1e10
-"""Largest run time, three centuries: beyond it is no run time."""
+SHORTEST_SECONDS, LONGEST_SECONDS = 1e-9, 1e10
+"""A run time is between a few cycles of a processor and three centuries."""
 _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._+-]{0,39}")
-_A_CODE = "a name of at most 40 letters, digits, blanks and . _ + -"
+A_CODE = "a name of at most 40 letters, digits, blanks and . _ + -"
 KEYS = (
     "code",
     "version",
@@ -84,8 +84,13 @@ class Header:
         return texts
 
 
+def is_code(name: str) -> bool:
+    """Whether this can be the name of a code: it becomes a column of a table and a label of a figure."""
+    return _CODE.fullmatch(name) is not None
+
+
 def read_header(lines: Sequence[str], file: str) -> tuple[Header, tuple[str, ...]]:
-    """The header of the lines that begin a file, and what is odd in it, one line each.
+    """The header of the lines that begin a file, and in a line what is odd in it, if anything is.
 
     Raises
     ------
@@ -98,13 +103,15 @@ def read_header(lines: Sequence[str], file: str) -> tuple[Header, tuple[str, ...
         key, colon, value = line.lstrip("# ").partition(":")
         name = key.strip().lower()
         if not colon or name not in KEYS:
-            odd.append(f"{file}: header: {shown(key.strip())} is no key; allowed: {', '.join(KEYS)}")
+            odd.append(shown(key.strip()))
+        elif name in found:
+            raise SceneError(f"header: {name}", "is given twice", "each key once", file)
         else:
             found[name] = value.strip()
     code = found.get("code", "")
-    if not _CODE.fullmatch(code):
+    if not is_code(code):
         problem = f"got {shown(code)}" if code else "is missing"
-        raise SceneError("header: code", problem, f"# code: {_A_CODE}", file)
+        raise SceneError("header: code", problem, f"# code: {A_CODE}", file)
     units = found.get("units", "scene")
     if units != "scene":
         raise SceneError("header: units", f"got {shown(units)}", "scene: the units of the scene", file)
@@ -119,12 +126,14 @@ def read_header(lines: Sequence[str], file: str) -> tuple[Header, tuple[str, ...
         text("version"),
         text("author"),
         text("resolution"),
-        _positive(found.get("seconds"), "seconds", file, LONGEST_SECONDS),
+        _seconds(found.get("seconds"), file),
         text("scene"),
         text("outcome"),
         _transition(found, file),
     )
-    return replace(header, problem=_problem(found.get("problem"), file)), tuple(odd)
+    more = f" and {len(odd) - 1} more are no keys" if len(odd) > 1 else " is no key"
+    told = f"{file}: header: {odd[0]}{more}; allowed: {', '.join(KEYS)}" if odd else ""
+    return replace(header, problem=_problem(found.get("problem"), file)), (told,) if told else ()
 
 
 def _text(value: str) -> str:
@@ -142,6 +151,14 @@ def _positive(value: str | None, key: str, file: str, most: float) -> float | No
     if not 0.0 < number <= most:
         raise SceneError(f"header: {key}", f"got {shown(value)}", f"a number > 0, at most {most:g}", file)
     return number
+
+
+def _seconds(value: str | None, file: str) -> float | None:
+    seconds = _positive(value, "seconds", file, LONGEST_SECONDS)
+    if seconds is not None and seconds < SHORTEST_SECONDS:
+        allowed = f"a number from {SHORTEST_SECONDS:g} to {LONGEST_SECONDS:g}"
+        raise SceneError("header: seconds", f"got {shown(value)}", allowed, file)
+    return seconds
 
 
 def _transition(found: dict[str, str], file: str) -> float | None:

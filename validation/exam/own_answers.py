@@ -13,7 +13,7 @@ from contact_scene import SceneError
 from contact_scene.errors import shown
 from validation.cases import Case
 from validation.exam.answer import read_answer
-from validation.exam.answer_folder import DECLINED
+from validation.exam.declining import DECLINED
 from validation.exam.export import header_of, trace_text
 from validation.exam.scene_json import scene_of
 from validation.execution.files import write_whole

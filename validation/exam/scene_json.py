@@ -55,6 +55,31 @@ def expanded(scene: Scene) -> dict[str, Any]:
     return {"adhesion": None, "machine": None} | data
 
 
+def difference(stated: Any, asked: Any, key: str = "") -> str:
+    """Where scenes in this form differ, in words, as far as both say something; empty where they do not.
+
+    Parameters
+    ----------
+    stated, asked : dict
+        As of :func:`expanded`, or parts of it.
+    key : str
+        Of these parts in the scene.
+
+    Returns
+    -------
+    str
+    """
+    if isinstance(stated, dict) and isinstance(asked, dict):
+        names = [name for name in asked if name in stated and name not in (DERIVED, "title")]
+        pairs = [(f"{key}.{name}".lstrip("."), stated[name], asked[name]) for name in names]
+    elif isinstance(stated, list) and isinstance(asked, list) and len(stated) == len(asked):
+        parts = enumerate(zip(stated, asked, strict=True))
+        pairs = [(f"{key}.{index}", *both) for index, both in parts]
+    else:
+        return "" if stated == asked else f"{key} is {shown(stated)} there, {shown(asked)} here"
+    return next(filter(None, (difference(one, other, name) for name, one, other in pairs)), "")
+
+
 def scene_of(data: Any) -> Scene:
     """The scene of such data.
 

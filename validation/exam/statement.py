@@ -71,18 +71,20 @@ roots that one holds at which it rises with `a`. Contact is lost where there is 
 
 CLOSING = """\
 An edge advances only where the integral falls to `work_closing`; between that and `work` it is pinned. The
-contact of the start state has been made by closing."""
+contact of the start state has been made by closing. An area that closes gives `work_closing` back, and
+`dissipated_energy` counts it so; what is lost at the edge is no part of it."""
 RATE = """\
 `work` is what an edge at rest takes up. An edge that recedes at speed `v` takes up `w(v)` of `rate`: `work *
 (1 + (v/speed)^exponent)`, or a table `speeds`, `works`, straight from rest to its first row, straight in the
-logarithms between its rows, constant beyond."""
+logarithms between its rows, constant beyond. That is what `dissipated_energy` counts as spent at the edge."""
 STRESS = """\
 The zone has no fixed length: it is the one over which the mean tension of the sharp edge is `4/pi` times
 `stress`."""
 SPRING = """\
 The indenter hangs on a spring of `stiffness = {stiffness!r}`. What is said of the penetration below holds of
-the stage `X = D + F/stiffness` instead, `external_work` is that of the stage, and contact is lost where there
-is no equilibrium at that stage."""
+the stage `X = D + F/stiffness` instead, `external_work` is that of the stage, contact is lost where there
+is no equilibrium at that stage, and what the spring stores, `F^2/(2 stiffness)`, is no part of
+`dissipated_energy`."""
 
 
 def page(case: Case) -> str:

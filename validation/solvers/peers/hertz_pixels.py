@@ -29,7 +29,6 @@ class HertzOnPixels(Peer):
     name = "contact-mechanics"
     title = "ContactMechanics: pixels"
     distribution = module = "ContactMechanics"
-    columns = ("time", "penetration", "force", "contact_radius")
     least_resolution = 16
 
     def outside(self, scene: Scene) -> str:

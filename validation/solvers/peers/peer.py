@@ -27,6 +27,7 @@ class Peer(Solver):
 
     distribution: ClassVar[str]
     module: ClassVar[str]
+    columns: ClassVar[tuple[str, ...]] = ("time", "penetration", "force", "contact_radius")
     tolerance = 2e-2
     curve_tolerance = 2e-2
     curve_style: ClassVar[Mapping[str, Any]] = {
@@ -60,11 +61,18 @@ class Peer(Solver):
         raise AssertionError("defined by every peer")
 
 
-def not_a_sphere(scene: Scene) -> str:
-    """Another indenter or a bulk modulus of its own, in words."""
+def beyond_a_sphere(scene: Scene) -> str:
+    """What is beyond a sphere on a half-space with one work of adhesion and plain load steps, in words."""
+    adhesion = scene.adhesion
     if not isinstance(scene.indenter, Sphere):
         return f"the shape {scene.indenter.shape}"
-    return "a bulk modulus that relaxes apart from shear" if scene.material.bulk is not None else ""
+    if scene.material.bulk is not None:
+        return "a bulk modulus that relaxes apart from shear"
+    if adhesion is not None and (adhesion.rate is not None or adhesion.work_closing is not None):
+        return "a work of adhesion that is another on closing or at other speeds"
+    if scene.loading.compliance > 0.0:
+        return "a spring in the machine"
+    return "a load step that ends at a level" if scene.loading.has_triggers else ""
 
 
 def elastic_ramps(scene: Scene) -> str:
@@ -73,16 +81,21 @@ def elastic_ramps(scene: Scene) -> str:
         return "relaxation"
     if not all(isinstance(step, Ramp) for step in scene.loading.steps) or not scene.loading.steps:
         return "steps other than ramps of the penetration"
-    return not_a_sphere(scene)
+    return beyond_a_sphere(scene)
 
 
 def ramp_times(scene: Scene, rows: int) -> tuple[Array, Array]:
-    """Times and penetrations along the ramps of a scene, ``rows`` a ramp; each of shape (n,)."""
+    """Times and penetrations along the ramps of a scene, ``rows`` a ramp; each of shape (n,).
+
+    Evenly spaced in the root of the penetration, as the contact radius of a sphere is.
+    """
     time, depth = [np.zeros(1)], [np.array([scene.loading.penetration])]
     for _, segment in scene.loading.segments():
-        at = np.linspace(segment.start, segment.end, rows + 1)[1:]
-        time.append(at)
-        depth.append(np.array([segment.value(float(t)) for t in at]))
+        first, last = segment.value(segment.start), segment.value(segment.end)
+        begin, end = (float(np.sign(value) * np.sqrt(abs(value))) for value in (first, last))
+        roots = np.linspace(begin, end, rows + 1)[1:]
+        depth.append(roots * np.abs(roots))
+        time.append(segment.start + (depth[-1] - first) / (last - first) * (segment.end - segment.start))
     return np.concatenate(time), np.concatenate(depth)
 
 

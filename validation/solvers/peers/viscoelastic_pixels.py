@@ -17,7 +17,7 @@ import numpy as np
 
 from contact_scene import Force, ForceRamp, Scene, Sphere, Trace
 from validation.solvers.base import RunOptions
-from validation.solvers.peers.peer import Peer, not_a_sphere, trace_of
+from validation.solvers.peers.peer import Peer, beyond_a_sphere, trace_of
 
 SPARE = 2.2
 """Side of the square over a bound of the contact radius: beyond 2, so that the contact ends inside it."""
@@ -45,7 +45,7 @@ class ViscoelasticPixels(Peer):
             return "a prescribed penetration"
         if scene.loading.penetration != 0.0:
             return "a start in contact"
-        return not_a_sphere(scene)
+        return beyond_a_sphere(scene)
 
     def default_resolution(self, scene: Scene) -> int:
         """64."""
