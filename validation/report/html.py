@@ -50,7 +50,9 @@ def pages(document: Document) -> dict[str, str]:
         are others, ``pages/ANCHOR.html``. Links work from a folder as from a server.
     """
     whole = text(document)
-    moved = tuple(part for part in document.parts if isinstance(part, Section) and part.folded and part.anchor)
+    moved = tuple(
+        part for part in document.parts if isinstance(part, Section) and part.folded and part.anchor
+    )
     if len(whole.encode()) <= MOST_BYTES or not moved:
         return {INDEX: whole}
     addresses = {part.anchor: f"{FOLDER}/{part.anchor}.html" for part in moved}
