@@ -44,6 +44,12 @@ TOPICS = {
     "repressed": "Other indenters",
     "three": "Several relaxation times",
     "adhesionless": "Without adhesion",
+    "afm": "Springs",
+    "spring": "Springs",
+    "hysteresis": "Laws of adhesion",
+    "rated": "Laws of adhesion",
+    "fixed": "Laws of adhesion",
+    "pdms": "Short process zones",
 }
 """Topic of a scene by the beginning of its name."""
 OTHER = "Other scenes"
@@ -231,7 +237,7 @@ def _stability(matrix: StabilityMatrix | None) -> str:
 
 def _studies(file: Path) -> str:
     if file.exists():
-        return file.read_text("utf-8")
+        return re.sub(r"\A# .*", "# Refinement studies", file.read_text("utf-8"))
     return NO_STUDY
 
 

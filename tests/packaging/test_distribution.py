@@ -23,8 +23,9 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 TRIED = {
     "": "cc.solve('relaxed-equilibrium')",
     "data": "len(cc.solve('relaxed-equilibrium').to_pandas()); cc.solve('relaxed-equilibrium').to_xarray()",
-    "sweep": "cc.sweep('relaxed-equilibrium', {'adhesion.work': [4e-4, 5e-4]}, resolution=4, out='s', jobs=1)",
-    "dask": """with __import__('distributed').Client(processes=False) as client, client.get_executor() as pool:
+    "sweep": "cc.sweep('relaxed-equilibrium', {'adhesion.work': [4e-4, 5e-4]}, resolution=4, out='s')",
+    "dask": """from distributed import Client
+with Client(processes=False) as client, client.get_executor() as pool:
     cc.sweep('relaxed-equilibrium', {'adhesion.work': [4e-4, 5e-4]}, resolution=4, executor=pool)""",
     "fit": """cc.write_curve(cc.synthetic(cc.builtin('cycle-v0.1'), noise=0.01), 'a.h5')
 assert len(cc.read_curves('a.h5')) == 1""",
