@@ -93,7 +93,7 @@ def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
     threads = environment.in_words(study.environment.get("threads", "unknown"))
     first = (
         (overview(scene), study_charts.CONVERGENCE),
-        (study_prices.section(list(scene.timed), threads), study_charts.PRICES),
+        (study_prices.section(scene.timed, threads), study_charts.PRICES),
     )
     shown = (
         replace(one, parts=(*((_charts(scene, charts),) if figures else ()), *one.parts))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from validation.report.document import ABSENT, DataTable, Paragraph, Section, formatted, plain
 from validation.studies import work_precision
 from validation.studies.convergence import Convergence
