@@ -25,6 +25,7 @@ copyright = "2026, the crosscontact authors"
 version = release = crosscontact.__version__
 extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton", "site_pages.mathml"]
 exclude_patterns = ["data", "site_pages", "**/.ipynb_checkpoints"]
+exclude_patterns += ["generated/accuracy.md", "generated/costs.md"]  # shown inside other pages
 templates_path: list[str] = []
 
 html_theme = "furo"

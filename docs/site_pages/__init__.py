@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from site_pages import api, command_line, costs, gallery, readme, scene_keys
+from site_pages import api, command_line, costs, gallery, readme, report_parts, scene_keys
 from validation.report import html
 
 
@@ -32,4 +32,4 @@ def write(docs: Path, report: Path) -> None:
         (target / name).write_text(text, "utf-8")
     gallery.write(target / "gallery", report)
     (docs / "_static" / "report-parts.js").write_text(html.source("script.js"), "utf-8")
-    (docs / "_static" / "report-parts.css").write_text(gallery.style(), "utf-8")
+    (docs / "_static" / "report-parts.css").write_text(report_parts.style(), "utf-8")

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-import meshes
 from contact_scene import Adhesion, Scene
 from validation.cases import load
 from validation.solvers import SOLVERS, Solver
 from validation.solvers.contact_range import largest_contact_radius
-from validation.solvers.finite_elements import DIVISIONS, GRADING
 
 SCENE = "cycle-v0.02"
 RATIOS = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
@@ -45,13 +43,6 @@ def _cells(scene: Scene, ratio: float) -> Iterator[str]:
 
 
 def _cell(solver: Solver, scene: Scene) -> str:
-    assert scene.adhesion is not None
-    if solver.name == "fem":
-        largest = largest_contact_radius(scene)
-        try:
-            meshes.fit(0.0, largest, scene.adhesion.zone, DIVISIONS, edge=None, grading=GRADING)
-        except ValueError:
-            return "no mesh of reasonable size"
     cost = solver.expected_cost(scene)
     if cost.seconds > IMPRACTICAL:
         return "impractical"

@@ -13,15 +13,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from shutil import copyfile
 
+from site_pages import gallery_index
+from site_pages.report_parts import note, raw
 from validation.cases import Case, load
 from validation.claims.all import CLAIMS
 from validation.claims.claim import Finding
 from validation.compare.suite import SceneComparison
-from validation.report import html, saved
+from validation.report import saved
 from validation.report.document import DataTable, Fold, Part, Section, number, plain
 from validation.report.figures.paper_figures import FIGURES
 from validation.report.report import Report
-from validation.report.sections import checks, environment, overview
+from validation.report.sections import checks
 from validation.report.sections import claims as claims_section
 from validation.report.sections import scene as scene_section
 from validation.report.sections import stability as stability_section
@@ -29,29 +31,6 @@ from validation.scenes import names, suite
 from validation.solvers import SOLVERS
 from validation.stability.runner import StabilityMatrix
 
-TOPICS = {
-    "cycle": "Approach and retraction",
-    "retraction": "Retraction from the relaxed state",
-    "dwell": "Dwell before retraction",
-    "force": "Constant force",
-    "oscillation": "Oscillations",
-    "sweep": "Oscillations",
-    "elastic": "Elastic limits",
-    "relaxed": "Elastic limits",
-    "bulk": "Bulk relaxation apart from shear",
-    "cone": "Other indenters",
-    "punch": "Other indenters",
-    "repressed": "Other indenters",
-    "three": "Several relaxation times",
-    "adhesionless": "Without adhesion",
-}
-"""Topic of a scene by the beginning of its name."""
-OTHER = "Other scenes"
-NOTE = "From a saved report of suite `{suite}`, computed {time} with crosscontact {version}; nothing is run."
-LEADS_ON = """\
-The paper's statements with their verdicts: [statements](statements.md). Refinement: [studies](studies.md).
-Stiff and extreme cases: [stability](stability.md).
-"""
 RECORDED = """\
 The saved report holds no evaluation (suites `paper` and `full` do): the verdicts are those recorded with the
 statements."""
@@ -66,8 +45,6 @@ NO_STUDY = """\
 
 The saved report holds none: `crosscontact study SCENE --out DIR` refines every solver level by level.
 """
-SHOWN_RULES = re.compile(r"\.(pass|fail|wide|figures|sortable)|figure|figcaption")
-"""Rules of a report's style sheet that its parts need on a page of the site."""
 
 
 def write(folder: Path, source: Path) -> None:
@@ -101,53 +78,7 @@ def write(folder: Path, source: Path) -> None:
         matrix = report.stability or _matrix(source)
         (folder / "stability.md").write_text(_stability(matrix), "utf-8")
         (folder / "studies.md").write_text(_studies(source / "study.md"), "utf-8")
-        (folder / "index.md").write_text(_index(cases, compared, report), "utf-8")
-
-
-def style() -> str:
-    """The rules for tables, figures and verdicts of a report, inside a page of the site."""
-    rules = html.source("style.css")
-    kept = [line for line in rules.splitlines() if SHOWN_RULES.match(line)]
-    light = re.search(r":root \{ color-scheme: light dark; (.*?)\}", rules, re.DOTALL)
-    dark = re.search(r"prefers-color-scheme: dark\) \{ :root \{(.*?)\}", rules, re.DOTALL)
-    assert light is not None
-    assert dark is not None
-    return (
-        f"body {{ {light.group(1)} }}\n"
-        f'body[data-theme="dark"] {{ {dark.group(1)} }}\n'
-        f"@media (prefers-color-scheme: dark) {{ body:not([data-theme=light]) {{ {dark.group(1)} }} }}\n"
-        + "\n".join(kept)
-        + "\n"
-    )
-
-
-def _index(cases: dict[str, Case], compared: dict[str, SceneComparison], report: Report) -> str:
-    lines = ["# Verification gallery", "", _note(report), ""]
-    lines += [overview.lead(report).text, ""]
-    lines += [LEADS_ON, "## By topic", ""]
-    by_topic: dict[str, list[str]] = {}
-    for name in cases:
-        by_topic.setdefault(TOPICS.get(re.split(r"[-.]", name)[0], OTHER), []).append(name)
-    for topic, members in by_topic.items():
-        lines += [f"### {topic}", "", "| scene | title | checks | |", "|---|---|---|---|"]
-        lines += [_index_row(cases[name], compared.get(name)) for name in members]
-        lines += [""]
-    lines += ["## By figure of the paper", "", "| figure | scenes |", "|---|---|"]
-    by_figure: dict[str, list[str]] = {}
-    for name, case in cases.items():
-        by_figure.setdefault(case.figure or "none", []).append(name)
-    for figure, members in sorted(by_figure.items()):
-        lines += [f"| {figure} | {', '.join(f'[{name}]({name}.md)' for name in members)} |"]
-    lines += ["", "```{toctree}", ":hidden:", "", "statements", "studies", "stability", *cases, "```", ""]
-    return "\n".join([*lines, _raw([environment.section(report.environment, report.wall_seconds)], 2)])
-
-
-def _index_row(case: Case, scene: SceneComparison | None) -> str:
-    counted, verdict = "–", "not in this report"
-    if scene is not None:
-        counted = f"{sum(check.passed for check in scene.checks)}/{len(scene.checks)}"
-        verdict = "pass" if scene.passed else "**FAIL**"
-    return f"| [{case.name}]({case.name}.md) | {case.scene.title} | {counted} | {verdict} |"
+        (folder / "index.md").write_text(gallery_index.page(cases, compared, report), "utf-8")
 
 
 def _scene_page(case: Case, scene: SceneComparison | None, report: Report) -> str:
@@ -167,7 +98,7 @@ def _scene_page(case: Case, scene: SceneComparison | None, report: Report) -> st
         parts += [Section("Checks", tuple(_checks(scene)))]
     if case.expected:
         parts += [Section("Where the check values come from", (_sources(case),))]
-    lines += [_raw(parts, 2), "" if scene is None else _note(report)]
+    lines += [raw(parts, 2), "" if scene is None else note(report)]
     return "\n".join(lines) + "\n"
 
 
@@ -215,7 +146,7 @@ def _statements(judged: tuple[Finding, ...] | None, figures: list[str]) -> str:
         ]
     captions = {f"{one.name}.png": one.caption for one in FIGURES}
     lines += ["", *(f"![{captions[name]}](figures/{name})\n" for name in figures if name in captions), ""]
-    return "\n".join([*lines, _raw([DataTable.of(rows)], 2)])
+    return "\n".join([*lines, raw([DataTable.of(rows)], 2)])
 
 
 def _matrix(source: Path) -> StabilityMatrix | None:
@@ -226,23 +157,10 @@ def _matrix(source: Path) -> StabilityMatrix | None:
 def _stability(matrix: StabilityMatrix | None) -> str:
     if matrix is None:
         return NO_STABILITY
-    return "# Stiff and extreme cases\n\n" + _raw(stability_section.section(matrix).parts, 2)
+    return "# Stiff and extreme cases\n\n" + raw(stability_section.section(matrix).parts, 2)
 
 
 def _studies(file: Path) -> str:
     if file.exists():
-        return file.read_text("utf-8")
+        return re.sub(r"\A# .*", "# Refinement studies", file.read_text("utf-8"))
     return NO_STUDY
-
-
-def _note(report: Report) -> str:
-    packages = report.environment["packages"]
-    assert isinstance(packages, dict)
-    time = str(report.environment["time"]).partition("T")[0]
-    return NOTE.format(suite=report.suite, time=time, version=packages.get("crosscontact", ""))
-
-
-def _raw(parts: list[Part] | tuple[Part, ...], level: int) -> str:
-    """Parts of a report inside a page of the site."""
-    shown = re.sub(r"\n\s*\n+", "\n", html.fragment(parts, level))
-    return f"```````{{raw}} html\n{shown}\n```````\n"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from contact_scene import read_scene, scene_from_dict
+from contact_scene import OutcomeKind, read_scene, scene_from_dict
 from crosscontact import registry
 from crosscontact.arguments import parser
 from crosscontact.cli import main
@@ -89,6 +89,11 @@ def test_pictures_and_pages_linked_exist():
     assert [path for path in pictures if not path.exists()] == []
     assert len(links) > 20
     assert [path for path in links if not path.exists() and "generated" not in path.parts] == []
+
+
+def test_every_outcome_is_explained():
+    page = TEXTS[ROOT / "docs/reference/exit-codes.md"]
+    assert [kind for kind in OutcomeKind if f"`{kind}`" not in page] == []
 
 
 def test_readme_fits_a_screen_and_its_table_is_that_of_the_saved_report():

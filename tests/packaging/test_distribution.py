@@ -23,10 +23,17 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 TRIED = {
     "": "cc.solve('relaxed-equilibrium')",
     "data": "len(cc.solve('relaxed-equilibrium').to_pandas()); cc.solve('relaxed-equilibrium').to_xarray()",
-    "dask": "__import__('distributed').Client",
+    "sweep": "cc.sweep('relaxed-equilibrium', {'adhesion.work': [4e-4, 5e-4]}, resolution=4, out='s')",
+    "dask": """from distributed import Client
+with Client(processes=False) as client, client.get_executor() as pool:
+    cc.sweep('relaxed-equilibrium', {'adhesion.work': [4e-4, 5e-4]}, resolution=4, executor=pool)""",
+    "fit": """cc.write_curve(cc.synthetic(cc.builtin('cycle-v0.1'), noise=0.01), 'a.h5')
+assert len(cc.read_curves('a.h5')) == 1""",
+    "tamaas": "cc.solve('adhesionless-force', solver='tamaas', resolution=16)",
+    "peers": "cc.solve('elastic-press', solver='contact-mechanics', resolution=32)",
     "docs": "[__import__(name) for name in ('sphinx', 'myst_nb', 'furo', 'numpydoc', 'latex2mathml')]",
 }
-"""An expression that needs what an extra brings."""
+"""Code that needs what an extra brings."""
 EXTRAS = ["", *(name for name in PROJECT["optional-dependencies"] if name not in ("dev", "release"))]
 
 pytestmark = [
@@ -113,8 +120,7 @@ def test_installed_alone_it_works(installed, tmp_path):
     environment, extra = installed
     _run(environment / "bin" / "pip", "check")
     assert _run(environment / "bin" / "crosscontact", "--version", cwd=tmp_path).split()[-1] == "7.8.9"
-    expression = TRIED.get(extra, TRIED[""])
-    code = f"import crosscontact as cc; assert cc.__version__ == '7.8.9'; {expression}"
+    code = f"import crosscontact as cc\nassert cc.__version__ == '7.8.9'\n{TRIED[extra]}"
     _run(
         environment / "bin" / "python",
         "-W",

@@ -101,7 +101,8 @@ def test_contents_lead_to_every_section_and_fold():
 
 def test_folded_sections_of_a_large_document_have_pages_of_their_own(monkeypatch):
     overview = Section("Overview", (DataTable.of([{"scene": LinkCell("first", "scene-first")}]),), "overview")
-    passed = Section("First <scene>", (Section("Runs", (TABLE,)),), "scene-first", folded=True)
+    runs = (Section("Runs", (TABLE,)),)
+    passed = Section("First <scene>", runs, "scene-first", VerdictCell("pass", True), folded=True)
     failed = Section("Second", (Paragraph("open " * 300),), "scene-second", VerdictCell("FAIL", False))
     document = Document("All", (), (overview, passed, failed))
     assert list(html.pages(document)) == ["index.html"]
@@ -114,6 +115,7 @@ def test_folded_sections_of_a_large_document_have_pages_of_their_own(monkeypatch
     assert 'id="scene-second"' in first
     assert "<h1>First &lt;scene&gt;</h1>" in own
     assert '<a href="../index.html">All</a>' in own
+    assert '<p class="pass">pass</p>' in own
     assert html.ON_PAGES in first
 
 

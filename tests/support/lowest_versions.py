@@ -11,7 +11,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 ENVIRONMENT = ROOT / "out" / "lowest"
-TESTS = ("tests/door", "tests/scene", "tests/measure", "tests/mesh", "tests/report", "tests/fields")
+TESTS = (
+    "tests/door",
+    "tests/scene",
+    "tests/measure",
+    "tests/mesh",
+    "tests/report",
+    "tests/fields",
+    "tests/sweeps",
+)
 """Tests that reach every dependency."""
 
 
@@ -21,7 +29,7 @@ def main(tests: list[str]) -> int:
     python = str(ENVIRONMENT / "bin" / "python")
     subprocess.run([*uv, "venv", "--quiet", "--clear", "--python", sys.executable, ENVIRONMENT], check=True)
     install = [*uv, "pip", "install", "--quiet", "--python", python]
-    lowest = ["--resolution", "lowest-direct", "--editable", f"{ROOT}[data]"]
+    lowest = ["--resolution", "lowest-direct", "--editable", f"{ROOT}[data,sweep]"]
     subprocess.run([*install, *lowest], check=True)
     subprocess.run([*install, "pytest", "pytest-xdist", "hypothesis"], check=True)
     subprocess.run([*uv, "pip", "list", "--python", python], check=True)

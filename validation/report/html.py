@@ -59,7 +59,8 @@ def pages(document: Document) -> dict[str, str]:
     lead = (*document.lead, Paragraph(ON_PAGES))
     found = {INDEX: _page(replace(document, lead=lead), addresses)}
     for part in moved:
-        found[addresses[part.anchor]] = _page(Document(part.title, (), part.parts), {}, document.title)
+        verdict = () if part.verdict is None else (Paragraph(part.verdict.text, part.verdict.passed),)
+        found[addresses[part.anchor]] = _page(Document(part.title, verdict, part.parts), {}, document.title)
     return found
 
 

@@ -76,8 +76,8 @@ def suites(report: Report) -> list[junit.CheckSuite]:
 def write(report: Report, folder: Path) -> None:
     """Write ``index.html``, ``summary.md``, ``report.json``, ``junit.xml``, ``runs/SCENE/SOLVER/``.
 
-    What passed has pages of its own in ``pages/`` where one page would be too large. Figures of the paper, of the matrix
-    and of fields also come as files in ``figures/``.
+    What passed has pages of its own in ``pages/`` where one page would be too large. Figures of the paper, of
+    the matrix and of fields also come as files in ``figures/``.
     """
     (folder / "index.html").unlink(missing_ok=True)  # if it is there, the set is complete
     for one in report.scenes:

@@ -1,4 +1,4 @@
-"""A study: observed orders, error against run time, process zones, every ladder.
+"""A study: observed orders, process zones, every ladder; ``study_prices`` has the error against run time.
 
 Orders are signed; a dash stands where there is none (values to and fro, no difference, a failed level).
 """
@@ -27,7 +27,7 @@ from validation.report.document import (
 )
 from validation.report.figures import study_charts
 from validation.report.pictures import valid_id, with_drawing
-from validation.report.sections import environment
+from validation.report.sections import environment, study_prices
 from validation.report.sections.scene import COUNTERS
 from validation.studies import schemes, work_precision
 from validation.studies.convergence import Convergence, LevelRun, Row
@@ -93,7 +93,7 @@ def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
     threads = environment.in_words(study.environment.get("threads", "unknown"))
     first = (
         (overview(scene), study_charts.CONVERGENCE),
-        (prices(scene, threads), study_charts.PRICES),
+        (study_prices.section(scene.timed, threads), study_charts.PRICES),
     )
     shown = (
         replace(one, parts=(*((_charts(scene, charts),) if figures else ()), *one.parts))
@@ -236,59 +236,8 @@ def _level(run: LevelRun) -> Record:
     )
 
 
-def prices(scene: SceneStudy, threads: str) -> Section:
-    """Error against run time, in words and as tables."""
-    studies = scene.timed
-    stated = [
-        "Each run alone, after a warm-up run of its scheme: the smallest of the repeats stated below (fewer "
-        f"where a run takes longer than a second), threads {threads}. Meshing and assembly count, imports "
-        "do not. Prices below are processor seconds, on one thread the run time of a quiet machine; between "
-        "levels they are interpolated on logarithms, never extrapolated.",
-        "By the RMS error of F(t) over the run, relative to the largest force: "
-        + " ".join(work_precision.in_words(studies)),
-        "By the pull-off force: " + " ".join(work_precision.in_words(studies, "pull_off_force")),
-        "By the loop integral: " + " ".join(work_precision.in_words(studies, "loop_energy")),
-        "Growth of cost (least squares over the ladder, the error that of F(t), RMS): "
-        + " ".join(work_precision.growth_in_words(studies)),
-    ]
-    share = work_precision.busy(studies)
-    if share > work_precision.BUSY:
-        stated.insert(1, f"The machine was busy: run times are up to {share:.1f} times the processor times.")
-    skipped = work_precision.left_out(studies)
-    if skipped:
-        stated.append("Left out because the scene did not need it: " + " ".join(skipped))
-    return _section("Error against run time", stated, _price_table(studies), _growth_table(studies))
-
-
 def _section(title: str, paragraphs: Sequence[str], *tables: DataTable) -> Section:
     return Section(title, (*map(Paragraph, paragraphs), *tables))
-
-
-def _price_table(studies: Sequence[Convergence]) -> DataTable:
-    rows = []
-    for measure in work_precision.measures(list(studies)):
-        for asked in work_precision.ERRORS:
-            best, found = work_precision.cheapest(list(studies), measure, asked)
-            bounds = ("≤ " if price.at_most else "" for price in found)
-            seconds = (formatted(price.seconds, ".2g") for price in found)
-            shown = (s if s == ABSENT else f"{b}{s} s" for b, s in zip(bounds, seconds, strict=True))
-            rows.append(
-                {"error in": plain(measure), "asked": f"{asked:.0e}"}
-                | dict(zip((study.ladder.scheme for study in studies), shown, strict=True))
-                | {"cheapest": best.scheme if best else ABSENT}
-            )
-    return DataTable.of(rows, "Processor seconds to an error")
-
-
-def _growth_table(studies: Sequence[Convergence]) -> DataTable:
-    rows = []
-    for study in studies:
-        fitted = {plain(work): work_precision.growth(study, work) for work in work_precision.WORK}
-        by_resolution = {work: formatted(one.with_resolution, ".2f") for work, one in fitted.items()}
-        by_error = {work: formatted(one.with_error, ".2f") for work, one in fitted.items()}
-        rows.append({"scheme": study.ladder.scheme} | by_resolution)
-        rows.append({"scheme": f"{study.ladder.scheme}, over 1/error"} | by_error)
-    return DataTable.of(rows, "Exponents of cost over resolution, and over 1/error of F(t)")
 
 
 def _orders(values: Sequence[float | None]) -> str:
