@@ -20,6 +20,7 @@ from validation.exam.judge import Judgement
 from validation.report import markdown
 from validation.report.document import Document, Paragraph
 from validation.report.figures import exam_chart
+from validation.report.pictures import valid_id
 from validation.report.sections import exam as sections
 from validation.solvers import PEERS
 from validation.solvers.peers.peer import EXTRA
@@ -80,7 +81,7 @@ def write(folder: Path, scenes: Collection[str], target: Path) -> None:
     for one in judgement.scenes:
         drawing = exam_chart.draw(one)
         if drawing is not None:
-            name = f"exam-{one.case.name}"
+            name = f"exam-{valid_id(one.case.name)}"  # as the page links it
             (target / "figures" / f"{name}.png").write_bytes(exam_chart.files(drawing, name)[f"{name}.png"])
 
 

@@ -94,6 +94,8 @@ def again(file: str) -> int:
     if found.same:
         print(f"{path}: the same bit for bit, {counted(found.rows, 'row')}")
         return 0
-    rows = "" if found.rows == found.rows_again else f"{found.rows_again} rows instead of {found.rows}; "
-    print(f"{path}: {rows}largest difference {found.largest:.2g}", file=sys.stderr)
+    differs = f"largest difference {found.largest:.2g}"
+    if found.rows != found.rows_again:
+        differs = f"{counted(found.rows_again, 'row')} instead of {found.rows}"
+    print(f"{path}: {differs}", file=sys.stderr)
     return 1

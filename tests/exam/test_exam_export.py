@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from support.exam_answers import SCENE, case
+from support.exam_answers import SCENE, case, hertz, text
 
 from contact_scene import SceneError, read_scene
 from crosscontact.cli import main
@@ -66,11 +66,11 @@ def test_the_page_of_results_has_a_scene_of_every_tag():
 
 
 def test_the_page_states_the_scene_in_words():
-    text = page(load("punch-programme"))
+    words = page(load("punch-programme"))
     for said in ("flat-ended cylinder of radius `100.0`", "modulus 0.9, time 1.1", "1. the penetration goes"):
-        assert said in text
-    assert "7. the force" not in text
-    assert "6. the force goes linearly to `1000.0` at `200.0`" in text
+        assert said in words
+    assert "7. the force" not in words
+    assert "6. the force goes linearly to `1000.0` at `200.0`" in words
     assert "`zone = 0.013`" in page(load("cycle-v0.02"))
     assert "No adhesion" in page(case())
 
@@ -106,6 +106,19 @@ def test_bad_input_is_told_in_a_line(tmp_path, capsys):
     ):
         assert main(command) == 2
         assert len(capsys.readouterr().err.splitlines()) == 1
+    stated = json.dumps(expanded(case().scene))
+    wrong = {
+        text(hertz(5)): "header: problem: is missing",
+        text(hertz(5), problem=stated): "header: code: got 'a code'; allowed: one of bem, fem, reference",
+        text(hertz(5), "bem", problem='{"a": 1}'): "wrong.csv: header: problem: a: unknown key",
+        text(hertz(5), "bem", problem=stated, resolution="x"): "header: resolution: got 'x'",
+        text(hertz(5), "bem", problem=stated, resolution="2"): "resolution",
+    }
+    for content, said in wrong.items():
+        (tmp_path / "wrong.csv").write_text(content)
+        assert main(["exam", "reproduce", str(tmp_path / "wrong.csv")]) == 2
+        (told,) = capsys.readouterr().err.splitlines()
+        assert said in told
     with pytest.raises(SystemExit) as ended:
         main(["exam", "answer", str(tmp_path), "--solvers", "bem,nobody"])
     assert ended.value.code == 2

@@ -20,6 +20,7 @@ from validation.execution.files import write_whole
 from validation.execution.runs import Run, run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.tasks import run_tasks
+from validation.solvers import SOLVERS
 
 ANSWERS = "answers"
 """Folder of these answers, below that of the exam."""
@@ -98,8 +99,16 @@ def reproduce(path: Path) -> Reproduction:
         raise SceneError("header: problem", "is missing", "a trace written by this program", str(path))
     if header.resolution and not header.resolution.isdecimal():
         raise SceneError("header: resolution", f"got {shown(header.resolution)}", "a number", str(path))
+    if header.code not in SOLVERS:
+        raise SceneError(
+            "header: code", f"got {shown(header.code)}", f"one of {', '.join(SOLVERS)}", str(path)
+        )
     resolution = int(header.resolution) if header.resolution else None
-    again = run(Case(header.scene or "scene", scene_of(header.problem)), header.code, resolution)
+    try:
+        scene = scene_of(header.problem)
+    except SceneError as error:
+        raise error.in_file(f"{path}: header: problem") from None
+    again = run(Case(header.scene or "scene", scene), header.code, resolution)
     if again.trace is None:
         raise SceneError("header", again.failure, "a solver and a scene it takes", str(path))
     rows, rows_again = len(answer.columns["time"]), len(again.trace)
