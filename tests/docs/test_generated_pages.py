@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import json
 import re
 import sys
 from pathlib import Path
@@ -71,6 +72,14 @@ def test_columns_of_traces_are_in_the_reference():
     columns = {*COLUMNS, *EXTRA, *EXTRA_COLUMNS, *cc.solve("relaxed-equilibrium", "bem").trace.extra}
     assert [name for name in sorted(columns) if f"| `{name}` |" not in page] == []
     assert len(columns) > len(COLUMNS)
+
+
+def test_keys_of_a_summary_are_in_the_reference(tmp_path):
+    page = (ROOT / "docs" / "reference" / "output.md").read_text("utf-8")
+    cc.solve("relaxed-equilibrium", "bem").save(tmp_path)
+    keys = json.loads((tmp_path / "summary.json").read_text("utf-8"))
+    assert [name for name in keys if f"`{name}`" not in page] == []
+    assert len(keys) > 30
 
 
 @pytest.mark.slow
