@@ -261,6 +261,15 @@ def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
     ]
 
 
+def test_interrupt_while_options_are_read_is_said_in_one_line(capsys, monkeypatch):
+    def interrupt():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(registry, "selectable", interrupt)
+    assert code_of("solve", "cycle-v0.1", "--solver", "bem") == 1
+    assert capsys.readouterr().err == "crosscontact: interrupted\n"
+
+
 def test_compare_agrees_and_disagrees(capsys, tmp_path, scene_file, fakes):
     assert code_of("compare", scene_file, "--jobs", "1", "--out", str(tmp_path / "same")) == 0
     assert (tmp_path / "same" / "index.html").exists()
