@@ -93,7 +93,22 @@ def _header(headers: Sequence[tuple[bool, list[str]]], width: int) -> tuple[tupl
 
 
 def cells_of_line(content: str, line: int, file: str, strict: bool = True) -> list[str]:
-    """Cells of a line, parted by semicolons, else by commas, else by blanks; empty for a blank line."""
+    """Cells of a line, parted by semicolons, else by commas, else by blanks; empty for a blank line.
+
+    Parameters
+    ----------
+    content : str
+    line : int
+        Its number, for errors.
+    file : str
+        Name of the file, for errors.
+    strict : bool
+        Whether a quotation mark out of place is an error.
+
+    Returns
+    -------
+    list of str
+    """
     if not content.strip():
         return []
     if ";" in content:
@@ -152,7 +167,22 @@ def number_in_line(cell: str, line: int, file: str) -> float:
 def checked_in_line(
     check: Callable[[Any, str], float], value: float, name: str, line: int, file: str
 ) -> float:
-    """A number that passes ``check`` of :mod:`contact_scene.errors`, or its error with line and file."""
+    """A number that passes ``check`` of :mod:`contact_scene.errors`, or its error with line and file.
+
+    Parameters
+    ----------
+    check : callable(value, key)
+        Returns the number or raises a ``SceneError``.
+    value : float
+    name : str
+        What the number is.
+    line : int
+    file : str
+
+    Returns
+    -------
+    float
+    """
     try:
         return float(check(value, f"{name}, line {line}"))
     except SceneError as error:

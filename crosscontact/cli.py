@@ -23,12 +23,12 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
-    options = parser().parse_args(arguments)
-    if options.command is None:
-        parser().print_help()
-        return 0
     try:
         with interrupting():
+            options = parser().parse_args(arguments)  # imports too, where an option asks for names
+            if options.command is None:
+                parser().print_help()
+                return 0
             code = _run(options)
             sys.stdout.flush()
             return code

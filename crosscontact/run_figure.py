@@ -126,7 +126,9 @@ def _mark_pull_off(panel: Axes, at: tuple[float, float], offset: tuple[float, fl
 
 
 def _instabilities(trace: Trace, scene: Scene) -> list[dict[str, float]]:
-    """States at which the contact of a run becomes unstable, quantities as drawn."""
+    """States at which the contact of a run becomes unstable, quantities as drawn; none without adhesion."""
+    if not scene.is_adhesive:  # its contact shrinks to nothing
+        return []
     size = unit_sizes(scene)
     length, force = size.get("length", 1.0), size.get("force", 1.0)
     is_free = bool(trace.contact_radius[-1] == 0.0)

@@ -37,9 +37,12 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:
     """Make one of the studies of every solver."""
+    from contact_scene import SceneError
     from crosscontact import registry
     from crosscontact.commands import poisson, study, zones
 
+    if options.poisson is not None and options.zones is not None:
+        raise SceneError("--zones", "given beside --poisson", "one of the two, each a study of its own")
     registry.usable()  # names those that cannot be loaded
     if options.poisson is not None:
         return poisson.run(options.scenes, options.poisson, options.out, jobs)

@@ -6,6 +6,9 @@ import argparse
 
 from crosscontact.arguments.shared_options import fresh_option, jobs_option
 
+WITH_PLAN = ("--out", "--jobs", "--dask", "--dry-run", "--fresh")
+"""Options that say how a plan is carried out."""
+
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Plan, folder, and what carries the runs out."""
@@ -33,10 +36,17 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:
     """Carry out a plan, draw an earlier sweep again, or list the plans."""
+    from contact_scene import SceneError
     from crosscontact.commands import sweep
 
+    beside = [name for name in WITH_PLAN if getattr(options, name.strip("-").replace("-", "_"))]
     if options.plot is not None:
+        if options.plan is not None or beside:
+            given = ", ".join(beside) or "PLAN"
+            raise SceneError("--plot", f"given beside {given}", "the folder of an earlier sweep, alone")
         return sweep.plot(options.plot)
     if options.plan is None:
+        if beside:
+            raise SceneError("PLAN", f"is missing beside {', '.join(beside)}", "a file, or a built-in plan")
         return sweep.list_plans()
     return sweep.run(options.plan, options.out, jobs, options.dask, options.dry_run, options.fresh)

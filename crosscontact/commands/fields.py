@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contact_scene import Counters, SceneError, write_scene
+from contact_scene import Counters, OutcomeKind, SceneError, write_scene
 from crosscontact.commands.forecast import announce, expected_cost, warn
 from validation import cases, solvers
 from validation.execution.checkpoints import CHECKPOINT, RecordedRunWriter
@@ -300,7 +300,8 @@ def _difference(counters: Counters, before: dict[str, int]) -> dict[str, int]:
 def _exit_code(recorded: RecordedFields) -> int:
     outcome = recorded.recording.trace.outcome
     if not outcome.finished:
-        print(f"crosscontact: not finished: {outcome.kind}: {outcome.reason}", file=sys.stderr)
+        hint = "; --max-steps N allows more" if outcome.kind is OutcomeKind.STEP_BUDGET else ""
+        print(f"crosscontact: not finished: {outcome.kind}: {outcome.reason}{hint}", file=sys.stderr)
         return 1
     if recorded.missing:
         outside = ", ".join(f"{time:.10g}" for time in recorded.missing)

@@ -30,10 +30,13 @@ def settings_of(options: argparse.Namespace) -> FitSettings:
     chosen = {name: getattr(options, name) for name in OPTIONS}
     if options.regularisation is not None:
         chosen["regularisation"] = options.regularisation
+    solver = options.solver or registry.REFERENCE
+    if solver not in registry.names():
+        raise SceneError("--solver", f"got {shown(solver)}", f"one of {', '.join(registry.names())}")
     check = None if options.check_solver == "none" else options.check_solver
     if check is not None and check not in registry.names():
         raise SceneError("--check-solver", f"got {shown(check)}", f"none, {', '.join(registry.names())}")
-    return FitSettings(**chosen, solver=options.solver or registry.REFERENCE, check_solver=check)
+    return FitSettings(**chosen, solver=solver, check_solver=check)
 
 
 def run(

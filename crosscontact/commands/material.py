@@ -13,6 +13,7 @@ from contact_scene.measured_moduli import RelaxationData
 from contact_scene.prony import TOLERANCE, PronyFit, fit_prony, young_over
 from contact_scene.readers import FORMATS, MEASURED, format_of, measured_data
 from contact_scene.scenefile import write_material
+from crosscontact.commands.forecast import warn
 from crosscontact.key_numbers import aligned
 from validation.drawing.export import png, svg_file
 from validation.drawing.material_figure import draw_fit, draw_series
@@ -112,6 +113,9 @@ def _fit(
     data = measured_data(text, file, kind)
     scale = young_over(data.shear, poisson)
     relaxed = None if modulus is None else positive(modulus, "--modulus") / scale
+    least = scale * float((data.moduli if isinstance(data, RelaxationData) else data.storage).min())
+    if modulus is not None and modulus > least:
+        warn([f"--modulus {modulus:g} is above the smallest Young's modulus of {file}, {least:g}"])
     try:
         return fit_prony(data, relaxed=relaxed, tolerance=tolerance)
     except SceneError as error:

@@ -111,6 +111,13 @@ def test_scenes(capsys):
         (("solve", "\0", "--solver", "bem"), "built-in scene"),
         (("solve", "nowhere.toml", "--solver", "bem"), "nowhere.toml"),
         (("solve", ".", "--solver", "bem"), "error: .: "),
+        (("solve", "cycle-v0.1", "--out", ""), "--out: is empty"),
+        (("fit", "curve.csv", "cycle-v0.1", "--solver", "tamaas"), "--solver: got 'tamaas'"),
+        (("study", "cycle-v0.1", "--poisson", "--zones"), "--zones: given beside --poisson"),
+        (("sweep", "--dry-run", "--jobs", "1"), "PLAN: is missing beside --jobs, --dry-run"),
+        (("sweep", "--plot", ""), "--plot: is empty"),
+        (("sweep", "--plot", "x", "--fresh"), "--plot: given beside --fresh"),
+        (("sweep", "speed-zone", "--plot", "x"), "--plot: given beside PLAN"),
         (("report", "--suite", "tiny"), "choose from"),
         (("report", "--jobs", "0"), "a whole number >= 1"),
         (("compare",), "SCENE"),
@@ -252,6 +259,15 @@ def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
         "crosscontact: no step is done: there is nothing to keep",
         "crosscontact: interrupted",
     ]
+
+
+def test_interrupt_while_options_are_read_is_said_in_one_line(capsys, monkeypatch):
+    def interrupt():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(registry, "selectable", interrupt)
+    assert code_of("solve", "cycle-v0.1", "--solver", "bem") == 1
+    assert capsys.readouterr().err == "crosscontact: interrupted\n"
 
 
 def test_compare_agrees_and_disagrees(capsys, tmp_path, scene_file, fakes):

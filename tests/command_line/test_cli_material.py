@@ -107,6 +107,15 @@ def test_a_melt_needs_a_relaxed_modulus(tmp_path, capsys):
 
 
 @pytest.mark.slow
+def test_a_relaxed_modulus_above_the_data_is_doubtful(capsys, dynamic):
+    least = KNOWN.storage_modulus(1.0 / TIMES).min()  # of Young: the file holds a third
+    assert code_of(dynamic, "--modulus", str(0.99 * least), "--tolerance", "1") == 0
+    assert capsys.readouterr().err == ""
+    assert code_of(dynamic, "--modulus", str(1.01 * least), "--tolerance", "1") == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"crosscontact: warning: --modulus {1.01 * least:g} is above the smallest Young's")
+
+
 def test_the_figure_is_drawn(tmp_path, monkeypatch, relaxation):
     monkeypatch.chdir(tmp_path)
     assert code_of(relaxation, "--plot") == 0

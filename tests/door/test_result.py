@@ -192,6 +192,12 @@ def test_on_a_spring_the_stage_is_drawn_and_instabilities_are_marked(sprung, axe
     assert 'alt="force against penetration, force against stage and contact' in sprung._repr_html_()
 
 
+def test_on_a_spring_contact_without_adhesion_ends_without_an_instability(axes_free):
+    result = cc.solve(dataclasses.replace(SPRUNG, adhesion=None), resolution=4)
+    assert result.outcome.kind is cc.OutcomeKind.DETACHED
+    assert [text.get_text() for text in result.figure().axes[0].get_legend().get_texts()] == ["reference"]
+
+
 def test_on_a_spring_two_axes_do_too(sprung, axes_free):
     from matplotlib.figure import Figure
 

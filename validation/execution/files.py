@@ -65,6 +65,8 @@ def output_folder(path: str | os.PathLike[str], key: str = "--out") -> Path:
     folder = Path(path)
     allowed = "a folder that exists or can be made, and can be written to"
     try:
+        if not os.fspath(path):  # it would be the current folder
+            raise SceneError(key, "is empty", allowed)
         if folder.exists() and not folder.is_dir():
             raise SceneError(key, f"{folder} is a file", allowed)
         folder.mkdir(parents=True, exist_ok=True)

@@ -102,9 +102,9 @@ class FrontStepper:
         state, cursor = self.state, self.cursor
         coarsest = self.problem.fineness.deviation * (segment.end - segment.start)
         if 0.0 < coarsest < math.ulp(segment.end):
-            length = segment.end - segment.start
             reason = (
-                f"a load step of length {length:.3g} is lost in the rounding of the time {segment.end:.3g}"
+                f"time steps of {coarsest:.2g}, the longest of this resolution in a load step of length "
+                f"{segment.end - segment.start:.3g}, are lost in the rounding of the time {segment.end:.3g}"
             )
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
             return
