@@ -325,6 +325,18 @@ def test_on_a_soft_spring_adhesion_is_found_within_its_interval_snap_off_include
     assert sum(inside) >= len(inside) - 2  # 24 intervals of 95 %
 
 
+def test_where_between_two_rows_contact_begins_and_ends_is_drawn():
+    truth, places = spring_scene(0.2), []
+    for seed in range(12):
+        curve = synthetic(truth, 0.0, seed=seed, solver="closed-form")
+        begin = np.flatnonzero(curve.force)[0]
+        before, after = curve.position[begin - 1 : begin + 1]
+        assert before < 0.0 <= after
+        places.append(-before / (after - before))
+    assert 0.3 < np.mean(places) < 0.7
+    assert 0.1 < np.std(places) < 0.4  # of a uniform distribution 0.29
+
+
 def test_the_spring_itself_may_be_varied_and_is_the_records_where_the_scene_has_none():
     truth = spring_scene(0.2)
     curve = synthetic(truth, 0.01, 0.0137, solver="closed-form")
