@@ -18,8 +18,8 @@ TOO_LARGE = 10_000_000
 """Bytes; a scene or a table larger than this is a mistake."""
 
 
-def read_text(file: Path) -> str:
-    """The text of a regular UTF-8 file of at most ``TOO_LARGE`` bytes, line ends as ``\\n``.
+def read_text(file: Path, most: int = TOO_LARGE) -> str:
+    """The text of a regular UTF-8 file of at most ``most`` bytes, line ends as ``\\n``.
 
     Raises
     ------
@@ -31,11 +31,11 @@ def read_text(file: Path) -> str:
         if file.exists() and not file.is_file():  # never wait on a pipe or read a device without end
             raise SceneError("", "is not a regular file", "a text file", name)
         with file.open("rb") as stream:
-            data = stream.read(TOO_LARGE + 1)
-        if len(data) > TOO_LARGE:
-            raise SceneError(
-                "", "is larger than 10 MB", "a scene or a table of at most 10 000 000 bytes", name
-            )
+            data = stream.read(most + 1)
+        if len(data) > most:
+            size = f"{most:,}".replace(",", " ")
+            problem = f"is larger than {most // 1_000_000} MB"
+            raise SceneError("", problem, f"a scene or a table of at most {size} bytes", name)
         text = data.decode("utf-8-sig")
     except SceneError:
         raise

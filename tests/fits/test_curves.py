@@ -15,6 +15,7 @@ from validation.fits.baseline import features
 from validation.fits.curve_files import read_csv, write_csv
 from validation.fits.curve_model import CurveModel
 from validation.fits.data_checks import check
+from validation.fits.decimation import decimated
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.measured_path import straight_lines
 from validation.fits.parameters import ParameterSet, scene_parameter
@@ -145,6 +146,9 @@ def checked(curve, scene=None, free=()):
         (lambda c: {"penetration": -c.motion}, "wrong sign"),
         (lambda c: {"penetration": -c.motion, "force": -c.force}, "smallest: the wrong sign"),
         (lambda c: {"force": 1e9 * c.force}, "other units?"),
+        (lambda c: {"force": 1e300 * c.force}, "at most 1e+60"),
+        (lambda c: {"force": 1e-300 * c.force}, "at least 1e-60"),
+        (lambda c: {"penetration": 0.0 * c.motion}, "does not move"),
         (lambda c: {"force": 1e-4 * np.random.default_rng(0).standard_normal(c.time.size)}, "no contact"),
         (lambda c: {"penetration": c.motion - 0.05}, "never comes to 0"),
     ],
@@ -172,3 +176,29 @@ def test_a_weak_record_has_warnings_and_a_good_one_none():
     assert any("too coarse" in text for text in checked(hertz_curve(rows=30)))
     loud = replace(hertz_curve(), noise=1e-3)
     assert any("noise is 1" in text for text in checked(loud))
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e-3])
+def test_another_unit_of_force_is_hinted_at(factor):
+    good = hertz_curve()
+    [said] = checked(MeasuredCurve(good.time, factor * good.force, good.motion))
+    assert "times that of the scene's elastic contact: other units?" in said
+
+
+def test_a_long_record_is_fitted_by_means_of_its_rows(monkeypatch):
+    monkeypatch.setattr("validation.fits.decimation.MOST_ROWS", 50)
+    long = replace(hertz_curve(rows=130), noise=3e-4, contact_radius=hertz_curve(rows=130).motion)
+    short, together = decimated(long)
+    assert (together, short.time.size) == (3, 43)
+    assert short.noise == pytest.approx(3e-4 / np.sqrt(3.0))
+    for column in ("time", "force", "penetration", "contact_radius"):
+        assert getattr(short, column)[1] == pytest.approx(getattr(long, column)[3:6].mean())
+    assert decimated(short) == (short, 1)
+
+
+def test_a_whole_table_is_read_as_row_by_row(tmp_path, monkeypatch):
+    write_csv(hertz_curve(), tmp_path / "a.csv")
+    at_once = read_csv(tmp_path / "a.csv")
+    monkeypatch.setattr("validation.fits.curve_files._plain_columns", lambda *_: None)
+    assert np.array_equal(read_csv(tmp_path / "a.csv").force, at_once.force)
+    assert np.array_equal(at_once.force, hertz_curve().force)

@@ -201,6 +201,20 @@ def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path
     assert "material has no modulos" in capsys.readouterr().err
 
 
+def test_a_first_guess_from_which_no_parameter_matters_is_refused():
+    away = Loading("relaxed", 0.0, (Ramp(1.0, 1.0),))  # the first row of the record is out of contact
+    scene = replace(elastic_scene(), loading=away, adhesion=Adhesion(1e-6, 1e-7))
+    with pytest.raises(SceneError, match=r"no parameter changes the force at the first guess: \w+"):
+        fit_curves([hertz_curve()], scene, settings_of("material.modulus"))
+
+
+def test_means_of_rows_stand_in_the_report(monkeypatch):
+    monkeypatch.setattr("validation.fits.decimation.MOST_ROWS", 60)
+    found = fit_curves([hertz_curve(noise=2e-4)], elastic_scene(GUESS), settings_of("material.modulus"))
+    assert "hertz: fitted are means of 2 rows" in statements(found)
+    assert found.curves[0].curve.time.size == 60
+
+
 def triangle(material, noise, rows=240, seed=3):
     """A record of Ting's triangle: pressed in for a time of one, pulled out as fast."""
     rate = 0.03
@@ -309,6 +323,18 @@ def test_on_a_soft_spring_adhesion_is_found_within_its_interval_snap_off_include
         lost = np.flatnonzero(found.curves[0].force < 0.5 * found.curves[0].force.min())[-1]
         assert abs(int(lost) - int(np.argmax(np.abs(np.diff(curve.force))))) <= 1
     assert sum(inside) >= len(inside) - 2  # 24 intervals of 95 %
+
+
+def test_where_between_two_rows_contact_begins_and_ends_is_drawn():
+    truth, places = spring_scene(0.2), []
+    for seed in range(12):
+        curve = synthetic(truth, 0.0, seed=seed, solver="closed-form")
+        begin = np.flatnonzero(curve.force)[0]
+        before, after = curve.position[begin - 1 : begin + 1]
+        assert before < 0.0 <= after
+        places.append(-before / (after - before))
+    assert 0.3 < np.mean(places) < 0.7
+    assert 0.1 < np.std(places) < 0.4  # of a uniform distribution 0.29
 
 
 def test_the_spring_itself_may_be_varied_and_is_the_records_where_the_scene_has_none():

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 
 from contact_scene.scene_values import value_at
 from validation.fits.recovery import ENOUGH, LABELS, VARIED, RecoveredMaterial, draw, random_scenes, report
 
+DOCS = Path(__file__).parents[2] / "docs"
 FACTOR = np.exp(0.4)
 """Farthest that a fit starts from the truth."""
 
@@ -50,3 +54,11 @@ def test_every_parameter_is_drawn_beside_what_a_normal_distribution_expects():
     lines = {line.get_label(): line for line in axes.lines}
     assert all(len(lines[label].get_xdata()) == len(found) for label in LABELS)
     assert lines[LABELS[0]].get_linestyle() == "None"
+
+
+def test_the_documentation_states_what_the_kept_numbers_give():
+    maker = runpy.run_path(str(DOCS / "make_recovery.py"))
+    found = maker["materials"]((DOCS / "data/recovery.json").read_text("utf-8"))
+    page = (DOCS / "how-to/fit.md").read_text("utf-8")
+    assert report(found, []) in page
+    assert maker["with_table"](page, found) == page

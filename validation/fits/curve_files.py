@@ -12,7 +12,9 @@ Columns are found by name; a unit in brackets behind a name is passed over, othe
 
 from __future__ import annotations
 
+import io
 import re
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -20,8 +22,12 @@ import numpy as np
 
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_rows, read_text, write_whole
-from validation.fits.measured_curve import COLUMNS, MeasuredCurve
+from validation.fits.measured_curve import COLUMNS, Array, MeasuredCurve
 
+LARGEST_FILE = 200_000_000
+"""Bytes; a record of a few million rows, above which a file is no record of one curve."""
+MOST_REMARKS = 1000
+"""Lines before the header, at most."""
 REMARKS = ("stiffness", "indenter_radius", "noise")
 _HEADER = "a header: time, penetration or stage, force and, if measured, contact_radius"
 _REMARK = re.compile(r"#\s*(\w+)\s*[=:]\s*(\S+)")
@@ -35,19 +41,22 @@ def read_csv(path: Path) -> MeasuredCurve:
     SceneError
         One line: file, line or column, what is wrong.
     """
-    text, file = read_text(path), str(path)
-    (_, header), *rows = read_rows(text, file)
+    text, file = read_text(path, LARGEST_FILE), str(path)
+    head, body = _head_and_body(text)
+    (_, header), *_ = read_rows(head, file)
     names = [re.sub(r"[\[(].*", "", cell).strip().lower().replace(" ", "_") for cell in header]
     for needed in ("time", "force"):
         if needed not in names:
             raise SceneError("", f"no column {needed}", _HEADER, file)
-    columns = {}
     for name in COLUMNS:
         if names.count(name) > 1:
             raise SceneError(name, "stands twice in the header", _HEADER, file)
-        if name in names:
-            columns[name] = _column(rows, names.index(name), len(names), name, file)
-    remarks = {found[1]: found[2] for line in text.split("\n") if (found := _REMARK.match(line.strip()))}
+    places = {name: names.index(name) for name in COLUMNS if name in names}
+    columns = _plain_columns(body, places, len(names))
+    if columns is None:
+        _, *rows = read_rows(text, file)
+        columns = {name: _column(rows, place, len(names), name, file) for name, place in places.items()}
+    remarks = {found[1]: found[2] for line in head.split("\n") if (found := _REMARK.match(line.strip()))}
     stated = {key: _number(remarks[key], key, file) for key in REMARKS if key in remarks}
     try:
         return MeasuredCurve(**columns, **stated, name=path.stem)  # type: ignore[arg-type]
@@ -62,6 +71,29 @@ def write_csv(curve: MeasuredCurve, path: Path) -> None:
     lines.append(",".join(columns))
     lines += [",".join(map(repr, row)) for row in zip(*(c.tolist() for c in columns.values()), strict=True)]
     write_whole(path, "\n".join(lines) + "\n")
+
+
+def _head_and_body(text: str) -> tuple[str, str]:
+    """Text up to the header, which is the first line that is no comment, and what follows."""
+    end = 0
+    for line in text.split("\n", MOST_REMARKS):
+        end += len(line) + 1
+        if line.strip() and not line.lstrip().startswith("#"):
+            break
+    return text[:end], text[end:]
+
+
+def _plain_columns(body: str, places: dict[str, int], width: int) -> dict[str, Array] | None:
+    """Columns of finite numbers read at once; ``None`` for any other text: its rows tell what is wrong."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a body without rows
+            table = np.loadtxt(io.StringIO(body), delimiter=",", comments="#", ndmin=2)
+    except ValueError:
+        return None
+    if table.shape[1] != width or not table.size or not np.isfinite(table).all():
+        return None
+    return {name: np.ascontiguousarray(table[:, place]) for name, place in places.items()}
 
 
 def _column(

@@ -16,7 +16,7 @@ OUTSIDE_ROWS = 5
 """Rows without contact from which their position is compared with that of the rows in contact."""
 ABSURD, PLAUSIBLE = 1e4, 1e2
 """Factors by which the largest force may miss that of the scene's elastic contact: above the first it is not
-this contact, below the second it may be."""
+this contact, below the second it may be, and between them a warning says so."""
 SAME_SPRING = 1e-3
 """Relative difference of two spring constants that is not mentioned: springs are hardly calibrated to it."""
 FEW_ROWS = 50
@@ -118,6 +118,11 @@ def _warnings(model: CurveModel) -> list[str]:
     if steps.size and float(steps.max()) > COARSE * reach:
         share = 100.0 * float(steps.max()) / reach
         found.append(f"the force changes by {share:.0f} % of its range between two rows: sampling too coarse")
+    inside = slice(seen.first, seen.last)
+    expected = _elastic_force(model.scene, float(np.ptp(curve.motion[inside])))
+    factor = float(np.abs(curve.force[inside] - seen.baseline).max()) / expected
+    if not 1.0 / PLAUSIBLE < factor < PLAUSIBLE:
+        found.append(f"the force is {factor:.0e} times that of the scene's elastic contact: other units?")
     if seen.noise > LOUD * reach:
         found.append(f"the noise is {100.0 * seen.noise / reach:.0f} % of the range of the force")
     times = [branch.time for branch in model.scene.material.branches]

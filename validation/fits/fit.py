@@ -13,6 +13,7 @@ from contact_scene.errors import shown
 from validation.execution.store import Store
 from validation.fits import data_checks
 from validation.fits.curve_model import CurveModel
+from validation.fits.decimation import decimated
 from validation.fits.fineness import fineness
 from validation.fits.fit_outcome import explained, judged, unfinished
 from validation.fits.fit_question import question
@@ -118,10 +119,12 @@ def _prepared(
     problem : FitProblem
     warnings : list of str
     """
-    models = [CurveModel.of(curve, scene) for curve in curves]
+    shortened = [decimated(curve) for curve in curves]
+    models = [CurveModel.of(curve, scene) for curve, _ in shortened]
     parameters = ParameterSet(tuple(unknowns(models, scene, settings)))
     _check_profiles(parameters, settings)
-    warnings = [text for model in models for text in data_checks.check(model, parameters)]
+    warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
+    warnings += [text for model in models for text in data_checks.check(model, parameters)]
     warnings += [text for curve in curves for text in data_checks.of_spring(curve, scene, parameters)]
     problem = FitProblem(
         models,

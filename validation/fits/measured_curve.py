@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.errors import SceneError, positive
+from contact_scene.errors import FINITE, LARGEST, SMALLEST, SceneError, positive
 
 Array = NDArray[np.float64]
 
@@ -87,10 +87,16 @@ class MeasuredCurve:
             raise self._error(column, "is no column of numbers", "finite numbers") from None
         if values.ndim != 1 or (column != "time" and values.shape != self.time.shape):
             raise self._error(column, f"has shape {values.shape}", "one number for each time")
-        broken = np.flatnonzero(~np.isfinite(values))
+        broken = np.flatnonzero(~(np.abs(values) <= LARGEST))
         if broken.size:
             row = int(broken[0])
-            raise self._error(column, f"{values[row]} in row {row + 1}", "finite numbers")
+            raise self._error(
+                column,
+                f"{values[row]} in row {row + 1}",
+                "finite numbers" if not np.isfinite(values[row]) else FINITE,
+            )
+        if 0.0 < np.ptp(values) < SMALLEST:
+            raise self._error(column, f"changes by {np.ptp(values):.3g} in all", f"at least {SMALLEST:g}")
         return values
 
     def _error(self, key: str, problem: str, allowed: str) -> SceneError:

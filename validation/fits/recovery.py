@@ -33,6 +33,7 @@ from validation.execution.store import Store
 from validation.execution.tasks import Task, TaskResult, run_tasks
 from validation.fits.fit import fit_curves
 from validation.fits.fit_settings import FitSettings
+from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.synthetic import synthetic
 
 if TYPE_CHECKING:
@@ -112,13 +113,18 @@ def random_scenes(number: int) -> tuple[list[Scene], Scene]:
     return scenes, with_values(scenes[0], wrong)
 
 
-def recover(number: int) -> RecoveredMaterial:
-    """Record and fit one material."""
-    scenes, guess = random_scenes(number)
-    curves = [
+def recorded(number: int, scenes: Sequence[Scene]) -> list[MeasuredCurve]:
+    """Curves of the scenes of a material with their noise, named by their speeds."""
+    return [
         replace(synthetic(scene, NOISE, seed=10 * number + place, resolution=16), name=f"speed {place + 1}")
         for place, scene in enumerate(scenes)
     ]
+
+
+def recover(number: int) -> RecoveredMaterial:
+    """Record and fit one material."""
+    scenes, guess = random_scenes(number)
+    curves = recorded(number, scenes)
     settings = FitSettings(vary=VARIED, free=("baseline",), check_solver=None)
     found = fit_curves(curves, guess, settings)
     own = found.estimates[: len(VARIED)]

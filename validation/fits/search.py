@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
+from contact_scene import SceneError
 from validation.fits.measured_curve import Array
 from validation.fits.problem import FitProblem
 
@@ -107,14 +108,18 @@ def search(
     -------
     Search
     """
-    best.stage = "first start"
     low, high = problem.parameters.bounds
     inside = 1e-9 * np.minimum(high - low, 1.0)
     own = np.clip(problem.parameters.start, low + inside, high - inside)
+    best.stage = "first start"
+    if not problem.jacobian(own).any():
+        raise _without_influence(problem, own)
     last = _followed(problem, best, own, MOST_EVALUATIONS)
     costs = [2.0 * float(last.cost)]
     if not explained(last.fun):
         for number, x in enumerate(_more_starts(problem, best, own, starts, seed)):
+            if not problem.jacobian(x).any():  # nowhere to go from here
+                continue
             best.stage = f"start {number + 2} of {starts}"
             other = _followed(problem, best, x, EXPLORING)
             costs.append(2.0 * float(other.cost))
@@ -124,6 +129,15 @@ def search(
             best.stage = "best start"
             last = _followed(problem, best, last.x, MOST_EVALUATIONS)
     return Search(last.x, last.fun, last.jac, str(last.message), last.status > 0, tuple(costs))
+
+
+def _without_influence(problem: FitProblem, x: Array) -> SceneError:
+    """The error for a first guess from which no search can set out."""
+    points = [problem.parameters.of_curve(x, index) for index in range(len(problem.models))]
+    failures = [one.failure for one in problem.predictions(list(enumerate(points))) if one.failure]
+    reason = f": {failures[0]}" if failures else ""
+    problem_text = f"no parameter changes the force at the first guess{reason}"
+    return SceneError("vary", problem_text, "a first guess that comes to contact and can be run")
 
 
 def _followed(problem: FitProblem, best: BestSoFar, x: Array, evaluations: int) -> Any:

@@ -49,7 +49,7 @@ def synthetic(
     sampling : float, optional
         Time between two rows; by default 300 rows are in contact.
     seed : int
-        Of the noise.
+        Of the noise, and of where between two rows contact begins.
     contact_point : float
         Recorded position of zero penetration.
     baseline, drift : float
@@ -76,7 +76,7 @@ def synthetic(
     run = run_of(scene, solver, resolution)
     if run.failure or run.time.size < 2:
         raise SceneError("", f"no curve: {run.failure or 'no contact'}", "a scene that the solver finishes")
-    time = _row_times(scene, segments, run, sampling)
+    time = _row_times(scene, segments, run, sampling, seed)
     motion = _motion(scene, segments, time)
     exact = _exact_force(segments, run, time)
     tension = -float(run.force.min())
@@ -122,8 +122,13 @@ def _driven_segments(scene: Scene) -> list[Segment]:
     return segments
 
 
-def _row_times(scene: Scene, segments: Sequence[Segment], run: FitRun, sampling: float | None) -> Array:
+def _row_times(
+    scene: Scene, segments: Sequence[Segment], run: FitRun, sampling: float | None, seed: int
+) -> Array:
     """Times of the rows, shape (N,): zero where contact begins.
+
+    No instrument has a row at the very moment at which contact begins or is lost: where these fall between
+    two rows is drawn.
 
     Parameters
     ----------
@@ -132,6 +137,7 @@ def _row_times(scene: Scene, segments: Sequence[Segment], run: FitRun, sampling:
     run : FitRun
     sampling : float or None
         Time between two rows.
+    seed : int
 
     Returns
     -------
@@ -139,11 +145,12 @@ def _row_times(scene: Scene, segments: Sequence[Segment], run: FitRun, sampling:
     """
     end = float(run.time[-1])
     beside = BESIDE * end
+    of_begin, of_end = np.random.default_rng([seed, 1]).random(2).tolist()
     before = scene.loading.start != "relaxed" and segments[0].rate(0.0) > 0.0
-    begin = -beside if before else 0.0
     last = end + beside if run.lost is not None else end
     last = min(last, segments[-1].end)
-    step = end / ROWS if sampling is None else positive(sampling, "sampling")
+    step = end / (ROWS - of_end) if sampling is None else positive(sampling, "sampling")
+    begin = -beside - of_begin * step if before else 0.0
     rows = math.floor((last - begin) / step) + 1
     if not FEWEST_ROWS <= rows <= MOST_ROWS:
         raise SceneError("sampling", f"gives {rows} rows", f"{FEWEST_ROWS} to {MOST_ROWS} rows")
