@@ -91,7 +91,7 @@ def _modelled(plan: SweepPlan, scene: Scene, options: SweepOptions) -> float:
 def _bytes(plan: SweepPlan, runs: int) -> float:
     scene = plan.scene(next(iter(plan.rows())))
     numbers = len(plan.measures or measure_names(scene)) * (2 if plan.estimate else 1)
-    size = BYTES_OF_NUMBER * numbers * runs + FIGURES_BYTES * len(plan.drawn)
+    size = float(BYTES_OF_NUMBER * numbers * runs + FIGURES_BYTES * len(plan.drawn))
     if plan.traces:
         steps = solvers.solver(plan.solver).expected_cost(scene, plan.resolution).steps
         size += 8.0 * TRACE_COLUMNS * steps * runs
