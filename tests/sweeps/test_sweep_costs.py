@@ -1,8 +1,23 @@
-"""The plan by which the cost of sweeps is measured: runs that differ and share nothing with another plan."""
+"""What sweeps cost beside their runs."""
 
 from __future__ import annotations
 
+import sys
+import types
+
+import pytest
+from support.spring_solver import SCENE, FunctionSolver, named, spring
+
+from contact_scene import run_control
+from contact_scene.run_control import single_threaded
+from validation import solvers
+from validation.execution.run_table import RunTable
+from validation.sweeps.batch import SweepOptions
 from validation.sweeps.benchmark import plan_of
+from validation.sweeps.forecast import forecast
+from validation.sweeps.plan import plan_from_dict
+from validation.sweeps.run_plan import carry_out
+from validation.sweeps.write import draw, write_results
 
 
 def test_every_run_is_another_scene(tmp_path):
@@ -10,3 +25,60 @@ def test_every_run_is_another_scene(tmp_path):
     radii = [plan.scene(rows).indenter.radius for rows in plan.rows()]
     assert len(set(radii)) == plan.count == 5
     assert not set(radii) & {other.scene(rows).indenter.radius for rows in other.rows()}
+
+
+def test_libraries_are_looked_up_once_and_again_after_an_import(monkeypatch):
+    looked = []
+
+    def controller():
+        looked.append(1)
+        return found()
+
+    found = run_control.ThreadpoolController
+    monkeypatch.setattr(run_control, "_THREADS", run_control._LinearAlgebraThreads())
+    monkeypatch.setattr(run_control, "ThreadpoolController", controller)
+    for _ in range(3):
+        with single_threaded():
+            pass
+    assert len(looked) == 1
+    monkeypatch.setitem(sys.modules, "a_module_with_a_library", types.ModuleType("m"))
+    with single_threaded():
+        pass
+    assert len(looked) == 2
+
+
+def test_short_runs_are_stored_by_batches_in_this_process_too(tmp_path, monkeypatch):
+    method = FunctionSolver(spring(2.0), "bem")
+    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", method))
+    (tmp_path / "small.toml").write_text(SCENE)
+    rates = {"key": "loading.steps.0.rate", "linspace": [0.01, 0.05, 40]}
+    plan = plan_from_dict(
+        {"scene": "small.toml", "solver": "bem", "estimate": False, "coordinates": [rates]}, tmp_path
+    )
+    batches = []
+    with RunTable() as table:
+        put = table.put
+        monkeypatch.setattr(table, "put", lambda runs: put(batches.append(list(runs)) or batches[-1]))
+        runs = carry_out(plan, table)
+        assert [run.fingerprint for batch in batches for run in batch] == runs.keys
+    assert len(batches) < 20
+
+
+def test_a_solver_that_is_installed_beside_is_told_apart_by_its_version(tmp_path, monkeypatch):
+    scene = plan_of(1, tmp_path).base.scene({})
+    prints = []
+    for version in ("", "other 1.0", "other 1.1"):
+        monkeypatch.setattr(type(solvers.SOLVERS), "origin", lambda self, name, v=version: v)
+        prints.append(SweepOptions("reference").fingerprint(scene))
+    assert len(set(prints)) == 3
+
+
+@pytest.mark.slow
+def test_the_forecast_of_the_size_is_right_within_a_factor_of_two(tmp_path, monkeypatch):
+    plan = plan_of(60, tmp_path)
+    out = tmp_path / "out"
+    out.mkdir()
+    with RunTable(out) as table:
+        expected = forecast(plan, table).bytes
+        draw(write_results(plan, carry_out(plan, table), out), out)
+    assert 0.5 < sum(file.stat().st_size for file in out.iterdir()) / expected < 2.0

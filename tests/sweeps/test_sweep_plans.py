@@ -83,6 +83,14 @@ def test_a_sample_covers_its_ranges_and_a_longer_one_begins_with_a_shorter_one(t
         (RATE, {"traces": "csv"}, "traces: got 'csv'"),
         (RATE, {"units": {"mass": "kg"}}, "units.mass: unknown key"),
         (RATE, {"soler": "bem"}, "soler: unknown key"),
+        (RATE, {"title": 3}, "title: got 3"),
+        (RATE | {"name": "pull_off_force"}, {}, "has the name of a measure"),
+        (RATE | {"name": "loop_energy_error"}, {}, "has the name of a measure"),
+        (RATE | {"name": "warnings"}, {}, "name: got 'warnings'"),
+        (RATE | {"name": "a\nb"}, {}, "name: got 'a\\nb'"),
+        ({"key": "adhesion.zone", "linspace": [0.1, 1.0, 10**9]}, {}, "linspace[2]: got 1000000000 values"),
+        ({"key": "adhesion.zone", "range": [0.1, 0.2]}, {"design": "sobol", "points": 10**9}, "at most 100"),
+        ({"key": "adhesion.zone", "values": [0.01, float("nan")]}, {}, "must be finite, got nan"),
     ],
 )  # fmt: skip
 def test_a_bad_plan_is_refused(tmp_path, coordinate, more, problem):
@@ -95,6 +103,13 @@ def test_a_bad_plan_is_refused(tmp_path, coordinate, more, problem):
 def test_coordinates_that_do_not_fit_are_refused(tmp_path):
     with pytest.raises(SceneError, match=r"the key loading\.steps\.0\.rate comes twice"):
         plan(RATE, RATE | {"name": "other"}, folder=tmp_path)
+    with pytest.raises(SceneError, match=r"the key loading\.steps\.0\.rate comes twice"):
+        plan(RATE, RATE | {"name": "other", "key": "loading.steps[0].rate"}, folder=tmp_path)
+    many = [
+        {"key": f"loading.{key}", "linspace": [0.1, 0.2, 10**5]} for key in ("penetration", "steps.0.rate")
+    ]
+    with pytest.raises(SceneError, match="make 10000000000 runs; allowed: at most 10000000"):
+        plan(*many, folder=tmp_path)
     with pytest.raises(SceneError, match=r"got 2 of loading\.steps\.0\.rate, 1 of adhesion\.zone"):
         plan(RATE, {"key": "adhesion.zone", "values": [0.1]}, folder=tmp_path, design="points")
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import sqlite3
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -192,6 +194,18 @@ def test_stored_runs_give_their_numbers_back_and_damage_is_told(tmp_path):
         RunTable(tmp_path)
     with RunTable(tmp_path, fresh=True) as table:
         assert not table.holds("x")
+
+
+def test_files_of_another_program_are_refused_in_one_line(capsys, tmp_path):
+    with closing(sqlite3.connect(tmp_path / "runs.sqlite")) as connection:
+        connection.execute("CREATE TABLE runs (number REAL)")
+    with pytest.raises(cc.SceneError, match=r"runs\.sqlite cannot be used: no such column"):
+        RunTable(tmp_path)
+    xarray.Dataset({"a": ("x", np.arange(3.0))}).to_netcdf(tmp_path / "sweep.nc", engine="h5netcdf")
+    assert main(["sweep", "--plot", str(tmp_path)]) == 2
+    refusal = capsys.readouterr().err
+    assert "sweep.nc: is not the result of a sweep" in refusal
+    assert refusal.count("\n") == 1
 
 
 def write_plan(tmp_path, scene_file):

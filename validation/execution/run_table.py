@@ -28,6 +28,10 @@ PRAGMA synchronous = NORMAL;
 CREATE TABLE IF NOT EXISTS runs (fingerprint TEXT PRIMARY KEY, record TEXT, seconds REAL);
 CREATE TABLE IF NOT EXISTS traces (fingerprint TEXT PRIMARY KEY, columns BLOB);
 """
+_COLUMNS = (
+    "SELECT fingerprint, record, seconds FROM runs LIMIT 0", "SELECT fingerprint, columns FROM traces LIMIT 0"
+)  # fmt: skip
+"""What the tables of another program do not answer."""
 Columns = dict[str, NDArray[np.float64]]
 
 
@@ -66,7 +70,7 @@ class RunTable:
     Raises
     ------
     SceneError
-        If the file is damaged.
+        If the file is damaged, or another program's.
     """
 
     def __init__(self, folder: Path | None = None, fresh: bool = False) -> None:
@@ -77,6 +81,8 @@ class RunTable:
         try:
             self._connection = sqlite3.connect(self._path or ":memory:")
             self._connection.executescript(_TABLES)
+            for question in _COLUMNS:
+                self._connection.execute(question)
         except sqlite3.DatabaseError as error:
             problem = f"{self._path} cannot be used: {error}"
             raise SceneError("--out", problem, "runs that this program has stored, or --fresh") from None

@@ -34,7 +34,7 @@ def run_task(case: Case, solver: str, resolution: int | None = None, estimate: b
         To be carried out by :func:`~validation.execution.tasks.run_tasks`.
     """
     return Task(
-        fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate, *_origin(solver)),
+        fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate, *origin_of(solver)),
         f"{case.name} {solver}",
         run,
         (case, solver, resolution, None, estimate),
@@ -42,7 +42,7 @@ def run_task(case: Case, solver: str, resolution: int | None = None, estimate: b
     )
 
 
-def _origin(solver: str) -> tuple[str, ...]:
+def origin_of(solver: str) -> tuple[str, ...]:
     """Version of a solver that is no part of this program."""
     origin = solvers.SOLVERS.origin(solver)
     return (origin,) if origin else ()

@@ -12,6 +12,7 @@ from validation.cases import Case
 from validation.execution.fingerprints import fingerprint, version
 from validation.execution.run_table import StoredRun
 from validation.execution.runs import Run, run
+from validation.execution.solver_tasks import origin_of
 
 NOT_REPEATABLE = ("wall_seconds",)
 """Measures that differ from one attempt to the next."""
@@ -42,7 +43,8 @@ class SweepOptions:
 
     def fingerprint(self, scene: Scene) -> str:
         """Of a run on a scene: two plans that ask for it share it."""
-        return fingerprint("sweep", scene, self.solver, self.resolution, self.max_steps, self.estimate)
+        options = (self.solver, self.resolution, self.max_steps, self.estimate)
+        return fingerprint("sweep", scene, *options, *origin_of(self.solver))
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,10 @@ KEYS = (
     "name", "label", "unit", "key", "keys", "factors", "values", "linspace", "geomspace", "range", "scale"
 )  # fmt: skip
 _VALUES = ("values", "linspace", "geomspace", "range")
-RESERVED = ("run", "outcome", "reason")
+RESERVED = ("run", "outcome", "reason", "warnings")
 """Names that a data set of runs has of itself."""
+MOST_RUNS = 10_000_000
+"""Runs of a plan, and values of a coordinate: their fingerprints alone take a gigabyte and an hour."""
 
 
 @dataclass(frozen=True)
@@ -94,8 +96,9 @@ def read_coordinate(entry: Any, sampled: bool) -> Coordinate:
             raise SceneError(str(key), "unknown key", ", ".join(KEYS))
     keys = _keys(entry)
     name = _text(entry, "name", keys[0])
-    if not name or name in RESERVED or "/" in name:
-        raise SceneError("name", f"got {shown(name)}", f"any other than {', '.join(RESERVED)}, without /")
+    if not name or name in RESERVED or "/" in name or not name.isprintable():
+        allowed = f"printable, without /, any other than {', '.join(RESERVED)}"
+        raise SceneError("name", f"got {shown(name)}", allowed)
     stated = [key for key in _VALUES if key in entry]
     wanted = ("range",) if sampled else _VALUES[:-1]
     if len(stated) != 1 or stated[0] not in wanted:
@@ -175,6 +178,8 @@ def _spaced(entry: Mapping[str, Any], kind: str) -> list[float]:
     read = positive if kind == "geomspace" else finite
     first, last = read(asked[0], f"{kind}[0]"), read(asked[1], f"{kind}[1]")
     count = whole_number(asked[2], f"{kind}[2]", 1)
+    if count > MOST_RUNS:
+        raise SceneError(f"{kind}[2]", f"got {count} values", f"at most {MOST_RUNS}")
     if first == last and count > 1:
         raise SceneError(
             kind, f"an empty range, {count} values from {first:g} to {last:g}", "two different ends"

@@ -157,7 +157,7 @@ def read_dataset(folder: Path) -> xarray.Dataset:
     Raises
     ------
     SceneError
-        If there is none.
+        If there is none, or one of another program.
     """
     import xarray
 
@@ -167,6 +167,9 @@ def read_dataset(folder: Path) -> xarray.Dataset:
         raise SceneError("", f"has no {FILE}", allowed, str(folder))
     try:
         with xarray.open_dataset(path, engine="h5netcdf") as data:
-            return data.load()
+            found = data.load()
     except (OSError, ValueError) as error:
         raise SceneError("", f"cannot be read: {error}", allowed, str(path)) from None
+    if not ({"scene_table", "drawn"} <= set(found.attrs) and {"outcome", "reason"} <= set(found.data_vars)):
+        raise SceneError("", "is not the result of a sweep", allowed, str(path))
+    return found

@@ -10,7 +10,8 @@ from validation.cases import Case
 from validation.execution.run_table import RunTable
 from validation.execution.solver_tasks import expected_seconds
 from validation.sweeps.batch import SweepOptions
-from validation.sweeps.plan import SweepPlan, measure_names
+from validation.sweeps.plan import SweepPlan
+from validation.sweeps.plan_entries import measure_names
 from validation.sweeps.run_plan import missing_runs, options_of
 
 ESTIMATE_SHARE = 0.5
@@ -19,6 +20,10 @@ SAMPLED = 200
 """Runs whose cost is forecast one by one; of more, so many are, evenly chosen."""
 TRACE_COLUMNS = 12
 """Columns of a trace, about: those of every solver and a few of its own."""
+BYTES_OF_NUMBER = 8 + 20 + 40
+"""A number in the data set, its digits in the table, and name and digits in the file of stored runs."""
+FIGURES_BYTES = 250_000
+"""PNG and SVG of a measure, about."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,7 @@ class SweepForecast:
     measured : int
         Stored runs of the plan whose time corrects the forecast of the others; 0: none.
     bytes : float
-        Of the data set, and of the traces if they are kept.
+        Of all files: stored runs, data set, table, figures, and traces if they are kept.
     """
 
     runs: int
@@ -86,7 +91,7 @@ def _modelled(plan: SweepPlan, scene: Scene, options: SweepOptions) -> float:
 def _bytes(plan: SweepPlan, runs: int) -> float:
     scene = plan.scene(next(iter(plan.rows())))
     numbers = len(plan.measures or measure_names(scene)) * (2 if plan.estimate else 1)
-    size = 8.0 * numbers * runs
+    size = float(BYTES_OF_NUMBER * numbers * runs + FIGURES_BYTES * len(plan.drawn))
     if plan.traces:
         steps = solvers.solver(plan.solver).expected_cost(scene, plan.resolution).steps
         size += 8.0 * TRACE_COLUMNS * steps * runs

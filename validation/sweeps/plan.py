@@ -28,15 +28,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from contact_scene import Counters, Outcome, OutcomeKind, Scene, Trace
+from contact_scene import Scene
 from contact_scene.errors import SceneError, one_of, shown
 from contact_scene.files import read_text
 from contact_scene.run_control import whole_number
 from validation import solvers
-from validation.measure.scalars import measure
-from validation.sweeps.coordinates import Coordinate, read_coordinate
+from validation.sweeps.coordinates import MOST_RUNS, Coordinate
+from validation.sweeps.plan_entries import (
+    read_coordinates,
+    read_flag,
+    read_measures,
+    read_optional,
+    read_points,
+    read_units,
+    refuse_names_of_measures,
+)
 from validation.sweeps.samples import DESIGNS, SAMPLES, shares
 from validation.sweeps.scene_table import SceneTable, builtin_or_file
 
@@ -46,7 +52,6 @@ _KEYS = (
     "title", "scene", "solver", "resolution", "max_steps", "design", "points", "seed", "estimate", "measures",
     "traces", "drawn", "units", "coordinates",
 )  # fmt: skip
-UNITS = ("length", "force", "time")
 TRACE_FILES = ("hdf5", "parquet")
 DRAWN = ("pull_off_force", "pull_off_penetration", "dissipated_energy")
 """Measures that are drawn unless the plan names others."""
@@ -209,94 +214,29 @@ def plan_from_dict(data: dict[str, Any], folder: Path, base: SceneTable | None =
             raise SceneError("scene", f"got {shown(name)}", "the name of a built-in scene or of a scene file")
         base = builtin_or_file(name, folder)
     design = one_of(data.get("design", "grid"), "design", DESIGNS)
-    coordinates = _coordinates(data.get("coordinates"), design)
+    coordinates = read_coordinates(data.get("coordinates"), design)
+    refuse_names_of_measures(coordinates, base)
     solver = one_of(data.get("solver", solvers.REFERENCE), "solver", tuple(solvers.SOLVERS))
     least = solvers.solver(solver).least_resolution
-    return SweepPlan(
+    title = data.get("title", "")
+    if not isinstance(title, str):
+        raise SceneError("title", f"got {shown(title)}", "a string")
+    plan = SweepPlan(
         base,
         coordinates,
         solver,
-        _optional(data, "resolution", least),
-        _optional(data, "max_steps", 1),
+        read_optional(data, "resolution", least),
+        read_optional(data, "max_steps", 1),
         design,
-        _points(data, design),
+        read_points(data, design),
         whole_number(data.get("seed", 0), "seed", 0),
-        _flag(data, "estimate", True),
-        _measures(data, "measures", (), base),
+        read_flag(data, "estimate", True),
+        read_measures(data, "measures", (), base),
         "" if data.get("traces") is None else one_of(data["traces"], "traces", TRACE_FILES),
-        _measures(data, "drawn", DRAWN, base),
-        _units(data.get("units", {})),
-        str(data.get("title", "")),
+        read_measures(data, "drawn", DRAWN, base),
+        read_units(data.get("units", {})),
+        title,
     )
-
-
-def _coordinates(entries: Any, design: str) -> tuple[Coordinate, ...]:
-    if not isinstance(entries, (list, tuple)) or not entries:
-        raise SceneError("coordinates", f"got {shown(entries)}", "at least one table [[coordinates]]")
-    read = []
-    for index, entry in enumerate(entries):
-        try:
-            read.append(read_coordinate(entry, design in SAMPLES))
-        except SceneError as error:
-            raise error.under(f"coordinates[{index}]") from None
-    keys = [key for coordinate in read for key in coordinate.keys]
-    for what, names in (("name", [coordinate.name for coordinate in read]), ("key", keys)):
-        twice = next((name for name in names if names.count(name) > 1), None)
-        if twice is not None:
-            raise SceneError("coordinates", f"the {what} {twice} comes twice", f"every {what} once")
-    lengths = {coordinate.name: len(coordinate.rows) for coordinate in read}
-    if design == "points" and len(set(lengths.values())) > 1:
-        shown_lengths = ", ".join(f"{count} of {name}" for name, count in lengths.items())
-        raise SceneError(
-            "coordinates", f"got {shown_lengths}", "as many values of each, for a list of points"
-        )
-    return tuple(read)
-
-
-def _points(data: Mapping[str, Any], design: str) -> int:
-    if design not in SAMPLES:
-        if "points" in data:
-            raise SceneError("points", f'given with design = "{design}"', f"for {', '.join(SAMPLES)} only")
-        return 0
-    return whole_number(data.get("points", 0), "points", 1)
-
-
-def _optional(data: Mapping[str, Any], key: str, least: int) -> int | None:
-    return None if data.get(key) is None else whole_number(data[key], key, least)
-
-
-def _flag(data: Mapping[str, Any], key: str, default: bool) -> bool:
-    value = data.get(key, default)
-    if not isinstance(value, bool):
-        raise SceneError(key, f"got {shown(value)}", "true or false")
-    return value
-
-
-def _measures(
-    data: Mapping[str, Any], key: str, default: tuple[str, ...], base: SceneTable
-) -> tuple[str, ...]:
-    names = data.get(key, default)
-    if not isinstance(names, (list, tuple)):
-        raise SceneError(key, f"got {shown(names)}", "a list of names of measures")
-    known = measure_names(base.scene({})) if names is not default else names
-    for name in names:
-        if name not in known:
-            raise SceneError(key, f"no measure {shown(name)}", ", ".join(known))
-    return tuple(names)
-
-
-def measure_names(scene: Scene) -> list[str]:
-    """Names of all measures of a run: those of one that gave no row."""
-    none = np.empty(0)
-    outcome = Outcome(OutcomeKind.COMPLETED, "", 0.0)
-    trace = Trace("", none, none, none, none, none, none, none, outcome, Counters())
-    return list(measure(trace, scene, 0.0))
-
-
-def _units(table: Any) -> dict[str, str]:
-    if not isinstance(table, dict) or not all(isinstance(unit, str) and unit for unit in table.values()):
-        raise SceneError("units", f"got {shown(table)}", f"names of the units of {', '.join(UNITS)}")
-    for key in table:
-        if key not in UNITS:
-            raise SceneError(f"units.{key}", "unknown key", ", ".join(UNITS))
-    return dict(table)
+    if plan.count > MOST_RUNS:
+        raise SceneError("coordinates", f"make {plan.count} runs", f"at most {MOST_RUNS}")
+    return plan
