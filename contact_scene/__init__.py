@@ -5,15 +5,8 @@ from contact_scene.approach import Approach
 from contact_scene.edge_rate import PowerRate, RateTable
 from contact_scene.errors import SceneError, UnsupportedScene
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
-from contact_scene.loading import (
-    Force,
-    ForceRamp,
-    Hold,
-    Loading,
-    Oscillate,
-    Ramp,
-    Sweep,
-)
+from contact_scene.load_steps import Force, ForceRamp, Hold, Oscillate, Ramp, Sweep
+from contact_scene.loading import Loading
 from contact_scene.machine import Machine
 from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.material_file import read_material

@@ -27,6 +27,9 @@ from contact_scene.errors import SceneError, number, positive, shown
 from contact_scene.files import read_rows
 from contact_scene.material import Branch
 
+CONTRADICTION = 0.01
+"""Difference of ``E_i`` from ``alpha_i E_0``, relative to ``E_0``, from which on they contradict each other:
+a table rounded to two digits passes."""
 EXHAUSTED = 1e-6
 """If ``1 - sum alpha_i`` is below this, it is rounding in the file, not a relaxed modulus."""
 
@@ -67,8 +70,6 @@ def read_pyvisco(text: str, file: str, modulus: Any, poisson: Any) -> tuple[floa
     else:
         glassy = None if instantaneous is None else instantaneous[1]
     total = math.fsum(fractions)
-    if total > 1.0 + EXHAUSTED:
-        raise SceneError("alpha_i", f"the sum is {total:.7g}", "fractions with a sum of at most 1", file)
     exhausted = 1.0 - total < EXHAUSTED
 
     if modulus is None:
@@ -129,8 +130,16 @@ def _table(text: str, file: str) -> tuple[list[float], list[float], tuple[str, f
     if modulus is not None and max(modulus) > min(modulus):
         raise SceneError(f"{letter}_0", "differs between rows", "the same value in every row", file)
     fractions = columns.get("alpha_i")
+    ratios = [m / modulus[0] for m in columns.get(f"{letter}_i", ())] if modulus else []
     if fractions is None:
-        fractions = [m / modulus[0] for m in columns[f"{letter}_i"]] if modulus else []
+        fractions = ratios
+    total = math.fsum(fractions)
+    if total > 1.0 + EXHAUSTED:
+        raise SceneError("alpha_i", f"the sum is {total:.7g}", "fractions with a sum of at most 1", file)
+    for (line, _), fraction, ratio in zip(rows, fractions, ratios, strict=False):
+        if abs(fraction - ratio) > CONTRADICTION:
+            wrong = f"alpha_i is {fraction:g}, but {letter}_i/{letter}_0 is {ratio:g}"
+            raise SceneError(f"line {line}", wrong, f"alpha_i = {letter}_i/{letter}_0", file)
     return columns["tau_i"], fractions, None if modulus is None else (letter, modulus[0])
 
 

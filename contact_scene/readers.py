@@ -9,7 +9,8 @@ Series, which a scene takes as they are:
 
 Measured data, which :mod:`contact_scene.prony` turns into a series:
 
-- ``relaxation``: time and relaxation modulus, ``t, E`` (pyvisco: ``t, E_relax``; RepTate: ``.gt``);
+- ``relaxation``: time and relaxation modulus, ``t, E`` (pyvisco: ``t, E_relax``; RepTate: ``.gt``, whose
+  ``sxy`` is the stress after a step of the strain ``gamma``);
 - ``dynamic``: frequency, storage and loss modulus, ``w, E', E''`` (pyvisco: ``f, E_stor, E_loss``; RepTate:
   ``.tts``).
 
@@ -37,14 +38,13 @@ from contact_scene.material import Branch
 from contact_scene.measured_moduli import DynamicData, RelaxationData
 from contact_scene.named_columns import (
     KNOWN_NAMES,
-    cells_of_line,
     checked_in_line,
     kind_of,
     modulus_letter,
     named_columns,
-    number_in_line,
     unknown_columns,
 )
+from contact_scene.reptate import reptate_modes, shear_moduli
 from contact_scene.temperature_shift import ShiftTable
 
 FORMATS = ("pyvisco", "reptate", "branches", "relaxation", "dynamic")
@@ -107,7 +107,7 @@ def format_of(text: str, file: str) -> str:
     first = next((row for row in head.split("\n") if row.strip() and not row.lstrip().startswith("#")), "")
     if re.search(r"#\s*(maxwell modes|number of modes)", head) or first.strip().isdecimal():
         return "reptate"
-    table = named_columns(text, file)
+    table = shear_moduli(named_columns(text, file), text, file)
     for kind, alternatives in _TABLES.items():
         if any(set(wanted) <= set(map(kind_of, table.names)) for wanted in alternatives):
             return kind
@@ -145,7 +145,7 @@ def measured_data(text: str, file: str, format: str) -> RelaxationData | Dynamic
 def branch_table(text: str, file: str, format: str) -> BranchTable:
     """Branches from the text of a file in the format "reptate" or "branches"."""
     if format == "reptate":
-        return BranchTable(_reptate_modes(text, file), shear=True)
+        return BranchTable(reptate_modes(text, file), shear=True)
     columns, letter, _ = _columns(text, file, format)
     pairs = zip(columns["modulus"], columns["relaxation time"], strict=True)
     return BranchTable(tuple(Branch(float(modulus), float(time)) for modulus, time in pairs), letter == "G")
@@ -173,44 +173,9 @@ def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
         raise error.in_file(file) from None
 
 
-def _reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
-    """Rows of number, time and modulus after their count, which files written by hand may leave out."""
-    rows = [
-        (line, cells)
-        for line, content in enumerate(text.split("\n"), 1)
-        if (cells := cells_of_line(content.partition("#")[0], line, file))
-    ]
-    if not rows:
-        raise SceneError("", "the file is empty", "a mode file: number of modes, then i, tau_i, G_i", file)
-    announced = None
-    if len(rows[0][1]) == 1:
-        line, (cell,) = rows.pop(0)
-        if not cell.isdecimal() or len(cell) > 6:
-            raise SceneError(f"line {line}", f"got {shown(cell)}", "the number of modes", file)
-        announced = int(cell)
-    branches = []
-    for line, cells in rows:
-        if len(cells) != 3:
-            raise SceneError(f"line {line}", f"{len(cells)} cells", "three: i, tau_i, G_i", file)
-        time, modulus = (number_in_line(cell, line, file) for cell in cells[1:])
-        branches.append(
-            Branch(
-                checked_in_line(not_negative, modulus, "G_i", line, file),
-                checked_in_line(positive, time, "tau_i", line, file),
-            )
-        )
-    if not branches:
-        raise SceneError("tau_i", "no rows of numbers", "a row i, tau_i, G_i for each mode", file)
-    if announced not in (None, len(branches)):
-        raise SceneError(
-            "number of modes", f"is {announced}, but there are {len(branches)} rows", "as many rows", file
-        )
-    return tuple(branches)
-
-
 def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.float64]], str, dict[str, str]]:
     """Columns of a plain table by what they hold, checked; the letter of their moduli, if any; units."""
-    table = named_columns(text, file)
+    table = shear_moduli(named_columns(text, file), text, file)
     kinds = [kind_of(name) for name in table.names]
     if any(kinds):
         wanted = next((w for w in _TABLES[format] if set(w) <= set(kinds)), None)

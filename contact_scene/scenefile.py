@@ -21,7 +21,8 @@ from contact_scene.edge_rate import PowerRate, RateTable
 from contact_scene.errors import FINITE, POSITIVE, SceneError, one_of, shown
 from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
-from contact_scene.loading import STARTS, STEPS, Loading
+from contact_scene.load_steps import STEPS
+from contact_scene.loading import STARTS, Loading
 from contact_scene.machine import Machine
 from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.material_file import read_material

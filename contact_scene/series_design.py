@@ -15,7 +15,8 @@ MOST_ROWS = 20_000
 """Rows of measured data: the design matrix of more would not fit into memory comfortably."""
 
 FEWEST_ROWS = 3
-"""Rows of measured data: fewer determine no branch beside a relaxed modulus."""
+"""Rows of measured data, at different times or frequencies: fewer determine no branch beside a relaxed
+modulus."""
 
 REFINEMENTS, LAST_REFINEMENTS = 12, 100
 """Evaluations of a refinement while branches are dropped, which starts near its end, and of the last one."""
@@ -44,18 +45,21 @@ class SeriesDesign:
     def __init__(
         self, data: RelaxationData | DynamicData, grid: NDArray[np.float64], relaxed: float | None
     ) -> None:
-        rows = (data.times if isinstance(data, RelaxationData) else data.angular_frequencies).size
-        if not FEWEST_ROWS <= rows <= MOST_ROWS:
-            raise SceneError("", f"{rows} rows of data", f"{FEWEST_ROWS} to {MOST_ROWS} rows")
+        at = data.times if isinstance(data, RelaxationData) else data.angular_frequencies
+        if not FEWEST_ROWS <= at.size <= MOST_ROWS:
+            raise SceneError("", f"{at.size} rows of data", f"{FEWEST_ROWS} to {MOST_ROWS} rows")
+        distinct, what = np.unique(at).size, "times" if isinstance(data, RelaxationData) else "frequencies"
+        if distinct < FEWEST_ROWS:
+            raise SceneError("", f"{at.size} rows at {distinct} {what}", f"{FEWEST_ROWS} {what} or more")
         self.known = relaxed
         self.window = math.log(grid[0]), math.log(grid[-1])
         if isinstance(data, RelaxationData):
             self.dynamic, self.points, self.measured = False, data.times, data.moduli
-            constant = np.ones(rows)
+            constant = np.ones(at.size)
         else:
             self.dynamic, self.points = True, data.angular_frequencies
             self.measured = np.concatenate([data.storage, data.loss])
-            constant = np.concatenate([np.ones(rows), np.zeros(rows)])
+            constant = np.concatenate([np.ones(at.size), np.zeros(at.size)])
         self.unit = float(np.exp(np.log(self.measured).mean()))  # moduli in this unit are of order one
         self.weights = self.unit / self.measured
         self.constant = constant * self.weights

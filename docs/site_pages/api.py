@@ -12,7 +12,7 @@ GROUPS = {
     "contact_scene.scene": "Scenes",
     "contact_scene.indenter": "Indenters",
     "contact_scene.adhesion": "Adhesion",
-    "contact_scene.loading": "Loading",
+    "contact_scene.load": "Loading",
     "contact_scene.material": "Materials",
     "contact_scene.trace": "Traces",
     "": "Further names",

@@ -6,9 +6,9 @@ import inspect
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, Field, fields
 
-from contact_scene import Indenter
+from contact_scene import Approach, Indenter
 from contact_scene.adhesion import Adhesion
-from contact_scene.loading import STEPS
+from contact_scene.load_steps import STEPS
 from contact_scene.material_models import MODELS
 
 TABULATED = {"profile": "`file`: CSV of radius, height", "table": "`file`: CSV of time, penetration"}
@@ -20,7 +20,7 @@ def page() -> str:
     shapes = {kind.shape: kind for kind in _subclasses(Indenter)}
     lines = ["# Keys by kind", "", "Written from the classes that a scene is made of.", ""]
     lines += _section("`indenter.shape`", "shape", shapes)
-    lines += _section("`kind` of a load step", "kind", STEPS)
+    lines += _section("`kind` of a load step", "kind", STEPS | {Approach.kind: Approach})
     lines += _section("`material.model`", "model", MODELS)
     lines += _section("`[adhesion]`", "", {"": Adhesion})
     return "\n".join(lines) + "\n"

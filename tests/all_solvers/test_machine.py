@@ -16,7 +16,9 @@ from support.stopped_runs import assert_same, in_parts
 import bem_solver
 from contact_scene import (
     Adhesion,
+    Approach,
     Branch,
+    FlatPunch,
     Force,
     ForceRamp,
     Hold,
@@ -112,6 +114,17 @@ def test_level_that_is_not_reached_ends_the_run_and_says_so(solver):
     assert not trace.outcome.finished
     assert "force was 1" in trace.outcome.reason
     assert trace.penetration[-1] == pytest.approx(0.002)
+
+
+@every_solver
+def test_an_approach_without_a_bound_goes_on_until_its_force(solver):
+    """A punch of ``F = D`` on a spring of 2, pressed until 0.6 and as far up as the bound is down."""
+    loading = Loading("relaxed", 0.1, (Approach(1.0, 0.6, dwell=0.5),), Machine(2.0))
+    trace = solver.solve(Scene(ELASTIC, FlatPunch(0.5), loading))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.force.max() == pytest.approx(0.6, rel=1e-9)
+    dwelt = trace.time[np.flatnonzero(trace.force > 0.6 * (1.0 - 1e-9))]
+    assert dwelt[-1] - dwelt[0] == pytest.approx(0.5, rel=1e-3)
 
 
 ALSO_SLOWLY = [pytest.param(name, marks=pytest.mark.slow) for name in ("bem", "fem")]

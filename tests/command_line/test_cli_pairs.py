@@ -16,7 +16,7 @@ from support.table_rows import sampled
 
 import crosscontact as cc
 from contact_scene import read_scene
-from contact_scene.loading import STEPS
+from contact_scene.load_steps import STEPS
 from contact_scene.scenefile import _SHAPES
 from crosscontact import registry
 from crosscontact.cli import main

@@ -128,6 +128,7 @@ def test_scene_file_names_the_table_beside_it(tmp_path):
         (TIME.replace("3,100.0", "100.0"), "line 5"),
         ("tau_i,alpha_i\n1,0.5\n", "E_0"),
         ('tau_i,alpha_i\n"1,0.5\n', "line 2"),
+        ("tau_i,alpha_i,E_0,E_i\ns,-,Pa,Pa\n1,0.4,10,4.04\n2,0.5,10,2\n", "line 4: alpha_i is 0.5, but"),
     ],
 )
 def test_bad_tables(tmp_path, text, where):

@@ -137,6 +137,18 @@ def test_data_files_of_reptate_hold_shear_moduli():
     assert not measured_data("w E' E''\n1 2 3\n", "PB.tts", "dynamic").shear
 
 
+@pytest.mark.parametrize(
+    ("head", "strain"), [("gamma=1;", 1.0), ("Mw=230;gamma=0.05; ", 0.05), ("Mw=2;", 1.0)]
+)
+def test_stress_of_reptate_after_a_step_of_strain(head, strain):
+    for name in ("sxy", "Gt"):
+        read = measured_data(f"{head}\nt {name}\n0.1\t9\n1 5\n2 3\n", "PB.gt", "relaxation")
+        assert read.shear
+        expected = np.array([9.0, 5.0, 3.0]) / (strain if name == "sxy" else 1.0)
+        np.testing.assert_allclose(read.moduli, expected, rtol=1e-15)
+        assert format_of(f"{head}\nt {name}\n0.1\t9\n1 5\n2 3\n", "PB.gt") == "relaxation"
+
+
 def test_columns_come_in_any_order_and_rows_too(tmp_path):
     moduli = KNOWN.relaxation_modulus(TIMES)
     data = measured_data("E t\n" + rows(moduli[::-1], TIMES[::-1]), "x", "relaxation")
@@ -210,6 +222,10 @@ def test_a_scene_read_from_a_file_is_written_as_branches(tmp_path):
         ("t,E\n1,2\n2,0\n3,1\n", "relaxation", "E, line 3"),
         ("t,E\n0,2\n2,1\n3,1\n", "relaxation", "t, line 2"),
         ("t,E\n1,2\n2,1\n", "relaxation", "2 rows of data"),
+        ("t,E\n1,2\n1,3\n2,1\n2,4\n", "relaxation", "4 rows at 2 times"),
+        ("w,E',E''\n1,2,3\n1,2,3\n1,3,4\n", "dynamic", "3 rows at 1 frequencies"),
+        ("gamma=0;\nt sxy\n1 2\n2 1\n3 1\n", "relaxation", "gamma, line 1"),
+        ("Mw=1;\ngamma=x\nt sxy\n1 2\n2 1\n3 1\n", "relaxation", "line 2: got 'x'"),
         ("t,E,T,Set\n1,2,3,4\n", "relaxation", "columns"),  # raw data of pyvisco, no master curve
         ("f,E',G''\n1,2,3\n", "dynamic", "columns: got"),
         ("f,E',E''\nrad/s,Pa,Pa\n1,2,3\n", "dynamic", "columns: frequency in rad/s"),

@@ -8,13 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, Ramp, Scene, Sphere, Trace
+from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, Ramp, Scene, Sphere, Table, Trace
 from validation import solvers
 from validation.execution.runs import Run
 from validation.execution.tasks import Task, TaskEnding, TaskResult
 from validation.measure.scalars import measure
-from validation.stability import random_matrix
+from validation.stability import random_instruments, random_matrix
 from validation.stability.random_answers import AnswerFinding, JudgedScene, RandomSceneAnswer, examine
+from validation.stability.random_instruments import random_instrument
 from validation.stability.random_matrix import table
 from validation.stability.random_scenes import LOADINGS, random_scene
 
@@ -77,6 +78,23 @@ def test_a_seed_is_always_the_same_scene_and_every_kind_comes():
     radii = [one.scene.indenter.radius for one in many if isinstance(one.scene.indenter, Sphere)]
     assert min(radii) < 1e-4 < 1.0 <= max(radii)
     assert any(one.profile_times for one in many)
+
+
+def test_instruments_have_every_part_and_a_stream_of_their_own():
+    assert random_instrument(7) == random_instrument(7)
+    many = [random_instrument(seed).scene for seed in range(1, 60)]
+    assert {random_instrument(seed).kind for seed in range(1, 60)} == set(random_instruments.LOADINGS)
+    laws = [scene.adhesion for scene in many if scene.adhesion is not None]
+    assert {law.stress is None for law in laws} == {True, False}
+    assert {law.work_closing is None for law in laws} == {True, False}
+    assert {law.rate is None for law in laws} == {True, False}
+    assert {scene.machine is None for scene in many} == {True, False}
+    steps = [step for scene in many for step in scene.loading.steps]
+    levels = {step.trigger.quantity for step in steps if step.trigger is not None}
+    assert levels == {"force", "radius", "penetration"}
+    records = {step.quantity for step in steps if isinstance(step, Table) and step.interpolation == "cubic"}
+    assert records == {"force", "penetration"}
+    assert random_matrix.FAMILIES["usual"](7) == random_scene(7)
 
 
 def test_a_movement_counts_relative_to_itself():

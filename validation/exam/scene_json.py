@@ -15,7 +15,7 @@ from typing import Any
 from contact_scene import RateTable, Scene, SceneError, TabulatedProfile, scene_from_dict, write_scene
 from contact_scene.errors import shown
 from contact_scene.files import write_pairs
-from contact_scene.loading import Table
+from contact_scene.table import Table
 
 DERIVED = "derived"
 """Key of what follows from the rest; left out where a scene is read."""

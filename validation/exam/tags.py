@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 
 from contact_scene import Cone, FlatPunch, PowerLaw, Scene, Sphere, TabulatedProfile
-from contact_scene.loading import STEPS
+from contact_scene.load_steps import STEPS
 
 OF_STEP = {"force": "force-control", "force-ramp": "force-control", "oscillate": "oscillation"}
 """Tag of a kind of load step; any other kind is its own tag."""

@@ -5,5 +5,6 @@ its verdict. ``matrix`` lists the cases, ``runner`` runs them in processes that 
 ``limits`` state the results in words.
 
 ``random_scenes`` makes scenes of seeds over wide ranges; ``random_matrix``, run as a module, puts them
-through all solvers and judges every answer by ``trace_invariants`` and against the front tracking.
+through all solvers and judges every answer by ``trace_invariants`` and against the front tracking
+(``random_answers``). ``random_instruments`` is a second family of scenes: springs, levels, records, laws.
 """

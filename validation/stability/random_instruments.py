@@ -42,7 +42,7 @@ SHARE_OF_STRESS = 0.3
 SHARE_OF_MODELS = 0.2
 """Of a power law, and of a shift by temperature, each."""
 FAR = 50.0
-"""Bound of an approach where the scene cannot state one, in depths."""
+"""Bound of a ramp to a force, and of an approach where the scene cannot state one, in depths."""
 
 
 def random_instrument(seed: int) -> RandomScene:
@@ -124,20 +124,23 @@ def _to_a_radius(random: RandomNumbers, sizes: SceneSizes) -> _Drawn:
 
 
 def _relaxation(random: RandomNumbers, sizes: SceneSizes) -> _Drawn:
-    """Pressed in, held until the force has fallen to a level."""
-    ramp = Ramp(sizes.depth, _speed(random, sizes))
-    hold = Hold(sizes.time * random.decades(0.0, 3.0), until_force=sizes.force * random.between(0.2, 1.5))
-    return _start(random), sizes.depth * random.between(0.0, 0.8), (ramp, hold)
+    """Pressed to a force, held until some of it has relaxed."""
+    level = sizes.force * random.between(0.1, 1.5)
+    ramp = Ramp(FAR * sizes.depth, _speed(random, sizes), until_force=level)
+    hold = Hold(sizes.time * random.decades(0.0, 3.0), until_force=level * random.between(0.7, 0.99))
+    return _start(random), sizes.depth * random.between(0.0, 0.5), (ramp, hold)
 
 
 def _creep(random: RandomNumbers, sizes: SceneSizes) -> _Drawn:
-    """Loaded until the indenter has come to a depth."""
+    """Loaded until the indenter has come to a depth, at most that of a relaxed sphere without adhesion."""
+    share = random.between(0.3, 1.5)
+    relaxed = sizes.depth * (1.5 * share) ** (2.0 / 3.0)
     force = Force(
-        sizes.force * random.between(0.2, 1.5),
+        sizes.force * share,
         sizes.time * random.decades(-1.0, 2.0),
-        until_penetration=sizes.depth * random.between(0.4, 1.5),
+        until_penetration=relaxed * random.between(0.6, 1.0),
     )
-    return _start(random), sizes.depth * random.between(0.1, 0.8), (force,)
+    return _start(random), relaxed * random.between(0.1, 0.5), (force,)
 
 
 def _recorded(random: RandomNumbers, sizes: SceneSizes) -> _Drawn:

@@ -23,27 +23,27 @@ _, mesh_fault = registry("fem", "meshes", FAULTS, shared=False)
 PUNCH, CONE, SPRING = ("punch-programme",), ("cone-force-ramp",), ("spring-elastic",)
 
 
-@scene_fault("holds half as long", "loading:Hold.segment", PUNCH)
+@scene_fault("holds half as long", "load_steps:Hold.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, duration=0.5 * self.duration), *given)
 
 
-@scene_fault("holds 1 % too long", "loading:Hold.segment", PUNCH)
+@scene_fault("holds 1 % too long", "load_steps:Hold.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, duration=1.01 * self.duration), *given)
 
 
-@scene_fault("ramps at the speed of another unit of time", "loading:Ramp.segment", PUNCH)
+@scene_fault("ramps at the speed of another unit of time", "load_steps:Ramp.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, rate=1.003 * self.rate), *given)
 
 
-@scene_fault("tables counted from the start of the run", "loading:Table.segment", PUNCH)
+@scene_fault("tables counted from the start of the run", "table:Table.segment", PUNCH)
 def _(true):
     return lambda self, time, *given: true(self, 0.5 * time, *given)
 
 
-@scene_fault("tables by steps instead of straight lines", "loading:Table.segment", PUNCH)
+@scene_fault("tables by steps instead of straight lines", "table:Table.segment", PUNCH)
 def _(true):
     def segment(self, *given):
         found = true(self, *given)
@@ -57,12 +57,12 @@ def _(true):
     return segment
 
 
-@scene_fault("drift of an oscillation the other way", "loading:Oscillate.segment", PUNCH)
+@scene_fault("drift of an oscillation the other way", "load_steps:Oscillate.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, drift=-self.drift), *given)
 
 
-@scene_fault("oscillations by the cosine", "loading:Oscillate.segment", PUNCH)
+@scene_fault("oscillations by the cosine", "load_steps:Oscillate.segment", PUNCH)
 def _(true):
     def segment(self, time, penetration, force):
         found, shift = true(self, time, penetration, force), 0.5 * math.pi / self.angular_frequency
@@ -73,12 +73,12 @@ def _(true):
     return segment
 
 
-@scene_fault("forces 0.3 % too large", "loading:Force.segment", PUNCH)
+@scene_fault("forces 0.3 % too large", "load_steps:Force.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, value=1.003 * self.value), *given)
 
 
-@scene_fault("force ramps twice as fast", "loading:ForceRamp.segment", CONE)
+@scene_fault("force ramps twice as fast", "load_steps:ForceRamp.segment", CONE)
 def _(true):
     return lambda self, *given: true(replace(self, rate=2.0 * self.rate), *given)
 
