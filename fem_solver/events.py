@@ -18,9 +18,6 @@ from fem_solver.edge import EdgeMotion, EdgePosition
 from fem_solver.recorder import SurfaceState
 from fem_solver.release import ContactProblem
 
-_JUMP_DEVIATION = 0.1
-"""Deviation from a linear response over a part of a load jump, per tolerance of the steps: the work of a jump
-is that of its chords, whose errors all have one sign."""
 _SHORTEST_PART = 2.0**-10
 """Least part of a load jump where the response is curved, relative to the jump."""
 _LAST_PART = 2.0**-24
@@ -68,7 +65,7 @@ class LoadJump:
         state : SurfaceState
             The last accepted one.
         tolerance : float
-            Of the steps, relative to the largest response so far.
+            Deviation from a linear response, relative to the largest response so far.
 
         Returns
         -------
@@ -84,7 +81,7 @@ class LoadJump:
         responses = (before, end.response)
         self.response_scale = max(self.response_scale, *(abs(response) for response in responses))
         deviation = abs(middle.response - 0.5 * (responses[0] + responses[1]))
-        curved = not middle.in_equilibrium or deviation > _JUMP_DEVIATION * tolerance * self.response_scale
+        curved = not middle.in_equilibrium or deviation > tolerance * self.response_scale
         return None if curved and self.part > _SHORTEST_PART else end
 
     def halve(self) -> None:

@@ -69,6 +69,7 @@ class Setup:
     resolved_from: float
     shortest_time: float
     compliance: float = 0.0
+    jump_tolerance = 1.0
 
     @property
     def tolerance(self) -> float:

@@ -17,6 +17,7 @@ from fem_solver.accepted_states import RunEnded
 from fem_solver.curved_loads import swing
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import LoadJump
+from fem_solver.following.contact_solver import EdgeNotFound
 from fem_solver.irreversible_edge import IrreversibleEdge
 from fem_solver.recorder import SOLVER
 from fem_solver.run_state import NodeReleaseState
@@ -61,8 +62,8 @@ class NodeReleaseRun(SteppedStates):
     def start(self, loading: Loading) -> Outcome | None:
         """Accept the start state; an outcome if there is none."""
         relaxed = loading.start == "relaxed"
-        candidate = self.solver.start(loading.start_control, loading.penetration, relaxed)
         try:
+            candidate = self.solver.start(loading.start_control, loading.penetration, relaxed)
             if candidate.edge.motion is EdgeMotion.RECEDING:
                 reason = f"no stable contact at penetration {loading.penetration:.6g}"
                 self._end(OutcomeKind.NO_EQUILIBRIUM, reason)
@@ -71,6 +72,8 @@ class NodeReleaseRun(SteppedStates):
             self._commit(candidate)
         except RunEnded as ended:
             return ended.outcome
+        except EdgeNotFound as failure:
+            return Outcome(OutcomeKind.STEP_UNDERFLOW, str(failure), self.time)
         self.on_stop(self.time)
         return None
 
@@ -84,6 +87,8 @@ class NodeReleaseRun(SteppedStates):
                 self.cursor.step_done()
         except RunEnded as ended:
             return ended.outcome
+        except EdgeNotFound as failure:
+            return Outcome(OutcomeKind.STEP_UNDERFLOW, str(failure), self.time)
         return Outcome(OutcomeKind.COMPLETED, "all loading steps carried out", self.time)
 
     def _carry_out_step(self, loading: Loading, segment: Segment) -> None:
@@ -151,10 +156,11 @@ class NodeReleaseRun(SteppedStates):
             self.estimator.reset(self._continuous_rates())
             return
         self.estimator.reset()
+        tolerance = self.setup.jump_tolerance * self.estimator.tolerance
         jump = LoadJump(segment.control, before, target)
         while not jump.complete:
             self._check_budget()
-            candidate = jump.trial(self.solver, self.state, self.estimator.tolerance)
+            candidate = jump.trial(self.solver, self.state, tolerance)
             if candidate is None:
                 self.counters.rejected_steps += 1
                 jump.halve()

@@ -31,6 +31,14 @@ _SHARP_SEARCHES = 4
 """Places at which the radius of a sharp edge is sought, each finer around it than the one before."""
 
 
+_MOST_PLACES = 400
+"""Places of the mesh that a search asks at most: over the whole range of radii it takes some tens."""
+
+
+class EdgeNotFound(Exception):
+    """The places of the mesh around the edge do not agree on where it rests."""
+
+
 class PlacedEdge(AdhesiveEdge):
     """Closure integral equal to the work of adhesion, where the mesh resolves the zone.
 
@@ -189,11 +197,15 @@ class FollowingContactSolver:
         Returns
         -------
         ContactCandidate
+
+        Raises
+        ------
+        EdgeNotFound
         """
         surfaces, low, high = self.setup.surfaces, limits[0], min(limits[1], self.setup.surfaces.reach)
         far, stride = low == 0.0 or high == surfaces.reach, 0.0
         within, beyond = 0.0, math.inf  # radii at which the edge advances, and recedes
-        while True:
+        for _ in range(_MOST_PLACES):
             placement = surfaces.around(radius)
             geometry = placement.geometry
             law = PlacedEdge(placement, self.setup.work, _STRIDE_OF_TRAVEL * travel)
@@ -216,6 +228,7 @@ class FollowingContactSolver:
                 continue
             stride = min(2.0 * stride + 0.25 * law.range, _STRIDE_OF_RADIUS * reached)
             radius = min(max(reached + (stride if outwards else -stride), low), high)
+        raise EdgeNotFound(f"the edge is not found around the contact radius {radius:.6g}")
 
     def _sharp_radius(self, dt: float, control: Control, value: float, radius: float) -> float:
         """Contact radius of a sharp edge if all happens at once: the outermost stable, or 0.

@@ -50,6 +50,18 @@ class UnscaledSurface:
     positions: Array
     strip: tuple[float, float]
 
+    @property
+    def stretch(self) -> float:
+        """Contact radius of an edge in the strip over the radius of its node.
+
+        Contact radii follow from stiffnesses, whose error is some 1e-5 of the radius: more than the strip's
+        length where zones are short.
+        """
+        if self.strip[0] <= 0.0:
+            return 1.0
+        middle = int(np.searchsorted(self.radii, 0.5 * (self.strip[0] + self.strip[1])))
+        return float(self.effective[middle] / self.radii[middle])
+
 
 @dataclass(frozen=True)
 class Placement:
@@ -142,7 +154,8 @@ class Surfaces:
 
     def around(self, radius: float) -> Placement:
         """The surface with the mesh placed around a contact radius."""
-        return self.at(self._meshes.place(max(radius, 0.0)))
+        place = self._meshes.place(max(radius, 0.0))
+        return self.at(self._meshes.place(max(radius, 0.0) / self._level(place.level).stretch))
 
     def at(self, place: Any) -> Placement:
         """The surface with the mesh at a place."""

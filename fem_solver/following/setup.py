@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 _TRAVEL = 0.03
 """Edge travel allowed per step, relative to the contact radius: on that scale the field away from the edge
 changes, and with it what drives the edge."""
+_JUMP_TOLERANCE = 0.1
+"""Deviation from a linear response over a part of a load jump, per tolerance of the steps: a jump passes over
+many zones, and its work is that of its chords, whose errors all have one sign."""
 _DIVISIONS = 10.0
 """Elements per process zone to which the usual tolerance of the steps belongs; it goes with their square, so
 that steps and mesh are refined together."""
@@ -56,6 +59,7 @@ class FollowingSetup:
     tolerance: float
     resolved_from = 0.0
     compliance = 0.0
+    jump_tolerance = _JUMP_TOLERANCE
 
     @property
     def geometry(self) -> EdgeGeometry:

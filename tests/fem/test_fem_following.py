@@ -132,6 +132,18 @@ def test_places_cover_every_radius_with_meshes_whose_number_grows_with_the_logar
     assert len(levels) < 20
 
 
+@pytest.mark.slow
+def test_the_edge_is_found_where_the_contact_radius_is_a_million_zones():
+    """Contact radii follow from stiffnesses; their error of 5e-5 is more than the length of the strip."""
+    elastic = Scene(Material(1.0, 0.5), Sphere(1.0), Loading("relaxed", 0.01), Adhesion(WORK, 1.8e-7))
+    trace = FiniteElements().solve(elastic, 4)
+    # as a sharp edge rests, JKR: a^2/R - sqrt(2 pi w a/E*) = D
+    radius, modulus = trace.contact_radius[0], 4.0 / 3.0
+    rest = radius**2 - np.sqrt(2.0 * np.pi * WORK * radius / modulus)
+    assert rest == pytest.approx(0.01, rel=0.1 * COARSE)
+    assert trace.counters.linear_solves < 50
+
+
 @cache
 def retraction(zone: float = 1.3e-3) -> Trace:
     return FiniteElements().solve(replace(SHORT, adhesion=Adhesion(WORK, zone)), 4)

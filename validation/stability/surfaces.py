@@ -22,7 +22,6 @@ from contact_scene import (
 from validation.reference import sneddon
 from validation.solvers import solvers
 from validation.solvers.boundary_elements import BoundaryElements
-from validation.solvers.finite_elements import FiniteElements
 from validation.stability import base, closed_forms
 from validation.stability.case import (
     ClosedForm,
@@ -57,12 +56,6 @@ THIN = {BoundaryElements.name: 4}
 STEPPED_ABOVE = 5e-4
 """``da/a`` above which boundary elements can step through the zones one by one."""
 SKIP_THIN = {BoundaryElements.name: "hundreds of thousands of steps, each of a part of a zone"}
-SEARCHED_ABOVE = 5e-5
-"""``da/a`` above which finite elements find the edge at few places of their mesh."""
-SKIP_THINNEST = {
-    **SKIP_THIN,
-    FiniteElements.name: "the edge is sought over thousands of zones, a few at each place of the mesh",
-}
 
 
 def adhesion() -> list[StabilityCase]:
@@ -149,7 +142,6 @@ def _pull_of(share: float) -> tuple[float, ReferenceRuns, dict[str, Any]]:
     """
     if share < THIN_BELOW:
         skipped = SKIP_THIN if share < STEPPED_ABOVE else {}
-        skipped = SKIP_THINNEST if share < SEARCHED_ABOVE else skipped
         return 0.008, BRIEF, {"resolutions": THIN, "skip_reasons": skipped}
     if share > WIDE_BEYOND:
         finer = {one.name: 3 * one.coarse_resolution(adhesive=True) for one in solvers()}
