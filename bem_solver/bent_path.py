@@ -64,6 +64,11 @@ class BentPath:
     bend: float
 
     @classmethod
+    def straight(cls, edge: float, end: float) -> BentPath:
+        """The path of constant speed."""
+        return cls(end, end - edge, 0.0)
+
+    @classmethod
     def through(cls, before: tuple[float, float], edge: float, duration: float, end: float) -> BentPath:
         """The parabola through an earlier row and both ends of a step.
 

@@ -39,12 +39,14 @@ that counts as short; a mixture between."""
 @dataclass(frozen=True)
 class Energies:
     """``load_work`` is Y; ``branch_work`` (K,) is X; ``branch_energy`` (K,) is W; ``dissipated`` the time
-    integral of the branch power."""
+    integral of the branch power. ``release`` is the glassy energy release rate of the tip, in steps over
+    process zones."""
 
     load_work: float
     branch_work: Array
     branch_energy: Array
     dissipated: float
+    release: float | None = None
 
     def stored(self, chain: Chain) -> float:
         """Stored energy U."""
@@ -148,11 +150,44 @@ def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, d
     """
     y = duration / chain.retardation
     long = _share_of_long(y, increment, before)
-    ways = _short(chain, before, increment, np.minimum(y, _LONG)), _long(chain, before, increment, y)
+    ways = _short(chain, before, increment, y), _long(chain, before, increment, y)
     energy, lost = ((1.0 - long) * one + long * other for one, other in zip(*ways, strict=True))
     return Energies(
         increment.load_work, increment.branch_work, energy, before.dissipated + float(np.sum(lost))
     )
+
+
+def over_zones(
+    chain: Chain, before: Energies, after: Energies, done: float, intensity: float, grown: float
+) -> Energies:
+    """Energies after a step over process zones, what the branches dissipate taken from the balance.
+
+    Parameters
+    ----------
+    chain : Chain
+    before, after : Energies
+        Around the step; ``after`` without this.
+    done : float
+        Work ``int F dD`` of the step.
+    intensity : float
+        Stress intensity factor of the tip at its end.
+    grown : float
+        By how much the contact area grew.
+
+    Returns
+    -------
+    Energies
+
+    Notes
+    -----
+    In such a step the tip passes many times what a fast branch sees of it, and forms of the states at both
+    ends hold nothing of that. The balance with a sharp edge does: ``int F dD = dU + loss - int K^2/(2 Einf*)
+    dA``.
+    """
+    release = 0.5 * intensity**2 / chain.glassy
+    mean = release if before.release is None else 0.5 * (before.release + release)
+    lost = done - (after.stored(chain) - before.stored(chain)) + mean * grown
+    return replace(after, dissipated=before.dissipated + lost, release=release)
 
 
 def _share_of_long(y: Array, increment: WorkIncrement, before: Energies) -> Array:
@@ -165,16 +200,22 @@ def _share_of_long(y: Array, increment: WorkIncrement, before: Energies) -> Arra
 
 
 def _short(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array]:
-    """W after a step shorter than the branch's time, X linear, and what it turned into heat."""
-    decay, spread = np.exp(-2.0 * y), phi(2.0 * y)
-    energy = decay * before.branch_energy + chain.compliances * (
-        increment.branch_work * (1.0 - spread) + before.branch_work * (spread - decay)
-    )
+    """W after a step with X linear, and what turned into heat if it is shorter than the branch's time."""
+    energy = _energy_under_linear_work(chain, before, increment, y)
+    y = np.minimum(y, _LONG)
+    short = _energy_under_linear_work(chain, before, increment, y)
     # work done on the branch, int (J Y - X)/theta dt, by the trapezoid
     lag = chain.compliances * (increment.load_work + before.load_work) - (
         increment.branch_work + before.branch_work
     )
-    return energy, 0.5 * y * lag - 0.5 * (energy - before.branch_energy) / chain.compliances
+    return energy, 0.5 * y * lag - 0.5 * (short - before.branch_energy) / chain.compliances
+
+
+def _energy_under_linear_work(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> Array:
+    decay, spread = np.exp(-2.0 * y), phi(2.0 * y)
+    return decay * before.branch_energy + chain.compliances * (
+        increment.branch_work * (1.0 - spread) + before.branch_work * (spread - decay)
+    )
 
 
 def _long(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array]:

@@ -27,6 +27,9 @@ _SMALLEST_GRADING = 1e-5
 digits, and no process zone above 1e-10 of the radius asks for it."""
 _NEGLIGIBLE_LAYER = 0.01
 """A layer that changes the closure by less than this part of the work of adhesion is not resolved."""
+_UNSEEN_LAYER = 0.05
+"""A layer of less than this part of the outermost annulus that the zone asks for leaves no trace on graded
+annuli. A thicker one they see badly unless they resolve it, and the edge then moves in jerks."""
 _NEGLIGIBLE_AT_REST = 0.03
 """The same part while the load rests and the edge slows down through every speed."""
 
@@ -83,8 +86,10 @@ def graded_annuli(divisions: int, step: float) -> tuple[int, float]:
     return max(int(np.ceil(divisions * ellipkm1(grading**2))), FEWEST_ANNULI), grading
 
 
-def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> float:
-    """Thinnest boundary layer behind an advancing edge that changes the closure noticeably; zero without.
+def thinnest_layer(
+    scene: Scene, chain: Chain, radius: float, zone: float, graded_divisions: int | None = None
+) -> float:
+    """Thinnest boundary layer behind an advancing edge that has to be resolved; zero without.
 
     Parameters
     ----------
@@ -94,6 +99,9 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> fl
         Largest contact radius.
     zone : float
         Length of the process zone; zero without adhesion.
+    graded_divisions : int, optional
+        Divisions of the zone where annuli are graded and a layer costs only the logarithm of its thickness:
+        then all that they would see. Otherwise what changes the closure noticeably.
 
     Returns
     -------
@@ -127,7 +135,11 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float) -> fl
     layers = slowest / (2.0 * slope) * chain.relaxation if slope > 0.0 else np.full(len(chain), np.inf)
     too_short = np.maximum(chain.relaxation / rest, 1.0) if rest > 0.0 else np.inf
     layers = np.minimum(layers, _NEGLIGIBLE_AT_REST * zone / strength * too_short**2)
-    matter = (layers < zone) & (strength * layers / zone > _NEGLIGIBLE_LAYER)
+    negligible = _NEGLIGIBLE_LAYER * zone / strength
+    if graded_divisions is not None:
+        outermost = zone / (_FINER_AT_EDGE * graded_divisions) ** 2
+        negligible = np.minimum(negligible, _UNSEEN_LAYER * outermost)
+    matter = (layers < zone) & (layers > negligible)
     return float(layers[matter].min()) if matter.any() else 0.0
 
 

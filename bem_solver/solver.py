@@ -151,8 +151,9 @@ def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Pr
     share = _SMOOTH_SHARE
     if zone > 0.0 and largest > 0.0 and len(chain):
         share = min(zone / largest, 1.0)
-    layer = thinnest_layer(scene, chain, largest, zone)
-    if len(chain) and 0.0 < zone < LONG_ZONE * largest:
+    graded = len(chain) > 0 and 0.0 < zone < LONG_ZONE * largest
+    layer = thinnest_layer(scene, chain, largest, zone, divisions if graded else None)
+    if graded:
         step = edge_step(divisions, share, largest, layer)
         annuli, in_zone = Annuli(*graded_annuli(divisions, step)), np.arccos(1.0 - share) / step
     else:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
 from bem_solver.edge_energy import EdgeStep, energy_spent
-from bem_solver.energy import Energies, updated_energies, work_increment
+from bem_solver.energy import Energies, over_zones, updated_energies, work_increment
 from bem_solver.history import (
     NodalVariables,
     SurfaceHistory,
@@ -20,7 +20,7 @@ from bem_solver.history import (
 )
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import Motion, advanced, load_inside
-from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, Problem, TrialContact, points_at
+from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, Problem, TrialContact, gap_outside, points_at
 
 Array = NDArray[np.float64]
 
@@ -129,6 +129,10 @@ def updated_state(
         problem.chain, state.surface, surface, variables, points.load, points.variables
     )
     after = updated_energies(problem.chain, energies, increment, motion.duration)
+    if problem.over_zones(motion.edge) and motion.duration > 0.0:
+        done = 0.5 * (state.surface.force + surface.force) * (motion.new_penetration - motion.penetration)
+        grown = np.pi * (motion.new_edge - motion.edge) * (motion.new_edge + motion.edge)
+        after = over_zones(problem.chain, energies, after, done, _tip_intensity(problem, state, trial), grown)
     contact = HalfSpaceState(time, motion.new_penetration, surface, history)
     if problem.irreversible is not None:
         closures = (state.closure, trial.closure)
@@ -136,6 +140,22 @@ def updated_state(
         step = EdgeStep(motion.duration, motion.edge)
         contact = replace(contact, closure=trial.closure, spent=spent, last_step=step)
     return contact, after
+
+
+def _tip_intensity(problem: Problem, state: HalfSpaceState, trial: TrialContact) -> float:
+    """Stress intensity factor at the very tip.
+
+    Behind an advancing edge it falls within a layer that may be thinner than an annulus. Outside the opening
+    is a root of the distance throughout, which at the tip is the glassy one, ``c = (4 K/Einf*)/sqrt(2 pi)``.
+    """
+    motion, surface, zone = trial.motion, trial.surface, trial.zone
+    if motion.new_edge <= motion.edge:
+        return surface.stress_intensity
+    quarter, full = gap_outside(
+        problem, state, motion, surface, motion.new_edge + zone * np.array([0.25, 1.0])
+    )
+    root = (8.0 * quarter - full) / (3.0 * np.sqrt(zone))
+    return float(root) * problem.chain.glassy * float(np.sqrt(np.pi / 8.0))
 
 
 def _new_history(

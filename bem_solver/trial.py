@@ -199,6 +199,9 @@ def evaluate(
         if edge != state.edge:
             path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge)
             fall = OuterFall.outside(state.surface, problem.zone)
+    elif duration > 0.0 and edge > state.edge > 0.0 and problem.over_zones(state.edge):
+        path = BentPath.straight(state.edge, edge)
+        fall = OuterFall.outside(state.surface, problem.zone)
 
     def under(motion: Motion) -> ContactSurface:
         return ContactSurface.under(annuli, edge, _required_load(problem, points, motion), kinks)

@@ -84,6 +84,24 @@ def test_delayed_detachment_over_zones():
     assert_allclose(trace.time[-1], 312.3068, rtol=1e-3)
 
 
+@pytest.mark.parametrize(("to", "excess"), [(0.006, 9.0), (0.004, 0.9)])
+def test_branches_turn_into_heat_what_a_slow_sharp_edge_releases(to, excess):
+    """Per area, in works of adhesion: ``Einf/E0 - 1`` closing, with a glassy tip; ``1 - E0/Einf`` opening."""
+    scene = replace(retraction(1.3e-4), loading=Loading("relaxed", 0.005, (Ramp(to, 1e-8),)))
+    trace = solve(scene, Options(6))
+    turned = np.pi * abs(np.diff(trace.contact_radius[[0, -1]] ** 2)[0]) * scene.adhesion.work
+    assert_allclose(trace.extra["branch_dissipation"][-1], excess * turned, rtol=0.01)
+
+
+@pytest.mark.parametrize(("rate", "force"), [(1e-9, -0.00134917), (3e-8, -0.00133454), (1e-7, -0.00130598)])
+def test_edge_at_rest_that_advances_slowly(rate, force):
+    """Force by front tracking: the layer behind the edge is a 20,000th to a 400th of the zone."""
+    scene = replace(retraction(1.3e-4), loading=Loading("relaxed", 0.005, (Ramp(0.0056, rate),)))
+    trace = solve(scene, Options(6))
+    assert_allclose(trace.force[-1], force, rtol=1.5e-3)
+    assert trace.counters.steps < 40
+
+
 @pytest.mark.parametrize("fault", ["release time", "order of the path"])
 def test_faults_of_the_path_are_seen(fault, monkeypatch):
     left = BentPath.left
