@@ -325,6 +325,21 @@ def test_on_a_soft_spring_adhesion_is_found_within_its_interval_snap_off_include
     assert sum(inside) >= len(inside) - 2  # 24 intervals of 95 %
 
 
+def test_each_record_may_have_a_spring_of_its_own():
+    springs = 0.2, 0.1
+    curves = [
+        replace(synthetic(spring_scene(k), 0.01, 0.0137, solver="closed-form"), name=f"{k}") for k in springs
+    ]
+    rigid = replace(spring_scene(1.0), loading=replace(spring_scene(1.0).loading, machine=None))
+    options = settings_of("adhesion.work", per_curve=("machine.stiffness",), starts=1)
+    found = fit_curves(curves, rigid, options)
+    assert [one.start for one in found.estimates[1:]] == pytest.approx(springs)
+    with pytest.raises(SceneError, match="the scene has no loading"):
+        fit_curves(curves, rigid, settings_of("adhesion.work", "machine.stiffness"))
+    tied = settings_of("adhesion.work", tie=("machine.stiffness=adhesion.work",), starts=1)
+    assert fit_curves(curves[:1], spring_scene(0.1), tied).warnings == ()
+
+
 def test_where_between_two_rows_contact_begins_and_ends_is_drawn():
     truth, places = spring_scene(0.2), []
     for seed in range(12):
