@@ -15,7 +15,6 @@ from contact_scene import (
     Adhesion,
     Branch,
     Loading,
-    Machine,
     Material,
     Ramp,
     Scene,
@@ -23,14 +22,10 @@ from contact_scene import (
     Sphere,
     Table,
     read_scene,
-    write_scene,
 )
-from crosscontact.cli import main
 from validation.execution.store import Store
-from validation.fits.curve_files import write_csv
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
-from validation.fits.fit_question import check_folder, question
 from validation.fits.fit_result import InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
@@ -158,63 +153,6 @@ def test_tied_numbers_keep_their_ratio_and_each_curve_may_have_its_own():
         ParameterSet((one, scene_parameter(scene, "material.branches[0].modulus")))
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--vary", "material.modulos"], "material has no modulos"),
-        (["--vary", "material.modulus=2:1"], "bounds"),
-        (["--vary", "material.modulus=a:b"], "two finite numbers"),
-        ([], "vary: is empty"),
-        (["--vary", "material.modulus", "--free", "tilt"], "contact_point"),
-        (["--vary", "material.modulus", "--check-solver", "x"], "--check-solver"),
-        (["--vary", "material.modulus", "--tie", "indenter.radius=adhesion.work"], "is not varied"),
-        (["--vary", "material.modulus", "--profile", "x", "--check-solver", "none"], "x is not varied"),
-    ],
-)
-def test_bad_arguments_are_one_line_and_exit_2(arguments, words, tmp_path, capsys):
-    write_csv(hertz_curve(), tmp_path / "a.csv")
-    write_scene(elastic_scene(), tmp_path / "scene.toml")
-    files = str(tmp_path / "a.csv"), str(tmp_path / "scene.toml")
-    assert main(["fit", *files, "--jobs", "1", "--solver", "closed-form", *arguments]) == 2
-    said = capsys.readouterr().err.strip().split("\n")[-1]
-    assert words in said
-    assert said.startswith("crosscontact: error:")
-
-
-def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path, capsys):
-    write_csv(hertz_curve(), tmp_path / "a.csv")
-    write_scene(elastic_scene(), tmp_path / "scene.toml")
-    [curve], out = cc.read_curves(tmp_path / "a.csv"), tmp_path / "out"
-    out.mkdir()
-    asked = question([curve], elastic_scene(), settings_of("material.modulus"))
-    (out / "fit.json").write_text(json.dumps({"question": asked}))
-    renamed = question([replace(curve, name="b")], elastic_scene(), settings_of("material.modulus"))
-    check_folder(out, renamed, elastic_scene())
-    arguments = ["fit", str(tmp_path / "a.csv"), str(tmp_path / "scene.toml"), "--out", str(out)]
-    assert main([*arguments, "--vary", "indenter.radius"]) == 2
-    assert "holds another fit (other parameters)" in capsys.readouterr().err
-    (out / "fit.json").write_text("{}")
-    assert main([*arguments, "--vary", "material.modulus"]) == 2
-    said = capsys.readouterr().err
-    assert "not of a fit of this program; allowed: another folder, or --fresh" in said
-    assert main([*arguments, "--vary", "material.modulos", "--fresh"]) == 2
-    assert "material has no modulos" in capsys.readouterr().err
-
-
-def test_a_first_guess_from_which_no_parameter_matters_is_refused():
-    away = Loading("relaxed", 0.0, (Ramp(1.0, 1.0),))  # the first row of the record is out of contact
-    scene = replace(elastic_scene(), loading=away, adhesion=Adhesion(1e-6, 1e-7))
-    with pytest.raises(SceneError, match=r"no parameter changes the force at the first guess: \w+"):
-        fit_curves([hertz_curve()], scene, settings_of("material.modulus"))
-
-
-def test_means_of_rows_stand_in_the_report(monkeypatch):
-    monkeypatch.setattr("validation.fits.decimation.MOST_ROWS", 60)
-    found = fit_curves([hertz_curve(noise=2e-4)], elastic_scene(GUESS), settings_of("material.modulus"))
-    assert "hertz: fitted are means of 2 rows" in statements(found)
-    assert found.curves[0].curve.time.size == 60
-
-
 def triangle(material, noise, rows=240, seed=3):
     """A record of Ting's triangle: pressed in for a time of one, pulled out as fast."""
     rate = 0.03
@@ -276,90 +214,6 @@ def test_weights_on_a_fixed_grid_are_fitted_and_their_regularisation_is_stated()
     assert found.goodness.explained
     page = document(found, drawings(found))
     assert "squared second differences of their logarithms, times 0.1" in str(page)
-
-
-def test_a_record_of_the_stage_drives_the_stage_of_its_spring():
-    curve = hertz_curve(noise=0.0)
-    stage = curve.motion + curve.force / 2.0
-    noisy = curve.force + 2e-4 * np.random.default_rng(0).standard_normal(curve.time.size)
-    record = MeasuredCurve(curve.time, noisy, stage=stage, stiffness=2.0)
-    found = fit_curves([record], elastic_scene(GUESS), settings_of("material.modulus"))
-    [modulus] = found.estimates
-    assert abs(np.log(modulus.value / MODULUS)) < 4.0 * modulus.deviation
-    assert modulus.deviation < 0.01
-    run_scene, _ = CurveModel.of(record, elastic_scene()).scene_of({})
-    assert run_scene.machine == Machine(2.0)
-    assert max(run_scene.loading.steps[0].values) == pytest.approx(stage.max(), rel=1e-2)
-
-
-def spring_scene(stiffness, work=5e-4, modulus=0.9):
-    """An elastic sphere that sticks, on a spring soft enough for contact to be lost in a jump."""
-    stage = Table((0.0, 1.0, 6.0), (0.0, 0.05, -0.3))
-    loading = Loading("jump-in", 0.0, (stage,), Machine(stiffness))
-    return Scene(Material(modulus, 0.5), Sphere(1.0), loading, Adhesion(work, 1e-6))
-
-
-SPRING_SEEDS = range(3)
-
-
-@pytest.mark.parametrize("stiffness", [0.02, 0.2])
-def test_on_a_soft_spring_adhesion_is_found_within_its_interval_snap_off_included(stiffness):
-    truth = spring_scene(stiffness)
-    inside = []
-    for seed in SPRING_SEEDS:
-        sampling = 0.0131 + 0.00037 * seed
-        curve = synthetic(
-            truth, 0.01, sampling, seed=seed, contact_point=3e-3, baseline=2e-4, solver="closed-form"
-        )
-        assert curve.stiffness == pytest.approx(stiffness)
-        snap_off = np.abs(np.diff(curve.force)).max()
-        assert snap_off > 0.7 * (2e-4 - curve.force.min())  # pull-off, all at once
-        guess = spring_scene(stiffness, 7e-4, 0.7)
-        options = settings_of("adhesion.work", "material.modulus", free=("contact_point", "baseline"))
-        found = fit_curves([curve], guess, options)
-        assert found.goodness.explained
-        for one, at in zip(found.estimates, (5e-4, 0.9, 3e-3, 2e-4), strict=True):
-            inside.append(one.low <= at <= one.high)
-        lost = np.flatnonzero(found.curves[0].force < 0.5 * found.curves[0].force.min())[-1]
-        assert abs(int(lost) - int(np.argmax(np.abs(np.diff(curve.force))))) <= 1
-    assert sum(inside) >= len(inside) - 2  # 24 intervals of 95 %
-
-
-def test_where_between_two_rows_contact_begins_and_ends_is_drawn():
-    truth, places = spring_scene(0.2), []
-    for seed in range(12):
-        curve = synthetic(truth, 0.0, seed=seed, solver="closed-form")
-        begin = np.flatnonzero(curve.force)[0]
-        before, after = curve.position[begin - 1 : begin + 1]
-        assert before < 0.0 <= after
-        places.append(-before / (after - before))
-    assert 0.3 < np.mean(places) < 0.7
-    assert 0.1 < np.std(places) < 0.4  # of a uniform distribution 0.29
-
-
-def test_the_spring_itself_may_be_varied_and_is_the_records_where_the_scene_has_none():
-    truth = spring_scene(0.2)
-    curve = synthetic(truth, 0.01, 0.0137, solver="closed-form")
-    rigid = replace(truth, loading=replace(truth.loading, machine=None))
-    found = fit_curves([curve], rigid, settings_of("machine.stiffness", "adhesion.work"))
-    stiffness = found.estimates[0]
-    assert stiffness.start == pytest.approx(0.2)
-    assert stiffness.low <= 0.2 <= stiffness.high
-    assert found.scene.machine.stiffness == stiffness.value
-    other = replace(truth, loading=replace(truth.loading, machine=Machine(0.1)))
-    found = fit_curves([curve], other, settings_of("adhesion.work", starts=1))
-    assert any("0.2, not the scene's 0.1" in text for text in found.warnings)
-
-
-@pytest.mark.parametrize(
-    ("path", "words"),
-    [("machine.stiffness", "not that of a stage"), ("loading.steps[0].rate", "measured motion takes")],
-)
-def test_numbers_that_play_no_part_are_refused(path, words):
-    scene = elastic_scene()
-    scene = replace(scene, loading=replace(scene.loading, machine=Machine(1.0)))
-    with pytest.raises(SceneError, match=words):
-        fit_curves([hertz_curve()], scene, settings_of("material.modulus", path))
 
 
 @pytest.mark.exhaustive

@@ -68,7 +68,7 @@ def check(model: CurveModel, parameters: ParameterSet) -> list[str]:
 
 def of_spring(curve: MeasuredCurve, scene: Scene, parameters: ParameterSet) -> list[str]:
     """Warnings about the spring that holds the indenter: the scene's plays no part, or is another one."""
-    if scene.machine is None or any(one.kind in SPRING for one in parameters.parameters):
+    if scene.machine is None or any(path in SPRING for one in parameters.parameters for path in one.ratios):
         return []
     stated = scene.machine.stiffness
     if curve.stage is None or curve.stiffness is None:

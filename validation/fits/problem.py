@@ -25,38 +25,15 @@ from contact_scene import Scene, SceneError
 from validation.execution.fingerprints import fingerprint
 from validation.execution.store import Store
 from validation.execution.tasks import Task, run_tasks
-from validation.fits.baseline import noise_of_differences
 from validation.fits.curve_model import CurveModel, CurvePrediction
 from validation.fits.fit_run import NO_CONTACT, FitRun, run_of
 from validation.fits.measured_curve import Array
 from validation.fits.parameters import BASELINE, CONTACT_POINT, DRIFT, TIME_OFFSET, ParameterSet
+from validation.fits.residual_blocks import RowBlock, radius_noise
 
-LEAST_RADIUS_NOISE = 1e-4
-"""Noise of a measured contact radius over its range, at least."""
 KEPT_RUNS = 2000
 """Runs kept in memory, some kB each: those of the last iterations."""
 Values = tuple[dict[str, float], dict[str, float]]
-
-
-@dataclass(frozen=True)
-class RowBlock:
-    """Where one curve's residuals of one kind stand.
-
-    Parameters
-    ----------
-    curve : int
-    kind : str
-        ``force``, ``contact_radius``, ``jump`` or ``regularisation``.
-    rows : slice
-        Of the whole vector.
-    times : ndarray
-        Of these residuals.
-    """
-
-    curve: int
-    kind: str
-    rows: slice
-    times: Array
 
 
 @dataclass
@@ -100,7 +77,7 @@ class FitProblem:
 
     def __post_init__(self) -> None:
         self.compared = [model.features.compared(model.curve.time.size) for model in self.models]
-        self.radius_noise = [_radius_noise(model) for model in self.models]
+        self.radius_noise = [radius_noise(model) for model in self.models]
 
     def residuals(self, x: Array) -> Array:
         """Residuals at a point of the search, shape (R,)."""
@@ -258,14 +235,3 @@ class FitProblem:
 
     def _penalties(self, x: Array) -> Array:
         return np.empty(0) if self.penalty is None else self.penalty(self.parameters.values(x))
-
-
-def _radius_noise(model: CurveModel) -> float:
-    """Standard deviation of the measured contact radius, 0 if it was not measured."""
-    radius = model.curve.contact_radius
-    if radius is None:
-        return 0.0
-    kept: NDArray[np.bool_] = np.zeros(radius.size, bool)
-    kept[model.features.first : model.features.last] = True
-    inside = radius[kept] if kept.sum() > 4 else radius
-    return max(noise_of_differences(inside), LEAST_RADIUS_NOISE * float(np.ptp(radius)))

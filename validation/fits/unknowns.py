@@ -9,7 +9,6 @@ import numpy as np
 
 from contact_scene import Branch, Machine, Scene, SceneError
 from contact_scene.errors import shown
-from contact_scene.scene_values import value_at
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import Array, MeasuredCurve
@@ -70,7 +69,7 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
         tied.setdefault(other, []).append(path)
     varied = [entry.partition("=")[0] for entry in (*settings.vary, *settings.per_curve)]
     for path in (*varied, *(one for ties in tied.values() for one in ties)):
-        _check_part(path, models, scene)
+        _check_part(path, models)
     for other in tied:
         if other not in varied:
             raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
@@ -83,9 +82,8 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
     return found
 
 
-def _check_part(path: str, models: Sequence[CurveModel], scene: Scene) -> None:
-    """Refuse a path that names no number of the scene, or one that plays no part in the model of a curve."""
-    value_at(scene, path)
+def _check_part(path: str, models: Sequence[CurveModel]) -> None:
+    """Refuse a number of the scene that plays no part in the model of a curve."""
     if path.startswith("loading.steps"):
         problem = "plays no part: the measured motion takes the place of the loading steps"
         raise SceneError(path, problem, "numbers of material, adhesion, indenter or machine")

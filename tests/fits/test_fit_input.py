@@ -1,0 +1,107 @@
+"""What is asked of a fit and cannot be: one line; what is done to a record is said."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from support.closed_form_solver import registered
+from support.recorded import MODULUS, elastic_scene, hertz_curve
+
+import crosscontact as cc
+from contact_scene import (
+    Adhesion,
+    Loading,
+    Machine,
+    Ramp,
+    SceneError,
+    write_scene,
+)
+from crosscontact.cli import main
+from validation.fits.curve_files import write_csv
+from validation.fits.fit import fit_curves
+from validation.fits.fit_question import check_folder, question
+from validation.fits.fit_settings import FitSettings
+from validation.report.sections.fit_statements import statements
+
+GUESS = 1.3 * MODULUS
+
+
+@pytest.fixture(scope="module", autouse=True)
+def closed_form():
+    """The runs of these fits are closed forms."""
+    with registered() as name:
+        yield name
+
+
+def settings_of(*vary, **more):
+    return FitSettings(vary=vary, **{"solver": "closed-form", "check_solver": None} | more)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--vary", "material.modulos"], "material has no modulos"),
+        (["--vary", "material.modulus=2:1"], "bounds"),
+        (["--vary", "material.modulus=a:b"], "two finite numbers"),
+        ([], "vary: is empty"),
+        (["--vary", "material.modulus", "--free", "tilt"], "contact_point"),
+        (["--vary", "material.modulus", "--check-solver", "x"], "--check-solver"),
+        (["--vary", "material.modulus", "--tie", "indenter.radius=adhesion.work"], "is not varied"),
+        (["--vary", "material.modulus", "--profile", "x", "--check-solver", "none"], "x is not varied"),
+    ],
+)
+def test_bad_arguments_are_one_line_and_exit_2(arguments, words, tmp_path, capsys):
+    write_csv(hertz_curve(), tmp_path / "a.csv")
+    write_scene(elastic_scene(), tmp_path / "scene.toml")
+    files = str(tmp_path / "a.csv"), str(tmp_path / "scene.toml")
+    assert main(["fit", *files, "--jobs", "1", "--solver", "closed-form", *arguments]) == 2
+    said = capsys.readouterr().err.strip().split("\n")[-1]
+    assert words in said
+    assert said.startswith("crosscontact: error:")
+
+
+def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path, capsys):
+    write_csv(hertz_curve(), tmp_path / "a.csv")
+    write_scene(elastic_scene(), tmp_path / "scene.toml")
+    [curve], out = cc.read_curves(tmp_path / "a.csv"), tmp_path / "out"
+    out.mkdir()
+    asked = question([curve], elastic_scene(), settings_of("material.modulus"))
+    (out / "fit.json").write_text(json.dumps({"question": asked}))
+    renamed = question([replace(curve, name="b")], elastic_scene(), settings_of("material.modulus"))
+    check_folder(out, renamed, elastic_scene())
+    arguments = ["fit", str(tmp_path / "a.csv"), str(tmp_path / "scene.toml"), "--out", str(out)]
+    assert main([*arguments, "--vary", "indenter.radius"]) == 2
+    assert "holds another fit (other parameters)" in capsys.readouterr().err
+    (out / "fit.json").write_text("{}")
+    assert main([*arguments, "--vary", "material.modulus"]) == 2
+    said = capsys.readouterr().err
+    assert "not of a fit of this program; allowed: another folder, or --fresh" in said
+    assert main([*arguments, "--vary", "material.modulos", "--fresh"]) == 2
+    assert "material has no modulos" in capsys.readouterr().err
+
+
+def test_a_first_guess_from_which_no_parameter_matters_is_refused():
+    away = Loading("relaxed", 0.0, (Ramp(1.0, 1.0),))  # the first row of the record is out of contact
+    scene = replace(elastic_scene(), loading=away, adhesion=Adhesion(1e-6, 1e-7))
+    with pytest.raises(SceneError, match=r"no parameter changes the force at the first guess: \w+"):
+        fit_curves([hertz_curve()], scene, settings_of("material.modulus"))
+
+
+def test_means_of_rows_stand_in_the_report(monkeypatch):
+    monkeypatch.setattr("validation.fits.decimation.MOST_ROWS", 60)
+    found = fit_curves([hertz_curve(noise=2e-4)], elastic_scene(GUESS), settings_of("material.modulus"))
+    assert "hertz: fitted are means of 2 rows" in statements(found)
+    assert found.curves[0].curve.time.size == 60
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [("machine.stiffness", "not that of a stage"), ("loading.steps[0].rate", "measured motion takes")],
+)
+def test_numbers_that_play_no_part_are_refused(path, words):
+    scene = elastic_scene()
+    scene = replace(scene, loading=replace(scene.loading, machine=Machine(1.0)))
+    with pytest.raises(SceneError, match=words):
+        fit_curves([hertz_curve()], scene, settings_of("material.modulus", path))
