@@ -17,7 +17,7 @@ Let ``D = h(a)`` be deeper than all before.
    ``T = 2 Einf* u (b - a) <= 16 pi (Einf/E0) w a^2/(p D)``.
 
 The force ``F*`` is reached where ``F(a) >= 2 F*`` and ``F(a) >= 2 T``, which gives the bound; the machine
-adds ``F*/k`` to the way of the stage.
+adds ``F*/k`` to the way of the stage, or the force of the start if that is larger: no approach withdraws.
 """
 
 from __future__ import annotations
@@ -69,7 +69,8 @@ def bounded_approaches(
             if not math.isfinite(farthest):
                 raise SceneError(f"{key}.to", "is missing after a step under a given force", A_BOUND)
             needed = _depth(step.force, key, material, indenter, adhesion)
-            to = max(needed, farthest) + max(step.force, 0.0) * loading.compliance
+            pressing = max(step.force, _start_force(loading, material, indenter, key))
+            to = max(needed, farthest) + pressing * loading.compliance
             try:
                 step = replace(step, to=to)
             except SceneError as error:
@@ -95,6 +96,18 @@ def _farthest(step: Step, before: float) -> float:
     return max(before, highest, before + abs(getattr(step, "amplitude", 0.0)) + sinking)
 
 
+def _start_force(loading: Loading, material: Material, indenter: Indenter, key: str) -> float:
+    """More than the force of the start state, which puts the stage of a spring where it begins; 0 if none."""
+    depth = loading.penetration
+    if loading.compliance == 0.0 or loading.start_control == "stage" or depth <= 0.0:
+        return 0.0
+    if isinstance(indenter, FlatPunch):
+        return 2.0 * material.glassy_plane_modulus * indenter.radius * depth
+    exponent, coefficient = _power(indenter, key)
+    radius = (depth / _transformed(exponent, coefficient)) ** (1.0 / exponent)
+    return 2.0 * material.glassy_plane_modulus * exponent / (exponent + 1.0) * radius * depth
+
+
 def _depth(
     force: float, key: str, material: Material, indenter: Indenter, adhesion: Adhesion | None
 ) -> float:
@@ -109,8 +122,7 @@ def _depth(
         pull = math.sqrt(2.0 * math.pi * (indenter.radius + zone) * work / stiffness)
         return max(0.5 * load / (stiffness * indenter.radius), pull)
     exponent, coefficient = _power(indenter, key)
-    ratio = math.sqrt(math.pi) * math.gamma(0.5 * exponent + 1.0) / math.gamma(0.5 * exponent + 0.5)
-    kappa = coefficient * ratio
+    kappa = _transformed(exponent, coefficient)
     glass = 2.0 * (material.glassy_modulus / material.modulus) * (exponent + 1.0) / exponent**2
     by_load = load * (exponent + 1.0) / (2.0 * stiffness * exponent)
     by_pull = 8.0 * math.pi * work / stiffness * max(1.0, glass)
@@ -126,6 +138,12 @@ def _depth(
     if not SMALLEST <= depth <= LARGEST:
         raise SceneError(f"{key}.to", f"is missing, and {depth:.3g} would be out of range", A_BOUND)
     return depth
+
+
+def _transformed(exponent: float, coefficient: float) -> float:
+    """``kappa`` of ``h = kappa a^p``."""
+    ratio = math.sqrt(math.pi) * math.gamma(0.5 * exponent + 1.0) / math.gamma(0.5 * exponent + 0.5)
+    return coefficient * ratio
 
 
 def _power(indenter: Indenter, key: str) -> tuple[float, float]:

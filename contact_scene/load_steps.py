@@ -76,7 +76,8 @@ class Hold(Step):
 class Force(Step):
     """Force steps to ``value`` (compressive positive) and stays for ``duration``; penetration is free.
 
-    With ``until_penetration`` it stays until the indenter has come to that penetration before.
+    With ``until_penetration`` it stays until the indenter has come to that penetration before. The step to
+    ``value`` comes first, whole: a penetration that it passes ends the load step right after it.
     """
 
     value: float

@@ -17,12 +17,14 @@ from contact_scene import (
     ForceRamp,
     Hold,
     Loading,
+    Machine,
     Material,
     Oscillate,
     Ramp,
     Scene,
     SceneError,
     Sphere,
+    Table,
 )
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
@@ -32,6 +34,23 @@ from validation.solvers.finite_elements import LEAST_DIVISIONS, FiniteElements, 
 
 def scene(*steps, indenter=None, adhesion=None, depth=0.0):
     return Scene(ONE, indenter or Sphere(1.0), Loading("relaxed", depth, steps), adhesion)
+
+
+def test_a_smooth_table_is_deepest_in_one_of_its_rows():
+    rows = (0.0, 1.0, 2.0, 3.0), (0.01, 0.03, 0.09, 0.01)
+    for how in ("linear", "cubic"):
+        asked = scene(Table(*rows, interpolation=how), depth=0.01)
+        assert largest_contact_radius(asked) == pytest.approx(SPARE * 0.3)
+
+
+@pytest.mark.parametrize("start", ["relaxed", "jump-in"])
+def test_a_soft_spring_presses_on_with_the_force_of_the_start(start):
+    """The stage stays where the first contact puts it, ``X = D + F/k``, while the half-space relaxes."""
+    moduli = {"relaxed": ONE.relaxed_plane_modulus, "jump-in": ONE.glassy_plane_modulus}
+    stage = 0.02 + 4.0 / 3.0 * moduli[start] * 0.02**1.5 / 0.2
+    asked = Scene(ONE, Sphere(1.0), Loading(start, 0.02, (Hold(50.0),), Machine(0.2)))
+    a = largest_contact_radius(asked) / SPARE
+    assert a**2 + 4.0 / 3.0 * ONE.relaxed_plane_modulus * a**3 / 0.2 == pytest.approx(stage)
 
 
 def test_hertz_at_the_largest_penetration():

@@ -187,6 +187,9 @@ def test_an_approach_without_a_bound_gets_that_of_twice_the_force():
     hertz = (0.6 * 3.0 * 2.0 / 4.0) ** (2.0 / 3.0) / 2.0
     assert bound(until) == pytest.approx(hertz, rel=1e-12)
     assert bound(until, machine=Machine(K)) == pytest.approx(hertz + 0.3 / K, rel=1e-12)
+    begun = 4.0 / 3.0 * math.sqrt(2.0) * 0.01**1.5  # of the start, at D = 0.01: the stage is there already
+    small = bound(Approach(1.0, 1e-6), machine=Machine(1e-3))
+    assert small == pytest.approx(0.01 + begun / 1e-3, rel=1e-12)
     assert bound(until, indenter=PowerLaw(2.0, 0.25)) == pytest.approx(hertz, rel=1e-12)
     slope = math.tan(math.radians(20.0))
     cone = math.sqrt(0.6 * math.pi * slope / 2.0)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from contact_scene import ForceRamp, Indenter, Scene, SceneError, Step, TabulatedProfile
+from contact_scene import ForceRamp, Indenter, Scene, SceneError, Step, Table, TabulatedProfile
 from validation.reference import sneddon
 
 SPARE = 1.02
@@ -110,13 +110,16 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
     """Largest penetration, force and position of the stage of the loading; minus infinity without.
 
     A force ramp takes over the force it finds: at most the glassy one at the penetration reached, the relaxed
-    one at a relaxed start. A stage starts no farther than where the glassy contact puts it.
+    one at a relaxed start. A stage starts no farther than where that contact puts it. A smooth table
+    has its extrema in its rows.
     """
     depth, force, before = scene.loading.penetration, 0.0, "start"
     deepest, strongest, farthest = depth, -math.inf, -math.inf
     if scene.loading.start_control == "stage":
         deepest, farthest = -math.inf, depth
     compliance = scene.loading.compliance
+    if compliance > 0.0 and scene.loading.start_control != "stage":
+        force = _pressing(scene, depth, scene.loading.start == "relaxed")
 
     def state(step: Step) -> tuple[float, float]:
         if isinstance(step, ForceRamp) and before != "force":
@@ -125,6 +128,8 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
 
     for step, segment in scene.loading.segments(state):
         values = [segment.value(at) for at in (segment.start, *segment.kinks, segment.end)]
+        if isinstance(step, Table):
+            values[1:1] = step.values
         before, trigger = segment.control, segment.trigger
         if segment.control == "force":
             force = values[-1]
