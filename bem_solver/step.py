@@ -44,6 +44,9 @@ judged by that: the longest step within a zone at the coarsest resolution."""
 _SHARE_OF_TRAVEL = 2.0
 """Error of extrapolating the edge over process zones, in step tolerances of its travel, that is allowed: the
 speed of the edge, on which the closure depends, is then met to about as much."""
+_SHARE_OF_FREE_TRAVEL = 0.5
+"""The same under a controlled force: no prescribed penetration holds the edge back there, and the errors of
+its speed add up to one of the time at which contact is lost."""
 
 
 class StepFailure(Enum):
@@ -296,7 +299,8 @@ class TrialStep(StepStart):
         """Error of extrapolating the path of the edge to the end of a step, relative to what is allowed."""
         travel = abs(edge - self.state.contact.edge)
         missed = abs(edge - self.state.accepted.edge_after(step))
-        allowed = min(_SHARE_OF_TRAVEL * travel, self.problem.longest_travel(edge))
+        share = _SHARE_OF_FREE_TRAVEL if self.interval.control == "force" else _SHARE_OF_TRAVEL
+        allowed = min(share * travel, self.problem.longest_travel(edge))
         return missed / allowed if allowed > 0.0 else math.inf
 
 

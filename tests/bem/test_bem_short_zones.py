@@ -102,6 +102,13 @@ def test_edge_at_rest_that_advances_slowly(rate, force):
     assert trace.counters.steps < 40
 
 
+@pytest.mark.slow
+def test_advance_within_a_zone_carries_the_whole_fall_of_the_load():
+    """Steps many times the branch's time, yet a part of a zone; with a root alone 1.8e-3 off."""
+    scene = replace(retraction(1.3e-4), loading=Loading("relaxed", 0.005, (Ramp(0.0056, 1e-7),)))
+    assert_allclose(solve(scene, Options(24)).force[-1], -0.00130598, rtol=6e-4)
+
+
 @pytest.mark.parametrize("fault", ["release time", "order of the path"])
 def test_faults_of_the_path_are_seen(fault, monkeypatch):
     left = BentPath.left
