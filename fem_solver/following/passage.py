@@ -24,7 +24,9 @@ class NodePassage:
     """Components of a range of nodes on their way through a step; sums up energies if asked to.
 
     ``held`` are the branch variables of the partly released node if it were in contact: (branches,) those at
-    the begin of the step, (branches, 1) those at its end.
+    the begin of the step, (branches, 1) those at its end. ``moved`` tells that the state comes from another
+    place of the mesh: the node in part is then another than the one whose release or covering has begun, and
+    nothing is lost in it beyond its mean.
     """
 
     solid: Components
@@ -32,6 +34,7 @@ class NodePassage:
     b: Array
     held: Array
     accounts: bool
+    moved: bool = False
     dissipated: float = 0.0
     received: float = 0.0
 
@@ -74,7 +77,8 @@ class NodePassage:
         first: Array,
         last: Array,
         imposed: Callable[[Array], Array],
-        partly: bool,
+        partly: int,
+        before: float,
     ) -> None:
         """Nodes that the edge leaves behind, the first of them in part.
 
@@ -88,19 +92,40 @@ class NodePassage:
             Shares of the step at which the release of each node begins and ends.
         imposed : callable(ndarray) -> ndarray
             ``v`` in contact at a share of the step.
-        partly : bool
-            Whether the first node is in contact only in part from the begin on.
+        partly : int
+            The node in contact only in part from the begin on.
+        before : float
+            Its share then.
         """
         self.linear(first * dt, np.where(first > 0.0, imposed(first), self.v))
         length = (last - first) * dt
+        if self.accounts:
+            self._release_each(length, share, imposed(first), partly, before)
         # the node that remains in part, as if it had stayed in contact
-        branches = self.held[:, None] if partly else self.b[:, :1]
+        branches = self.held[:, None] if partly == 0 else self.b[:, :1]
         reached = imposed(last)[:1]
         self.held = self.solid.linear(imposed(first)[:1], branches, length[:1], reached)
         force = np.zeros(len(self.v))
         force[0] = share * self.solid.force(reached, self.held)[0]
         self.creep(length, force)
         self.recover((1.0 - last) * dt)
+
+    def _release_each(self, length: Array, share: float, contact: Array, partly: int, before: float) -> None:
+        """What the radii within the nodes lose beyond the nodes' means; ``contact`` is ``v`` in contact."""
+        branches = self.b.copy()
+        released = np.ones(len(self.v))
+        if partly < len(released):
+            branches[:, partly], released[partly] = self.held, before
+        released[0] -= share
+        if self.moved and partly < len(released):
+            released[partly] = 0.0
+        force = self.solid.force(contact, branches)
+        self._lose(self.solid.lost_by_release(length, released, force, self.b - branches))
+
+    def _lose(self, energy: float) -> None:
+        """Energy that the surface receives and the branches dissipate."""
+        self.received += energy
+        self.dissipated += energy
 
     def cover(
         self,
@@ -129,7 +154,12 @@ class NodePassage:
         self.recover(first * dt)
         length, free = (last - first) * dt, self.b.copy()
         free[:, 0] = (free[:, 0] - before * self.held) / (1.0 - before)
+        deviation = self.b - free
         v, free = self.solid.recovered(free, length)
+        if self.accounts:
+            covered = share.copy()
+            covered[0] = 0.0 if self.moved else share[0] - before
+            self._lose(self.solid.lost_by_cover(length, covered, imposed(last) - v, deviation))
         self.linear(length, share * imposed(last) + (1.0 - share) * v)
         if share[-1] > _LEAST_SHARE:
             self.held = (self.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]

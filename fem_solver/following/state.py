@@ -15,6 +15,9 @@ from fem_solver.following.placement import Placement
 
 Array = NDArray[np.float64]
 
+EARLIER_ROWS = 2
+"""Earlier rows through which the path of the edge goes: its order is their number and one."""
+
 
 @dataclass(frozen=True)
 class FollowingState:
@@ -39,6 +42,8 @@ class FollowingState:
         Energy dissipated in the branches, and work done on the surface, so far.
     updates : int
         Accepted steps so far.
+    moved : bool
+        Whether it comes from another place of the mesh.
     """
 
     place: Any
@@ -52,6 +57,12 @@ class FollowingState:
     dissipated: float = 0.0
     received: float = 0.0
     updates: int = 0
+    moved: bool = False
+
+    def rows_and_this(self, dt: float) -> tuple[Row, ...]:
+        """The rows before the end of a step from here, through which the path of the next one goes."""
+        earlier = tuple((age + dt, radius) for age, radius in self.before[: EARLIER_ROWS - 1])
+        return (dt, self.radius), *earlier
 
 
 def undeformed(placement: Placement, branches: int) -> FollowingState:
@@ -96,6 +107,7 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
         branches=np.hstack([within[:, :-1], between, beyond[:, 1:]]) * new.unit,
         held=within[:, -1] * new.unit[top],
         edge=edge,
+        moved=True,
     )
 
 
