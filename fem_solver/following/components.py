@@ -113,12 +113,13 @@ class Components:
         work = force * reached - before * v - change * (0.5 * (before + force) - mean.sum(axis=0)) / relaxed
         return reached, after, work
 
-    def lost_by_release(self, dt: Array, share: Array, force: Array, deviation: Array) -> float:
+    def lost_by_release(self, dt: Array, share: Array, force: Array) -> float:
         """What the radii of a node dissipate beyond their mean, as each is released all at once in its turn.
 
         The mean of a node follows a force that goes linearly to zero. Every radius of it loses
         ``z^2/(2 lambda)`` in each mode, by the jump ``z`` of its own release; the mean of all loses less.
-        What the difference still holds at the end of the time counts as lost.
+        What the difference still holds at the end of the time counts as lost; where a node takes several
+        steps, what its parts differ from each other does not.
 
         Parameters
         ----------
@@ -126,8 +127,6 @@ class Components:
             Time of the release.
         share, force : ndarray, shape (m,)
             Share of each node that is released, and its force in contact.
-        deviation : ndarray, shape (branches, m)
-            Branch variables at the begin, less those that the node would have in full contact.
 
         Returns
         -------
@@ -136,11 +135,10 @@ class Components:
         """
         y = self._rates[:, None] * dt
         pull = self._modes.T @ (self._moduli / (self.shear.glassy * self._root))
-        jump, mean = pull * force, self._modes.T @ (deviation / self._root)
-        each = share * jump * (jump * (0.5 - share * _double_mean(y)) + mean * phi(y))
+        each = share * (pull * force) ** 2 * (0.5 - _double_mean(y))
         return float(np.sum(each / self._rates[:, None]))
 
-    def lost_by_cover(self, dt: Array, share: Array, jump: Array, deviation: Array) -> float:
+    def lost_by_cover(self, dt: Array, share: Array, jump: Array) -> float:
         """What the radii of a node dissipate beyond their mean, as each is covered all at once in its turn.
 
         Parameters
@@ -149,8 +147,6 @@ class Components:
             Time of the covering.
         share, jump : ndarray, shape (m,)
             Share of each node that is covered, and the change of ``v`` when it is.
-        deviation : ndarray, shape (branches, m)
-            Branch variables at the begin, less those that the node would have if free.
 
         Returns
         -------
@@ -158,8 +154,7 @@ class Components:
             Energy.
         """
         y = dt / self._times
-        each = self._moduli * jump * (0.5 - share * _double_mean(y)) - deviation * phi(y)
-        return float(np.sum(share * jump * each))
+        return float(np.sum(share * self._moduli * jump**2 * (0.5 - _double_mean(y))))
 
     def force(self, v: Array, b: Array) -> Array:
         """``y``."""

@@ -24,9 +24,7 @@ class NodePassage:
     """Components of a range of nodes on their way through a step; sums up energies if asked to.
 
     ``held`` are the branch variables of the partly released node if it were in contact: (branches,) those at
-    the begin of the step, (branches, 1) those at its end. ``moved`` tells that the state comes from another
-    place of the mesh: the node in part is then another than the one whose release or covering has begun, and
-    nothing is lost in it beyond its mean.
+    the begin of the step, (branches, 1) those at its end.
     """
 
     solid: Components
@@ -34,7 +32,6 @@ class NodePassage:
     b: Array
     held: Array
     accounts: bool
-    moved: bool = False
     dissipated: float = 0.0
     received: float = 0.0
 
@@ -117,10 +114,8 @@ class NodePassage:
         if partly < len(released):
             branches[:, partly], released[partly] = self.held, before
         released[0] -= share
-        if self.moved and partly < len(released):
-            released[partly] = 0.0
         force = self.solid.force(contact, branches)
-        self._lose(self.solid.lost_by_release(length, released, force, self.b - branches))
+        self._lose(self.solid.lost_by_release(length, released, force))
 
     def _lose(self, energy: float) -> None:
         """Energy that the surface receives and the branches dissipate."""
@@ -154,12 +149,10 @@ class NodePassage:
         self.recover(first * dt)
         length, free = (last - first) * dt, self.b.copy()
         free[:, 0] = (free[:, 0] - before * self.held) / (1.0 - before)
-        deviation = self.b - free
         v, free = self.solid.recovered(free, length)
         if self.accounts:
-            covered = share.copy()
-            covered[0] = 0.0 if self.moved else share[0] - before
-            self._lose(self.solid.lost_by_cover(length, covered, imposed(last) - v, deviation))
+            covered = share - np.where(np.arange(len(share)) == 0, before, 0.0)
+            self._lose(self.solid.lost_by_cover(length, covered, imposed(last) - v))
         self.linear(length, share * imposed(last) + (1.0 - share) * v)
         if share[-1] > _LEAST_SHARE:
             self.held = (self.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]

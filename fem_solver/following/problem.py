@@ -115,7 +115,7 @@ class FollowingProblem:
         nodes, index = slice(low, high), np.arange(low, high)
         unit, profile = here.unit[nodes], here.profile[nodes]
         start = state.components[nodes], state.branches[:, nodes], state.held
-        passage = NodePassage(self.solid, *start, accounts, state.moved)
+        passage = NodePassage(self.solid, *start, accounts)
         share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
         if self.at_once:
             held = penetration * unit - profile

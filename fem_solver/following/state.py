@@ -42,8 +42,6 @@ class FollowingState:
         Energy dissipated in the branches, and work done on the surface, so far.
     updates : int
         Accepted steps so far.
-    moved : bool
-        Whether it comes from another place of the mesh.
     """
 
     place: Any
@@ -57,7 +55,6 @@ class FollowingState:
     dissipated: float = 0.0
     received: float = 0.0
     updates: int = 0
-    moved: bool = False
 
     def rows_and_this(self, dt: float) -> tuple[Row, ...]:
         """The rows before the end of a step from here, through which the path of the next one goes."""
@@ -107,7 +104,6 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
         branches=np.hstack([within[:, :-1], between, beyond[:, 1:]]) * new.unit,
         held=within[:, -1] * new.unit[top],
         edge=edge,
-        moved=True,
     )
 
 
