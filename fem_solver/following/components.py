@@ -24,6 +24,11 @@ _SHORT = 1e-4
 of both is about the square."""
 
 
+def _double_mean(y: Array) -> Array:
+    """``(1 - phi(y))/y``, the mean over a time of the mean so far of what decays."""
+    return np.where(y > _SHORT, (1.0 - phi(y)) / np.where(y > _SHORT, y, 1.0), 0.5 - y / 6.0)
+
+
 class Components:
     """Laws of single components; ``v`` has shape (m,), ``b`` (branches, m), durations are (m,) or numbers.
 
@@ -103,10 +108,53 @@ class Components:
         after = self._root * (self._modes @ (np.exp(-y) * start + one * pull * change))
         reached = (force - after.sum(axis=0)) / relaxed
         # mean of v over the time: the work is what it does not lose while the force changes
-        double = np.where(y > _SHORT, (1.0 - one) / np.where(y > _SHORT, y, 1.0), 0.5 - y / 6.0)
+        double = _double_mean(y)
         mean = self._root * (self._modes @ (one * start + double * pull * change))
         work = force * reached - before * v - change * (0.5 * (before + force) - mean.sum(axis=0)) / relaxed
         return reached, after, work
+
+    def lost_by_release(self, dt: Array, share: Array, force: Array) -> float:
+        """What the radii of a node dissipate beyond their mean, as each is released all at once in its turn.
+
+        The mean of a node follows a force that goes linearly to zero. Every radius of it loses
+        ``z^2/(2 lambda)`` in each mode, by the jump ``z`` of its own release; the mean of all loses less.
+        What the difference still holds at the end of the time counts as lost; where a node takes several
+        steps, what its parts differ from each other does not.
+
+        Parameters
+        ----------
+        dt : ndarray, shape (m,)
+            Time of the release.
+        share, force : ndarray, shape (m,)
+            Share of each node that is released, and its force in contact.
+
+        Returns
+        -------
+        float
+            Energy.
+        """
+        y = self._rates[:, None] * dt
+        pull = self._modes.T @ (self._moduli / (self.shear.glassy * self._root))
+        each = share * (pull * force) ** 2 * (0.5 - _double_mean(y))
+        return float(np.sum(each / self._rates[:, None]))
+
+    def lost_by_cover(self, dt: Array, share: Array, jump: Array) -> float:
+        """What the radii of a node dissipate beyond their mean, as each is covered all at once in its turn.
+
+        Parameters
+        ----------
+        dt : ndarray, shape (m,)
+            Time of the covering.
+        share, jump : ndarray, shape (m,)
+            Share of each node that is covered, and the change of ``v`` when it is.
+
+        Returns
+        -------
+        float
+            Energy.
+        """
+        y = dt / self._times
+        return float(np.sum(share * self._moduli * jump**2 * (0.5 - _double_mean(y))))
 
     def force(self, v: Array, b: Array) -> Array:
         """``y``."""

@@ -74,7 +74,8 @@ class NodePassage:
         first: Array,
         last: Array,
         imposed: Callable[[Array], Array],
-        partly: bool,
+        partly: int,
+        before: float,
     ) -> None:
         """Nodes that the edge leaves behind, the first of them in part.
 
@@ -88,19 +89,38 @@ class NodePassage:
             Shares of the step at which the release of each node begins and ends.
         imposed : callable(ndarray) -> ndarray
             ``v`` in contact at a share of the step.
-        partly : bool
-            Whether the first node is in contact only in part from the begin on.
+        partly : int
+            The node in contact only in part from the begin on.
+        before : float
+            Its share then.
         """
         self.linear(first * dt, np.where(first > 0.0, imposed(first), self.v))
         length = (last - first) * dt
+        if self.accounts:
+            self._release_each(length, share, imposed(first), partly, before)
         # the node that remains in part, as if it had stayed in contact
-        branches = self.held[:, None] if partly else self.b[:, :1]
+        branches = self.held[:, None] if partly == 0 else self.b[:, :1]
         reached = imposed(last)[:1]
         self.held = self.solid.linear(imposed(first)[:1], branches, length[:1], reached)
         force = np.zeros(len(self.v))
         force[0] = share * self.solid.force(reached, self.held)[0]
         self.creep(length, force)
         self.recover((1.0 - last) * dt)
+
+    def _release_each(self, length: Array, share: float, contact: Array, partly: int, before: float) -> None:
+        """What the radii within the nodes lose beyond the nodes' means; ``contact`` is ``v`` in contact."""
+        branches = self.b.copy()
+        released = np.ones(len(self.v))
+        if partly < len(released):
+            branches[:, partly], released[partly] = self.held, before
+        released[0] -= share
+        force = self.solid.force(contact, branches)
+        self._lose(self.solid.lost_by_release(length, released, force))
+
+    def _lose(self, energy: float) -> None:
+        """Energy that the surface receives and the branches dissipate."""
+        self.received += energy
+        self.dissipated += energy
 
     def cover(
         self,
@@ -130,6 +150,9 @@ class NodePassage:
         length, free = (last - first) * dt, self.b.copy()
         free[:, 0] = (free[:, 0] - before * self.held) / (1.0 - before)
         v, free = self.solid.recovered(free, length)
+        if self.accounts:
+            covered = share - np.where(np.arange(len(share)) == 0, before, 0.0)
+            self._lose(self.solid.lost_by_cover(length, covered, imposed(last) - v))
         self.linear(length, share * imposed(last) + (1.0 - share) * v)
         if share[-1] > _LEAST_SHARE:
             self.held = (self.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]

@@ -24,15 +24,11 @@ from numpy.typing import NDArray
 from contact_scene.segment import Control
 from fem_solver.following.components import Components
 from fem_solver.following.passage import NodePassage
-from fem_solver.following.path import EdgePolynomial, Row
+from fem_solver.following.path import EdgePolynomial
 from fem_solver.following.placement import Placement
 from fem_solver.following.state import FollowingState
 
 Array = NDArray[np.float64]
-
-
-EARLIER_ROWS = 2
-"""Earlier rows through which the path of the edge goes: its order is their number and one."""
 
 
 class FollowingProblem:
@@ -118,18 +114,17 @@ class FollowingProblem:
         here, state = self.placement, self.state
         nodes, index = slice(low, high), np.arange(low, high)
         unit, profile = here.unit[nodes], here.profile[nodes]
-        passage = NodePassage(
-            self.solid, state.components[nodes], state.branches[:, nodes], state.held, accounts
-        )
+        start = state.components[nodes], state.branches[:, nodes], state.held
+        passage = NodePassage(self.solid, *start, accounts)
         share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
         if self.at_once:
             held = penetration * unit - profile
             top = slice(int(np.floor(s)) + 1 - low, int(np.floor(s)) + 2 - low)
             if low + top.start == self._partly:
-                start = state.penetration * unit[top] - profile[top], state.held[:, None]
+                v, b = state.penetration * unit[top] - profile[top], state.held[:, None]
             else:
-                start = passage.v[top], passage.b[:, top]
-            passage.held = self.solid.linear(*start, self.dt, held[top])
+                v, b = passage.v[top], passage.b[:, top]
+            passage.held = self.solid.linear(v, b, self.dt, held[top])
             passage.linear(np.full(high - low, self.dt), share * held + (1.0 - share) * self._free[nodes])
             return passage
         path = EdgePolynomial.through(state.radius, self.geometry.radius(s), self.dt, state.before)
@@ -139,10 +134,11 @@ class FollowingProblem:
         def imposed(theta: Array) -> Array:
             return (state.penetration + theta * change) * unit - profile
 
+        before = state.edge - np.floor(state.edge)
         if path.opens:
-            passage.release(self.dt, share[0], at[1:], at[:-1], imposed, low == self._partly)
+            partly = int(np.floor(state.edge)) + 1 - low
+            passage.release(self.dt, share[0], at[1:], at[:-1], imposed, partly, before)
         else:
-            before = state.edge - np.floor(state.edge)
             passage.cover(self.dt, share, at[:-1], at[1:], imposed, before)
         return passage
 
@@ -208,18 +204,11 @@ class FollowingProblem:
             penetration=self.penetration(s),
             radius=self.geometry.radius(s),
             edge=s,
-            before=self._rows_before(),
+            before=() if self.at_once else state.rows_and_this(self.dt),
             dissipated=state.dissipated + passage.dissipated,
             received=state.received + passage.received,
             updates=state.updates + 1,
         )
-
-    def _rows_before(self) -> tuple[Row, ...]:
-        """Rows before the end of this step through which the path of the next one goes."""
-        if self.at_once:
-            return ()
-        earlier = tuple((age + self.dt, radius) for age, radius in self.state.before[: EARLIER_ROWS - 1])
-        return (self.dt, self.state.radius), *earlier
 
     def forces(self, s: float) -> Array:
         """All nodal forces, compressive positive; shape (n,)."""

@@ -15,6 +15,9 @@ from fem_solver.following.placement import Placement
 
 Array = NDArray[np.float64]
 
+EARLIER_ROWS = 2
+"""Earlier rows through which the path of the edge goes: its order is their number and one."""
+
 
 @dataclass(frozen=True)
 class FollowingState:
@@ -52,6 +55,11 @@ class FollowingState:
     dissipated: float = 0.0
     received: float = 0.0
     updates: int = 0
+
+    def rows_and_this(self, dt: float) -> tuple[Row, ...]:
+        """The rows before the end of a step from here, through which the path of the next one goes."""
+        earlier = tuple((age + dt, radius) for age, radius in self.before[: EARLIER_ROWS - 1])
+        return (dt, self.radius), *earlier
 
 
 def undeformed(placement: Placement, branches: int) -> FollowingState:

@@ -26,7 +26,7 @@ from contact_scene import (
     Trace,
     UnsupportedScene,
 )
-from fem_solver.following import history, problem
+from fem_solver.following import history, state
 from fem_solver.following.components import Components
 from fem_solver.following.path import EdgePolynomial
 from fem_solver.prony import Prony
@@ -86,6 +86,28 @@ def test_without_force_a_component_recovers_in_one_step_as_in_two():
         assert_allclose(found[0], whole[0], rtol=1e-12)
         assert_allclose(found[1], whole[1], rtol=1e-9, atol=1e-13)
     assert_allclose(solid.recovered(b, math.inf)[0], 0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("time", [1e-4, 1.0, 1e4])
+def test_radii_released_one_by_one_lose_more_than_their_mean(time):
+    """From equilibrium: each loses what it stores after its jump, the mean what its work leaves."""
+    solid, dt, whole = Components(SHEAR), np.array([time]), np.ones(1)
+    force = np.array([-2.0])
+    v, b = force / SHEAR.relaxed, np.zeros((3, 1))
+    jumped = solid.crept(v, b, np.zeros(1), np.zeros(1))
+    work = solid.crept(v, b, dt, np.zeros(1))[2]
+    expected = float((solid.stored(*jumped[:2]) - solid.stored(v, b) - work)[0])
+    assert solid.lost_by_release(dt, whole, force) == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize("time", [1e-4, 1.0, 1e4])
+def test_radii_covered_one_by_one_lose_more_than_their_mean(time):
+    solid, dt, whole = Components(SHEAR), np.array([time]), np.ones(1)
+    v, b, jump = np.zeros(1), np.zeros((3, 1)), np.array([0.3])
+    each = solid.stored(v, solid.linear(v, b, 0.0, jump))
+    mean = solid.loss(v, b, dt, jump) + solid.stored(v, solid.linear(v, b, dt, jump))
+    expected = float((each - mean)[0])
+    assert solid.lost_by_cover(dt, whole, jump) == pytest.approx(expected, rel=1e-4)
 
 
 def test_the_path_meets_the_rows_and_tells_when_a_node_is_passed():
@@ -241,10 +263,10 @@ def test_an_edge_that_creeps_under_a_dead_load_detaches_in_time(monkeypatch):
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("rows", [problem.EARLIER_ROWS, 1])
+@pytest.mark.parametrize("rows", [state.EARLIER_ROWS, 1])
 def test_a_dead_load_on_a_micrometre_contact_detaches_in_time(rows, monkeypatch):
     """Zone 6e-4 of the contact radius; a path one order lower is seen in the time to detachment."""
-    monkeypatch.setattr(problem, "EARLIER_ROWS", rows)
+    monkeypatch.setattr(state, "EARLIER_ROWS", rows)
     found = FiniteElements().solve(load("pdms-dead-load-100nm").scene)
     accurate = rows == 2
     assert (abs(found.outcome.time / SLOWLY_LOST - 1.0) < 0.4 * COARSE) == accurate
