@@ -92,7 +92,7 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
         if own:
             opened.enter_context(dask.config.set(LOCAL_SETTINGS))
             cluster = distributed.LocalCluster(
-                n_workers=jobs, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
+                n_workers=jobs, threads_per_worker=1, dashboard_address=":0", silence_logs=logging.CRITICAL
             )
             scheduler: object = opened.enter_context(cluster)
         else:

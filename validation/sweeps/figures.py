@@ -117,6 +117,8 @@ def _map(
         rasterized=True,
     )  # fmt: skip
     axes.set_facecolor(NO_VALUE)
+    _scales(axes, data, across, up)  # before the labels of contours, whose gaps are measured on the page
+    axes.autoscale_view()
     known = np.isfinite(z)
     if known.any() and min(z.shape) > 2 and z[known].max() > z[known].min():
         from matplotlib.patheffects import withStroke
@@ -130,7 +132,6 @@ def _map(
         box = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5}
         note: dict[str, Any] = {"fontsize": 7, "color": INK, "ha": "right", "va": "bottom", "bbox": box}
         axes.text(0.98, 0.02, "grey: no value", transform=axes.transAxes, **note)
-    _scales(axes, data, across, up)
     axes.set(xlabel=_label(data, across), ylabel=_label(data, up))
     axes.tick_params(which="both", colors=INK, labelcolor=INK)
     return picture
