@@ -102,8 +102,8 @@ class GradedRun:
         return None
 
     def _triggered(self, interval: LoadingInterval, contact: HalfSpaceState) -> bool:
-        """Whether the committed state has reached the level that ends the load step."""
-        if interval.trigger is None or self.cursor.trigger_side is None:
+        """Whether the committed state has reached the level that ends the load step; a load jump is whole."""
+        if interval.trigger is None or interval.jump or self.cursor.trigger_side is None:
             return False
         excess = interval.trigger.excess(contact.penetration, contact.surface.force, contact.edge)
         return passed(self.cursor.trigger_side, excess)

@@ -150,7 +150,7 @@ class AcceptedStates:
         law, last = self.setup.law, self.recorder.content.last
         if not isinstance(law, IrreversibleEdge):
             return {}
-        closure = candidate.problem.closure(candidate.edge.s)
+        closure = candidate.problem.closure(candidate.edge.s) if radius > 0.0 else 0.0
         if last is None:
             return {"closure": closure}
         dt = candidate.dt

@@ -52,6 +52,8 @@ class SteppedStates(AcceptedStates):
             self._check_budget()
             candidate = self.trial_step(segment, interval.dt, interval.next_time)
             error = max(deviation, candidate.error)
+            if self._first_step_was_too_long(candidate, interval):
+                continue
             if self._overshoots_its_zone(candidate.contact, interval):
                 self._reject(interval)
                 continue
@@ -174,6 +176,24 @@ class SteppedStates(AcceptedStates):
             return False
         earlier = -before.slopes["force"] if "force" in before.slopes else math.inf
         if missed_peak(earlier, peak.rise, peak.fall, self.time - before.time) <= peak.allowed:
+            return False
+        self._take_back(before, interval)
+        return True
+
+    def _first_step_was_too_long(self, candidate: StepCandidate, interval: DyadicInterval) -> bool:
+        """Whether the step after a kink, which had no slope before it, misses too much of the force's curve.
+
+        The next step of its length shows that; then it is taken back, to be taken in parts.
+        """
+        before = self.before
+        if before is None or "force" in before.slopes or "force" not in candidate.slopes:
+            return False
+        if interval.position - before.position != interval.step or not interval.divisible(before.position):
+            return False
+        turn = abs(candidate.slopes["force"] - self.estimator.slopes["force"])
+        if 0.5 * turn * interval.dt <= _REJECT * self.estimator.tolerance * self.force_scale(
+            self.state.radius
+        ):
             return False
         self._take_back(before, interval)
         return True

@@ -1,6 +1,7 @@
 """Adhesion that knows direction and speed: every solver against closed forms on an elastic half-space."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,9 @@ from contact_scene import (
     ForceRamp,
     Hold,
     Loading,
+    Machine,
     Material,
+    OutcomeKind,
     PowerRate,
     Ramp,
     RateTable,
@@ -190,3 +193,18 @@ def test_a_rated_edge_lets_go_of_a_punch_in_time_not_at_once():
 def test_the_papers_discretisation_refuses_what_it_leaves_out(key, adhesion):
     with pytest.raises(UnsupportedScene, match=f"adhesion.{key}"):
         bem_solver.solve(scene([Ramp(0.01, 1e-3)], adhesion), bem_solver.Options(annuli="uniform"))
+
+
+@pytest.mark.parametrize("solver", ["bem", "fem"])
+@pytest.mark.parametrize(
+    "adhesion",
+    [Adhesion(WORK, ZONE, work_closing=CLOSING), Adhesion(WORK, ZONE, rate=RATES["power"])],
+    ids=["hysteresis", "rate"],
+)
+def test_contact_is_lost_on_a_spring(solver, adhesion):
+    asked = scene([Ramp(-0.2, 1e-2)], adhesion, start=0.01)
+    asked = replace(asked, loading=replace(asked.loading, machine=Machine(0.2)))
+    trace, expected = SOLVERS[solver].solve(asked, 5), SOLVERS["reference"].solve(asked, 5)
+    assert trace.outcome.kind is expected.outcome.kind
+    assert trace.outcome.kind in (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
+    assert_allclose(trace.force.min(), expected.force.min(), rtol=5e-3)

@@ -127,7 +127,7 @@ def test_an_approach_without_a_bound_goes_on_until_its_force(solver):
     assert dwelt[-1] - dwelt[0] == pytest.approx(0.5, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", ["reference", "fem"])
+@pytest.mark.parametrize("name", ["reference", "fem", "bem"])
 def test_a_level_that_a_load_jump_passes_ends_the_step_after_the_jump(name):
     """A punch of ``F = 2 D`` at once: the force is put on whole, then the penetration stays."""
     steps = (Force(0.6, 5.0, until_penetration=0.2), Hold(0.5))

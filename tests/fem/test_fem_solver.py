@@ -36,6 +36,7 @@ from contact_scene import (
 )
 from fem_solver import Options, record, solve
 from meshes import fit, half_space, structured_half_space
+from validation.solvers import SOLVERS
 
 
 @cache
@@ -313,6 +314,14 @@ def test_start_without_equilibrium_and_zone_longer_than_the_contact():
     assert len(trace) == 0
     with pytest.raises(SceneError, match="process zone"):
         run(start="jump-in", penetration=0.0, material=Material(7500.0, 0.5))
+
+
+def test_an_elastic_ramp_to_far_beyond_detachment_does_the_work_of_its_curve():
+    """The first step of a ramp is a share of the whole ramp, most of which lies beyond the end of contact."""
+    retraction = scene_of(Ramp(-0.2, 0.01), start="relaxed", at=0.01, material=SOFT)
+    trace = SOLVERS["fem"].solve(retraction, 4)
+    expected = SOLVERS["reference"].solve(retraction, 8).external_work[-1]
+    assert trace.external_work[-1] == pytest.approx(expected, rel=2e-4)
 
 
 def test_step_budget_is_an_outcome():
