@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_scene import Material
-from validation.reference.lennard_jones import Annuli, LennardJonesSphere
+from validation.reference.lennard_jones import UniformRings, LennardJonesSphere
 from validation.studies import lennard_jones
 from validation.studies.lennard_jones import WORK, PullOffComparison, compared, table
 
@@ -27,7 +27,7 @@ def test_the_law_holds_its_work_and_its_largest_tension():
 
 
 def test_annuli_sink_as_under_hertz():
-    annuli = Annuli(np.linspace(0.0, 2.0, 401))
+    annuli = UniformRings(np.linspace(0.0, 2.0, 401))
     pressure = 2.0 / np.pi * np.sqrt(np.maximum(1.0 - annuli.radii**2, 0.0))
     inside = annuli.radii < 0.95
     sunk = annuli.influence @ pressure

@@ -106,7 +106,7 @@ class LennardJonesSphere:
             If there is no start state.
         """
         radius = self._sharp_radius(penetration)
-        annuli = Annuli(self._borders(radius, divisions))
+        annuli = UniformRings(self._borders(radius, divisions))
         run = _Retraction(self, annuli, penetration, speed)
         run.start(radius)
         while run.goes_on():
@@ -143,7 +143,7 @@ class LennardJonesSphere:
         return np.concatenate((about, between, beyond))
 
 
-class Annuli:
+class UniformRings:
     """Annuli of constant pressure: middle radii, areas, and displacement there at ``E* = 1``."""
 
     def __init__(self, borders: Array) -> None:
@@ -166,7 +166,7 @@ def _under_discs(radii: Array, discs: Array) -> Array:
 class _Retraction:
     """A withdrawal in progress: gaps, pressures, creep strains of the branches, forces and penetrations."""
 
-    def __init__(self, law: LennardJonesSphere, annuli: Annuli, penetration: float, speed: float) -> None:
+    def __init__(self, law: LennardJonesSphere, annuli: UniformRings, penetration: float, speed: float) -> None:
         self.law, self.annuli, self.speed = law, annuli, speed
         plane = 1.0 - law.material.poisson**2
         creep = creep_compliance(law.material)
