@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_scene import Material
-from validation.reference.lennard_jones import UniformRings, LennardJonesSphere
+from validation.reference.lennard_jones import LennardJonesSphere, UniformRings
 from validation.studies import lennard_jones
 from validation.studies.lennard_jones import WORK, PullOffComparison, compared, table
 

@@ -166,7 +166,9 @@ def _under_discs(radii: Array, discs: Array) -> Array:
 class _Retraction:
     """A withdrawal in progress: gaps, pressures, creep strains of the branches, forces and penetrations."""
 
-    def __init__(self, law: LennardJonesSphere, annuli: UniformRings, penetration: float, speed: float) -> None:
+    def __init__(
+        self, law: LennardJonesSphere, annuli: UniformRings, penetration: float, speed: float
+    ) -> None:
         self.law, self.annuli, self.speed = law, annuli, speed
         plane = 1.0 - law.material.poisson**2
         creep = creep_compliance(law.material)
