@@ -20,6 +20,7 @@ from validation.execution.store import Store
 from validation.fits.afm_files import is_afm_file, read_afm, write_afm
 from validation.fits.curve_files import read_csv, write_csv
 from validation.fits.fit import fit_curves
+from validation.fits.fit_question import check_folder, question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import REGULARISATION, FitSettings
 from validation.fits.measured_curve import MeasuredCurve
@@ -211,6 +212,8 @@ def _fit_and_write(
     progress: Callable[[str], None] | None,
 ) -> FitResult:
     """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
+    if folder is not None:
+        check_folder(folder, question(curves, guess, settings), guess, "out")
     store = Store(folder)
     try:
         result = fit_curves(curves, guess, settings, executor, store, progress)

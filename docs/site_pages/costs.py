@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from contact_scene import Adhesion, Scene
 from validation.cases import load
-from validation.solvers import SOLVERS, Solver
+from validation.solvers import Solver, solvers
 from validation.solvers.contact_range import largest_contact_radius
 
 SCENE = "cycle-v0.02"
@@ -28,7 +28,7 @@ time on one core, memory of the run. `crosscontact study SCENE --zones` measures
 def page() -> str:
     """A table of forecasts, and one of what each solver takes."""
     scene = load(SCENE).scene
-    names = list(SOLVERS)
+    names = [solver.name for solver in solvers()]
     lines = [INTRODUCTION, f"| zone / radius | {' | '.join(f'`{name}`' for name in names)} |"]
     lines += ["|---" * (len(names) + 1) + "|"]
     lines += [f"| {ratio:.0e} | {' | '.join(_cells(scene, ratio))} |" for ratio in RATIOS]
@@ -38,7 +38,7 @@ def page() -> str:
 def _cells(scene: Scene, ratio: float) -> Iterator[str]:
     assert scene.adhesion is not None
     asked = replace(scene, adhesion=Adhesion(scene.adhesion.work, ratio * largest_contact_radius(scene)))
-    for solver in SOLVERS.values():
+    for solver in solvers():
         yield _cell(solver, asked)
 
 
@@ -57,7 +57,7 @@ def _refusals() -> Iterator[str]:
     """Whether each solver takes a bulk that relaxes apart from shear, and estimates its own errors."""
     separate = load("bulk-start").scene
     yield from ("| solver | method | separate bulk relaxation | error estimate |", "|---|---|---|---|")
-    for solver in SOLVERS.values():
+    for solver in solvers():
         takes = "takes it" if solver.refusal(separate) is None else "refuses it"
         estimate = "its own" if solver.estimates_errors else "from a second, coarser run"
         yield f"| `{solver.name}` | {solver.title} | {takes} | {estimate} |"

@@ -74,6 +74,10 @@ def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path
     arguments = ["fit", str(tmp_path / "a.csv"), str(tmp_path / "scene.toml"), "--out", str(out)]
     assert main([*arguments, "--vary", "indenter.radius"]) == 2
     assert "holds another fit (other parameters)" in capsys.readouterr().err
+    with pytest.raises(
+        SceneError, match=r"out: .* holds another fit \(other parameters\); allowed: another folder$"
+    ):
+        cc.fit(curve, elastic_scene(), ["indenter.radius"], solver="closed-form", check_solver=None, out=out)
     (out / "fit.json").write_text("{}")
     assert main([*arguments, "--vary", "material.modulus"]) == 2
     said = capsys.readouterr().err

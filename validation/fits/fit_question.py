@@ -60,7 +60,8 @@ def check_folder(folder: Path, asked: dict[str, str], scene: Scene, key: str = "
         if not differing:
             return
         problem = f"{folder} holds another fit (other {' and '.join(differing)})"
-    raise SceneError(key, problem, "another folder, or --fresh to replace what it holds")
+    fresh = ", or --fresh to replace what it holds" if key.startswith("--") else ""
+    raise SceneError(key, problem, f"another folder{fresh}")
 
 
 def _hash(value: object) -> str:
