@@ -9,7 +9,7 @@ import numpy as np
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies
 from bem_solver.external_work import external_work
-from bem_solver.trial import HalfSpaceState
+from bem_solver.half_space_state import HalfSpaceState
 from contact_scene import Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
 
 

@@ -14,11 +14,12 @@ from scipy.optimize import brentq
 
 from bem_solver.bent_path import EarlierRow
 from bem_solver.edge_energy import drive
+from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import departure_from_line, shrunk
-from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, TrialContact, evaluate
+from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 
 _RESIDUAL_ACCURACY = 1e-2
 """Accuracy of the closure, in step tolerances of the work of adhesion: far below the step error."""

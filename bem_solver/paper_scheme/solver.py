@@ -21,10 +21,10 @@ from bem_solver.options import Options
 from bem_solver.paper_scheme.annuli import AnnuliState, ContactCandidates, UniformAnnuli, equilibrium_contact
 from bem_solver.paper_scheme.energy import start_energies, step_energies
 from bem_solver.paper_scheme.time_steps import step_count
+from bem_solver.problem import Problem
 from bem_solver.recorder import TraceRecorder, trace_without_contact
 from bem_solver.size_estimates import FEWEST_ANNULI, MOST_ANNULI, largest_contact
 from bem_solver.start import contact_scale
-from bem_solver.trial import Problem
 from contact_scene import (
     Counters,
     Event,
