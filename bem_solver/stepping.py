@@ -33,10 +33,10 @@ from bem_solver.step import (
     FailedStep,
     StepFailure,
     TrialStep,
-    free_load,
     limited_step,
 )
 from bem_solver.step_control import grown, shrunk
+from bem_solver.step_error import free_load
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
