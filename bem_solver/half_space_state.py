@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from bem_solver.edge_energy import EdgeStep
 from bem_solver.history import SurfaceHistory
+from bem_solver.motion import SurfacePoints
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import SurfacePoints, displacement_outside, load_inside
+from bem_solver.surface_points import displacement_outside, load_inside
 
 Array = NDArray[np.float64]
 

@@ -19,9 +19,10 @@ from bem_solver.history import (
     midpoints_of_wide_intervals,
     updated_kinks,
 )
+from bem_solver.motion import Motion
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import Motion, advanced, load_inside
+from bem_solver.surface_points import advanced, load_inside
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, gap_outside
 
 Array = NDArray[np.float64]

@@ -16,10 +16,11 @@ from bem_solver.cohesive_zone import zone_at
 from bem_solver.edge_energy import end_velocity, energy_taken
 from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.kinks import EdgeKinks
+from bem_solver.motion import Motion, SurfacePoints
 from bem_solver.outer_fall import OuterFall
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import Motion, SurfacePoints, advanced, displacement_outside, load_inside
+from bem_solver.surface_points import advanced, displacement_outside, load_inside
 
 Array = NDArray[np.float64]
 
