@@ -124,7 +124,21 @@ class Annuli:
         return np.concatenate(([-inner[0], 0.0], inner, [beyond]))
 
     def outside(self, field: Array, kappa: float, ratio: Array) -> Array:
-        """Displacement at ``ratio = r/a >= 1`` from the samples of :meth:`outside_field`."""
+        """Surface displacement outside the contact.
+
+        Parameters
+        ----------
+        field : ndarray (M + 3,)
+            Samples of :meth:`outside_field`.
+        kappa : float
+            Displacement of the flat punch with the same edge singularity.
+        ratio : ndarray (m,)
+            ``r/a >= 1``.
+
+        Returns
+        -------
+        ndarray (m,)
+        """
         angle = np.arcsin(1.0 / ratio)
         y = self.position(angle) + 1.0
         first = np.minimum(np.maximum(y.astype(int) - 1, 0), len(field) - 4)

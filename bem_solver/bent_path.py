@@ -74,13 +74,8 @@ class BentPath:
 
         Parameters
         ----------
-        before : tuple of float
-            Time from the earlier row to the start of the step, and the edge at that row.
-        edge : float
-            At the start of the step.
-        duration : float
-        end : float
-            Edge at the end of the step.
+        before, edge, duration, end
+            The four of :func:`parabola_bend`, its value being the edge.
 
         Returns
         -------

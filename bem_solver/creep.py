@@ -102,9 +102,21 @@ class Chain:
     def spread_outside(self, y: Array, before: Array, after: Array) -> Array:
         """As :meth:`spread`, following ``sqrt(distance)`` while the edge moves at constant speed.
 
-        ``before`` and ``after`` (m, 1) are the distances from the edge at both ends of the step, ``y`` (m,
-        K). ``int exp(-y (1 - x)) d sqrt(distance)`` is Dawson's integral for a receding edge and a scaled
-        error function for an advancing one.
+        Parameters
+        ----------
+        y : ndarray (m, K)
+            Step, in retardation times.
+        before, after : ndarray (m, 1)
+            Distances from the edge at both ends of the step.
+
+        Returns
+        -------
+        ndarray (m, K)
+
+        Notes
+        -----
+        ``int exp(-y (1 - x)) d sqrt(distance)`` is Dawson's integral for a receding edge and a scaled error
+        function for an advancing one.
         """
         if self.backward_euler:
             return self.spread(y)

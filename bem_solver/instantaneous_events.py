@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 from scipy.optimize import brentq
 
 from bem_solver.energy import Energies
+from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.history import SurfaceHistory
 from bem_solver.root_search import rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.start import contact_scale, equilibrium
 from bem_solver.surface import ContactSurface
-from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, TrialContact, evaluate
+from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 from contact_scene import Outcome, OutcomeKind
 
 SMALLEST_TRAVEL_SHARE = 1.0 / 64.0

@@ -28,7 +28,22 @@ class EdgeKinks:
 
     @classmethod
     def within(cls, radii: tuple[float, ...], edge: float, reach: float) -> EdgeKinks | None:
-        """Those of ``radii`` below ``edge``, each read up to the next, ``edge`` or ``reach``."""
+        """Those of ``radii`` below ``edge``, each read up to the next, ``edge`` or ``reach``.
+
+        Parameters
+        ----------
+        radii : tuple of float
+            In any order, repeated or not.
+        edge : float
+            Contact radius.
+        reach : float
+            Largest distance beyond a kink up to which its root is read.
+
+        Returns
+        -------
+        EdgeKinks or None
+            ``None`` if there are none.
+        """
         inside = np.array(sorted({r for r in radii if 0.0 < r < edge}))
         if len(inside) == 0:
             return None

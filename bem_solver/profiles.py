@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from bem_solver.trial import HalfSpaceState, Problem, points_at
+from bem_solver.half_space_state import HalfSpaceState, points_at
+from bem_solver.problem import Problem
 from contact_scene import SurfaceProfile
 
 _OUTER_RADIUS = 4.0

@@ -9,7 +9,7 @@ import numpy as np
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies
 from bem_solver.external_work import external_work
-from bem_solver.trial import HalfSpaceState
+from bem_solver.half_space_state import HalfSpaceState
 from contact_scene import Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
 
 
@@ -23,7 +23,15 @@ class TraceRecorder:
     kinks: list[int] = field(default_factory=list)
 
     def row(self, chain: Chain, state: HalfSpaceState, energies: Energies) -> None:
-        """One accepted state; ``state.spent`` counts where adhesion is irreversible."""
+        """Add the row of an accepted state.
+
+        Parameters
+        ----------
+        chain : Chain
+        state : HalfSpaceState
+            Its ``spent`` counts where adhesion is irreversible.
+        energies : Energies
+        """
         surface = state.surface
         self.rows.append(
             (
@@ -58,12 +66,23 @@ class TraceRecorder:
     def trace(self, outcome: Outcome, counters: Counters, work: float, reversible: bool = True) -> Trace:
         """The finished trace; the loss is what the energy balance (Eq. energybalance) leaves.
 
-        ``work`` is the work of adhesion. What the interface takes up, its ``separation_energy``, follows from
-        the contact area where adhesion is ``reversible``.
+        Parameters
+        ----------
+        outcome : Outcome
+        counters : Counters
+        work : float
+            Work of adhesion.
+        reversible : bool
+            Whether what the interface takes up, its ``separation_energy``, follows from the contact area.
 
-        ``zone_excess`` is what the branches dissipate beyond the loss: at a
-        sharp edge the whole field moves as if the process zone had no length, and the tip takes only the
-        glassy ``K^2/(2 Einf*)``.
+        Returns
+        -------
+        Trace
+
+        Notes
+        -----
+        ``zone_excess`` is what the branches dissipate beyond the loss: at a sharp edge the whole field moves
+        as if the process zone had no length, and the tip takes only the glassy ``K^2/(2 Einf*)``.
         """
         time, penetration, force, radius, stored, branch, intensity, spent = (
             np.array(column) for column in zip(*self.rows, strict=True)

@@ -9,10 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from bem_solver.energy import Energies
+from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.loading_intervals import LoadingInterval
+from bem_solver.problem import Problem
 from bem_solver.recorder import TraceRecorder
 from bem_solver.step_control import AcceptedSteps
-from bem_solver.trial import HalfSpaceState, Problem
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from scipy.special import ellipkm1
 
 from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
+from bem_solver.problem import Problem
 from bem_solver.start import contact_scale, elastic_problem, equilibrium, untouched_state
-from bem_solver.trial import Problem
 from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Step, Sweep
 
 FEWEST_ANNULI, MOST_ANNULI = 16, 4000

@@ -18,6 +18,7 @@ from bem_solver.creep import Chain
 from bem_solver.loading_intervals import follow_loading
 from bem_solver.options import Options
 from bem_solver.paper_scheme.solver import refusal_of_uniform, solve_uniform
+from bem_solver.problem import LONG_ZONE, Problem
 from bem_solver.recorder import TraceRecorder, trace_without_contact
 from bem_solver.run_state import GradedState, StepSettings
 from bem_solver.size_estimates import (
@@ -31,7 +32,6 @@ from bem_solver.size_estimates import (
 )
 from bem_solver.start import contact_scale, start_state
 from bem_solver.stepping import SOLVER, GradedRun
-from bem_solver.trial import LONG_ZONE, Problem
 from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
 from contact_scene.machine import on_machine
 from contact_scene.run_control import LoadingCursor, kept_state, single_threaded

@@ -10,12 +10,15 @@ from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, initial_energies
+from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import SurfaceHistory, distinct
+from bem_solver.motion import Motion
+from bem_solver.problem import Problem
 from bem_solver.root_search import rising_root
 from bem_solver.state_update import split_at_edge
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import Motion, advanced
-from bem_solver.trial import HalfSpaceState, Problem, TrialContact, evaluate, points_at
+from bem_solver.surface_points import advanced
+from bem_solver.trial import TrialContact, evaluate
 from contact_scene import Indenter, Material, Scene
 from contact_scene.scene import zone_too_long
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bem_solver.creep import Chain
 from bem_solver.edge_energy import EdgeStep, energy_spent
 from bem_solver.energy import Energies, over_zones, updated_energies, work_increment
+from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import (
     NodalVariables,
     SurfaceHistory,
@@ -18,9 +19,11 @@ from bem_solver.history import (
     midpoints_of_wide_intervals,
     updated_kinks,
 )
+from bem_solver.motion import Motion
+from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import Motion, advanced, load_inside
-from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, Problem, TrialContact, gap_outside, points_at
+from bem_solver.surface_points import advanced, load_inside
+from bem_solver.trial import EDGE_ACCURACY, TrialContact, gap_outside
 
 Array = NDArray[np.float64]
 

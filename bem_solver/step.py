@@ -14,39 +14,17 @@ from scipy.optimize import brentq
 
 from bem_solver.bent_path import EarlierRow
 from bem_solver.edge_energy import drive
-from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
-from bem_solver.step_control import departure_from_line, shrunk
-from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, TrialContact, evaluate
+from bem_solver.step_control import shrunk
+from bem_solver.step_error import SHARE_OF_ZONE, error_at_limit, step_error
+from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 
 _RESIDUAL_ACCURACY = 1e-2
 """Accuracy of the closure, in step tolerances of the work of adhesion: far below the step error."""
-_LOAD_WEIGHT = 4.0
-"""Weight of the departure of the load from a straight line against that of the edge in the step error."""
-_LOAD_WEIGHT_AT_LIMIT = 16.0
-"""The same weight where the edge travels its limit before the end of the step. The load may have a corner
-there, the largest tension of the run; an eighth of the departure understates how far a row may miss it."""
-_SCALE_OF_FIRST_LOAD = 0.01
-"""Part of the load to be expected in an interval against which a load that starts from zero is measured."""
-_RATED_WEIGHT = 5.0
-"""Weight of the departure from a straight line relative to the length the edge is resolved on against that
-relative to its travel, where the speed counts: the edge may then change its speed by a sixth in a step."""
-_LEAST_RATED_TRAVEL = 1e-4
-"""Least travel for that, in contact radii: below it an edge is about to set out."""
 _BESIDE_EXTREMUM = 0.125
 """Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row
 by a sixty-fourth of what it would with the whole step."""
-
-_SHARE_OF_ZONE = 0.25
-"""Travel of a step, in process zones, from which on its path is a parabola through another row and it is
-judged by that: the longest step within a zone at the coarsest resolution."""
-_SHARE_OF_TRAVEL = 2.0
-"""Error of extrapolating the edge over process zones, in step tolerances of its travel, that is allowed: the
-speed of the edge, on which the closure depends, is then met to about as much."""
-_SHARE_OF_FREE_TRAVEL = 0.5
-"""The same under a controlled force: no prescribed penetration holds the edge back there, and the errors of
-its speed add up to one of the time at which contact is lost."""
 
 
 class StepFailure(Enum):
@@ -82,11 +60,6 @@ class Candidate:
     error: float
     slope: float = 0.0
     sets_out: bool = False
-
-
-def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
-    """The quantity that is not prescribed: penetration under a controlled force, otherwise the force."""
-    return contact.penetration if interval.control == "force" else contact.surface.force
 
 
 def limited_step(start: StepStart) -> tuple[float, float]:
@@ -164,7 +137,7 @@ class TrialStep(StepStart):
             _RESIDUAL_ACCURACY * tolerance * problem.work or math.inf,
         )
         if root.position == "converged" or (root.position == "above" and high == limit):
-            return Candidate(self.end, root.trial, self._error(root.trial, step), root.slope)
+            return Candidate(self.end, root.trial, step_error(self, root.trial, step), root.slope)
         receding = root.position == "below"
         return self._to_travel_limit(receding, low if receding else high, reach, root)
 
@@ -188,21 +161,21 @@ class TrialStep(StepStart):
         if inward.residual > trial.residual:
             travel = abs(beyond.motion.new_edge - self.state.contact.edge)
             return FailedStep(StepFailure.UNSTABLE, receding, travel)
-        return Candidate(parameter, trial, self._error_at_limit(trial, parameter - start), root.slope)
+        return Candidate(parameter, trial, error_at_limit(self, trial, parameter - start), root.slope)
 
     def _in_full_contact(self) -> Candidate | None:
         """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""
         start, edge = self.state.parameter, self.state.contact.edge
         trial = self._trial(self.end, edge)
         if trial.residual <= 0.0:
-            return Candidate(self.end, trial, self._error(trial, self.end - start, self.step))
+            return Candidate(self.end, trial, step_error(self, trial, self.end - start, self.step))
         if self._trial(start, edge).residual >= -1e-6 * trial.residual:
             return None
         end = brentq(lambda p: self._trial(p, edge).residual, start, self.end, xtol=1e-12 * self.end)
         if end <= start:
             return None
         trial = self._trial(end, edge)
-        return Candidate(end, trial, self._error(trial, end - start))
+        return Candidate(end, trial, step_error(self, trial, end - start))
 
     def _pinned(self) -> Candidate | float:
         """A step of an edge at rest, up to where it sets out; if it moves at once, the way it would open."""
@@ -216,14 +189,14 @@ class TrialStep(StepStart):
         trial = self._trial(self.end, edge)
         excess = driven(trial)
         if excess <= 0.0:
-            return Candidate(self.end, trial, self._error(trial, self.end - start))
+            return Candidate(self.end, trial, step_error(self, trial, self.end - start))
         if driven(self._trial(start, edge)) < -_RESIDUAL_ACCURACY * self.settings.tolerance:
             end = brentq(
                 lambda p: driven(self._trial(p, edge)), start, self.end, xtol=1e-14 * self.end, rtol=1e-14
             )
             if end > start:
                 trial = self._trial(end, edge)
-                return Candidate(end, trial, self._error(trial, end - start), sets_out=True)
+                return Candidate(end, trial, step_error(self, trial, end - start), sets_out=True)
         return trial.closure - adhesion.work
 
     def _trial(self, parameter: float, edge: float) -> TrialContact:
@@ -244,64 +217,12 @@ class TrialStep(StepStart):
             return None
         (last, before), (_, now) = ((one[0], one[1]) for one in rows[-2:])
         travel = abs(now - before) / (rows[-1][0] - last) * duration
-        if travel < _SHARE_OF_ZONE * self.problem.length_at(edge):
+        if travel < SHARE_OF_ZONE * self.problem.length_at(edge):
             return None
         (before, edge, load), (now, _, _) = rows[-2:]
         return EarlierRow(
             now - before, edge, load if interval.control == "force" else interval.prescribed(before)
         )
-
-    def _error(self, trial: TrialContact, step: float, rate_step: float | None = None) -> float:
-        """Departure of edge and load from straight lines, in tolerances.
-
-        ``rate_step`` is the step for which rates are taken, ``step`` itself by default.
-        """
-        of_edge, of_load, _ = self._departures(trial, step, step if rate_step is None else rate_step)
-        return max(of_edge, _LOAD_WEIGHT * of_load) / self.settings.tolerance
-
-    def _error_at_limit(self, trial: TrialContact, step: float) -> float:
-        """The same where the edge has travelled as far as it may: of the load, which may have a corner.
-
-        It misses no more than by what the load would have changed without one, however fast the edge runs.
-        """
-        _, of_load, change = self._departures(trial, step, step)
-        if len(self.state.accepted.rows) > 1:  # or its rate is unknown
-            of_load = min(of_load, 0.125 * change)
-        return _LOAD_WEIGHT_AT_LIMIT * of_load / self.settings.tolerance
-
-    def _departures(self, trial: TrialContact, step: float, rate_step: float) -> tuple[float, float, float]:
-        """Departures of edge and load from straight lines, and the change of load on its line, to scale."""
-        problem, interval, contact = self.problem, self.interval, self.state.contact
-        edge_rate, load_rate = self.state.accepted.rates(rate_step)
-        edge = trial.motion.new_edge
-        stiffness = 2.0 * edge * problem.chain.relaxed
-        softer = problem.scene.loading.compliance * stiffness if interval.control == "stage" else 0.0
-        force = interval.span * (1.0 if interval.control == "force" else stiffness / (1.0 + softer))
-        scale = max(self.state.largest_force, abs(trial.surface.force), _SCALE_OF_FIRST_LOAD * force)
-        load = trial.surface.force
-        if interval.control == "force":
-            load = trial.motion.new_penetration
-            scale /= stiffness
-        elif softer > 1.0:  # on a soft spring it is the penetration that misses its line the farther
-            scale /= softer
-        missed = edge - contact.edge - edge_rate * step
-        of_edge = departure_from_line(missed, problem.length_at(edge))
-        if problem.rated:
-            travel = max(abs(edge - contact.edge), _LEAST_RATED_TRAVEL * contact.edge)
-            of_edge = max(of_edge, departure_from_line(missed, _RATED_WEIGHT * travel))
-        passes = abs(edge - contact.edge) >= _SHARE_OF_ZONE * problem.length_at(edge)
-        if passes and problem.over_zones(contact.edge) and self.state.accepted.curved:
-            of_edge = min(of_edge, self._departure_from_path(edge, step))
-        of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
-        return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
-
-    def _departure_from_path(self, edge: float, step: float) -> float:
-        """Error of extrapolating the path of the edge to the end of a step, relative to what is allowed."""
-        travel = abs(edge - self.state.contact.edge)
-        missed = abs(edge - self.state.accepted.edge_after(step))
-        share = _SHARE_OF_FREE_TRAVEL if self.interval.control == "force" else _SHARE_OF_TRAVEL
-        allowed = min(share * travel, self.problem.longest_travel(edge))
-        return missed / allowed if allowed > 0.0 else math.inf
 
 
 def _sign_change(residual: Callable[[float], float], positive: bool) -> float:

@@ -24,12 +24,32 @@ class AcceptedSteps:
     rows: list[tuple[float, float, float]] = field(default_factory=list)
 
     def add(self, parameter: float, edge: float, load: float) -> None:
-        """One accepted state."""
+        """Add an accepted state.
+
+        Parameters
+        ----------
+        parameter : float
+            Of the loading interval.
+        edge : float
+            Contact radius.
+        load : float
+            Force or penetration, the free one.
+        """
         self.rows.append((parameter, edge, load))
         del self.rows[:-_MEMORY]
 
     def start(self, parameter: float, edge: float, load: float) -> None:
-        """Begin after a kink or an instability, before which rates mean nothing."""
+        """Begin after a kink or an instability, before which rates mean nothing.
+
+        Parameters
+        ----------
+        parameter : float
+            Of the loading interval.
+        edge : float
+            Contact radius.
+        load : float
+            Force or penetration, the free one.
+        """
         self.rows = [(parameter, edge, load)]
 
     def continue_in_next_interval(self) -> None:

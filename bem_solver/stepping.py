@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.instantaneous_events import (
     LARGEST_TRAVEL_SHARE,
     SMALLEST_TRAVEL_SHARE,
@@ -23,6 +24,7 @@ from bem_solver.instantaneous_events import (
     without_contact,
 )
 from bem_solver.loading_intervals import LoadingInterval
+from bem_solver.problem import Problem
 from bem_solver.profiles import surface_profile
 from bem_solver.run_state import GradedState, StepSettings, StepStart
 from bem_solver.state_update import updated_state
@@ -31,11 +33,11 @@ from bem_solver.step import (
     FailedStep,
     StepFailure,
     TrialStep,
-    free_load,
     limited_step,
 )
 from bem_solver.step_control import grown, shrunk
-from bem_solver.trial import EDGE_ACCURACY, HalfSpaceState, Problem, TrialContact
+from bem_solver.step_error import free_load
+from bem_solver.trial import EDGE_ACCURACY, TrialContact
 from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
 from contact_scene.run_control import (

@@ -13,121 +13,13 @@ moment. Displacement ``w``, load ``v`` and penetration are positive downwards.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from bem_solver.bent_path import BentPath, parabola_bend
 from bem_solver.creep import Chain
-from bem_solver.outer_fall import OuterFall
+from bem_solver.motion import Motion, SurfacePoints
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Motion:
-    """One step: duration, edge and penetration at both ends, and the strength of the edge's square root.
-
-    ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step.
-    ``path`` is that of an edge whose speed is not constant, and ``fall`` then takes the place of the square
-    root, or both None;
-    ``earlier`` a row (time before the start, penetration) through which the penetration is a parabola, or
-    None where it is linear.
-    ``innermost`` (1 point) the state there of the innermost radius the edge takes in the step. It is given
-    without adhesion only: an adhesive edge that moves leaves behind the load that its singularity put there.
-    """
-
-    duration: float
-    edge: float
-    new_edge: float
-    penetration: float
-    new_penetration: float
-    singular: float = 0.0
-    innermost: SurfacePoints | None = None
-    path: BentPath | None = None
-    fall: OuterFall | None = None
-    earlier: tuple[float, float] | None = None
-
-    @property
-    def bend(self) -> float:
-        """``c`` in the penetration ``D + (D' - D) s + c s (s - 1)`` after a share s of the step."""
-        if self.earlier is None or self.duration == 0.0:
-            return 0.0
-        return parabola_bend(self.earlier, self.penetration, self.duration, self.new_penetration)
-
-    def passing(self, radius: Array) -> Array:
-        """Share of the step after which the edge passes radii between its two ends."""
-        if self.path is not None:
-            return 1.0 - self.left(radius)
-        share = (radius - self.edge) / (self.new_edge - self.edge)
-        return np.minimum(np.maximum(share, 0.0), 1.0)
-
-    def left(self, radius: Array) -> Array:
-        """Share of the step still to come when the edge passes radii between its two ends."""
-        if self.path is None:
-            return 1.0 - self.passing(radius)
-        return np.minimum(np.maximum(self.path.left(radius), 0.0), 1.0)
-
-    def lags_of_fall(self, chain: Chain, radius: Array, even: Array, begin: Array, end: Array) -> Array:
-        """Scaled lags of the edge's own part of ``v`` along the path, beyond those of an even change.
-
-        Parameters
-        ----------
-        chain : Chain
-        radius : ndarray (m,)
-        even : ndarray (m, K) or (K,)
-            Share of an even change between ``begin`` and ``end`` that is still there at the end.
-        begin, end : ndarray (m,)
-            Shares of the step still to come.
-
-        Returns
-        -------
-        ndarray (m, K)
-        """
-        path, fall = self.path, self.fall
-        if path is None or fall is None:
-            raise ValueError("the edge has no path")
-        share = 1.0 - end
-
-        def of(distance: Array) -> Array:
-            return fall(distance, share.reshape(-1, *(1,) * (distance.ndim - 1)))
-
-        change = of(path.distance(radius, end)) - of(path.distance(radius, begin))
-        recent = path.recent_change(of, radius, self.duration / chain.retardation, begin, end)
-        return -chain.lag_rate * (recent - even * change[:, None])
-
-    def penetration_at(self, share: Array) -> Array:
-        """Penetration after a share of the step."""
-        linear = self.penetration + share * (self.new_penetration - self.penetration)
-        return linear if self.earlier is None else linear - self.bend * share * (1.0 - share)
-
-
-@dataclass(frozen=True)
-class SurfacePoints:
-    """Radii (m,), indenter heights there, and their state at the start of the step.
-
-    ``variables`` (m, K) are scaled Maxwell stresses, ``load`` the displacement ``v`` at unit modulus and
-    ``displacement`` ``w``, each (m,).
-    """
-
-    radius: Array
-    height: Array
-    variables: Array
-    load: Array
-    displacement: Array
-
-    def __getitem__(self, chosen: NDArray[np.bool_]) -> SurfacePoints:
-        return SurfacePoints(
-            self.radius[chosen],
-            self.height[chosen],
-            self.variables[chosen],
-            self.load[chosen],
-            self.displacement[chosen],
-        )
-
-    def __len__(self) -> int:
-        return len(self.radius)
 
 
 def pressed(

@@ -11,104 +11,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem_solver.annuli import Annuli
 from bem_solver.bent_path import BentPath, EarlierRow
-from bem_solver.closure import ClosureRule
 from bem_solver.cohesive_zone import zone_at
-from bem_solver.creep import Chain
-from bem_solver.edge_energy import EdgeStep, end_velocity, energy_taken
-from bem_solver.history import SurfaceHistory
+from bem_solver.edge_energy import end_velocity, energy_taken
+from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.kinks import EdgeKinks
+from bem_solver.motion import Motion, SurfacePoints
 from bem_solver.outer_fall import OuterFall
+from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import Motion, SurfacePoints, advanced, displacement_outside, load_inside
-from contact_scene import Adhesion, Counters, Scene
+from bem_solver.surface_points import advanced, displacement_outside, load_inside
 
 Array = NDArray[np.float64]
 
 EDGE_ACCURACY = 4e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
-LONG_ZONE = 0.02
-"""Process zone over contact radius from which on a step is a fraction of a zone and annuli have equal angles.
-There are few of both then; with shorter zones steps pass over zones, and annuli are graded towards the
-edge."""
-_LONG_TRAVEL = 0.1
-"""Part of the contact radius of which a step over zones takes the same fraction, at most: what acts at the
-edge then changes little within it, and the loading mostly asks for shorter ones."""
-
-
-@dataclass(frozen=True)
-class Problem:
-    """What stays the same over a run.
-
-    ``zone`` (at fixed stress its length at rest) and ``work`` are zero without adhesion; ``length`` is the
-    length on which the edge is resolved in the largest contact.
-    """
-
-    scene: Scene
-    annuli: Annuli
-    chain: Chain
-    zone: float
-    work: float
-    length: float
-    counters: Counters
-    rule: ClosureRule
-
-    @property
-    def viscoelastic(self) -> bool:
-        """Whether the material has branches, so that the surface has a history."""
-        return len(self.chain) > 0
-
-    @property
-    def irreversible(self) -> Adhesion | None:
-        """The adhesion, if what the edge takes up depends on its direction or speed."""
-        adhesion = self.scene.adhesion
-        return adhesion if self.work > 0.0 and adhesion is not None and not adhesion.reversible else None
-
-    @property
-    def rated(self) -> bool:
-        """Whether what the edge takes up follows its speed: its radius is then an integral over time."""
-        return self.irreversible is not None and self.irreversible.rate is not None
-
-    def length_at(self, edge: float) -> float:
-        """Length on which the motion of an edge at radius ``edge`` is resolved.
-
-        The zone, over which the history sees the edge come and go; a quarter of the radius without adhesion,
-        and in an elastic contact, whose states are equilibria by themselves.
-        """
-        return self.zone if self.work > 0.0 and self.viscoelastic else 0.25 * edge
-
-    def longest_travel(self, edge: float) -> float:
-        """Length of which the edge at radius ``edge`` may pass a fraction in one step."""
-        return _LONG_TRAVEL * edge if self.over_zones(edge) else self.length_at(edge)
-
-    def over_zones(self, edge: float) -> bool:
-        """Whether a step may pass over process zones: of one length, of an edge with one work of adhesion."""
-        adhesion = self.scene.adhesion
-        plain = adhesion is not None and adhesion.reversible and adhesion.stress is None
-        return plain and self.length_at(edge) < LONG_ZONE * edge
-
-
-@dataclass(frozen=True)
-class HalfSpaceState:
-    """Committed state: the surface, its history, time and penetration.
-
-    ``closure`` is the integral of the edge, ``spent`` what the interface has taken up, ``last_step`` the step
-    of the edge that led here, ``None`` after a kink: known where adhesion is irreversible.
-    """
-
-    time: float
-    penetration: float
-    surface: ContactSurface
-    history: SurfaceHistory
-    closure: float = 0.0
-    spent: float = 0.0
-    last_step: EdgeStep | None = None
-
-    @property
-    def edge(self) -> float:
-        """Contact radius."""
-        return self.surface.edge
 
 
 @dataclass(frozen=True)
@@ -120,28 +37,6 @@ class TrialContact:
     residual: float
     closure: float
     zone: float = 0.0
-
-
-def points_at(problem: Problem, state: HalfSpaceState, radius: Array) -> SurfacePoints:
-    """State of surface points at the start of a step."""
-    chain, history = problem.chain, state.history
-    height = problem.scene.indenter.height(radius)
-    inside = (radius <= state.edge) & (state.edge > 0.0)
-    displacement = state.penetration - height
-    if inside.all():
-        variables = history.inner.at(radius)
-        return SurfacePoints(
-            radius, height, variables, load_inside(chain, variables, displacement), displacement
-        )
-    load = np.empty(len(radius))
-    variables = np.empty((len(radius), len(chain)))
-    variables[inside] = history.inner.at(radius[inside])
-    load[inside] = load_inside(chain, variables[inside], displacement[inside])
-    outside = ~inside
-    load[outside] = state.surface.outside(radius[outside])
-    variables[outside] = chain.from_strains(history.outer.at(radius[outside]), load[outside])
-    displacement[outside] = displacement_outside(chain, variables[outside], load[outside])
-    return SurfacePoints(radius, height, variables, load, displacement)
 
 
 def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> Array:
@@ -184,10 +79,26 @@ def evaluate(
         Its residual is ``I - dgamma`` (Eq. closure), or its share of what the edge takes up in its direction,
         at its speed, times ``dgamma``; without adhesion the negative edge singularity.
     """
-    annuli, counters = problem.annuli, problem.counters
     kinks = _kinks_inside(problem, state, duration, edge)
-    radii = edge * annuli.radii
+    radii = edge * problem.annuli.radii
     points = points_at(problem, state, radii if kinks is None else np.append(radii, kinks.readings))
+    load_control = _LoadControl(problem, state, points, kinks, control, value)
+    motion, surface = load_control.satisfied(_motion(problem, state, duration, edge, earlier))
+    problem.counters.linear_solves += 1
+    if motion.fall is not None:
+        motion = replace(motion, fall=motion.fall.towards(surface))
+        if edge > state.edge:  # what has been covered depends on the fall at the end
+            motion, surface = load_control.satisfied(motion)
+            problem.counters.linear_solves += 1
+    if problem.work == 0.0:
+        return TrialContact(motion, surface, -surface.kappa, 0.0)
+    return _adhesive_contact(problem, state, motion, surface)
+
+
+def _motion(
+    problem: Problem, state: HalfSpaceState, duration: float, edge: float, earlier: EarlierRow | None
+) -> Motion:
+    """The step of the edge, penetration unchanged: its root and innermost radius, or its path and fall."""
     singular, innermost = 0.0, None
     if problem.viscoelastic:
         singular = state.surface.root_strength(abs(edge - state.edge))
@@ -202,59 +113,62 @@ def evaluate(
     elif duration > 0.0 and edge > state.edge > 0.0 and problem.over_zones(state.edge):
         path = BentPath.straight(state.edge, edge)
         fall = OuterFall.outside(state.surface, problem.zone)
+    depth = state.penetration
+    return Motion(duration, state.edge, edge, depth, depth, singular, innermost, path, fall, row)
 
-    def under(motion: Motion) -> ContactSurface:
-        return ContactSurface.under(annuli, edge, _required_load(problem, points, motion), kinks)
 
-    def controlled(motion: Motion) -> tuple[Motion, ContactSurface]:
+@dataclass(frozen=True)
+class _LoadControl:
+    """The prescribed quantity of a step: ``control`` has ``value`` at its end.
+
+    ``points`` are the collocation radii inside the new edge, and behind them the readings of ``kinks``.
+    """
+
+    problem: Problem
+    state: HalfSpaceState
+    points: SurfacePoints
+    kinks: EdgeKinks | None
+    control: str
+    value: float
+
+    def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration, and surface, that the control asks for."""
-        if control == "penetration":
-            return motion, under(motion)
+        if self.control == "penetration":
+            motion = replace(motion, new_penetration=self.value)
+            return motion, self._surface(motion)
         # everything is affine in the new penetration
-        step = max(abs(state.penetration), 1e-3 * edge)
-        first = replace(motion, new_penetration=state.penetration)
-        one, two = under(first), under(replace(first, new_penetration=state.penetration + step))
-        lacking, gained = value - one.force, two.force - one.force
-        if control == "stage":  # D + F/k
-            compliance = problem.scene.loading.compliance
-            lacking = value - (first.new_penetration + compliance * one.force)
+        start = self.state.penetration
+        step = max(abs(start), 1e-3 * motion.new_edge)
+        first = replace(motion, new_penetration=start)
+        one, two = self._surface(first), self._surface(replace(first, new_penetration=start + step))
+        lacking, gained = self.value - one.force, two.force - one.force
+        if self.control == "stage":  # D + F/k
+            compliance = self.problem.scene.loading.compliance
+            lacking = self.value - (first.new_penetration + compliance * one.force)
             gained = step + compliance * gained
         share = lacking / gained
-        return replace(first, new_penetration=state.penetration + share * step), one.towards(two, share)
+        return replace(first, new_penetration=start + share * step), one.towards(two, share)
 
-    new_penetration = value if control == "penetration" else state.penetration
-    motion, surface = controlled(
-        Motion(
-            duration,
-            state.edge,
-            edge,
-            state.penetration,
-            new_penetration,
-            singular,
-            innermost,
-            path,
-            fall,
-            row,
-        )
-    )
-    counters.linear_solves += 1
-    if fall is not None:
-        motion = replace(motion, fall=fall.towards(surface))
-        if edge > state.edge:  # what has been covered depends on the fall at the end
-            motion, surface = controlled(motion)
-            counters.linear_solves += 1
-    if problem.work == 0.0:
-        return TrialContact(motion, surface, -surface.kappa, 0.0)
-    counters.closure_evaluations += 1
+    def _surface(self, motion: Motion) -> ContactSurface:
+        """The surface after a motion whose penetration is known."""
+        load = _required_load(self.problem, self.points, motion)
+        return ContactSurface.under(self.problem.annuli, motion.new_edge, load, self.kinks)
+
+
+def _adhesive_contact(
+    problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface
+) -> TrialContact:
+    """The contact after a motion, and by how much it misses the closure."""
+    problem.counters.closure_evaluations += 1
     zone = _zone(problem, surface)
-    value_of = _closure(problem, state, motion, surface, zone)
+    closure = _closure(problem, state, motion, surface, zone)
     if surface.kappa > 0.0:
-        value_of = -abs(value_of)
+        closure = -abs(closure)
     if problem.irreversible is None:
-        return TrialContact(motion, surface, value_of - problem.work, value_of, zone)
-    velocity = end_velocity(state.edge, edge, duration, state.last_step)
-    excess = value_of / energy_taken(problem.irreversible, velocity) - 1.0
-    return TrialContact(motion, surface, excess * problem.work, value_of, zone)
+        return TrialContact(motion, surface, closure - problem.work, closure, zone)
+    velocity = end_velocity(state.edge, motion.new_edge, motion.duration, state.last_step)
+    excess = closure / energy_taken(problem.irreversible, velocity) - 1.0
+    return TrialContact(motion, surface, excess * problem.work, closure, zone)
 
 
 def _zone(problem: Problem, surface: ContactSurface) -> float:

@@ -100,7 +100,19 @@ class AnnuliState:
 
     @classmethod
     def untouched(cls, annuli: UniformAnnuli, branches: int, penetration: float) -> AnnuliState:
-        """No contact and no past, at time zero."""
+        """No contact and no past, at time zero.
+
+        Parameters
+        ----------
+        annuli : UniformAnnuli
+        branches : int
+            Branches of the material.
+        penetration : float
+
+        Returns
+        -------
+        AnnuliState
+        """
         zero = np.zeros(annuli.count)
         return cls(0.0, penetration, 0, zero, np.zeros((annuli.count, branches)), zero[:0], 0.0, 0.0)
 

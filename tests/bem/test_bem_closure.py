@@ -15,8 +15,9 @@ from support.paper_scenes import ELASTIC, SPHERE, STICKY, WORK, ZONE, scene
 from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
+from bem_solver.problem import Problem
 from bem_solver.start import untouched_state
-from bem_solver.trial import Problem, evaluate
+from bem_solver.trial import evaluate
 from contact_scene import Adhesion, Counters
 from validation.reference.finite_zone import FiniteZone
 

@@ -246,7 +246,7 @@ def test_pulled_without_contact():
 
 
 def test_contact_that_leaves_the_annuli(monkeypatch):
-    monkeypatch.setattr("bem_solver.paper_scheme.solver.largest_contact", lambda scene, problem: 0.15)
+    monkeypatch.setattr("bem_solver.paper_scheme.size_estimates.largest_contact", lambda scene, problem: 0.15)
     trace = uniform(cycle(0.1))
     assert trace.outcome.kind is OutcomeKind.OUT_OF_RANGE
     assert 0.16 < trace.contact_radius[-1] < 0.17

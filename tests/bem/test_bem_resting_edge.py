@@ -13,8 +13,9 @@ from support.paper_scenes import scene
 
 from bem_solver.creep import Chain
 from bem_solver.history import NodalVariables
+from bem_solver.motion import Motion, SurfacePoints
 from bem_solver.root_search import rising_root
-from bem_solver.surface_points import Motion, SurfacePoints, advanced, load_inside, pressed
+from bem_solver.surface_points import advanced, load_inside, pressed
 from contact_scene import Adhesion, Branch, Hold, Loading, Material, Oscillate, Ramp, Scene, Sphere
 
 

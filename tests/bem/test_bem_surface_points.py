@@ -7,9 +7,8 @@ from numpy.testing import assert_allclose
 from support.paper_scenes import SPHERE, THREE
 
 from bem_solver.creep import Chain
+from bem_solver.motion import Motion, SurfacePoints
 from bem_solver.surface_points import (
-    Motion,
-    SurfacePoints,
     advanced,
     covered,
     displacement_outside,

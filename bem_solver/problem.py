@@ -1,0 +1,70 @@
+"""What stays the same over a run: scene, material, discretisation, and the lengths that bound its steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bem_solver.annuli import Annuli
+from bem_solver.closure import ClosureRule
+from bem_solver.creep import Chain
+from contact_scene import Adhesion, Counters, Scene
+
+LONG_ZONE = 0.02
+"""Process zone over contact radius from which on a step is a fraction of a zone and annuli have equal angles.
+There are few of both then; with shorter zones steps pass over zones, and annuli are graded towards the
+edge."""
+_LONG_TRAVEL = 0.1
+"""Part of the contact radius of which a step over zones takes the same fraction, at most: what acts at the
+edge then changes little within it, and the loading mostly asks for shorter ones."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What stays the same over a run.
+
+    ``zone`` (at fixed stress its length at rest) and ``work`` are zero without adhesion; ``length`` is the
+    length on which the edge is resolved in the largest contact.
+    """
+
+    scene: Scene
+    annuli: Annuli
+    chain: Chain
+    zone: float
+    work: float
+    length: float
+    counters: Counters
+    rule: ClosureRule
+
+    @property
+    def viscoelastic(self) -> bool:
+        """Whether the material has branches, so that the surface has a history."""
+        return len(self.chain) > 0
+
+    @property
+    def irreversible(self) -> Adhesion | None:
+        """The adhesion, if what the edge takes up depends on its direction or speed."""
+        adhesion = self.scene.adhesion
+        return adhesion if self.work > 0.0 and adhesion is not None and not adhesion.reversible else None
+
+    @property
+    def rated(self) -> bool:
+        """Whether what the edge takes up follows its speed: its radius is then an integral over time."""
+        return self.irreversible is not None and self.irreversible.rate is not None
+
+    def length_at(self, edge: float) -> float:
+        """Length on which the motion of an edge at radius ``edge`` is resolved.
+
+        The zone, over which the history sees the edge come and go; a quarter of the radius without adhesion,
+        and in an elastic contact, whose states are equilibria by themselves.
+        """
+        return self.zone if self.work > 0.0 and self.viscoelastic else 0.25 * edge
+
+    def longest_travel(self, edge: float) -> float:
+        """Length of which the edge at radius ``edge`` may pass a fraction in one step."""
+        return _LONG_TRAVEL * edge if self.over_zones(edge) else self.length_at(edge)
+
+    def over_zones(self, edge: float) -> bool:
+        """Whether a step may pass over process zones: of one length, of an edge with one work of adhesion."""
+        adhesion = self.scene.adhesion
+        plain = adhesion is not None and adhesion.reversible and adhesion.stress is None
+        return plain and self.length_at(edge) < LONG_ZONE * edge

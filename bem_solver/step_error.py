@@ -1,0 +1,107 @@
+"""Step error estimator on graded annuli: departures of edge and load from their extrapolations."""
+
+from __future__ import annotations
+
+import math
+
+from bem_solver.half_space_state import HalfSpaceState
+from bem_solver.loading_intervals import LoadingInterval
+from bem_solver.run_state import StepStart
+from bem_solver.step_control import departure_from_line
+from bem_solver.trial import TrialContact
+
+SHARE_OF_ZONE = 0.25
+"""Travel of a step, in process zones, from which on its path is a parabola through another row and it is
+judged by that: the longest step within a zone at the coarsest resolution."""
+_SHARE_OF_TRAVEL = 2.0
+"""Error of extrapolating the edge over process zones, in step tolerances of its travel, that is allowed: the
+speed of the edge, on which the closure depends, is then met to about as much."""
+_SHARE_OF_FREE_TRAVEL = 0.5
+"""The same under a controlled force: no prescribed penetration holds the edge back there, and the errors of
+its speed add up to one of the time at which contact is lost."""
+_LOAD_WEIGHT = 4.0
+"""Weight of the departure of the load from a straight line against that of the edge in the step error."""
+_LOAD_WEIGHT_AT_LIMIT = 16.0
+"""The same weight where the edge travels its limit before the end of the step. The load may have a corner
+there, the largest tension of the run; an eighth of the departure understates how far a row may miss it."""
+_SCALE_OF_FIRST_LOAD = 0.01
+"""Part of the load to be expected in an interval against which a load that starts from zero is measured."""
+_RATED_WEIGHT = 5.0
+"""Weight of the departure from a straight line relative to the length the edge is resolved on against that
+relative to its travel, where the speed counts: the edge may then change its speed by a sixth in a step."""
+_LEAST_RATED_TRAVEL = 1e-4
+"""Least travel for that, in contact radii: below it an edge is about to set out."""
+
+
+def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
+    """The quantity that is not prescribed: penetration under a controlled force, otherwise the force."""
+    return contact.penetration if interval.control == "force" else contact.surface.force
+
+
+def step_error(start: StepStart, trial: TrialContact, step: float, rate_step: float | None = None) -> float:
+    """Departure of edge and load from straight lines, in tolerances.
+
+    Parameters
+    ----------
+    start : StepStart
+    trial : TrialContact
+        At the end of the step.
+    step : float
+    rate_step : float, optional
+        Step for which rates are taken, ``step`` itself by default.
+
+    Returns
+    -------
+    float
+    """
+    of_edge, of_load, _ = _departures(start, trial, step, step if rate_step is None else rate_step)
+    return max(of_edge, _LOAD_WEIGHT * of_load) / start.settings.tolerance
+
+
+def error_at_limit(start: StepStart, trial: TrialContact, step: float) -> float:
+    """Step error where the edge has travelled as far as it may: of the load, which may have a corner.
+
+    It misses no more than by what the load would have changed without one, however fast the edge runs.
+    """
+    _, of_load, change = _departures(start, trial, step, step)
+    if len(start.state.accepted.rows) > 1:  # or its rate is unknown
+        of_load = min(of_load, 0.125 * change)
+    return _LOAD_WEIGHT_AT_LIMIT * of_load / start.settings.tolerance
+
+
+def _departures(
+    start: StepStart, trial: TrialContact, step: float, rate_step: float
+) -> tuple[float, float, float]:
+    """Departures of edge and load from straight lines, and the change of load on its line, to scale."""
+    problem, interval, contact = start.problem, start.interval, start.state.contact
+    edge_rate, load_rate = start.state.accepted.rates(rate_step)
+    edge = trial.motion.new_edge
+    stiffness = 2.0 * edge * problem.chain.relaxed
+    softer = problem.scene.loading.compliance * stiffness if interval.control == "stage" else 0.0
+    force = interval.span * (1.0 if interval.control == "force" else stiffness / (1.0 + softer))
+    scale = max(start.state.largest_force, abs(trial.surface.force), _SCALE_OF_FIRST_LOAD * force)
+    load = trial.surface.force
+    if interval.control == "force":
+        load = trial.motion.new_penetration
+        scale /= stiffness
+    elif softer > 1.0:  # on a soft spring it is the penetration that misses its line the farther
+        scale /= softer
+    missed = edge - contact.edge - edge_rate * step
+    of_edge = departure_from_line(missed, problem.length_at(edge))
+    if problem.rated:
+        travel = max(abs(edge - contact.edge), _LEAST_RATED_TRAVEL * contact.edge)
+        of_edge = max(of_edge, departure_from_line(missed, _RATED_WEIGHT * travel))
+    passes = abs(edge - contact.edge) >= SHARE_OF_ZONE * problem.length_at(edge)
+    if passes and problem.over_zones(contact.edge) and start.state.accepted.curved:
+        of_edge = min(of_edge, _departure_from_path(start, edge, step))
+    of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
+    return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
+
+
+def _departure_from_path(start: StepStart, edge: float, step: float) -> float:
+    """Error of extrapolating the path of the edge to the end of a step, relative to what is allowed."""
+    travel = abs(edge - start.state.contact.edge)
+    missed = abs(edge - start.state.accepted.edge_after(step))
+    share = _SHARE_OF_FREE_TRAVEL if start.interval.control == "force" else _SHARE_OF_TRAVEL
+    allowed = min(share * travel, start.problem.longest_travel(edge))
+    return missed / allowed if allowed > 0.0 else math.inf
