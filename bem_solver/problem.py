@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from bem_solver.annuli import Annuli
@@ -62,6 +63,10 @@ class Problem:
     def longest_travel(self, edge: float) -> float:
         """Length of which the edge at radius ``edge`` may pass a fraction in one step."""
         return _LONG_TRAVEL * edge if self.over_zones(edge) else self.length_at(edge)
+
+    def relaxes_within(self, duration: float) -> bool:
+        """Whether a step is long against a branch: points it covers then feel the whole fall of the load."""
+        return bool(duration > self.chain.retardation.min(initial=math.inf))
 
     def over_zones(self, edge: float) -> bool:
         """Whether a step may pass over process zones: of one length, of an edge with one work of adhesion."""

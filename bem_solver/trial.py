@@ -110,7 +110,7 @@ def _motion(
         if edge != state.edge:
             path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge)
             fall = OuterFall.outside(state.surface, problem.zone)
-    elif duration > 0.0 and edge > state.edge > 0.0 and problem.over_zones(state.edge):
+    elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)
         fall = OuterFall.outside(state.surface, problem.zone)
     depth = state.penetration
