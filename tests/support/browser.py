@@ -20,8 +20,9 @@ addEventListener("load", () => {
     width: innerWidth, content: root.scrollWidth, trouble: window.trouble || 0,
     broken: [...document.images].filter(i => !i.complete || !i.naturalWidth).length,
     figures: drawn.length, flat: drawn.filter(b => b.width < 100 || b.height < 60).length,
-    wide: [...document.querySelectorAll('figure svg')].filter(e => !e.closest('.wide')  // that scrolls by itself
-        && e.getBoundingClientRect().right > innerWidth + 1).length,
+    wide: [...document.querySelectorAll('figure svg')]
+      .filter(e => !e.closest('.wide'))  // what scrolls by itself
+      .filter(e => e.getBoundingClientRect().right > innerWidth + 1).length,
     labels: labels.length, ink: labels.length ? getComputedStyle(labels[0]).fill : '',
     paper: getComputedStyle(document.body).backgroundColor });
 });
