@@ -155,7 +155,7 @@ def test_backward_euler_costs_the_order(rate):
     assert abs(errors[-1]) > 10.0 * 2e-4
 
 
-@pytest.mark.parametrize("rate", CYCLES)
+@pytest.mark.parametrize("rate", [0.02, *(pytest.param(v, marks=pytest.mark.slow) for v in (0.002, 0.1))])
 def test_work_is_triangular_solves_after_one_factorisation(rate):
     trace = bem(cycle(rate))
     counters = trace.counters

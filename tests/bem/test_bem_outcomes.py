@@ -190,9 +190,13 @@ EXTREMES = {
     "weak adhesion": cycle(0.02, adhesion=Adhesion(1e-9, 3e-4), depth=1e-5),
     "no work of adhesion": scene(Ramp(0.01, 0.1), adhesion=Adhesion(0.0, 1.0)),
 }
+SLOW = dict.fromkeys(("frequent", "very slow"), pytest.mark.slow)
 
 
-@pytest.mark.parametrize("question", EXTREMES.values(), ids=EXTREMES)
+@pytest.mark.parametrize(
+    "question",
+    [pytest.param(case, id=name, marks=SLOW.get(name, ())) for name, case in EXTREMES.items()],
+)
 def test_never_anything_but_finite_numbers(question):
     trace = solve(question, Options(resolution=4, profile_times=(0.0, 0.05), max_steps=4000))
     assert finite(trace)

@@ -66,6 +66,8 @@ LOADINGS = {
 }
 SLOW = {
     "hold",
+    "table",
+    "nu = 0.3",
     "long zone",
     "power 8",
     "sweep",

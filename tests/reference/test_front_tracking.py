@@ -31,7 +31,7 @@ from validation.reference.tracking import problem
 from validation.reference.tracking.energy import branch_power
 from validation.reference.tracking.recorder import Recorder
 from validation.reference.tracking.rheology import Rheology
-from validation.studies.reference_accuracy import COLUMNS, MATERIALS, cycle, levels, order
+from validation.studies.reference_accuracy import COLUMNS, cycle, levels, order
 
 
 @cache
@@ -181,7 +181,6 @@ def test_fast_retraction_from_the_relaxed_state() -> None:
 
 
 MORE = ("two", "seven", "thirty")
-QUICK = [pytest.param(name, marks=pytest.mark.slow) if name in MORE[1:] else name for name in MATERIALS]
 
 
 SLOW = pytest.mark.slow
@@ -202,7 +201,7 @@ def test_order_in_the_step(speed: float, material: str) -> None:
     assert all(0.0 < estimate <= 2e-5 for estimate in found[-1].estimates.values())
 
 
-@pytest.mark.parametrize("material", QUICK)
+@pytest.mark.parametrize("material", ["one", *(pytest.param(m, marks=SLOW) for m in MORE)])
 def test_default_settings_against_a_finer_run(material: str) -> None:
     fine = _with_branch_power(material)[0] if material in ("one", "two") else _run(0.02, 32, material)
     usual = _run(0.02, None, material)

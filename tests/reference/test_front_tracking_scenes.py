@@ -281,7 +281,7 @@ def test_start_alone_and_progress() -> None:
     "steps",
     [
         (Hold(50.0),),
-        (Force(2.0 * F_JKR, 20.0), Force(-F_JKR, 20.0)),
+        pytest.param((Force(2.0 * F_JKR, 20.0), Force(-F_JKR, 20.0)), marks=pytest.mark.slow),
         (Oscillate(0.004, 1.0, 6.0, drift=1e-3),),
     ],
     ids=["hold", "force", "oscillate"],
