@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.closed_form_solver import registered
-from support.recorded import MODULUS, elastic_scene, hertz_curve
+from support.recorded import GUESS, MODULUS, elastic_scene, hertz_curve, settings_of
 
 import crosscontact as cc
 from contact_scene import (
@@ -27,7 +26,6 @@ from validation.execution.store import Store
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
 from validation.fits.fit_result import InterruptedFit
-from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.parameters import ParameterSet, scene_parameter
 from validation.fits.problem import FitProblem
@@ -36,18 +34,7 @@ from validation.reference.ting import Ting
 from validation.report.sections.fit import document, drawings
 from validation.report.sections.fit_statements import statements
 
-GUESS = 1.3 * MODULUS
-
-
-@pytest.fixture(scope="module", autouse=True)
-def closed_form():
-    """The runs of these fits are closed forms."""
-    with registered() as name:
-        yield name
-
-
-def settings_of(*vary, **more):
-    return FitSettings(vary=vary, **{"solver": "closed-form", "check_solver": None} | more)
+pytestmark = pytest.mark.usefixtures("closed_form")
 
 
 @pytest.fixture(scope="module")

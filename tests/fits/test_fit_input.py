@@ -6,8 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from support.closed_form_solver import registered
-from support.recorded import MODULUS, elastic_scene, hertz_curve
+from support.recorded import GUESS, elastic_scene, hertz_curve, settings_of
 
 import crosscontact as cc
 from contact_scene import (
@@ -22,21 +21,9 @@ from crosscontact.cli import main
 from validation.fits.curve_files import write_csv
 from validation.fits.fit import fit_curves
 from validation.fits.fit_question import check_folder, question
-from validation.fits.fit_settings import FitSettings
 from validation.report.sections.fit_statements import statements
 
-GUESS = 1.3 * MODULUS
-
-
-@pytest.fixture(scope="module", autouse=True)
-def closed_form():
-    """The runs of these fits are closed forms."""
-    with registered() as name:
-        yield name
-
-
-def settings_of(*vary, **more):
-    return FitSettings(vary=vary, **{"solver": "closed-form", "check_solver": None} | more)
+pytestmark = pytest.mark.usefixtures("closed_form")
 
 
 @pytest.mark.parametrize(

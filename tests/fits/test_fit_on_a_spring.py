@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.closed_form_solver import registered
-from support.recorded import MODULUS, elastic_scene, hertz_curve
+from support.recorded import GUESS, MODULUS, elastic_scene, hertz_curve, settings_of
 
 from contact_scene import (
     Adhesion,
@@ -21,22 +20,10 @@ from contact_scene import (
 )
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
-from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.synthetic import synthetic
 
-GUESS = 1.3 * MODULUS
-
-
-@pytest.fixture(scope="module", autouse=True)
-def closed_form():
-    """The runs of these fits are closed forms."""
-    with registered() as name:
-        yield name
-
-
-def settings_of(*vary, **more):
-    return FitSettings(vary=vary, **{"solver": "closed-form", "check_solver": None} | more)
+pytestmark = pytest.mark.usefixtures("closed_form")
 
 
 def test_a_record_of_the_stage_drives_the_stage_of_its_spring():

@@ -5,9 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Loading, Material, Ramp, Scene, Sphere
+from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 
 MODULUS, DEPTH, RATE = 0.8, 0.03, 0.02
+GUESS = 1.3 * MODULUS
+"""Where fits of the modulus start."""
+
+
+def settings_of(*vary, **more):
+    """Settings of a fit by closed forms, without a second solver."""
+    return FitSettings(vary=vary, **{"solver": "closed-form", "check_solver": None} | more)
 
 
 def elastic_scene(modulus=MODULUS):
