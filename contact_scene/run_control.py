@@ -186,7 +186,21 @@ class LoadingCursor:
         self.trigger_side = None
 
     def share(self, loading: Loading, segment: Segment, time: float) -> float:
-        """Share of the loading that is done at a time within the present load step, 0 to 1."""
+        """Share of the loading that is done.
+
+        Parameters
+        ----------
+        loading : Loading
+        segment : Segment
+            Of the present load step.
+        time : float
+            Within it.
+
+        Returns
+        -------
+        float
+            0 to 1.
+        """
         length = segment.end - segment.start
         return (self.step + ((time - segment.start) / length if length > 0.0 else 1.0)) / len(loading.steps)
 

@@ -89,5 +89,17 @@ class Step:
         return None
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        """The control law, starting at ``time`` from a penetration and a force."""
+        """The control law of this step.
+
+        Parameters
+        ----------
+        time : float
+            At which it starts.
+        penetration, force : float
+            From which it starts.
+
+        Returns
+        -------
+        Segment
+        """
         raise AssertionError("defined by every kind of step")

@@ -163,7 +163,18 @@ class SeriesDesign:
         return min(shorter, key=lambda one: one.misfit)
 
     def prefers(self, shorter: PronySeries, longer: PronySeries, tolerance: float) -> bool:
-        """Whether the shorter series is to be taken: within tolerance, or better by Schwarz' criterion."""
+        """Whether the shorter series is to be taken: within tolerance, or better by Schwarz' criterion.
+
+        Parameters
+        ----------
+        shorter, longer : PronySeries
+        tolerance : float
+            Misfit that is allowed.
+
+        Returns
+        -------
+        bool
+        """
         if shorter.misfit <= tolerance:
             return True
         if longer.misfit <= tolerance:

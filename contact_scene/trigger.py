@@ -28,7 +28,18 @@ class Trigger:
     level: float
 
     def excess(self, penetration: float, force: float, radius: float) -> float:
-        """Distance beyond the level."""
+        """Distance beyond the level.
+
+        Parameters
+        ----------
+        penetration, force, radius : float
+            Of the contact.
+
+        Returns
+        -------
+        float
+            Of the quantity the level belongs to.
+        """
         return {"force": force, "radius": radius, "penetration": penetration}[self.quantity] - self.level
 
     def side(self, excess: float) -> float:

@@ -54,7 +54,19 @@ class RatedEdge:
     release_rate: ReleaseRate
 
     def departure(self, radius: float, penetration: float, rate: float) -> float:
-        """Time at which a pinned edge starts to open while the penetration falls at ``rate``."""
+        """Time at which a pinned edge starts to open while the penetration falls.
+
+        Parameters
+        ----------
+        radius, penetration : float
+            At time 0.
+        rate : float
+            At which the penetration falls, a length per time.
+
+        Returns
+        -------
+        float
+        """
 
         def lack(time: float) -> float:
             return self.release_rate(radius, penetration - rate * time) - self.adhesion.work

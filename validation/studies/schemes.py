@@ -86,7 +86,19 @@ class Scheme:
         return {**self.solver.curve_style, "marker": self.solver.marker, **(self.line or {})}
 
     def solve(self, scene: Scene, settings: Settings, stop_times: tuple[float, ...] = ()) -> Trace:
-        """Solve a scene with the settings of one level."""
+        """Solve a scene with the settings of one level.
+
+        Parameters
+        ----------
+        scene : Scene
+        settings : Settings
+        stop_times : tuple of float
+            Stepped onto.
+
+        Returns
+        -------
+        Trace
+        """
         changes: Any = settings.of_solver
         solver = replace(self.solver, **changes) if changes else self.solver  # type: ignore[type-var]
         return solver.solve(

@@ -23,7 +23,16 @@ class InterfaceWork:
     started: bool = False
 
     def advance(self, adhesion: Adhesion, time: float, radius: float, closure: float) -> None:
-        """Go on to the next row; ``closure`` is the integral there (0 without contact)."""
+        """Go on to the next row.
+
+        Parameters
+        ----------
+        adhesion : Adhesion
+        time, radius : float
+            There.
+        closure : float
+            The closure integral there, 0 without contact.
+        """
         if self.started:
             area = math.pi * (self.radius - radius) * (self.radius + radius)
             self.spent += area * (adhesion.closing if area < 0.0 else self._opening(adhesion, time, closure))
