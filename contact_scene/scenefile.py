@@ -8,8 +8,8 @@ from __future__ import annotations
 import os
 import tomllib
 from collections.abc import Callable, Iterable
-from dataclasses import MISSING, asdict, fields
-from functools import partial
+from dataclasses import MISSING, Field, asdict, fields
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -176,9 +176,15 @@ def _require(data: dict[str, Any], key: str, allowed: str) -> Any:
     return data[key]
 
 
+@cache
+def _entries(kind: type) -> dict[str, Field[Any]]:
+    """Those of a dataclass that a file may give."""
+    return {entry.name: entry for entry in fields(kind) if entry.init}
+
+
 def _build(kind: type, data: dict[str, Any], tag: str | None = None) -> Any:
     """Construct a frozen dataclass from a table; ``tag`` is a key already dealt with."""
-    known = {f.name: f for f in fields(kind) if f.init}
+    known = _entries(kind)
     _known({k: v for k, v in data.items() if k != tag}, "", [*known, *([tag] if tag else [])])
     for name, entry in known.items():
         if name not in data and entry.default is MISSING:

@@ -19,8 +19,11 @@ PER_WORKER = 4
 """Batches that wait or run for each worker, so that none is idle while a result travels and the next batch is
 made; a few, since batches are sized by the cost of the runs that are done."""
 BATCH_SECONDS = 0.25
-"""Processor time of a batch: thirty times or more what a task costs Dask, 2 to 8 ms, and more than a hundred
-times what it costs the processes; what a kill can lose of runs that are done, for each worker."""
+"""Processor time of a batch: more than a hundred times what a task costs the processes; what a kill can lose
+of runs that are done, for each worker."""
+DASK_SECONDS = 1.0
+"""The same by Dask, whose scheduler, client and worker spend 5 to 12 ms on a task: a hundredth, and a
+twentieth in the shorter batches at the end."""
 QUEUE_SECONDS = 300.0
 """The same where every batch is a job in the queue of a cluster, which takes seconds to start."""
 CONNECT_SECONDS = 20.0
@@ -108,7 +111,9 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
         workers = len(client.nthreads())
         executor = opened.enter_context(client.get_executor())
         try:
-            yield Engine(executor, PER_WORKER * workers if own else max(PER_WORKER * workers, 64))
+            yield Engine(
+                executor, PER_WORKER * workers if own else max(PER_WORKER * workers, 64), DASK_SECONDS
+            )
         except BaseException:
             executor.shutdown(wait=False)  # cancels
             raise

@@ -32,8 +32,10 @@ def canonical(value: Any) -> Any:
     derived from other fields.
     """
     if is_dataclass(value) and not isinstance(value, type):
-        compared = [entry.name for entry in fields(value) if entry.compare]
-        return [type(value).__name__, {name: canonical(getattr(value, name)) for name in compared}]
+        return [
+            type(value).__name__,
+            {name: canonical(getattr(value, name)) for name in _compared(type(value))},
+        ]
     if isinstance(value, (tuple, list)):
         return [canonical(entry) for entry in value]
     if isinstance(value, float):
@@ -43,6 +45,11 @@ def canonical(value: Any) -> Any:
     if hasattr(value, "tobytes"):
         return [str(value.dtype), list(value.shape), value.tobytes().hex()]
     raise TypeError(f"{type(value).__name__} cannot be part of a fingerprint")
+
+
+@cache
+def _compared(kind: type) -> tuple[str, ...]:
+    return tuple(entry.name for entry in fields(kind) if entry.compare)
 
 
 @cache
