@@ -1,6 +1,7 @@
 """Wheel and source distribution, built from a clone, installed in fresh environments. Needs a package index.
 
-Run by ``pytest -m exhaustive tests/packaging -n 0``, with the extra ``release`` installed.
+Run by ``pytest -m exhaustive tests/packaging -n 0``, with the extra ``release`` installed; ``.ci/run`` leaves
+out what installs an extra (``-k "not installed or plain"``).
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ def built(clone):
     return clone / "dist"
 
 
-@pytest.fixture(scope="module", params=EXTRAS)
+@pytest.fixture(scope="module", params=EXTRAS, ids=lambda extra: extra or "plain")
 def installed(request, built, tmp_path_factory):
     """A fresh environment with the wheel and one extra, and the name of the extra."""
     folder = tmp_path_factory.mktemp("environment")
