@@ -233,6 +233,14 @@ def test_all_solvers_on_probes_with_a_closed_form(label):
         assert np.isfinite(cell.residual)
 
 
+def test_an_elastic_contact_may_shrink_to_its_zone_before_it_is_unstable():
+    (case,) = [case for case in AXES["adhesion"]() if case.label == "da/a = 0.5, elastic"]
+    job = CaseRun("reference", case.scene, case.resolution("reference"), case.max_steps)
+    cell = one(case, solve_case(job), solver="reference")
+    assert case.expected.endings == (OutcomeKind.BELOW_ZONE,)
+    assert cell.verdict is CellVerdict.WITHIN, cell.errors
+
+
 @pytest.mark.slow
 def test_elements_follow_the_edge_up_to_its_last_root():
     """Next to it a stride of a quarter element finds no root: with nothing shorter this took 9600 steps."""

@@ -114,6 +114,11 @@ class FiniteZone:
             lambda a: self.state(a).penetration, self._vanishing.pull_off_penetration_control()
         )
 
+    def shrinks_to_its_zone(self) -> bool:
+        """Whether a contact that is withdrawn is stable until it is no longer than its process zone."""
+        shortest = 1.001 * self.zone
+        return self.state(shortest).penetration < self.state(1.001 * shortest).penetration
+
     @property
     def _vanishing(self) -> JKR:
         return JKR(Sphere(self.radius), self.plane_modulus, self.work)

@@ -24,6 +24,7 @@ from validation.execution.run_folder import read_run
 from validation.execution.runs import Run
 from validation.measure.check import Check
 from validation.report.report import Report
+from validation.stability.measure import MISSING
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell, CellVerdict
 
@@ -82,10 +83,11 @@ def findings(data: list[dict[str, Any]]) -> tuple[Finding, ...]:
 def matrix(data: dict[str, Any]) -> StabilityMatrix:
     """The stiff and extreme cases, of ``stability.json`` or of ``report.json``."""
     names = {entry.name for entry in fields(Cell)}
-    cells = (
-        Cell(**{k: v for k, v in cell.items() if k in names} | {"verdict": CellVerdict(cell["verdict"])})
-        for cell in data["cells"]
-    )
+    cells = []
+    for cell in data["cells"]:
+        errors = {name: MISSING if error is None else error for name, error in cell["errors"].items()}
+        known = {name: value for name, value in cell.items() if name in names}
+        cells.append(Cell(**known | {"verdict": CellVerdict(cell["verdict"]), "errors": errors}))
     return StabilityMatrix(tuple(cells), data["wall_seconds"])
 
 

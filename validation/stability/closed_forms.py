@@ -49,7 +49,8 @@ def elastic_cycle(
     Returns
     -------
     ClosedForm
-        Ending with detachment, or also at the process zone if not ``at_once``.
+        Ending with detachment, or also at the process zone if not ``at_once``; at the zone alone if the law
+        is stable until there.
     """
     law = zone_law(scene, plane_modulus)
     pressed = law.at_penetration(top)
@@ -64,7 +65,10 @@ def elastic_cycle(
     if at_once:
         first = law.at_penetration(scene.loading.penetration)
         values.append(Value("dissipated_energy", _zone_loss(law, last, first), adhering))
-    endings = (OutcomeKind.DETACHED,) if at_once else (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
+    if law.shrinks_to_its_zone():
+        endings: tuple[OutcomeKind, ...] = (OutcomeKind.BELOW_ZONE,)
+    else:
+        endings = (OutcomeKind.DETACHED,) if at_once else (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
     return ClosedForm(tuple(values), f"elastic closure of finite zone, {which}", endings)
 
 
