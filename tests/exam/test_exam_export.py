@@ -119,6 +119,7 @@ def test_bad_input_is_told_in_a_line(tmp_path, capsys):
         assert main(["exam", "reproduce", str(tmp_path / "wrong.csv")]) == 2
         (told,) = capsys.readouterr().err.splitlines()
         assert said in told
+        assert told.count("allowed:") <= 1
     with pytest.raises(SystemExit) as ended:
         main(["exam", "answer", str(tmp_path), "--solvers", "bem,nobody"])
     assert ended.value.code == 2

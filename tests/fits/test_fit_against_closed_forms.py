@@ -8,7 +8,18 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, least_squares
 
-from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Force,
+    Hold,
+    Loading,
+    Material,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+)
 from contact_scene.scene_values import with_values
 from validation.fits.baseline import features
 from validation.fits.fit import fit_curves
@@ -122,3 +133,33 @@ def test_an_adhesionless_fit_agrees_with_a_ting_model_fit():
     for one, other in zip(found.estimates, first_guess * np.exp(ting.x - 1.0), strict=True):
         assert abs(np.log(one.value / other)) < 0.1 * one.deviation
     assert found.goodness.explained
+
+
+@pytest.mark.parametrize("stiffness", [None, 0.05])
+def test_a_curve_of_an_approach_to_a_force_turns_where_hertz_has_that_force(stiffness):
+    level, rate, dwell = 2e-3, 0.02, 0.3
+    steps = (Ramp(1.0, rate, until_force=level), Hold(dwell), Ramp(-0.1, rate))
+    truth = Scene(Material(0.75, 0.5), Sphere(1.0), Loading("jump-in", 0.0, steps))
+    curve = synthetic(truth, 0.0, 0.01, contact_point=0.003, stiffness=stiffness, resolution=4)
+    depth = (0.75 * level) ** (2.0 / 3.0)
+    turn = depth + (0.0 if stiffness is None else level / stiffness)
+    assert curve.position.max() - 0.003 == pytest.approx(turn, rel=1e-6)
+    assert curve.force.max() == pytest.approx(level, rel=1e-6)
+    resting = curve.time[curve.position > curve.position.max() - 1e-12]
+    assert np.ptp(resting) == pytest.approx(dwell, abs=0.011)
+    assert curve.force[curve.position < 0.002].max() == 0.0  # before contact, and after it
+
+
+def test_a_curve_whose_contact_is_lost_goes_on_along_the_step_that_waits_for_a_level():
+    steps = (Ramp(0.02, 0.02), Ramp(-0.1, 0.02, until_force=-1.0), Ramp(0.1, 0.02))
+    truth = Scene(Material(0.75, 0.5), Sphere(1.0), Loading("jump-in", 0.0, steps), Adhesion(5e-4, 1e-3))
+    curve = synthetic(truth, 0.0, 0.02, resolution=4)
+    after = curve.position[np.flatnonzero(curve.force)[-1] + 1 :]
+    assert len(after) > 5
+    assert np.all(np.diff(after) < 0.0)
+
+
+def test_a_curve_is_refused_where_a_step_prescribes_the_force():
+    loading = Loading("jump-in", 0.0, (Ramp(0.02, 0.02, until_force=1e-3), Force(1e-3, 1.0)))
+    with pytest.raises(SceneError, match="do not prescribe the penetration"):
+        synthetic(Scene(Material(0.75, 0.5), Sphere(1.0), loading))

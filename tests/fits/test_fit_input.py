@@ -36,6 +36,7 @@ pytestmark = pytest.mark.usefixtures("closed_form")
         (["--vary", "material.modulus", "--free", "tilt"], "contact_point"),
         (["--vary", "material.modulus", "--check-solver", "x"], "--check-solver"),
         (["--vary", "material.modulus", "--tie", "indenter.radius=adhesion.work"], "is not varied"),
+        (["--vary", "material.modulus", "--tie", "material.modulus=material.modulus"], "is tied to itself"),
         (["--vary", "material.modulus", "--profile", "x", "--check-solver", "none"], "x is not varied"),
     ],
 )
@@ -78,6 +79,14 @@ def test_a_first_guess_from_which_no_parameter_matters_is_refused():
     scene = replace(elastic_scene(), loading=away, adhesion=Adhesion(1e-6, 1e-7))
     with pytest.raises(SceneError, match=r"no parameter changes the force at the first guess: \w+"):
         fit_curves([hertz_curve()], scene, settings_of("material.modulus"))
+
+
+def test_a_first_guess_that_the_solver_does_not_take_is_refused_by_its_reason():
+    scene = replace(elastic_scene(), adhesion=Adhesion(5e-4, 1e-5))
+    curve = replace(hertz_curve(), penetration=None, stage=hertz_curve().position, stiffness=1.0)
+    told = "solver: fem does not take the first guess: .*; allowed: [^;]*$"
+    with pytest.raises(SceneError, match=told):
+        fit_curves([curve], scene, replace(settings_of("adhesion.work"), solver="fem"))
 
 
 def test_means_of_rows_stand_in_the_report(monkeypatch):

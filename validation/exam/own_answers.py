@@ -110,7 +110,8 @@ def reproduce(path: Path) -> Reproduction:
         raise error.in_file(f"{path}: header: problem") from None
     again = run(Case(header.scene or "scene", scene), header.code, resolution)
     if again.trace is None:
-        raise SceneError("header", again.failure, "a solver and a scene it takes", str(path))
+        allowed = "" if again.refused else "a solver and a scene it takes"
+        raise SceneError("header", again.failure, allowed, str(path))
     rows, rows_again = len(answer.columns["time"]), len(again.trace)
     largest = np.inf
     if rows == rows_again:

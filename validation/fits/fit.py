@@ -73,6 +73,7 @@ def fit_curves(
     error_share: float | None = None
     finished: Search | None = None
     try:
+        problem.check_first_guess()
         if settings.resolution is None and settings.solver == REFERENCE:
             problem.tolerance, error_share, problem.step = fineness(problem)
         finished = search(problem, best, settings.starts, settings.seed, partial(explained, problem))

@@ -23,22 +23,26 @@ class FitRun:
 
     Parameters
     ----------
-    time, force, contact_radius : ndarray, shape (n,)
+    time, force, contact_radius, penetration : ndarray, shape (n,)
         Rows; empty if there is no contact at all.
     lost : float or None
         When contact was lost.
     failure : str
         Why the run did not reach its end; its rows up to there count.
+    refused : bool
+        Whether the solver does not take the scene.
     """
 
     time: Array
     force: Array
     contact_radius: Array
+    penetration: Array
     lost: float | None = None
     failure: str = ""
+    refused: bool = False
 
 
-NO_CONTACT = FitRun(np.empty(0), np.empty(0), np.empty(0))
+NO_CONTACT = FitRun(*(np.empty(0),) * 4)
 
 
 def run_of(scene: Scene, solver: str, resolution: int | None, tolerance: float | None = None) -> FitRun:
@@ -61,12 +65,12 @@ def run_of(scene: Scene, solver: str, resolution: int | None, tolerance: float |
     try:
         trace = method.solve(scene, resolution, step_tolerance=tolerance)
     except SceneError as error:
-        return replace(NO_CONTACT, failure=str(error))
+        return replace(NO_CONTACT, failure=str(error), refused=True)
     except Exception as error:
         if tolerance is not None:  # steps as coarse as a fit can do with may be too coarse for this scene
             return run_of(scene, solver, resolution)
         return replace(NO_CONTACT, failure=one_line(error))
-    columns = trace.time, trace.force, trace.contact_radius
+    columns = trace.time, trace.force, trace.contact_radius, trace.penetration
     finite = np.isfinite(columns).all(axis=0)
     if not finite.all():
         return replace(NO_CONTACT, failure="the run is not finite")

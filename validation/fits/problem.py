@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -170,7 +170,7 @@ class FitProblem:
                 tasks[keys[-1]] = Task(keys[-1], f"curve {curve + 1}", run_of, arguments)
         executor = self.executor if len(tasks) > 1 else None
         for result in run_tasks(tasks.values(), executor, self.store):
-            run = result.value or FitRun(*(np.empty(0),) * 3, failure=result.failure)
+            run = result.value or replace(NO_CONTACT, failure=result.failure)
             self._kept[result.task.key] = run
             self.runs += 1
         made = []
@@ -178,12 +178,21 @@ class FitProblem:
             asked = scenes[place]
             run = NO_CONTACT if asked is None else self._kept[keys[place]]
             if place in failures:
-                run = FitRun(*(np.empty(0),) * 3, failure=failures[place])
+                run = replace(NO_CONTACT, failure=failures[place])
             begin = None if asked is None else asked[1]
             made.append(self.models[curve].prediction(run, begin, instrument[TIME_OFFSET]))
         while len(self._kept) > KEPT_RUNS:
             del self._kept[next(iter(self._kept))]
         return made
+
+    def check_first_guess(self) -> None:
+        """Raise what the solver refuses of the first guess, from which no search could then set out."""
+        x = self.parameters.start
+        self.predictions([(index, self.parameters.of_curve(x, index)) for index in range(len(self.models))])
+        for run in self._kept.values():
+            if run.refused:
+                reason, _, allowed = run.failure.partition("; allowed: ")
+                raise SceneError("solver", f"{self.solver} does not take the first guess: {reason}", allowed)
 
     def predicted_force(
         self, index: int, prediction: CurvePrediction, instrument: Mapping[str, float]

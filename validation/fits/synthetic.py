@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact_scene import Machine, Scene, SceneError
+from contact_scene import Loading, Machine, Scene, SceneError
 from contact_scene.errors import NOT_NEGATIVE, not_negative, number, positive
+from contact_scene.run_control import LoadingCursor
 from contact_scene.segment import Segment
 from validation.fits.fit_run import FitRun, run_of, sampled
 from validation.fits.measured_curve import FEWEST_ROWS, Array, MeasuredCurve
@@ -20,6 +21,9 @@ ROWS = 300
 BESIDE = 0.15
 """Time recorded before contact and after its loss, over that of contact."""
 MOST_ROWS = 1_000_000
+ON_LEVEL = 1e-9
+"""Distance of a row from the level that ended its load step, over that of the row before, at most: rounding
+of the search for the level. No step that stops short of a level comes so near."""
 
 
 def synthetic(
@@ -38,7 +42,8 @@ def synthetic(
 ) -> MeasuredCurve:
     """A curve of a scene whose steps prescribe the penetration, or the stage of a spring.
 
-    With a spring contact is made at constant stage, where the scene begins it.
+    With a spring contact is made at constant stage, where the scene begins it. A step that a level ends
+    (``until_force``, ...) ends where the run reached it.
 
     Parameters
     ----------
@@ -68,7 +73,7 @@ def synthetic(
     Raises
     ------
     SceneError
-        If a load step controls the force or ends at a level, or the solver does not finish the scene.
+        If a load step controls the force, or the solver does not finish the scene.
     """
     noise = number(noise, "noise", NOT_NEGATIVE, low=0.0)
     scene = _on_spring(scene, stiffness)
@@ -76,6 +81,8 @@ def synthetic(
     run = run_of(scene, solver, resolution)
     if run.failure or run.time.size < 2:
         raise SceneError("", f"no curve: {run.failure or 'no contact'}", "a scene that the solver finishes")
+    if scene.loading.has_triggers:
+        segments = _segments_up_to_levels(scene.loading, run)
     time = _row_times(scene, segments, run, sampling, seed)
     motion = _motion(scene, segments, time)
     exact = _exact_force(segments, run, time)
@@ -107,19 +114,57 @@ def _on_spring(scene: Scene, stiffness: float | None) -> Scene:
 
 
 def _driven_segments(scene: Scene) -> list[Segment]:
-    """The load steps as laws of the position, of which all is known before the run.
+    """The load steps as laws of the position, as far as they are known before the run.
 
     Raises
     ------
     SceneError
     """
     segments = [segment for _, segment in scene.loading.segments()]
-    known = all(segment.control != "force" and math.isfinite(segment.end) for segment in segments)
-    if not segments or not known or scene.loading.has_triggers:
+    levels = scene.loading.has_triggers
+    driven = all(segment.control != "force" for segment in segments)
+    if not segments or not driven or not (levels or all(math.isfinite(one.end) for one in segments)):
         raise SceneError(
             "loading.steps", "do not prescribe the penetration", "ramps, holds, oscillations, tables"
         )
     return segments
+
+
+def _segments_up_to_levels(loading: Loading, run: FitRun) -> list[Segment]:
+    """The load steps of a run, each from the row at which it began to that at which its level was reached.
+
+    Contact lost, they go on without force, up to the first that waits for a level.
+    """
+    cursor, segments = LoadingCursor(), []
+    row, last = 0, run.time.size - 1
+    now = float(run.time[0]), float(run.penetration[0]), float(run.force[0])
+    while not cursor.done(loading):
+        segment = cursor.segment(loading, *now)
+        row = _row_at_end(segment, cursor, run, row)
+        if row == last and run.lost is not None:
+            segments.append(segment)
+            if segment.trigger is not None:
+                break
+            now = segment.end, segment.value(segment.end), 0.0
+        else:
+            now = float(run.time[row]), float(run.penetration[row]), float(run.force[row])
+            segments.append(segment if segment.trigger is None else replace(segment, end=now[0]))
+        cursor.step_done()
+    return segments
+
+
+def _row_at_end(segment: Segment, cursor: LoadingCursor, run: FitRun, row: int) -> int:
+    """The row at which a load step that began at ``row`` ends; the last one if the run ends before."""
+    before = 0.0
+    while row < run.time.size - 1 and run.time[row] < segment.end:
+        if segment.trigger is not None:
+            at = float(run.penetration[row]), float(run.force[row]), float(run.contact_radius[row])
+            excess = abs(segment.trigger.excess(*at))
+            if cursor.triggered(segment, *at) or excess < ON_LEVEL * before:
+                break
+            before = excess
+        row += 1
+    return row
 
 
 def _row_times(

@@ -66,6 +66,10 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
         path, _, other = entry.partition("=")
         if not path or not other:
             raise SceneError("tie", f"got {shown(entry)}", "PATH=OTHER, both numbers of the scene")
+        if path == other:
+            raise SceneError(
+                "tie", f"{shown(path)} is tied to itself", "PATH=OTHER, two numbers of the scene"
+            )
         tied.setdefault(other, []).append(path)
     varied = [entry.partition("=")[0] for entry in (*settings.vary, *settings.per_curve)]
     for path in (*varied, *(one for ties in tied.values() for one in ties)):

@@ -21,7 +21,7 @@ from validation.solvers import REFERENCE, SOLVERS
 
 WORK, DEPTH, RATIO = 5.026548e-4, 0.032, 10.0
 """Work of adhesion and start penetration of the paper's cycles; glassy over relaxed modulus."""
-TABOR = (3.0, 5.0)
+TABOR = (3.0, 5.0, 10.0)
 SPEEDS = (6e-4, 2e-3, 6e-3, 2e-2, 6e-2, 0.2)
 AWAY = -0.5
 """Penetration by which contact is lost at any speed."""
