@@ -127,9 +127,10 @@ def zone_reached(
     edge = EdgePosition(EdgeMotion.RESTING, geometry.position(geometry.zone or 0.0))
 
     def excess(share: float) -> float:
-        problem = solver.held(*load(share), edge).problem
+        held = solver.held(*load(share), edge)
+        problem, s = held.problem, held.edge.s
         solver.counters.closure_evaluations += 1
-        return max(problem.closure(edge.s) / taken(problem, edge.s), 0.0) - 1.0
+        return max(problem.closure(s) / taken(problem, s), 0.0) - 1.0
 
     if not excess(0.0) < 0.0 <= excess(1.0):
         return None

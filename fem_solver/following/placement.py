@@ -92,6 +92,17 @@ class Placement:
     geometry: EdgeGeometry
     lowest: float
 
+    @property
+    def fine_intervals(self) -> int:
+        """Node spacings of the fine strip."""
+        return self.geometry.last - int(self.lowest)
+
+    @property
+    def fine_range(self) -> float:
+        """Length of the fine strip."""
+        radii = self.geometry.radii
+        return float(radii[self.geometry.last] - radii[int(self.lowest)])
+
     def forces(self, y: Array, first: int = 0) -> Array:
         """``L^-T y`` for the entries from ``first`` on, of a vector that ends there."""
         block = self.root[first : first + len(y), first : first + len(y)]

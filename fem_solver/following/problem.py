@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.segment import Control
+from fem_solver.edge_geometry import EdgeOrigin
 from fem_solver.following.components import Components
 from fem_solver.following.passage import NodePassage
 from fem_solver.following.path import EdgePolynomial
@@ -42,9 +43,11 @@ class FollowingProblem:
         At the begin of the step, at this place of the mesh.
     dt : float
         Length of the step; 0 for a glassy response, infinite for a relaxed one.
-    control : "penetration" or "force"
+    control : "penetration", "force" or "stage"
     value : float
         Of the controlled quantity.
+    compliance : float
+        Of the machine, through which the stage acts.
     """
 
     control: Control
@@ -57,9 +60,11 @@ class FollowingProblem:
         dt: float,
         control: Control,
         value: float,
+        compliance: float = 0.0,
     ) -> None:
         self.placement, self.solid, self.state = placement, solid, state
         self.geometry, self.dt, self.control, self.value = placement.geometry, dt, control, value
+        self.compliance = compliance
         self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0
         self.evaluations = 0
         self._partly = int(np.floor(state.edge)) + 1 if state.edge >= 0.0 else None
@@ -78,9 +83,22 @@ class FollowingProblem:
         else:
             self._free, self._free_branches = solid.recovered(state.branches, dt)
 
+    @property
+    def origin(self) -> EdgeOrigin | None:
+        """Where the edge starts the step, at this place of the mesh; ``None`` without contact."""
+        state = self.state
+        if state.edge < 0.0:
+            return None
+        if not state.before:
+            return EdgeOrigin(state.edge, state.radius)
+        duration, radius = state.before[0]
+        return EdgeOrigin(state.edge, state.radius, (state.radius - radius) / duration, duration)
+
     def penetration(self, s: float) -> float:
         """Penetration at edge position ``s``."""
         if self.control == "penetration":
+            return self.value
+        if s < 0.0 and self.control == "stage":
             return self.value
         if s < 0.0:  # no contact yet: the penetration at which the indenter first touches
             free = self.placement.displacement(self._free)
@@ -88,11 +106,14 @@ class FollowingProblem:
         first = self.state.penetration
         second = first + float(self.placement.height[int(s) + 1])
         low, high = self._force_at(s, first), self._force_at(s, second)
-        return first + (self.value - low) / (high - low) * (second - first)
+        stiffness = (high - low) / (second - first)  # the force is linear in the penetration
+        if self.control == "stage":  # X = D + F/k
+            return first + (self.value - first - self.compliance * low) / (1.0 + self.compliance * stiffness)
+        return first + (self.value - low) / stiffness
 
     def force(self, s: float) -> float:
         """Total force."""
-        return self.value if self.control == "force" else self._force_at(s, self.value)
+        return self.value if self.control == "force" else self._force_at(s, self.penetration(s))
 
     def _force_at(self, s: float, penetration: float) -> float:
         if s < 0.0:
@@ -175,6 +196,9 @@ class FollowingProblem:
         free = self.solid.relieved(self.state.components, self.state.branches, self.dt)
         if self.control == "penetration":
             penetration = np.full(len(here.unit), self.value)
+        elif self.control == "stage":
+            softness = self.compliance
+            penetration = (self.value - softness * self._held) / (1.0 + softness * self._stiffness)
         else:
             penetration = (self.value - self._held) / self._stiffness
         q = penetration - (here.profile + free) / here.unit
