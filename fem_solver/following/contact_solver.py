@@ -129,29 +129,26 @@ class FollowingContactSolver:
         radius = min(max(radius, low), high)
         return self._search(dt, control, value, radius, (low, high), abs(radius - state.radius))
 
-    def held(self, dt: float, control: Control, value: float, edge: EdgePosition) -> ContactCandidate:
-        """State at the end of a step with the edge at a given position, in equilibrium or not.
+    def held(self, dt: float, control: Control, value: float, radius: float) -> ContactCandidate:
+        """State at the end of a step with the edge at a given radius, in equilibrium or not.
 
         Parameters
         ----------
         dt, control, value
             As of :meth:`trial`.
-        edge : EdgePosition
-            Where the candidate's edge is.
+        radius : float
+            Contact radius; 0 is no contact.
 
         Returns
         -------
         ContactCandidate
         """
         self.counters.linear_solves += 1
-        if edge.s == NO_CONTACT:
-            problem = self._problem(self.setup.history.placement, dt, control, value)
-            return ContactCandidate(dt, cast("ContactProblem", problem), edge)
-        radius = self.setup.geometry.radius(edge.s)
-        placement = self.setup.surfaces.around(radius)
-        position = EdgePosition(edge.motion, placement.geometry.position(radius))
-        problem = self._problem(placement, dt, control, value)
-        return ContactCandidate(dt, cast("ContactProblem", problem), position)
+        lost = radius <= 0.0
+        placement = self.setup.history.placement if lost else self.setup.surfaces.around(radius)
+        s = NO_CONTACT if lost else placement.geometry.position(radius)
+        problem = cast("ContactProblem", self._problem(placement, dt, control, value))
+        return ContactCandidate(dt, problem, EdgePosition(EdgeMotion.RESTING, s))
 
     def extended(self, candidate: ContactCandidate) -> ContactCandidate:
         """The search of a candidate without equilibrium, continued as far as contact goes."""

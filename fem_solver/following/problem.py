@@ -220,6 +220,8 @@ class FollowingProblem:
             passage.dissipated += rest.dissipated
             passage.received += rest.received
         state = self.state
+        unresolved = self.solid.remaining(state.unresolved, self.dt)
+        relaxed = float(np.sum(state.unresolved - unresolved))
         return FollowingState(
             place=self.placement.place,
             components=v,
@@ -229,9 +231,10 @@ class FollowingProblem:
             radius=self.geometry.radius(s),
             edge=s,
             before=() if self.at_once else state.rows_and_this(self.dt),
-            dissipated=state.dissipated + passage.dissipated,
+            dissipated=state.dissipated + passage.dissipated + relaxed,
             received=state.received + passage.received,
             updates=state.updates + 1,
+            unresolved=unresolved,
         )
 
     def forces(self, s: float) -> Array:
