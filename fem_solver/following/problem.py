@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from contact_scene.segment import Control
 from fem_solver.edge_geometry import EdgeOrigin
+from fem_solver.following.closure import closure_integral, zone_at
 from fem_solver.following.components import Components
 from fem_solver.following.passage import NodePassage
 from fem_solver.following.path import EdgePolynomial
@@ -246,30 +247,12 @@ class FollowingProblem:
         return self.placement.forces(loaded)
 
     def closure(self, s: float) -> float:
-        """Closure integral, an energy per area (see ``release``); minus infinity under pressure."""
-        geometry, shift = self.geometry, self.geometry.shift
-        if shift is None:
-            raise AssertionError("no closure without adhesion")
+        """Closure integral, an energy per area (see ``closure``); minus infinity under pressure."""
         self.evaluations += 1
-        m = int(np.floor(s))
-        top = m + 1
-        v, b = self.arrival(s)
-        first = max(int(shift.first[m]), 1)
-        y = self.solid.force(v[first : top + 1], b[:, first : top + 1])
-        # the node in full contact next to the edge tells tension from pressure
-        if y[m - first] > 0.0:
-            return -np.inf
-        inside = np.arange(first, top + 1)
-        low, high = shift.low[inside], shift.high[inside]
-        beyond = int(high.max()) + 1
-        forces = self.placement.forces(y, first)
-        gap = np.zeros(beyond - first)
-        gap[top - first :] = self.placement.displacement_of(v, top, beyond)
-        gap[top - first :] += self.placement.height[top:beyond] - self.penetration(s)
-        share = shift.share[inside]
-        shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
-        return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone))
+        return closure_integral(self.placement, self.solid, s, self.penetration(s), *self.arrival(s))
 
     def zone(self, s: float) -> float:
-        """Length of the process zone, the same at every edge position."""
-        return self.geometry.zone or 0.0
+        """Length of the process zone; at fixed stress at most the contact radius."""
+        if self.geometry.stress is None:
+            return self.geometry.zone or 0.0
+        return zone_at(self.placement, self.solid, s, *self.arrival(s))

@@ -132,8 +132,6 @@ def set_up_following(
         raise UnsupportedScene("adhesion.zone", "fields need a mesh that stays", "a longer zone")
     if scene.adhesion is None or not scene.is_adhesive:
         raise SceneError("adhesion", "is missing: only an adhesive edge needs a mesh that follows it", "work")
-    if scene.adhesion.stress is not None:
-        raise UnsupportedScene("adhesion.stress", "a zone of changing length needs a mesh that stays", "zone")
     surfaces = Surfaces(
         scene, meshes, material.ratio, material.unit_plane_modulus, options.form, options.far_field
     )

@@ -32,6 +32,9 @@ GEL = Scene(
     Adhesion(0.02, 4e-7),
 )
 """Zone 1e-3 of the contact radius, two branches of which the slower one holds energy all along the path."""
+OF_STRESS = replace(
+    GEL, loading=Loading("relaxed", 4e-5, (Ramp(-2e-3, 2e-5),)), adhesion=Adhesion(0.02, stress=3e4)
+)
 ELASTIC = Scene(
     Material(1.0, 0.5),
     Cone(60.0),
@@ -91,6 +94,7 @@ SHORT_ZONES = [
     pytest.param(ON_SPRING, 0.0193546706, 1.15358561e-3, 71.426791, 3.0302693e-4, id="spring"),
     pytest.param(RATED, 0.0274828866, 1.80467504e-3, 47.577327, 1.17362979e-3, id="rate"),
     pytest.param(PINNED, 0.0106799162, 1.98692317e-4, 3.3815304, 1.56073921e-4, id="hysteresis"),
+    pytest.param(OF_STRESS, 6.96237738e-4, 1.80193476e-8, 2.1806193, 1.53611133e-8, id="fixed stress"),
     pytest.param(GEL, 7.44275011e-4, 1.79998884e-8, 2.9484661, 1.26692e-8, id="slow branch"),
 ]
 """Pull-off force, loop energy, end and dissipated energy at the last contact, by front tracking."""
@@ -98,7 +102,9 @@ SHORT_ZONES = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("scene", "pull_off", "loop", "end", "dissipated"), SHORT_ZONES)
-def test_short_zones_with_a_spring_or_an_irreversible_edge(scene, pull_off, loop, end, dissipated):
+def test_short_zones_with_a_spring_an_irreversible_edge_or_a_fixed_stress(
+    scene, pull_off, loop, end, dissipated
+):
     trace = FiniteElements().solve(scene, 4)
     found = observe(trace)
     assert found.pull_off_force == pytest.approx(pull_off, rel=ACCURACY)
