@@ -17,7 +17,7 @@ from contact_scene import Counters, LoadingCursor, Outcome, OutcomeKind, RunMoni
 from contact_scene.run_control import below_zone_outcome, budget_outcome
 from contact_scene.segment import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
-from fem_solver.edge import NO_CONTACT, AdhesiveEdge, EdgeMotion, EdgePosition
+from fem_solver.edge import AdhesiveEdge, EdgeMotion
 from fem_solver.edge_geometry import EdgeOrigin
 from fem_solver.events import zone_reached
 from fem_solver.following.contact_solver import FollowingContactSolver
@@ -94,6 +94,12 @@ class AcceptedStates:
     def state(self) -> SurfaceState:
         """The last accepted state."""
         return self.recorder.last
+
+    @property
+    def _has_rate(self) -> bool:
+        """Whether the energy that an opening edge takes up follows its speed."""
+        law = self.setup.law
+        return isinstance(law, IrreversibleEdge) and law.adhesion.rate is not None
 
     def _edge_origin(self) -> EdgeOrigin | None:
         """Edge of the last accepted state; the step to it counts unless rates jump there."""
@@ -172,8 +178,7 @@ class AcceptedStates:
         reason = f"contact lost at penetration {self.state.penetration:.6g}"
         if self.setup.compliance > 0.0:  # the spring takes the indenter to where the stage is
             stage = self.state.penetration + self.setup.compliance * self.state.force
-            free = EdgePosition(EdgeMotion.RESTING, NO_CONTACT)
-            self._commit(self.solver.held(0.0, "stage", stage, free), contact=False)
+            self._commit(self.solver.held(0.0, "stage", stage, 0.0), contact=False)
         self._end(OutcomeKind.DETACHED, reason)
 
     def _below_zone(self, candidate: ContactCandidate) -> bool:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from contact_scene import Counters
 from contact_scene.segment import Control
-from fem_solver.edge import EdgeMotion, EdgePosition
+from fem_solver.edge import NO_CONTACT, EdgeMotion, EdgePosition
 from fem_solver.edge_geometry import EdgeOrigin
 from fem_solver.release import ContactProblem
 from fem_solver.setup import Setup
@@ -109,21 +109,23 @@ class ContactSolver:
         problem = self._problem(dt, control, value)
         return self._searched(dt, problem, lambda: self.setup.law.seek(problem, start, *limits))
 
-    def held(self, dt: float, control: Control, value: float, edge: EdgePosition) -> ContactCandidate:
-        """State at the end of a step with the edge at a given position, in equilibrium or not.
+    def held(self, dt: float, control: Control, value: float, radius: float) -> ContactCandidate:
+        """State at the end of a step with the edge at a given radius, in equilibrium or not.
 
         Parameters
         ----------
         dt, control, value
             As of :meth:`trial`.
-        edge : EdgePosition
-            What becomes the position of the candidate.
+        radius : float
+            Contact radius; 0 is no contact.
 
         Returns
         -------
         ContactCandidate
         """
         self.counters.linear_solves += 1
+        s = self.setup.geometry.position(radius) if radius > 0.0 else NO_CONTACT
+        edge = EdgePosition(EdgeMotion.RESTING, s)
         return ContactCandidate(dt, self._problem(dt, control, value), edge)
 
     def extended(self, candidate: ContactCandidate) -> ContactCandidate:

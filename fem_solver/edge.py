@@ -76,7 +76,10 @@ class EdgeLaw(Protocol):
 
 
 class AdhesiveEdge:
-    """Closure integral equal to the work of adhesion."""
+    """Closure integral equal to the work of adhesion.
+
+    A search makes strides of at most ``widest`` nodes.
+    """
 
     def __init__(self, geometry: EdgeGeometry, work: float) -> None:
         self.geometry, self.work = geometry, work
@@ -84,7 +87,7 @@ class AdhesiveEdge:
         self.lowest = 2.0
         within = geometry.radii[: geometry.last + 1]
         spacing = float(np.median(np.diff(within))) if len(within) > 1 else math.inf
-        self._widest = max(_WIDEST_STRIDE * (geometry.zone or 0.0) / spacing, _STRIDE)
+        self.widest = max(_WIDEST_STRIDE * (geometry.zone or 0.0) / spacing, _STRIDE)
 
     def taken(self, problem: ContactProblem, s: float) -> float:
         """Energy per area that the edge takes up on its way to ``s``."""
@@ -148,7 +151,7 @@ class AdhesiveEdge:
                 return EdgePosition(
                     EdgeMotion.RESTING, self._root(problem, min(here, ahead), max(here, ahead))
                 )
-            here, stride = ahead, min(2.0 * stride, self._widest)
+            here, stride = ahead, min(2.0 * stride, self.widest)
         if way > 0.0 and self.geometry.capped and limit == self.geometry.last:
             return EdgePosition(EdgeMotion.RESTING, limit)
         return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from contact_scene.segment import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
-from fem_solver.edge import EdgeMotion, EdgePosition
+from fem_solver.edge import EdgeMotion
 from fem_solver.recorder import SurfaceState
 from fem_solver.release import ContactProblem
 
@@ -123,18 +123,18 @@ def zone_reached(
     ContactCandidate or None
         ``None`` if the edge does not rest there on its way: it has passed the zone in a jump.
     """
-    geometry = solver.setup.geometry
-    edge = EdgePosition(EdgeMotion.RESTING, geometry.position(geometry.zone or 0.0))
+    zone = solver.setup.geometry.zone or 0.0
 
     def excess(share: float) -> float:
-        problem = solver.held(*load(share), edge).problem
+        held = solver.held(*load(share), zone)
+        problem, s = held.problem, held.edge.s
         solver.counters.closure_evaluations += 1
-        return max(problem.closure(edge.s) / taken(problem, edge.s), 0.0) - 1.0
+        return max(problem.closure(s) / taken(problem, s), 0.0) - 1.0
 
     if not excess(0.0) < 0.0 <= excess(1.0):
         return None
     share = float(brentq(excess, 0.0, 1.0, xtol=_SHARE_TOLERANCE))
-    return solver.held(*load(share), edge)
+    return solver.held(*load(share), zone)
 
 
 def edge_jump(solver: ContactSolver, candidate: ContactCandidate) -> ContactCandidate:

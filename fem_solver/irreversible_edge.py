@@ -57,16 +57,29 @@ class IrreversibleEdge(AdhesiveEdge):
             Pinned at ``s``, at rest elsewhere, or the end of the range.
         """
         origin = problem.origin
-        assert origin is not None
-        if s != origin.edge:
+        if origin is None or s != origin.edge:
             return super().seek(problem, s, low, high)
+        motion = self.departure(problem, s)
+        if motion is EdgeMotion.RECEDING:
+            return super().seek(problem, s, low, s)
+        if motion is EdgeMotion.ADVANCING:
+            return super().seek(problem, s, s, high)
+        return EdgePosition(EdgeMotion.RESTING, s)
+
+    def departure(self, problem: ContactProblem, s: float) -> EdgeMotion:
+        """Which way the edge leaves the position ``s`` where a step begins, or whether it is pinned there."""
         closure = problem.closure(s)
         opening = self.adhesion.opening(math.inf) if problem.dt <= 0.0 else self.work
         if closure > opening:
-            return super().seek(problem, s, low, s)
-        if closure < self.adhesion.closing:
-            return super().seek(problem, s, s, high)
-        return EdgePosition(EdgeMotion.RESTING, s)
+            return EdgeMotion.RECEDING
+        return EdgeMotion.ADVANCING if closure < self.adhesion.closing else EdgeMotion.RESTING
+
+
+def edge_law(geometry: EdgeGeometry, adhesion: Adhesion) -> AdhesiveEdge:
+    """The law of an adhesive edge."""
+    if adhesion.reversible:
+        return AdhesiveEdge(geometry, adhesion.work)
+    return IrreversibleEdge(geometry, adhesion)
 
 
 def energy_spent(adhesion: Adhesion, radii: tuple[float, float], closures: tuple[float, float]) -> float:

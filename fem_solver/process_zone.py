@@ -9,6 +9,7 @@ edge, is interpolated.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,41 @@ class ZoneShift:
             self.low[nodes], self.high[nodes], self.share[nodes] = nodes[right - 1], nodes[right], share
         # first node whose shifted point can lie outside the contact of the nodes 0..m
         self.first = np.searchsorted(np.maximum.accumulate(self.high), np.arange(count), side="right")
+
+
+def zone_of_stress(
+    radii: Array, forces: Callable[[int], Array], edge: float, stress: float, at_rest: float
+) -> float:
+    """Length of the process zone of fixed stress, from as many nodes from the edge inwards as it takes.
+
+    Parameters
+    ----------
+    radii : ndarray, shape (n,)
+        Surface nodes up to the last with a force.
+    forces : callable(int) -> ndarray
+        Compressive forces of the nodes from one on, shape (n - first,).
+    edge : float
+        Contact radius.
+    stress : float
+        Cohesive stress.
+    at_rest : float
+        Length at rest.
+
+    Returns
+    -------
+    float
+        At most the contact radius.
+    """
+    reach = 2.0 * at_rest
+    while True:
+        first = max(int(np.searchsorted(radii, edge - reach)), 1)
+        tension = -forces(first) / (2.0 * np.pi * radii[first:])
+        length = zone_length(radii[first:], tension, first, edge, stress)
+        if length is not None:
+            return max(length, LEAST_ZONE * at_rest)
+        if first == 1:
+            return edge
+        reach *= 2.0
 
 
 def zone_length(radii: Array, tension: Array, first: int, edge: float, stress: float) -> float | None:

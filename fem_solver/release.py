@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from fem_solver.condensed import Response
 from fem_solver.edge_geometry import EdgeGeometry, EdgeOrigin
-from fem_solver.process_zone import LEAST_ZONE, ZoneShift, zone_length
+from fem_solver.process_zone import ZoneShift, zone_of_stress
 
 Array = NDArray[np.float64]
 
@@ -161,16 +161,7 @@ class ContactProblem:
         return ZoneShift(geometry.radii, self._zone(s, y, geometry.stress, geometry.zone))
 
     def _zone(self, s: float, y: Array, stress: float, at_rest: float) -> float:
-        """Length at fixed stress, from the forces of as many nodes from the edge inwards as it takes."""
-        radii, edge = self.geometry.radii[: len(y)], self.geometry.radius(s)
-        reach = 2.0 * at_rest
-        while True:
-            first = max(int(np.searchsorted(radii, edge - reach)), 1)
-            forces = self.response.modulus * self.operator.last_forces(y, first)
-            tension = -forces / (2.0 * np.pi * radii[first:])
-            length = zone_length(radii[first:], tension, first, edge, stress)
-            if length is not None:
-                return max(length, LEAST_ZONE * at_rest)
-            if first == 1:
-                return edge
-            reach *= 2.0
+        def forces(first: int) -> Array:
+            return self.response.modulus * self.operator.last_forces(y, first)
+
+        return zone_of_stress(self.geometry.radii[: len(y)], forces, self.geometry.radius(s), stress, at_rest)

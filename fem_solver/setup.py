@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from contact_scene import Scene, SceneError, UnsupportedScene
 from fem_solver.condensed import CondensedHistory
 from fem_solver.cost import run_cost
-from fem_solver.edge import AdhesionlessEdge, AdhesiveEdge, EdgeLaw
+from fem_solver.edge import AdhesionlessEdge, EdgeLaw
 from fem_solver.edge_geometry import EdgeGeometry
 from fem_solver.halfspace import Factorisation, HalfSpace
-from fem_solver.irreversible_edge import IrreversibleEdge
+from fem_solver.irreversible_edge import edge_law
 from fem_solver.moduli import Moduli, moduli
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.quadrature import QuadratureHistory
@@ -151,12 +151,7 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge, stress)
     law: EdgeLaw
     if scene.adhesion is not None and zone is not None:
-        reversible = scene.adhesion.reversible
-        law = (
-            AdhesiveEdge(geometry, scene.adhesion.work)
-            if reversible
-            else IrreversibleEdge(geometry, scene.adhesion)
-        )
+        law = edge_law(geometry, scene.adhesion)
     else:
         law = AdhesionlessEdge(geometry, history.operator.transform_radii(radii).tolist())
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)

@@ -18,7 +18,6 @@ from fem_solver.curved_loads import swing
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import LoadJump
 from fem_solver.following.contact_solver import EdgeNotFound
-from fem_solver.irreversible_edge import IrreversibleEdge
 from fem_solver.recorder import SOLVER
 from fem_solver.run_state import NodeReleaseState
 from fem_solver.step_control import DyadicInterval
@@ -26,6 +25,8 @@ from fem_solver.time_step import SteppedStates
 
 _SHORTEST = 1e-6
 """Shortest step, relative to the shortest relaxation time or the interval: below it the edge is unstable."""
+_SHORTEST_RATED = 1e-12
+"""The same where the energy follows the speed: such an edge always has one, until rounding hides it."""
 _FIRST = 1.0 / 64.0
 """First step, relative to the interval; twice that relative to the shortest relaxation time."""
 ELASTIC_TOLERANCE = 0.04
@@ -145,7 +146,8 @@ class NodeReleaseRun(SteppedStates):
     def _new_interval(self, start: float, end: float) -> DyadicInterval:
         interval, length, relaxation = DyadicInterval(start, end), end - start, self.setup.shortest_time
         first = self.step or min(_FIRST * length, 2.0 * _FIRST * relaxation)
-        interval.limit(first, _SHORTEST * min(relaxation, length))
+        shortest = _SHORTEST_RATED if self._has_rate else _SHORTEST
+        interval.limit(first, shortest * min(relaxation, length))
         return interval
 
     def _load_jump(self, segment: Segment) -> None:
@@ -190,7 +192,4 @@ class NodeReleaseRun(SteppedStates):
 
     def _continuous_rates(self) -> dict[str, float]:
         """Rates that do not jump at a kink of the loading: that of an edge whose energy follows its speed."""
-        law = self.setup.law
-        if not isinstance(law, IrreversibleEdge) or law.adhesion.rate is None:
-            return {}
-        return {"radius": self.state.rate}
+        return {"radius": self.state.rate} if self._has_rate else {}

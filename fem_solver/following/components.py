@@ -156,6 +156,15 @@ class Components:
         y = dt / self._times
         return float(np.sum(share * self._moduli * jump**2 * (0.5 - _double_mean(y))))
 
+    def free_energies(self, b: Array) -> Array:
+        """Energy that components without force hold in each mode, all of them together; shape (branches,)."""
+        amplitudes = self._modes.T @ (b / self._root)
+        return np.asarray((amplitudes**2).sum(axis=1) / (2.0 * self._rates))
+
+    def remaining(self, energies: Array, dt: float) -> Array:
+        """What is left after a time of the energies of :meth:`free_energies`."""
+        return energies * np.exp(-2.0 * self._rates * dt)
+
     def force(self, v: Array, b: Array) -> Array:
         """``y``."""
         return self.shear.relaxed * v + b.sum(axis=0)

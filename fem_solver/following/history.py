@@ -58,7 +58,9 @@ class FollowingHistory:
     @property
     def stored_energy(self) -> float:
         """Energy of the springs."""
-        return float(np.sum(self.solid.stored(self.state.components, self.state.branches)))
+        state = self.state
+        held = float(np.sum(self.solid.stored(state.components, state.branches)))
+        return held + float(np.sum(state.unresolved))
 
     def snapshot(self) -> FollowingState:
         """Serialisable state."""

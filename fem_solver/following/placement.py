@@ -79,6 +79,8 @@ class Placement:
     geometry : EdgeGeometry
     lowest : float
         Least edge position, in nodes, around which the mesh resolves the process zone.
+    stretch : float
+        Contact radius of an edge in the fine strip over the radius of its node.
     """
 
     place: Any
@@ -91,6 +93,18 @@ class Placement:
     profile: Array
     geometry: EdgeGeometry
     lowest: float
+    stretch: float
+
+    @property
+    def fine_intervals(self) -> int:
+        """Node spacings of the fine strip."""
+        return self.geometry.last - int(self.lowest)
+
+    @property
+    def fine_range(self) -> float:
+        """Length of the fine strip."""
+        radii = self.geometry.radii
+        return float(radii[self.geometry.last] - radii[int(self.lowest)])
 
     def forces(self, y: Array, first: int = 0) -> Array:
         """``L^-T y`` for the entries from ``first`` on, of a vector that ends there."""
@@ -143,6 +157,7 @@ class Surfaces:
         self._levels: dict[int, UnscaledSurface] = {}
         self._placements: OrderedDict[Any, Placement] = OrderedDict()
         self.zone: float = scene.adhesion.zone if scene.adhesion is not None else 0.0
+        self._stress = scene.adhesion.stress if scene.adhesion is not None else None
         self.largest = float(meshes.largest)
         self.reach = _MARGIN * self.largest
         self.stage_done: Callable[[], None] = lambda: None
@@ -171,7 +186,8 @@ class Surfaces:
         radii, root = scale * level.radii, np.sqrt(scale)
         height = self._scene.indenter.height(radii)
         low, high = (scale * end for end in level.strip)
-        geometry = EdgeGeometry(radii, scale * level.effective, self.zone, high, self._scene.indenter.edge)
+        effective, edge = scale * level.effective, self._scene.indenter.edge
+        geometry = EdgeGeometry(radii, effective, self.zone, high, edge, self._stress)
         return Placement(
             place=place,
             root=level.root,
@@ -183,6 +199,7 @@ class Surfaces:
             profile=root * dtrtrs(level.root, height, lower=1)[0],
             geometry=geometry,
             lowest=float(np.searchsorted(radii, low + self.zone)) if low > 0.0 else 2.0,
+            stretch=level.stretch,
         )
 
     def _level(self, level: int) -> UnscaledSurface:

@@ -22,6 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.segment import Control
+from fem_solver.edge_geometry import EdgeOrigin
+from fem_solver.following.closure import closure_integral, zone_at
 from fem_solver.following.components import Components
 from fem_solver.following.passage import NodePassage
 from fem_solver.following.path import EdgePolynomial
@@ -42,9 +44,11 @@ class FollowingProblem:
         At the begin of the step, at this place of the mesh.
     dt : float
         Length of the step; 0 for a glassy response, infinite for a relaxed one.
-    control : "penetration" or "force"
+    control : "penetration", "force" or "stage"
     value : float
         Of the controlled quantity.
+    compliance : float
+        Of the machine, through which the stage acts.
     """
 
     control: Control
@@ -57,9 +61,11 @@ class FollowingProblem:
         dt: float,
         control: Control,
         value: float,
+        compliance: float = 0.0,
     ) -> None:
         self.placement, self.solid, self.state = placement, solid, state
         self.geometry, self.dt, self.control, self.value = placement.geometry, dt, control, value
+        self.compliance = compliance
         self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0
         self.evaluations = 0
         self._partly = int(np.floor(state.edge)) + 1 if state.edge >= 0.0 else None
@@ -78,9 +84,22 @@ class FollowingProblem:
         else:
             self._free, self._free_branches = solid.recovered(state.branches, dt)
 
+    @property
+    def origin(self) -> EdgeOrigin | None:
+        """Where the edge starts the step, at this place of the mesh; ``None`` without contact."""
+        state = self.state
+        if state.edge < 0.0:
+            return None
+        if not state.before:
+            return EdgeOrigin(state.edge, state.radius)
+        duration, radius = state.before[0]
+        return EdgeOrigin(state.edge, state.radius, (state.radius - radius) / duration, duration)
+
     def penetration(self, s: float) -> float:
         """Penetration at edge position ``s``."""
         if self.control == "penetration":
+            return self.value
+        if s < 0.0 and self.control == "stage":
             return self.value
         if s < 0.0:  # no contact yet: the penetration at which the indenter first touches
             free = self.placement.displacement(self._free)
@@ -88,11 +107,14 @@ class FollowingProblem:
         first = self.state.penetration
         second = first + float(self.placement.height[int(s) + 1])
         low, high = self._force_at(s, first), self._force_at(s, second)
-        return first + (self.value - low) / (high - low) * (second - first)
+        stiffness = (high - low) / (second - first)  # the force is linear in the penetration
+        if self.control == "stage":  # X = D + F/k
+            return first + (self.value - first - self.compliance * low) / (1.0 + self.compliance * stiffness)
+        return first + (self.value - low) / stiffness
 
     def force(self, s: float) -> float:
         """Total force."""
-        return self.value if self.control == "force" else self._force_at(s, self.value)
+        return self.value if self.control == "force" else self._force_at(s, self.penetration(s))
 
     def _force_at(self, s: float, penetration: float) -> float:
         if s < 0.0:
@@ -175,6 +197,9 @@ class FollowingProblem:
         free = self.solid.relieved(self.state.components, self.state.branches, self.dt)
         if self.control == "penetration":
             penetration = np.full(len(here.unit), self.value)
+        elif self.control == "stage":
+            softness = self.compliance
+            penetration = (self.value - softness * self._held) / (1.0 + softness * self._stiffness)
         else:
             penetration = (self.value - self._held) / self._stiffness
         q = penetration - (here.profile + free) / here.unit
@@ -196,6 +221,8 @@ class FollowingProblem:
             passage.dissipated += rest.dissipated
             passage.received += rest.received
         state = self.state
+        unresolved = self.solid.remaining(state.unresolved, self.dt)
+        relaxed = float(np.sum(state.unresolved - unresolved))
         return FollowingState(
             place=self.placement.place,
             components=v,
@@ -205,9 +232,10 @@ class FollowingProblem:
             radius=self.geometry.radius(s),
             edge=s,
             before=() if self.at_once else state.rows_and_this(self.dt),
-            dissipated=state.dissipated + passage.dissipated,
+            dissipated=state.dissipated + passage.dissipated + relaxed,
             received=state.received + passage.received,
             updates=state.updates + 1,
+            unresolved=unresolved,
         )
 
     def forces(self, s: float) -> Array:
@@ -219,30 +247,12 @@ class FollowingProblem:
         return self.placement.forces(loaded)
 
     def closure(self, s: float) -> float:
-        """Closure integral, an energy per area (see ``release``); minus infinity under pressure."""
-        geometry, shift = self.geometry, self.geometry.shift
-        if shift is None:
-            raise AssertionError("no closure without adhesion")
+        """Closure integral, an energy per area (see ``closure``); minus infinity under pressure."""
         self.evaluations += 1
-        m = int(np.floor(s))
-        top = m + 1
-        v, b = self.arrival(s)
-        first = max(int(shift.first[m]), 1)
-        y = self.solid.force(v[first : top + 1], b[:, first : top + 1])
-        # the node in full contact next to the edge tells tension from pressure
-        if y[m - first] > 0.0:
-            return -np.inf
-        inside = np.arange(first, top + 1)
-        low, high = shift.low[inside], shift.high[inside]
-        beyond = int(high.max()) + 1
-        forces = self.placement.forces(y, first)
-        gap = np.zeros(beyond - first)
-        gap[top - first :] = self.placement.displacement_of(v, top, beyond)
-        gap[top - first :] += self.placement.height[top:beyond] - self.penetration(s)
-        share = shift.share[inside]
-        shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
-        return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone))
+        return closure_integral(self.placement, self.solid, s, self.penetration(s), *self.arrival(s))
 
     def zone(self, s: float) -> float:
-        """Length of the process zone, the same at every edge position."""
-        return self.geometry.zone or 0.0
+        """Length of the process zone; at fixed stress at most the contact radius."""
+        if self.geometry.stress is None:
+            return self.geometry.zone or 0.0
+        return zone_at(self.placement, self.solid, s, *self.arrival(s))

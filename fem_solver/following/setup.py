@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Scene, SceneError, UnsupportedScene
+from contact_scene import Adhesion, Scene, SceneError, UnsupportedScene
 from fem_solver.edge import AdhesiveEdge
 from fem_solver.edge_geometry import EdgeGeometry
 from fem_solver.following.components import Components
 from fem_solver.following.history import FollowingHistory
 from fem_solver.following.placement import Surfaces
+from fem_solver.irreversible_edge import edge_law
 from fem_solver.moduli import moduli
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.setup import SetUpInterrupted
@@ -41,24 +42,25 @@ class FollowingSetup:
     ----------
     surfaces : Surfaces
     history : FollowingHistory
-    work : float
-        Work of adhesion.
+    adhesion : Adhesion
     plane_modulus : float
         ``E*`` at unit shear modulus.
     shortest_time : float
         Shortest relaxation time; infinite for an elastic solid.
     tolerance : float
         Relative accuracy of the force in time where the options ask for none.
+    compliance : float
+        Of the machine; 0 where it is rigid.
     """
 
     surfaces: Surfaces
     history: FollowingHistory
-    work: float
+    adhesion: Adhesion
     plane_modulus: float
     shortest_time: float
     tolerance: float
+    compliance: float = 0.0
     resolved_from = 0.0
-    compliance = 0.0
     jump_tolerance = _JUMP_TOLERANCE
 
     @property
@@ -69,7 +71,7 @@ class FollowingSetup:
     @property
     def law(self) -> AdhesiveEdge:
         """Edge law; it may go anywhere."""
-        return AdhesiveEdge(self.geometry, self.work)
+        return edge_law(self.geometry, self.adhesion)
 
     @property
     def radii(self) -> Array:
@@ -130,10 +132,6 @@ def set_up_following(
         raise UnsupportedScene("adhesion.zone", "fields need a mesh that stays", "a longer zone")
     if scene.adhesion is None or not scene.is_adhesive:
         raise SceneError("adhesion", "is missing: only an adhesive edge needs a mesh that follows it", "work")
-    if not scene.adhesion.reversible or scene.adhesion.stress is not None:
-        raise UnsupportedScene("adhesion", "this law needs a mesh that stays", "work and zone alone")
-    if scene.loading.compliance > 0.0:
-        raise UnsupportedScene("machine.stiffness", "a spring needs a mesh that stays", "a rigid machine")
     surfaces = Surfaces(
         scene, meshes, material.ratio, material.unit_plane_modulus, options.form, options.far_field
     )
@@ -149,8 +147,9 @@ def set_up_following(
     return FollowingSetup(
         surfaces=surfaces,
         history=history,
-        work=scene.adhesion.work,
+        adhesion=scene.adhesion,
         plane_modulus=material.unit_plane_modulus,
         shortest_time=float(times.min()) if times.size else math.inf,
         tolerance=DEFAULT_TOLERANCE * (_DIVISIONS / meshes.divisions) ** 2,
+        compliance=scene.loading.compliance,
     )

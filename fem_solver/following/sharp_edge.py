@@ -9,7 +9,7 @@ from fem_solver.following.setup import FollowingSetup
 
 
 def sharp_rest(
-    problem: FollowingProblem, setup: FollowingSetup, radius: float, outwards: bool = False
+    problem: FollowingProblem, setup: FollowingSetup, radius: float, work: float, outwards: bool = False
 ) -> float:
     """Where a sharp edge that leaves a radius all at once comes to rest.
 
@@ -19,6 +19,8 @@ def sharp_rest(
     setup : FollowingSetup
     radius : float
         Contact radius that it leaves, a length.
+    work : float
+        Energy per area that it takes up.
     outwards : bool
         Whether it advances.
 
@@ -29,7 +31,7 @@ def sharp_rest(
         largest radius the mesh is made for.
     """
     reach = setup.surfaces.reach
-    excess = problem.sharp(setup.plane_modulus) - setup.work
+    excess = problem.sharp(setup.plane_modulus) - work
     x = problem.placement.positions
     stable = (excess[:-1] < 0.0) & (excess[1:] >= 0.0)
     stable &= (x[:-1] > radius) if outwards else (x[1:] < radius)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,8 @@ class FollowingState:
         Energy dissipated in the branches, and work done on the surface, so far.
     updates : int
         Accepted steps so far.
+    unresolved : ndarray, shape (branches,)
+        Energy of the surface outside, by modes, that is finer than the elements there hold.
     """
 
     place: Any
@@ -55,6 +57,7 @@ class FollowingState:
     dissipated: float = 0.0
     received: float = 0.0
     updates: int = 0
+    unresolved: Array = field(default_factory=lambda: np.zeros(0))
 
     def rows_and_this(self, dt: float) -> tuple[Row, ...]:
         """The rows before the end of a step from here, through which the path of the next one goes."""
@@ -65,7 +68,13 @@ class FollowingState:
 def undeformed(placement: Placement, branches: int) -> FollowingState:
     """The state before any contact."""
     nodes = len(placement.radii)
-    return FollowingState(placement.place, np.zeros(nodes), np.zeros((branches, nodes)), np.zeros(branches))
+    return FollowingState(
+        place=placement.place,
+        components=np.zeros(nodes),
+        branches=np.zeros((branches, nodes)),
+        held=np.zeros(branches),
+        unresolved=np.zeros(branches),
+    )
 
 
 def transferred(state: FollowingState, old: Placement, new: Placement, solid: Components) -> FollowingState:
@@ -73,7 +82,8 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
 
     Inside the contact the components follow from the penetration, and the branch variables vary smoothly with
     the radius; outside both are interpolated together, so that the surface remains free of forces. Neither is
-    interpolated across the edge.
+    interpolated across the edge. Elements are wide away from it: what the surface there holds between them is
+    kept as an energy, which relaxes as the rest of the surface does.
 
     Parameters
     ----------
@@ -97,7 +107,7 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
     imposed = state.penetration * new.unit - new.profile
     free = -new.unit[top:] * beyond.sum(axis=0) / solid.shear.relaxed
     free[0] += share * (imposed[top] - free[0])
-    return replace(
+    moved = replace(
         state,
         place=new.place,
         components=np.concatenate([imposed[:top], free]),
@@ -105,6 +115,37 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
         held=within[:, -1] * new.unit[top],
         edge=edge,
     )
+    return _energy_conserved(state, old, moved, new, solid)
+
+
+def _energy_conserved(
+    state: FollowingState, old: Placement, moved: FollowingState, new: Placement, solid: Components
+) -> FollowingState:
+    """The moved state, with the energy that wider elements do not hold, in the modes of the surface outside.
+
+    What the interface holds in the partly released node has been work done on the surface.
+    """
+    outside = solid.free_energies(moved.branches[:, int(np.floor(moved.edge)) + 2 :])
+    if outside.sum() <= 0.0:
+        return moved
+    before, after = interface_energy(state, old, solid), interface_energy(moved, new, solid)
+    stored = float(np.sum(solid.stored(state.components, state.branches)))
+    lost = stored - float(np.sum(solid.stored(moved.components, moved.branches))) + before - after
+    return replace(
+        moved,
+        unresolved=state.unresolved + lost * outside / outside.sum(),
+        received=state.received + before - after,
+    )
+
+
+def interface_energy(state: FollowingState, placement: Placement, solid: Components) -> float:
+    """Energy of the interface, which holds the partly released node as a spring."""
+    if state.edge < 0.0:
+        return 0.0
+    node = int(np.floor(state.edge)) + 1
+    force = float(solid.force(state.components[node], state.branches[:, node]))
+    imposed = state.penetration * placement.unit[node] - placement.profile[node]
+    return -0.5 * force * float(state.components[node] - imposed)
 
 
 def _interpolated(x: Array, values: Array, at: Array) -> Array:

@@ -126,17 +126,10 @@ class FiniteElements(Solver):
     def follows_edge(self, scene: Scene) -> bool:
         """Whether the mesh is fine around the edge only and moves with it, instead of along its whole path.
 
-        It takes a Poisson's ratio that does not change in time, a process zone of one length, one work of
-        adhesion, a rigid machine, and an indenter without an edge of its own.
+        It takes a Poisson's ratio that does not change in time and an indenter without an edge of its own.
         """
         relaxes_apart = scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
         if relaxes_apart or self.path == "quadrature" or not scene.is_adhesive or scene.adhesion is None:
-            return False
-        if (
-            not scene.adhesion.reversible
-            or scene.adhesion.stress is not None
-            or scene.loading.compliance > 0.0
-        ):
             return False
         long = largest_contact_radius(scene) > FOLLOWED_BEYOND * scene.adhesion.zone
         return long and not math.isfinite(scene.indenter.edge)

@@ -1,0 +1,83 @@
+"""Closure integral and length of the process zone of a state of the surface components (see ``release``)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.following.components import Components
+from fem_solver.following.placement import Placement
+from fem_solver.process_zone import ZoneShift, zone_of_stress
+
+Array = NDArray[np.float64]
+
+
+def closure_integral(
+    placement: Placement, solid: Components, s: float, penetration: float, v: Array, b: Array
+) -> float:
+    """Closure integral at the edge.
+
+    Parameters
+    ----------
+    placement : Placement
+    solid : Components
+    s : float
+        Edge position in nodes.
+    penetration : float
+    v : ndarray, shape (n,)
+        Components.
+    b : ndarray, shape (branches, n)
+        Their branch variables.
+
+    Returns
+    -------
+    float
+        An energy per area; minus infinity under pressure.
+    """
+    geometry = placement.geometry
+    shift = geometry.shift
+    if shift is None:
+        raise AssertionError("no closure without adhesion")
+    if geometry.stress is not None:
+        shift = ZoneShift(geometry.radii, zone_at(placement, solid, s, v, b))
+    m = int(np.floor(s))
+    top = m + 1
+    first = max(int(shift.first[m]), 1)
+    y = solid.force(v[first : top + 1], b[:, first : top + 1])
+    # the node in full contact next to the edge tells tension from pressure
+    if y[m - first] > 0.0:
+        return -np.inf
+    inside = np.arange(first, top + 1)
+    low, high = shift.low[inside], shift.high[inside]
+    beyond = int(high.max()) + 1
+    forces = placement.forces(y, first)
+    gap = np.zeros(beyond - first)
+    gap[top - first :] = placement.displacement_of(v, top, beyond)
+    gap[top - first :] += placement.height[top:beyond] - penetration
+    share = shift.share[inside]
+    shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
+    return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone))
+
+
+def zone_at(placement: Placement, solid: Components, s: float, v: Array, b: Array) -> float:
+    """Length of the process zone; at fixed stress that over which the tension has its mean.
+
+    Parameters
+    ----------
+    placement, solid, s, v, b
+        As of :func:`closure_integral`.
+
+    Returns
+    -------
+    float
+        At fixed stress at most the contact radius.
+    """
+    geometry, end = placement.geometry, int(np.floor(s)) + 2
+    if geometry.stress is None or geometry.zone is None:
+        return geometry.zone or 0.0
+
+    def forces(first: int) -> Array:
+        return placement.forces(solid.force(v[first:end], b[:, first:end]), first)
+
+    edge = geometry.radius(s) / placement.stretch  # as the nodes measure it
+    return zone_of_stress(geometry.radii[:end], forces, edge, geometry.stress, geometry.zone)

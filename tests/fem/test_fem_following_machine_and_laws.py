@@ -1,0 +1,114 @@
+"""The mesh that follows the edge: springs, hysteresis, laws of the edge's speed, energies where it moves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.paper_scenes import ONE, WORK
+
+import fem_solver
+from contact_scene import Adhesion, Branch, Cone, Loading, Machine, Material, PowerRate, Ramp, Scene, Sphere
+from fem_solver.following.components import Components
+from fem_solver.following.problem import FollowingProblem
+from fem_solver.following.state import interface_energy, transferred
+from fem_solver.prony import Prony
+from validation.measure.observables import observe
+from validation.solvers.finite_elements import FiniteElements, edge_meshes
+
+ZONE = 1.3e-3
+RETRACTION = Loading("relaxed", 0.032, (Ramp(-0.5, 0.002),))
+PRESSED = Loading("jump-in", 0.0, (Ramp(0.02, 0.01), Ramp(-0.5, 0.01)))
+SHORT = Scene(ONE, Sphere(1.0), RETRACTION, Adhesion(WORK, ZONE))
+ON_SPRING = replace(SHORT, loading=replace(RETRACTION, machine=Machine(0.3)))
+RATED = replace(SHORT, adhesion=Adhesion(WORK, ZONE, rate=PowerRate(0.01, 0.5)))
+PINNED = replace(SHORT, loading=PRESSED, adhesion=Adhesion(WORK, ZONE, work_closing=0.2 * WORK))
+GEL = Scene(
+    Material(3e4, 0.5, (Branch(6e4, 0.05), Branch(3e4, 2.0))),
+    Sphere(2e-3),
+    Loading("relaxed", 4e-5, (Ramp(-2e-3, 2e-5),), Machine(60.0)),
+    Adhesion(0.02, 4e-7),
+)
+"""Zone 1e-3 of the contact radius, two branches of which the slower one holds energy all along the path."""
+OF_STRESS = replace(
+    GEL, loading=Loading("relaxed", 4e-5, (Ramp(-2e-3, 2e-5),)), adhesion=Adhesion(0.02, stress=3e4)
+)
+ELASTIC = Scene(
+    Material(1.0, 0.5),
+    Cone(60.0),
+    Loading("jump-in", 0.05, (Ramp(0.1, 0.01), Ramp(-1.0, 0.01))),
+    Adhesion(WORK, 1e-3, work_closing=0.1 * WORK),
+)
+ACCURACY = 5e-3
+
+
+def moved_on():
+    """The state after some travel, and the mesh where it has been and at another place."""
+    scene = replace(ON_SPRING, loading=replace(ON_SPRING.loading, steps=(Ramp(0.02, 0.002),)))
+    setup = fem_solver.record(scene, edge_meshes(scene, 4)).setup
+    history = setup.history
+    return history, history.placement, setup.surfaces.around(history.state.radius - 8.0 * ZONE)
+
+
+def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
+    history, here, there = moved_on()
+    state, solid = history.state, history.solid
+    problem = FollowingProblem(here, solid, state, 0.1, "stage", 0.015, 2.0)
+    edge = state.edge - 0.5
+    assert problem.penetration(edge) + 2.0 * problem.force(edge) == pytest.approx(0.015, rel=1e-12)
+    assert here.place != there.place
+    moved = transferred(state, here, there, solid)
+
+    def energy(one, placement):
+        stored = float(np.sum(solid.stored(one.components, one.branches)))
+        return stored + interface_energy(one, placement, solid) + float(np.sum(one.unresolved))
+
+    assert energy(moved, there) == pytest.approx(energy(state, here), rel=1e-12)
+    # work on the interface's spring, which the half-space does not hold
+    springs = interface_energy(state, here, solid) - interface_energy(moved, there, solid)
+    assert moved.received - state.received == pytest.approx(springs, rel=1e-12, abs=1e-300)
+    assert abs(np.sum(moved.unresolved - state.unresolved)) > 1e-6 * energy(state, here)
+
+
+def test_what_the_free_surface_holds_decays_by_modes():
+    solid = Components(Prony(0.3, np.array([1.0, 2.0, 0.5]), np.array([1e-3, 0.7, 40.0])))
+    b = np.random.default_rng(5).normal(size=(3, 4))
+    v = -b.sum(axis=0) / solid.shear.relaxed
+    held = solid.free_energies(b)
+    assert held.sum() == pytest.approx(float(np.sum(solid.stored(v, b))), rel=1e-12)
+    for time in (0.0, 1e-3, 5.0):
+        later = solid.recovered(b, time)[1]
+        assert_allclose(solid.remaining(held, time), solid.free_energies(later), rtol=1e-9, atol=1e-14)
+
+
+def test_a_first_step_is_judged_by_a_shorter_one_after_it():
+    """An edge pinned where the loading turns opens within the first step; the body itself loses nothing."""
+    trace = FiniteElements().solve(ELASTIC, 4)
+    assert np.abs(trace.dissipated_energy).max() < 1e-3 * np.abs(trace.external_work).max()
+    assert trace.counters.steps < 500
+
+
+SHORT_ZONES = [
+    pytest.param(ON_SPRING, 0.0193546706, 1.15358561e-3, 71.426791, 3.0302693e-4, id="spring"),
+    pytest.param(RATED, 0.0274828866, 1.80467504e-3, 47.577327, 1.17362979e-3, id="rate"),
+    pytest.param(PINNED, 0.0106799162, 1.98692317e-4, 3.3815304, 1.56073921e-4, id="hysteresis"),
+    pytest.param(OF_STRESS, 6.96237738e-4, 1.80193476e-8, 2.1806193, 1.53611133e-8, id="fixed stress"),
+    pytest.param(GEL, 7.44275011e-4, 1.79998884e-8, 2.9484661, 1.26692e-8, id="slow branch"),
+]
+"""Pull-off force, loop energy, end and dissipated energy at the last contact, by front tracking."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene", "pull_off", "loop", "end", "dissipated"), SHORT_ZONES)
+def test_short_zones_with_a_spring_an_irreversible_edge_or_a_fixed_stress(
+    scene, pull_off, loop, end, dissipated
+):
+    trace = FiniteElements().solve(scene, 4)
+    found = observe(trace)
+    assert found.pull_off_force == pytest.approx(pull_off, rel=ACCURACY)
+    assert found.loop_energy == pytest.approx(loop, rel=ACCURACY)
+    assert trace.outcome.time == pytest.approx(end, rel=ACCURACY)
+    assert found.dissipated_energy == pytest.approx(dissipated, rel=ACCURACY)
+    assert trace.counters.steps < 400
