@@ -13,7 +13,7 @@ from validation import solvers
 from validation.execution.runs import Run
 from validation.execution.tasks import Task, TaskEnding, TaskResult
 from validation.measure.scalars import measure
-from validation.stability import random_instruments, random_matrix
+from validation.stability import random_instruments, random_matrix, random_runs
 from validation.stability.random_answers import AnswerFinding, JudgedScene, RandomSceneAnswer, examine
 from validation.stability.random_instruments import random_instrument
 from validation.stability.random_matrix import table
@@ -135,18 +135,19 @@ def test_without_an_estimate_only_a_wrong_answer_is_told():
 
 def test_a_stopped_matrix_goes_on(tmp_path, monkeypatch):
     """Scenes that are done are not repeated; those at fault are written, the table counts all."""
-    asked: list[int] = []
+    asked: list[str] = []
 
-    def carried_out(tasks, executor):
-        asked.append(len(tasks))
-        return [result(task.arguments[1], None, failure="died", ending=TaskEnding.DIED) for task in tasks]
+    def carried_out(numbered, executor, outstanding):
+        for number, task in numbered:
+            asked.append(task.arguments[1])
+            yield number, result(task.arguments[1], None, failure="died", ending=TaskEnding.DIED)
 
-    monkeypatch.setattr(random_matrix, "run_tasks", carried_out)
+    monkeypatch.setattr(random_runs, "completed_tasks", carried_out)
     monkeypatch.setattr(random_matrix, "processes", NoProcesses)
     touching = [seed for seed in range(1, 6) if random_matrix._possible(seed)]
     first = random_matrix.run(tmp_path, touching[:2])
     assert [one.seed for one in random_matrix.run(tmp_path, touching[:3])] == touching[:3]
-    assert asked == [len(solvers.SOLVERS)] * 3
+    assert asked == [*solvers.SOLVERS] * 3
     assert random_matrix.read(tmp_path / "scenes.jsonl")[:2] == first
     assert (tmp_path / "scenes" / f"seed-{touching[0]}.toml").exists()
     assert f"| {AnswerFinding.CRASHED} | 3 | 3 | 3 |" in (tmp_path / "table.md").read_text()
