@@ -136,7 +136,10 @@ def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energie
     state = HalfSpaceState(0.0, penetration, surface, history, trial.closure)
     forces = surface.edge * problem.annuli.areas * surface.scaled
     load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
-    return state, initial_energies(problem.chain, load_work, relaxed)
+    energies = initial_energies(problem.chain, load_work, relaxed)
+    if problem.work > 0.0 and problem.viscoelastic:
+        energies = replace(energies, release=0.5 * surface.stress_intensity**2 / problem.chain.glassy)
+    return state, energies
 
 
 def _start_history(
