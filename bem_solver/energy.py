@@ -41,14 +41,14 @@ that counts as short; a mixture between."""
 @dataclass(frozen=True)
 class Energies:
     """``load_work`` is Y; ``branch_work`` (K,) is X; ``branch_energy`` (K,) is W; ``dissipated`` the time
-    integral of the branch power. ``release`` is the glassy energy release rate of the tip after a step with
-    adhesion."""
+    integral of the branch power. ``release`` is the glassy energy release rate of the tip, opening and
+    closing, with adhesion."""
 
     load_work: float
     branch_work: Array
     branch_energy: Array
     dissipated: float
-    release: float | None = None
+    release: tuple[float, float] | None = None
 
     def stored(self, chain: Chain) -> float:
         """Stored energy U."""
@@ -65,7 +65,7 @@ class Energies:
 
     def unloaded(self) -> Energies:
         """The same without load."""
-        release = None if self.release is None else 0.0
+        release = None if self.release is None else (0.0, 0.0)
         return replace(self, load_work=0.0, branch_work=0.0 * self.branch_work, release=release)
 
 
@@ -169,8 +169,9 @@ def balanced_dissipation(work: Array, stored: Array, release: Array, grown: Arra
         ``int F dD`` of each step.
     stored : ndarray (n,)
         By how much the stored energy grew.
-    release : ndarray (n + 1,)
-        Glassy energy release rate ``K^2/(2 Einf*)`` of the tip at the ends of the steps.
+    release : ndarray (2, n + 1)
+        Glassy energy release rate ``K^2/(2 Einf*)`` of the tip at the ends of the steps, were it to open and
+        to close there.
     grown : ndarray (n,)
         By how much the contact area grew.
 
@@ -179,7 +180,8 @@ def balanced_dissipation(work: Array, stored: Array, release: Array, grown: Arra
     ndarray (n,)
         ``int F dD - dU + int K^2/(2 Einf*) dA``.
     """
-    return work - stored + 0.5 * (release[1:] + release[:-1]) * grown
+    opening, closing = 0.5 * (release[:, 1:] + release[:, :-1])
+    return work - stored + np.where(grown > 0.0, closing, opening) * grown
 
 
 def _share_of_long(y: Array, increment: WorkIncrement, before: Energies) -> Array:

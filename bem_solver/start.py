@@ -138,7 +138,9 @@ def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energie
     load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
     energies = initial_energies(problem.chain, load_work, relaxed)
     if problem.work > 0.0 and problem.viscoelastic:
-        energies = replace(energies, release=0.5 * surface.stress_intensity**2 / problem.chain.glassy)
+        opening = 0.5 * surface.stress_intensity**2 / problem.chain.glassy
+        stiffer = material.glassy_modulus / material.modulus if relaxed else 1.0  # than what opened the gap
+        energies = replace(energies, release=(opening, stiffer**2 * opening))
     return state, energies
 
 
