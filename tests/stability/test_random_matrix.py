@@ -13,7 +13,7 @@ from validation import solvers
 from validation.execution.runs import Run
 from validation.execution.tasks import Task, TaskEnding, TaskResult
 from validation.measure.scalars import measure
-from validation.stability import random_instruments, random_matrix, random_runs
+from validation.stability import random_instruments, random_matrix, random_runs, trace_invariants
 from validation.stability.random_answers import AnswerFinding, JudgedScene, RandomSceneAnswer, examine
 from validation.stability.random_instruments import random_instrument
 from validation.stability.random_matrix import table
@@ -123,6 +123,34 @@ def test_other_findings():
     assert judged(died).note == "signal 11"
     refused = result("bem", None, value=Run("seed", "bem", failure="not this one", refused=True))
     assert judged(refused).finding is AnswerFinding.DECLINED
+
+
+@pytest.mark.parametrize("miss", [0.0, 4e-16, 1e-9])
+def test_the_last_penetration_is_met_to_a_rounding_error_of_the_way(miss):
+    trace = answer()
+    depth = trace.penetration.copy()
+    depth[-1] += miss * np.abs(depth).max()
+    found = trace_invariants.broken(SCENE, replace(trace, penetration=depth))
+    assert ("the last penetration is not the prescribed one" in found) == (miss > 1e-12)
+
+
+def test_estimates_are_asked_for_where_they_decide(tmp_path):
+    """First without estimates; one run of bem is off by more than it may be, and is asked again."""
+    asked: list[tuple[str, bool]] = []
+
+    def carried_out(numbered, executor, outstanding):
+        for number, task in numbered:
+            _, solver, _, _, estimate = task.arguments
+            asked.append((solver, estimate))
+            yield number, result(solver, answer(0.104 if solver == "bem" else 0.1), 1e-2 if estimate else 0.0)
+
+    settings = random_runs.RandomRunSettings(coarse=True, screened=True)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(random_runs, "completed_tasks", carried_out)
+        ((_, one),) = random_runs.judged_scenes([replace(CHOSEN, scene=SCENE)], settings, None)
+    assert set(asked[:3]) == {(name, name == "reference") for name in solvers.SOLVERS}
+    assert asked[3:] == [("bem", True)]
+    assert {each.solver: each.finding for each in one.answers}["fem"] is AnswerFinding.AGREES
 
 
 def test_without_an_estimate_only_a_wrong_answer_is_told():
