@@ -13,7 +13,9 @@ negative. What changes at the moving tip does so at once wherever the tip is, ev
 form of the change of v that is ``K^2 |dA|`` at most, with K at unit modulus.
 
 With a sharp edge the branch integral exceeds the loss of the energy balance by what the tip releases in
-excess of the glassy ``K^2/(2 Einf*)``; both are reported.
+excess of the glassy ``K^2/(2 Einf*)``; both are reported. While such an edge moves, what the branches
+dissipate is taken from that balance (``balanced_dissipation``): a fast branch sees of the tip only what
+passes within its own time, of which forms of the states at the ends of a longer step hold nothing.
 """
 
 from __future__ import annotations
@@ -39,14 +41,14 @@ that counts as short; a mixture between."""
 @dataclass(frozen=True)
 class Energies:
     """``load_work`` is Y; ``branch_work`` (K,) is X; ``branch_energy`` (K,) is W; ``dissipated`` the time
-    integral of the branch power. ``release`` is the glassy energy release rate of the tip, in steps over
-    process zones."""
+    integral of the branch power. ``release`` is the glassy energy release rate of the tip, opening and
+    closing, with adhesion."""
 
     load_work: float
     branch_work: Array
     branch_energy: Array
     dissipated: float
-    release: float | None = None
+    release: tuple[float, float] | None = None
 
     def stored(self, chain: Chain) -> float:
         """Stored energy U."""
@@ -63,7 +65,8 @@ class Energies:
 
     def unloaded(self) -> Energies:
         """The same without load."""
-        return replace(self, load_work=0.0, branch_work=0.0 * self.branch_work)
+        release = None if self.release is None else (0.0, 0.0)
+        return replace(self, load_work=0.0, branch_work=0.0 * self.branch_work, release=release)
 
 
 @dataclass(frozen=True)
@@ -157,37 +160,28 @@ def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, d
     )
 
 
-def over_zones(
-    chain: Chain, before: Energies, after: Energies, done: float, intensity: float, grown: float
-) -> Energies:
-    """Energies after a step over process zones, what the branches dissipate taken from the balance.
+def balanced_dissipation(work: Array, stored: Array, release: Array, grown: Array) -> Array:
+    """What the branches dissipate in steps with a moving sharp edge.
 
     Parameters
     ----------
-    chain : Chain
-    before, after : Energies
-        Around the step; ``after`` without this.
-    done : float
-        Work ``int F dD`` of the step.
-    intensity : float
-        Stress intensity factor of the tip at its end.
-    grown : float
+    work : ndarray (n,)
+        ``int F dD`` of each step.
+    stored : ndarray (n,)
+        By how much the stored energy grew.
+    release : ndarray (2, n + 1)
+        Glassy energy release rate ``K^2/(2 Einf*)`` of the tip at the ends of the steps, were it to open and
+        to close there.
+    grown : ndarray (n,)
         By how much the contact area grew.
 
     Returns
     -------
-    Energies
-
-    Notes
-    -----
-    In such a step the tip passes many times what a fast branch sees of it, and forms of the states at both
-    ends hold nothing of that. The balance with a sharp edge does: ``int F dD = dU + loss - int K^2/(2 Einf*)
-    dA``.
+    ndarray (n,)
+        ``int F dD - dU + int K^2/(2 Einf*) dA``.
     """
-    release = 0.5 * intensity**2 / chain.glassy
-    mean = release if before.release is None else 0.5 * (before.release + release)
-    lost = done - (after.stored(chain) - before.stored(chain)) + mean * grown
-    return replace(after, dissipated=before.dissipated + lost, release=release)
+    opening, closing = 0.5 * (release[:, 1:] + release[:, :-1])
+    return work - stored + np.where(grown > 0.0, closing, opening) * grown
 
 
 def _share_of_long(y: Array, increment: WorkIncrement, before: Energies) -> Array:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies
+from bem_solver.energy import Energies, balanced_dissipation
 from bem_solver.external_work import external_work
 from bem_solver.half_space_state import HalfSpaceState
 from contact_scene import Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
+
+UNKNOWN_RELEASE = (math.nan, math.nan)
+"""Energy release rate of the tip, opening and closing, where it is not known: then the branches are asked."""
 
 
 @dataclass
@@ -43,6 +47,7 @@ class TraceRecorder:
                 energies.dissipated,
                 surface.stress_intensity,
                 state.spent,
+                *(UNKNOWN_RELEASE if energies.release is None else energies.release),
             )
         )
 
@@ -84,7 +89,7 @@ class TraceRecorder:
         ``zone_excess`` is what the branches dissipate beyond the loss: at a sharp edge the whole field moves
         as if the process zone had no length, and the tip takes only the glassy ``K^2/(2 Einf*)``.
         """
-        time, penetration, force, radius, stored, branch, intensity, spent = (
+        time, penetration, force, radius, stored, branch, intensity, spent, opening, closing = (
             np.array(column) for column in zip(*self.rows, strict=True)
         )
         external = external_work(time, penetration, force, self.kinks)
@@ -92,6 +97,11 @@ class TraceRecorder:
         if reversible:
             spent = -work * (area - area[0])
         dissipated = external - spent - (stored - stored[0])
+        grown = np.diff(area)
+        release = np.array([opening, closing])
+        balanced = balanced_dissipation(np.diff(external), np.diff(stored), release, grown)
+        tip_moves = (grown != 0.0) & (np.diff(time) > 0.0) & np.isfinite(balanced)
+        branch = np.concatenate(([0.0], np.cumsum(np.where(tip_moves, balanced, np.diff(branch)))))
         return Trace(
             solver="bem",
             time=time,
@@ -131,7 +141,7 @@ def trace_without_contact(penetration: float, reason: str, counters: Counters, w
     -------
     Trace
     """
-    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)])
+    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *UNKNOWN_RELEASE)])
     return recorder.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters, work)
 
 

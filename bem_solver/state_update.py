@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
 from bem_solver.edge_energy import EdgeStep, energy_spent
-from bem_solver.energy import Energies, over_zones, updated_energies, work_increment
+from bem_solver.energy import Energies, updated_energies, work_increment
 from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import (
     NodalVariables,
@@ -132,10 +132,8 @@ def updated_state(
         problem.chain, state.surface, surface, variables, points.load, points.variables
     )
     after = updated_energies(problem.chain, energies, increment, motion.duration)
-    if problem.over_zones(motion.edge) and motion.duration > 0.0:
-        done = 0.5 * (state.surface.force + surface.force) * (motion.new_penetration - motion.penetration)
-        grown = np.pi * (motion.new_edge - motion.edge) * (motion.new_edge + motion.edge)
-        after = over_zones(problem.chain, energies, after, done, _tip_intensity(problem, state, trial), grown)
+    if problem.work > 0.0 and problem.viscoelastic:
+        after = replace(after, release=_tip_release(problem, state, trial))
     contact = HalfSpaceState(time, motion.new_penetration, surface, history)
     if problem.irreversible is not None:
         closures = (state.closure, trial.closure)
@@ -145,20 +143,19 @@ def updated_state(
     return contact, after
 
 
-def _tip_intensity(problem: Problem, state: HalfSpaceState, trial: TrialContact) -> float:
-    """Stress intensity factor at the very tip.
+def _tip_release(problem: Problem, state: HalfSpaceState, trial: TrialContact) -> tuple[float, float]:
+    """Glassy energy release rate of the tip, opening and closing.
 
-    Behind an advancing edge it falls within a layer that may be thinner than an annulus. Outside the opening
-    is a root of the distance throughout, which at the tip is the glassy one, ``c = (4 K/Einf*)/sqrt(2 pi)``.
+    Behind an advancing edge the stress falls within a layer that may be thinner than an annulus. Outside the
+    opening is a root of the distance throughout, which at a closing tip is the glassy one, ``c = (4
+    K/Einf*)/sqrt(2 pi)``.
     """
-    motion, surface, zone = trial.motion, trial.surface, trial.zone
-    if motion.new_edge <= motion.edge:
-        return surface.stress_intensity
+    motion, surface, zone, glassy = trial.motion, trial.surface, trial.zone, problem.chain.glassy
     quarter, full = gap_outside(
         problem, state, motion, surface, motion.new_edge + zone * np.array([0.25, 1.0])
     )
-    root = (8.0 * quarter - full) / (3.0 * np.sqrt(zone))
-    return float(root) * problem.chain.glassy * float(np.sqrt(np.pi / 8.0))
+    root = float(8.0 * quarter - full) / (3.0 * float(np.sqrt(zone)))
+    return 0.5 * surface.stress_intensity**2 / glassy, root**2 * glassy * np.pi / 16.0
 
 
 def _new_history(

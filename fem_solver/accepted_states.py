@@ -27,6 +27,7 @@ from fem_solver.recorder import SurfaceRecorder, SurfaceState
 from fem_solver.run_state import StepBefore
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
+from fem_solver.tip_release import UNKNOWN_RELEASE, release_of_closing, release_of_opening
 
 Array = NDArray[np.float64]
 
@@ -144,12 +145,24 @@ class AcceptedStates:
                 branch_dissipation=history.state.dissipated,
                 zone=candidate.problem.zone(candidate.edge.s),
                 received=received,
+                release=self._tip_release(candidate.edge.s, forces, gap),
                 **self._interface(candidate, radius),
             )
         )
         if self.setup.geometry.stress is not None and self.state.zone >= radius:
             forces_so_far = [row[2] for row in self.recorder.content.rows]
             raise RunEnded(below_zone_outcome(forces_so_far, self.time))
+
+    def _tip_release(self, edge: float, forces: Array, gap: Array) -> tuple[float, float]:
+        """Glassy energy release rate of the tip, opening and closing, on a mesh that does not follow it."""
+        setup = self.setup
+        if isinstance(setup, FollowingSetup) or setup.geometry.zone is None or not setup.has_history:
+            return UNKNOWN_RELEASE
+        operator, modulus = setup.history.instantaneous, setup.history.glassy_modulus
+        return (
+            release_of_opening(operator, setup.geometry, modulus, forces, edge),
+            release_of_closing(operator, setup.geometry, modulus, forces, gap, edge),
+        )
 
     def _interface(self, candidate: ContactCandidate, radius: float) -> dict[str, float]:
         """Closure, energy spent and rate of the edge, where they do not follow from the contact radius."""

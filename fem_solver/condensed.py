@@ -78,11 +78,17 @@ class CondensedHistory:
     def __init__(self, operator: SurfaceOperator, shear: Prony) -> None:
         nodes, count = len(operator.unit), len(shear.times)
         self.operator, self.shear = operator, shear
+        self.glassy_modulus = shear.glassy
         self.state = CondensedState(
             np.zeros(nodes), np.zeros((count, nodes)), np.zeros(nodes), np.zeros(count)
         )
         self.volume_solves = 0
         self.factorisations = 1
+
+    @property
+    def instantaneous(self) -> SurfaceOperator:
+        """Surface compliance of the glassy response, for unit shear modulus."""
+        return self.operator
 
     def respond(self, dt: float) -> Response:
         """Response to forces at the end of a step; changes nothing."""

@@ -49,6 +49,7 @@ class QuadratureHistory:
     def __init__(self, space: HalfSpace, shear: Prony, bulk: Prony | None, count: int) -> None:
         self.space, self.count = space, count
         self.shear_modulus, self.bulk_modulus = shear, bulk
+        self.glassy_modulus = shear.glassy
         self.strain = forms.strain_operator(space.basis)
         measure = forms.measure(space.basis)
         self._measure = np.concatenate([weight * measure.ravel() for weight in forms.CONTRACTION])

@@ -59,7 +59,8 @@ def solve(
     Returns
     -------
     Trace
-        Extra columns ``branch_dissipation``, ``zone_excess`` and ``balance_residual`` (see ``recorder``).
+        Extra columns ``branch_dissipation``, ``volume_dissipation``, ``zone_excess`` and ``balance_residual``
+        (see ``recorder``).
 
     Raises
     ------

@@ -72,6 +72,10 @@ class SurfaceOperator:
         result += self._matrix[last:end, last] * y[last]
         return result
 
+    def factor(self, first: int, end: int) -> Array:
+        """Rows and columns ``first..end-1`` of ``L``."""
+        return np.tril(self._matrix[first:end, first:end])
+
     def root(self) -> Array:
         """``L``; shape (n, n)."""
         return np.tril(self._matrix)

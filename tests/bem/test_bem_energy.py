@@ -78,6 +78,18 @@ def test_sharp_tip_releases_more_than_glass_on_opening():
     assert difference[-1] > 0.4 * WORK * np.ptp(area(trace))
 
 
+@pytest.mark.parametrize("steps", [(Ramp(0.02, 0.01),), (Ramp(0.045, 0.01),)], ids=["opening", "closing"])
+def test_branch_integral_of_a_sharp_edge_slow_against_the_branch(steps):
+    """Steps of hundreds of the branch's times, in which nothing but the tip makes it lag."""
+    fast = Material(0.75, 0.5, (Branch(0.2, 1e-3),))
+    question = scene(*steps, start="relaxed", at=0.032, material=fast)
+    mine, other = bem(question, resolution=6), front(question, 4)
+    assert np.diff(mine.time).max() > 20.0 * fast.branches[0].time
+    expected = other.extra["branch_dissipation"][-1]
+    assert abs(expected) > 0.1 * WORK * np.ptp(area(other))
+    assert_allclose(mine.extra["branch_dissipation"][-1], expected, rtol=0.03)
+
+
 def test_branches_dissipate_the_loss_without_adhesion():
     """No singular edge, nothing released at the tip: integral and balance agree."""
     trace = bem(scene(Ramp(0.02, 0.05), Hold(2.0), start="relaxed", at=0.005, adhesion=None), resolution=16)

@@ -100,6 +100,18 @@ def test_cycles_at_two_elements_per_process_zone(speed):
     assert trace.extra["zone_excess"][-1] > 0.0
 
 
+@pytest.mark.parametrize("target", [0.02, 0.045], ids=["opening", "closing"])
+def test_branch_integral_of_a_sharp_edge_slow_against_the_branch(target):
+    """An element takes hundreds of the branch's times to open or close, a sharp tip none."""
+    fast = Material(0.75, 0.5, (Branch(0.2, 1e-3),))
+    scene = scene_of(Ramp(target, 0.01), start="relaxed", at=0.032, material=fast)
+    trace = solve(scene, mesh(reach=0.31), Options())
+    expected = SOLVERS["reference"].solve(scene, 4).extra["branch_dissipation"][-1]
+    assert trace.extra["branch_dissipation"][-1] == pytest.approx(expected, rel=0.05)
+    assert trace.extra["volume_dissipation"][-1] < 0.3 * expected
+    assert np.all(np.diff(trace.extra["branch_dissipation"]) >= 0.0)
+
+
 def test_both_mesh_families_give_the_same_cycle():
     difference = cycle_errors(0.02) - cycle_errors(0.02, 2, "gmsh")
     assert np.abs(difference).max() < 3e-3

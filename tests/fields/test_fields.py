@@ -134,7 +134,7 @@ def test_densities_of_separate_relaxation_add_up_too():
 def test_dissipation_rate_is_the_slope_of_the_loss():
     recording = recorded()
     state, trace = states()[0], recording.trace
-    k, lost = state.row, trace.extra["branch_dissipation"]
+    k, lost = state.row, trace.extra["volume_dissipation"]
     slopes = [(lost[k] - lost[k - 1]) / (trace.time[k] - trace.time[k - 1])]
     slopes.append((lost[k + 1] - lost[k]) / (trace.time[k + 1] - trace.time[k]))
     rate = float((state.element_rate @ state.element_volumes).sum())

@@ -236,3 +236,18 @@ def test_steps_tried_in_vain_come_to_an_end(monkeypatch: pytest.MonkeyPatch) -> 
     assert trace.outcome.kind is OutcomeKind.STEP_UNDERFLOW
     assert "400" in trace.outcome.reason
     assert len(trace.time) >= 1
+
+
+@pytest.mark.slow
+def test_a_load_beyond_the_pull_off_loses_contact_where_a_growing_one_does() -> None:
+    """The stable and the unstable radius meet there, closer than the search for an arrest looks."""
+    most = -1.2 * 1.5 * np.pi * WORK
+    scenes = [
+        _scene((step,), 0.03, "relaxed", adhesion=STICKY)
+        for step in (Force(most, 1.0), ForceRamp(most, 1e-3))
+    ]
+    at_once, growing = (solve(scene, COARSE) for scene in scenes)
+    last = [int(np.flatnonzero(trace.contact_radius)[-1]) for trace in (at_once, growing)]
+    for name, allowed in (("contact_radius", 1e-3), ("force", 1e-5), ("external_work", 1e-3)):
+        jump, ramp = at_once.columns()[name][last[0]], growing.columns()[name][last[1]]
+        assert jump == pytest.approx(ramp, rel=allowed), name

@@ -13,7 +13,7 @@ from validation import solvers
 from validation.execution.runs import Run
 from validation.execution.tasks import Task, TaskEnding, TaskResult
 from validation.measure.scalars import measure
-from validation.stability import random_instruments, random_matrix
+from validation.stability import random_instruments, random_matrix, random_runs, trace_invariants
 from validation.stability.random_answers import AnswerFinding, JudgedScene, RandomSceneAnswer, examine
 from validation.stability.random_instruments import random_instrument
 from validation.stability.random_matrix import table
@@ -125,6 +125,34 @@ def test_other_findings():
     assert judged(refused).finding is AnswerFinding.DECLINED
 
 
+@pytest.mark.parametrize("miss", [0.0, 4e-16, 1e-9])
+def test_the_last_penetration_is_met_to_a_rounding_error_of_the_way(miss):
+    trace = answer()
+    depth = trace.penetration.copy()
+    depth[-1] += miss * np.abs(depth).max()
+    found = trace_invariants.broken(SCENE, replace(trace, penetration=depth))
+    assert ("the last penetration is not the prescribed one" in found) == (miss > 1e-12)
+
+
+def test_estimates_are_asked_for_where_they_decide(tmp_path):
+    """First without estimates; one run of bem is off by more than it may be, and is asked again."""
+    asked: list[tuple[str, bool]] = []
+
+    def carried_out(numbered, executor, outstanding):
+        for number, task in numbered:
+            _, solver, _, _, estimate = task.arguments
+            asked.append((solver, estimate))
+            yield number, result(solver, answer(0.104 if solver == "bem" else 0.1), 1e-2 if estimate else 0.0)
+
+    settings = random_runs.RandomRunSettings(coarse=True, screened=True)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(random_runs, "completed_tasks", carried_out)
+        ((_, one),) = random_runs.judged_scenes([replace(CHOSEN, scene=SCENE)], settings, None)
+    assert set(asked[:3]) == {(name, name == "reference") for name in solvers.SOLVERS}
+    assert asked[3:] == [("bem", True)]
+    assert {each.solver: each.finding for each in one.answers}["fem"] is AnswerFinding.AGREES
+
+
 def test_without_an_estimate_only_a_wrong_answer_is_told():
     mine = result("bem", answer(0.102))
     bare = replace(mine, value=replace(mine.value, errors={}))
@@ -135,18 +163,19 @@ def test_without_an_estimate_only_a_wrong_answer_is_told():
 
 def test_a_stopped_matrix_goes_on(tmp_path, monkeypatch):
     """Scenes that are done are not repeated; those at fault are written, the table counts all."""
-    asked: list[int] = []
+    asked: list[str] = []
 
-    def carried_out(tasks, executor):
-        asked.append(len(tasks))
-        return [result(task.arguments[1], None, failure="died", ending=TaskEnding.DIED) for task in tasks]
+    def carried_out(numbered, executor, outstanding):
+        for number, task in numbered:
+            asked.append(task.arguments[1])
+            yield number, result(task.arguments[1], None, failure="died", ending=TaskEnding.DIED)
 
-    monkeypatch.setattr(random_matrix, "run_tasks", carried_out)
+    monkeypatch.setattr(random_runs, "completed_tasks", carried_out)
     monkeypatch.setattr(random_matrix, "processes", NoProcesses)
     touching = [seed for seed in range(1, 6) if random_matrix._possible(seed)]
     first = random_matrix.run(tmp_path, touching[:2])
     assert [one.seed for one in random_matrix.run(tmp_path, touching[:3])] == touching[:3]
-    assert asked == [len(solvers.SOLVERS)] * 3
+    assert asked == [*solvers.SOLVERS] * 3
     assert random_matrix.read(tmp_path / "scenes.jsonl")[:2] == first
     assert (tmp_path / "scenes" / f"seed-{touching[0]}.toml").exists()
     assert f"| {AnswerFinding.CRASHED} | 3 | 3 | 3 |" in (tmp_path / "table.md").read_text()

@@ -30,7 +30,8 @@ and on a machine with ten times as many busy processes as cores no other task re
 class WorkerProcesses(Executor):
     """Spawned processes that leave an interrupt to their parent and end with it, even if it is killed."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND) -> None:
+        self._wall_per_processor_second = wall_per_processor_second
         # Started later, where interrupts are blocked, it would unblock them for the processes that follow.
         resource_tracker.ensure_running()
         context = multiprocessing.get_context("spawn")
@@ -76,7 +77,7 @@ class WorkerProcesses(Executor):
     ) -> Future[Any]:
         # Bytes: what cannot be unpickled in a process then fails with its task, not with the process.
         call = pickle.dumps((function, arguments, named))
-        timeout = None if seconds is None else WALL_PER_PROCESSOR_SECOND * seconds
+        timeout = None if seconds is None else self._wall_per_processor_second * seconds
         with _interrupts_blocked():  # inherited by the threads begun here, and by every process they start
             future = self._pool.schedule(_carry_out, (call, seconds), timeout=timeout)
         self._futures.add(future)
@@ -96,12 +97,14 @@ class WorkerProcesses(Executor):
 
 
 @contextmanager
-def processes(workers: int, isolated: bool = False) -> Iterator[WorkerProcesses | None]:
+def processes(
+    workers: int, isolated: bool = False, wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND
+) -> Iterator[WorkerProcesses | None]:
     """As many processes; none for one worker, unless its tasks must be ``isolated`` from this process."""
     if workers <= 1 and not isolated:
         yield None
         return
-    pool = WorkerProcesses(max(workers, 1))
+    pool = WorkerProcesses(max(workers, 1), wall_per_processor_second)
     try:
         yield pool
     except BaseException:

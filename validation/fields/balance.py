@@ -5,9 +5,10 @@ The mesh ends at a finite radius: the trace counts the half-space outside it, th
 partly released node at the edge, which is no density in the body.
 
 The loss in the branches is compared with the column of the trace that is its integral, and with what closes
-the balance of the half-space without any such integral: work of the surface forces less stored energy. The
-loss of the whole balance ``F dD + dg dA = dU + dL`` is smaller by ``zone_excess`` where a sharp edge
-dissipates what a process zone would have held (see ``fem_solver.recorder``).
+the balance of the half-space without any such integral: work of the surface forces less stored energy.
+Neither holds what a sharp tip makes the branches dissipate within an element, which ``branch_dissipation``
+does. The loss of the whole balance ``F dD + dg dA = dU + dL`` is smaller by ``zone_excess`` where a sharp
+edge dissipates what a process zone would have held (see ``fem_solver.recorder``).
 """
 
 from __future__ import annotations
@@ -63,8 +64,8 @@ def balance(state: FieldState, trace: Trace) -> EnergySums:
         stored_in_trace=at["stored_energy"],
         dissipated_by_branch=lost,
         dissipated=sum(lost.values()),
-        branch_dissipation=at["branch_dissipation"],
-        work_less_stored=at["branch_dissipation"] + at["balance_residual"],
-        zone_excess=at["zone_excess"],
+        branch_dissipation=at["volume_dissipation"],
+        work_less_stored=at["volume_dissipation"] + at["balance_residual"],
+        zone_excess=at["volume_dissipation"] - at["dissipated_energy"],
         loss=at["dissipated_energy"],
     )

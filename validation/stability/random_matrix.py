@@ -9,17 +9,16 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from contact_scene import SceneError
 from contact_scene.scenefile import write_scene
-from validation.cases import Case
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
-from validation.execution.solver_tasks import run_task
-from validation.execution.tasks import Task, run_tasks
 from validation.solvers import SOLVERS
 from validation.solvers.contact_range import largest_contact_radius
 from validation.stability.random_answers import (
@@ -27,13 +26,19 @@ from validation.stability.random_answers import (
     AnswerFinding,
     JudgedScene,
     RandomSceneAnswer,
-    examine,
 )
 from validation.stability.random_instruments import random_instrument
+from validation.stability.random_runs import RandomRunSettings, judged_scenes
 from validation.stability.random_scenes import RandomScene, random_scene
 
 FAMILIES: dict[str, Callable[[int], RandomScene]] = {"usual": random_scene, "instruments": random_instrument}
 """What makes the scene of a seed, by the family of scenes."""
+
+TABLE_EVERY = 20
+"""Scenes after which the table is written anew."""
+SUSPENDED = 1e4
+"""Wall time over processor time after which a run is given up: solvers do not sleep, and hours in which a
+matrix is suspended from outside are no fault of the run that was going on."""
 
 
 def table(judged: Sequence[JudgedScene]) -> str:
@@ -79,10 +84,9 @@ def read(file: Path) -> list[JudgedScene]:
 
 def run(
     folder: Path,
-    seeds: Sequence[int],
+    seeds: Iterable[int],
     jobs: int = 1,
-    seconds: float = 60.0,
-    resolution: int | None = None,
+    settings: RandomRunSettings | None = None,
     family: str = "usual",
 ) -> list[JudgedScene]:
     """Examine the scenes of the seeds that the folder does not hold yet.
@@ -90,36 +94,50 @@ def run(
     Parameters
     ----------
     folder : Path
-        Receives ``scenes.jsonl``, ``table.md`` and ``scenes/``.
-    seeds : sequence of int
+        Receives ``settings.json``, ``scenes.jsonl``, ``table.md`` and ``scenes/``.
+    seeds : iterable of int
     jobs : int
         Processes.
-    seconds : float
-        Processor time after which a run is given up.
-    resolution : int or None
-        Divisions per process zone; ``None``: each solver's own.
+    settings : RandomRunSettings, optional
     family : str
-        One of ``FAMILIES``; a folder holds one of them.
+        One of ``FAMILIES``.
 
     Returns
     -------
     list of JudgedScene
         All that the folder holds.
+
+    Raises
+    ------
+    SceneError
+        If the folder holds scenes of other settings; the time limit alone may change.
     """
-    file = folder / "scenes.jsonl"
-    judged = read(file)
+    settings = settings or RandomRunSettings()
+    _keep_settings(folder, {"family": family, **asdict(settings)})
+    judged = read(folder / "scenes.jsonl")
     done = {one.seed for one in judged}
-    missing = [seed for seed in seeds if seed not in done]
-    with processes(jobs, isolated=True) as executor:
-        for begin in range(0, len(missing), jobs):
-            batch = [_possible(seed, family) for seed in missing[begin : begin + jobs]]
-            chosen = [one for one in batch if one is not None]
-            results = run_tasks(_tasks(chosen, seconds, resolution), executor)
-            for index, one in enumerate(chosen):
-                judged.append(examine(one, results[index * len(SOLVERS) : (index + 1) * len(SOLVERS)]))
-                _append(folder, one, judged[-1])
-            (folder / "table.md").write_text(table(judged), encoding="utf-8")
+    possible = (_possible(seed, family) for seed in seeds if seed not in done)
+    scenes = (chosen for chosen in possible if chosen is not None)
+    with processes(jobs, isolated=True, wall_per_processor_second=SUSPENDED) as executor:
+        for chosen, one in judged_scenes(scenes, settings, executor, jobs):
+            judged.append(one)
+            _append(folder, chosen, one)
+            if len(judged) % TABLE_EVERY == 0:
+                (folder / "table.md").write_text(table(judged), encoding="utf-8")
+    (folder / "table.md").write_text(table(judged), encoding="utf-8")
     return judged
+
+
+def _keep_settings(folder: Path, settings: dict[str, Any]) -> None:
+    file = folder / "settings.json"
+    if file.exists():
+        before = json.loads(file.read_text("utf-8"))
+        for name in settings.keys() - {"seconds"}:
+            if before.get(name) != settings[name]:
+                problem = f"holds scenes with {name} = {before.get(name)}, not {settings[name]}"
+                raise SceneError("--out", problem, "another folder, or the same settings")
+        settings["seconds"] = max(settings["seconds"], before["seconds"])
+    file.write_text(json.dumps(settings) + "\n", encoding="utf-8")
 
 
 def _possible(seed: int, family: str = "usual") -> RandomScene | None:
@@ -130,22 +148,6 @@ def _possible(seed: int, family: str = "usual") -> RandomScene | None:
     except SceneError:
         return None
     return chosen
-
-
-def _tasks(chosen: Sequence[RandomScene], seconds: float, resolution: int | None) -> list[Task]:
-    return [
-        replace(
-            run_task(
-                Case(f"seed-{one.seed}", one.scene, profile_times=one.profile_times),
-                solver,
-                resolution,
-                estimate=True,
-            ),
-            time_limit=seconds,
-        )
-        for one in chosen
-        for solver in SOLVERS
-    ]
 
 
 def _append(folder: Path, chosen: RandomScene, judged: JudgedScene) -> None:
@@ -164,13 +166,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--count", type=int, default=2000, help="number of seeds")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--seconds", type=float, default=60.0, help="processor time limit of a run")
-    parser.add_argument("--resolution", type=int, help="divisions per process zone, of every solver")
+    parser.add_argument("--seeds", type=int, nargs="+", help="these seeds instead")
+    sizes = parser.add_mutually_exclusive_group()
+    sizes.add_argument("--resolution", type=int, help="divisions per process zone, of every solver")
+    sizes.add_argument("--coarse", action="store_true", help="the coarse resolution of each solver")
+    parser.add_argument(
+        "--screened", action="store_true", help="estimates only where an answer is off by more than it may be"
+    )
     parser.add_argument("--family", choices=FAMILIES, default="usual", help="scenes; one family a folder")
     chosen = parser.parse_args(arguments)
-    seeds = range(chosen.first, chosen.first + chosen.count)
-    judged = run(
-        output_folder(chosen.out), seeds, chosen.jobs, chosen.seconds, chosen.resolution, chosen.family
-    )
+    seeds = chosen.seeds or range(chosen.first, chosen.first + chosen.count)
+    settings = RandomRunSettings(chosen.seconds, chosen.resolution, chosen.coarse, chosen.screened)
+    try:
+        judged = run(output_folder(chosen.out), seeds, chosen.jobs, settings, chosen.family)
+    except SceneError as error:
+        print(error, file=sys.stderr)
+        return 2
     print(table(judged), end="")
     return 1 if any(answer.finding in FAULTS for one in judged for answer in one.answers) else 0
 

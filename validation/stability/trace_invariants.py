@@ -11,7 +11,8 @@ from contact_scene import Force, ForceRamp, OutcomeKind, Ramp, Scene, Table, Tra
 from contact_scene.machine import COLUMNS_OF_MACHINE
 
 ROUND_OFF = 1e-12
-"""Of an energy, relative to the largest effort of the run: what is negative by less is zero."""
+"""Of an energy, relative to the largest effort of the run: what is negative by less is zero. Of a
+penetration, relative to the largest: the end of a long way is met to a rounding error of the way."""
 REACHED = 1e-6
 """Largest distance of the last force from the prescribed one, relative to the largest force."""
 CLEAR = (
@@ -98,7 +99,8 @@ def _not_reached(scene: Scene, trace: Trace) -> list[str]:
                 stage = trace.extra["stage"]
                 near = abs(float(stage[-1]) - to) <= REACHED * np.abs(stage).max(initial=abs(to))
                 return [] if near else ["the last stage is not the prescribed one"]
-            return [] if depth == to else ["the last penetration is not the prescribed one"]
+            near = abs(depth - to) <= ROUND_OFF * float(np.abs(trace.penetration).max())
+            return [] if near else ["the last penetration is not the prescribed one"]
         case Force(value=to) | ForceRamp(to=to) | Table(values=(*_, to), quantity="force"):
             near = abs(force - to) <= REACHED * np.abs(trace.force).max(initial=abs(to))
             return [] if near else ["the last force is not the prescribed one"]

@@ -18,8 +18,9 @@ from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, FrontC
 from validation.reference.tracking.surface import Surface
 from validation.reference.tracking.trial import Trial
 
-Equilibrium = Callable[[float, float], "Surface | None"]
-"""Surface at a share of a load jump, searched from a radius; ``None`` where contact is lost."""
+Equilibrium = Callable[..., "Surface | None"]
+"""Surface at a share of a load jump, searched from a radius, in finer intervals if a third number says by how
+much; ``None`` where contact is lost."""
 JUMP_PARTS = 32
 """Parts of a load jump during which the edge moves."""
 ADHESIVE_STRIDE = 0.15
@@ -36,6 +37,11 @@ AT_SMALLEST_RADIUS = 1e-6
 """Distance from the smallest radius, relative to it, below which a jump has shrunk the contact that far."""
 BISECTIONS = 24
 """Bisections of the part of a jump in which contact begins or is lost."""
+FINER_SEARCHES = (1.0, 1.0 / 16.0, 1.0 / 256.0)
+"""Search intervals in turn where contact is lost, relative to the usual one: the stable radius and the
+unstable one below it come together there, and an interval that holds both shows neither."""
+FINER_REACH = 32.0
+"""Finer intervals searched: two of those before, in one of which the stable radius must be."""
 
 
 def at_rest(segment: Segment, value: float) -> Segment:
@@ -54,10 +60,10 @@ def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> Ste
         end = problem.candidate(state.time, whole.surface_at(0.0, start.radius))
         return StepOutcome(candidates=(end,))
 
-    def equilibrium(share: float, begin: float) -> Surface | None:
+    def equilibrium(share: float, begin: float, finer: float = 1.0) -> Surface | None:
         load = at_rest(segment, before + share * change) if share < 1.0 else segment
         trial = problem.trial(state, load)
-        radius = equilibrium_radius(problem, state, trial, begin)
+        radius = equilibrium_radius(problem, state, trial, begin, finer)
         return None if radius is None else trial.surface_at(0.0, radius)
 
     rows, last, lost = _equilibria(equilibrium, start, _shares(0.0, 1.0, begins, False))
@@ -65,8 +71,9 @@ def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> Ste
         first = 0.0 if force_controlled else _first_contact(equilibrium, start)
         rows, last, lost = _equilibria(equilibrium, start, _shares(first, 1.0, True, False))
     elif last < 1.0:
-        last = _last_contact(equilibrium, rows[-1] if rows else start, last, lost)
-        rows, _, _ = _equilibria(equilibrium, start, _shares(0.0, last, begins, True))
+        last, farthest = _last_contact(equilibrium, rows[-1] if rows else start, last, lost)
+        rows, _, _ = _equilibria(equilibrium, start, _shares(0.0, last, begins, True)[:-1])
+        rows.append(farthest)
         shortest = problem.condition.smallest_radius
         if rows and rows[-1].radius - shortest < AT_SMALLEST_RADIUS * shortest:
             return StepOutcome(
@@ -123,16 +130,20 @@ def _equilibria(
     return rows, last, last
 
 
-def _last_contact(equilibrium: Equilibrium, reached: Surface, low: float, high: float) -> float:
-    """The last share with contact, between one with and one without."""
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        surface = equilibrium(middle, reached.radius)
-        if surface is None:
-            high = middle
-        else:
-            low, reached = middle, surface
-    return low
+def _last_contact(
+    equilibrium: Equilibrium, reached: Surface, low: float, lost: float
+) -> tuple[float, Surface]:
+    """The last share with contact, between one with and one without, and the surface there."""
+    for finer in FINER_SEARCHES:
+        high = lost
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            surface = equilibrium(middle, reached.radius, finer)
+            if surface is None:
+                high = middle
+            else:
+                low, reached = middle, surface
+    return low, reached
 
 
 def _first_contact(equilibrium: Equilibrium, start: Surface) -> float:
@@ -148,7 +159,9 @@ def _first_contact(equilibrium: Equilibrium, start: Surface) -> float:
     return low
 
 
-def equilibrium_radius(problem: FrontProblem, state: FrontState, trial: Trial, begin: float) -> float | None:
+def equilibrium_radius(
+    problem: FrontProblem, state: FrontState, trial: Trial, begin: float, finer: float = 1.0
+) -> float | None:
     """Radius at which an edge that is at ``begin`` comes to rest at fixed time.
 
     Parameters
@@ -159,6 +172,8 @@ def equilibrium_radius(problem: FrontProblem, state: FrontState, trial: Trial, b
         Trial step from it, whose duration will be zero.
     begin : float
         Radius from which to search.
+    finer : float
+        Search intervals, relative to the usual ones.
 
     Returns
     -------
@@ -171,11 +186,11 @@ def equilibrium_radius(problem: FrontProblem, state: FrontState, trial: Trial, b
     inward, outward = _forces_at_once(trial, begin)
     if max(inward, outward) <= problem.condition.tolerance:
         return begin
-    return _arrest(problem, state, trial, begin, outward > inward)
+    return _arrest(problem, state, trial, begin, outward > inward, finer)
 
 
 def _arrest(
-    problem: FrontProblem, state: FrontState, trial: Trial, begin: float, outward: bool
+    problem: FrontProblem, state: FrontState, trial: Trial, begin: float, outward: bool, finer: float = 1.0
 ) -> float | None:
     """The next stable radius of an unstable edge at fixed time; ``None`` if contact is lost."""
     far = 1e3 * max(begin, state.largest_radius)
@@ -186,7 +201,9 @@ def _arrest(
             stride = max(stride, ELASTIC_STRIDE * begin)
     else:
         stride = ADHESIONLESS_STRIDE * max(begin, state.largest_radius)
-    radius = trial.arrest_radius(begin, stride, outward, limit)
+    if finer < 1.0 and not outward:
+        limit = max(limit, begin - FINER_REACH * finer * stride)
+    radius = trial.arrest_radius(begin, finer * stride, outward, limit)
     return None if radius is None or radius == 0.0 else radius
 
 
