@@ -19,6 +19,8 @@ _SHARE_OF_WAY = 0.7
 the place of that point is then known ten times as well."""
 _NEWTON_STEPS = 3
 """From the turn of a parabola to that of a cubic: each squares the relative error."""
+SLIVER = 1e-9
+"""Part of a step by which it may differ from another by rounding, and still is as long."""
 _MEMORY = 64
 """Accepted states that rates may reach back over."""
 
@@ -74,8 +76,8 @@ class AcceptedSteps:
         """
         if len(self.rows) < 2:
             return 0.0, 0.0
-        now = self.rows[-1]
-        base = next((row for row in reversed(self.rows[:-1]) if now[0] - row[0] >= step), self.rows[0])
+        now, least = self.rows[-1], (1.0 - SLIVER) * step
+        base = next((row for row in reversed(self.rows[:-1]) if now[0] - row[0] >= least), self.rows[0])
         span = now[0] - base[0]
         return (now[1] - base[1]) / span, (now[2] - base[2]) / span
 

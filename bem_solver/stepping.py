@@ -34,7 +34,7 @@ from bem_solver.step import (
     TrialStep,
     limited_step,
 )
-from bem_solver.step_control import grown, shrunk
+from bem_solver.step_control import SLIVER, grown, shrunk
 from bem_solver.step_error import free_load
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 from bem_solver.trigger import to_level
@@ -51,9 +51,6 @@ from contact_scene.trigger import passed
 SOLVER = "bem"
 _ZONE_END_SHARE = 1e-4
 """Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
-
-_SLIVER = 1e-9
-"""Part of a step by which it may differ from the one wanted by rounding."""
 
 
 @dataclass
@@ -264,7 +261,7 @@ class GradedRun:
     def _shortened(self, taken: float, error: float) -> float:
         """The step that a stop or a largest tension has cut short, to go on with; 0 if none has."""
         step = self.state.step
-        return step if error <= 1.0 and taken < (1.0 - _SLIVER) * step else 0.0
+        return step if error <= 1.0 and taken < (1.0 - SLIVER) * step else 0.0
 
     def _commit(self, trial: TrialContact, time: float, report: Callable[[float], None]) -> None:
         """Make the trial the state."""
