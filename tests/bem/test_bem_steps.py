@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 from support.paper_scenes import ELASTIC, ONE, PULL, cycle, scene
 
 from bem_solver import Options, solve
+from bem_solver.step_control import AcceptedSteps
 from contact_scene import Force, Hold, Oscillate, Ramp, SceneError, Sweep, Table
 
 COARSE = Options(resolution=6)
@@ -116,3 +117,12 @@ def test_progress_reaches_one_when_all_is_done():
     shares = []
     solve(scene(Ramp(0.01, 0.1), Hold(0.1)), COARSE, shares.append)
     assert_allclose(shares[-1], 1.0)
+
+
+@pytest.mark.parametrize("rounded", [1.0 - 1e-14, 1.0, 1.0 + 1e-14])
+def test_a_step_as_long_as_the_last_looks_back_over_the_last_alone(rounded):
+    """Otherwise the next step, a tenth longer or shorter, hangs on the last bit of the clock."""
+    steps = AcceptedSteps()
+    for row in ((0.0, 1.0, 0.0), (0.1, 1.1, 0.1), (0.2, 1.3, 0.4)):
+        steps.add(*row)
+    assert_allclose(steps.rates(0.1 * rounded), (2.0, 3.0), rtol=1e-12)
