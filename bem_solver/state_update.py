@@ -132,7 +132,7 @@ def updated_state(
         problem.chain, state.surface, surface, variables, points.load, points.variables
     )
     after = updated_energies(problem.chain, energies, increment, motion.duration)
-    if problem.over_zones(motion.edge) and motion.duration > 0.0:
+    if problem.curves and motion.duration > 0.0:
         done = 0.5 * (state.surface.force + surface.force) * (motion.new_penetration - motion.penetration)
         grown = np.pi * (motion.new_edge - motion.edge) * (motion.new_edge + motion.edge)
         after = over_zones(problem.chain, energies, after, done, _tip_intensity(problem, state, trial), grown)
