@@ -32,6 +32,10 @@ from fem_solver.following.state import FollowingState
 
 Array = NDArray[np.float64]
 
+_LEAST_CHANGE = 1e-6
+"""Change of the penetration from which the stiffness is told, at least, relative to it: near the axis of a
+flat profile its height is below a rounding error of the penetration."""
+
 
 class FollowingProblem:
     """All contact states possible at one instant, as functions of the edge position.
@@ -105,7 +109,7 @@ class FollowingProblem:
             free = self.placement.displacement(self._free)
             return float((self.placement.height + free).min())
         first = self.state.penetration
-        second = first + float(self.placement.height[int(s) + 1])
+        second = first + max(float(self.placement.height[int(s) + 1]), _LEAST_CHANGE * abs(first))
         low, high = self._force_at(s, first), self._force_at(s, second)
         stiffness = (high - low) / (second - first)  # the force is linear in the penetration
         if self.control == "stage":  # X = D + F/k

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ from contact_scene import (
 from fem_solver.following import history, state
 from fem_solver.following.components import Components
 from fem_solver.following.path import EdgePolynomial
+from fem_solver.following.problem import FollowingProblem
 from fem_solver.prony import Prony
 from meshes import EdgeMeshes
 from validation.cases import load
@@ -282,3 +284,13 @@ def test_an_edge_jump_without_a_place_to_rest_loses_contact():
     )
     assert solved.outcome.finished
     assert solved.outcome.kind.value == "detached"
+
+
+def test_penetration_under_a_force_near_the_axis_of_a_flat_profile(monkeypatch):
+    """Heights there are below a rounding error of the penetration."""
+    problem = object.__new__(FollowingProblem)
+    problem.control, problem.value = "force", 2.0
+    problem.state = SimpleNamespace(penetration=1e-3)
+    problem.placement = SimpleNamespace(height=np.array([0.0, 1e-26, 1e-25, 1e-24]))
+    monkeypatch.setattr(FollowingProblem, "_force_at", lambda self, s, depth: 1.0 + 500.0 * depth)
+    assert problem.penetration(2.0) == pytest.approx(2e-3, rel=1e-9)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,13 @@ from validation import solvers
 from validation.execution.runs import Run
 from validation.execution.tasks import Task, TaskEnding, TaskResult
 from validation.measure.scalars import measure
-from validation.stability import random_instruments, random_matrix, random_runs, trace_invariants
+from validation.stability import (
+    random_instruments,
+    random_matrix,
+    random_report,
+    random_runs,
+    trace_invariants,
+)
 from validation.stability.random_answers import AnswerFinding, JudgedScene, RandomSceneAnswer, examine
 from validation.stability.random_instruments import random_instrument
 from validation.stability.random_matrix import table
@@ -207,3 +214,25 @@ def test_the_table_shows_the_worst_first():
 
 def test_a_random_scene_is_a_scene():
     assert isinstance(random_scene(3).scene, Scene)
+
+
+def test_the_report_counts_classes_and_says_what_became_of_them(tmp_path):
+    wrong = RandomSceneAnswer("bem", AnswerFinding.WRONG, "completed", "force", 0.3, 0.1)
+    good = RandomSceneAnswer("fem", AnswerFinding.AGREES, "completed")
+    judged = [JudgedScene(seed, "cycle", "cone", 0.1, (wrong, good)) for seed in (5, 9)]
+    later = {(5, "bem"): "agrees"}
+    assert "| silently wrong | 2 | 0 | 0 |" in random_report.counts(judged)
+    assert "| silently wrong | bem | force | 2 | 5 0.3 (agrees), 9 0.3 |" in random_report.faults(
+        judged, later
+    )
+    (tmp_path / "settings.json").write_text('{"seconds": 3.0}')
+    lines = [json.dumps(asdict(one)) for one in judged]
+    (tmp_path / "scenes.jsonl").write_text("\n".join(lines) + "\n")
+    assert "2 scenes of the seeds 5 to 9" in random_report.report(tmp_path)
+    assert random_report.later_findings([tmp_path])[9, "bem"] == "silently wrong 0.3"
+
+
+def test_a_folder_keeps_its_settings(tmp_path, capsys):
+    (tmp_path / "settings.json").write_text('{"family": "instruments", "seconds": 3.0}')
+    assert random_matrix.main(["--out", str(tmp_path), "--count", "1"]) == 2
+    assert "holds scenes with" in capsys.readouterr().err
