@@ -29,6 +29,7 @@ from fem_solver.following.passage import NodePassage
 from fem_solver.following.path import EdgePolynomial
 from fem_solver.following.placement import Placement
 from fem_solver.following.state import FollowingState
+from fem_solver.following.surface_record import SurfaceRecord
 
 Array = NDArray[np.float64]
 
@@ -240,7 +241,19 @@ class FollowingProblem:
             received=state.received + passage.received,
             updates=state.updates + 1,
             unresolved=unresolved,
+            record=self._recorded(s, b),
         )
+
+    def _recorded(self, s: float, b: Array) -> SurfaceRecord:
+        """The surface at the end of the step; from the mesh where that is fine or the edge was."""
+        here, state = self.placement, self.state
+        nodes = SurfaceRecord(here.positions, b / here.unit, int(np.floor(s)) + 1)
+        if state.record is None or s < 0.0:
+            return nodes
+        low, high = self._changing(s)
+        ends = min(low, int(here.lowest)), min(max(high, self.geometry.last), len(here.unit) - 1)
+        change = self.penetration(s) - state.penetration
+        return state.record.after(self.solid, self.dt, change).renewed(nodes, ends)
 
     def forces(self, s: float) -> Array:
         """All nodal forces, compressive positive; shape (n,)."""

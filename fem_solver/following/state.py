@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from fem_solver.following.components import Components
 from fem_solver.following.path import Row
 from fem_solver.following.placement import Placement
+from fem_solver.following.surface_record import SurfaceRecord, interpolated
 
 Array = NDArray[np.float64]
 
@@ -44,6 +44,8 @@ class FollowingState:
         Accepted steps so far.
     unresolved : ndarray, shape (branches,)
         Energy of the surface outside, by modes, that is finer than the elements there hold.
+    record : SurfaceRecord, optional
+        The surface where earlier meshes were finer.
     """
 
     place: Any
@@ -58,6 +60,7 @@ class FollowingState:
     received: float = 0.0
     updates: int = 0
     unresolved: Array = field(default_factory=lambda: np.zeros(0))
+    record: SurfaceRecord | None = None
 
     def rows_and_this(self, dt: float) -> tuple[Row, ...]:
         """The rows before the end of a step from here, through which the path of the next one goes."""
@@ -100,17 +103,19 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
     edge = new.geometry.position(state.radius) if state.edge >= 0.0 else -1.0
     inside, top = int(np.floor(state.edge)) + 1, int(np.floor(edge)) + 1
     outside = inside + (state.edge > inside - 1)  # the partly released node is neither
-    intensity, share = state.branches / old.unit, edge - (top - 1)
-    within = _interpolated(old.positions[:inside], intensity[:, :inside], new.positions[: top + 1])
-    beyond = _interpolated(old.positions[outside:], intensity[:, outside:], new.positions[top:])
+    known = state.record or SurfaceRecord(old.positions, state.branches / old.unit, inside)
+    x, intensity, share = known.positions, known.intensity, edge - (top - 1)
+    free = known.edge + outside - inside
+    within = interpolated(x[: known.edge], intensity[:, : known.edge], new.positions[: top + 1])
+    beyond = interpolated(x[free:], intensity[:, free:], new.positions[top:])
     between = share * within[:, -1:] + (1.0 - share) * beyond[:, :1]
     imposed = state.penetration * new.unit - new.profile
-    free = -new.unit[top:] * beyond.sum(axis=0) / solid.shear.relaxed
-    free[0] += share * (imposed[top] - free[0])
+    recovered = -new.unit[top:] * beyond.sum(axis=0) / solid.shear.relaxed
+    recovered[0] += share * (imposed[top] - recovered[0])
     moved = replace(
         state,
         place=new.place,
-        components=np.concatenate([imposed[:top], free]),
+        components=np.concatenate([imposed[:top], recovered]),
         branches=np.hstack([within[:, :-1], between, beyond[:, 1:]]) * new.unit,
         held=within[:, -1] * new.unit[top],
         edge=edge,
@@ -146,13 +151,3 @@ def interface_energy(state: FollowingState, placement: Placement, solid: Compone
     force = float(solid.force(state.components[node], state.branches[:, node]))
     imposed = state.penetration * placement.unit[node] - placement.profile[node]
     return -0.5 * force * float(state.components[node] - imposed)
-
-
-def _interpolated(x: Array, values: Array, at: Array) -> Array:
-    """Monotonic cubic interpolation of every row, continued by at most one interval."""
-    if x.size < 2:
-        return np.repeat(values[:, -1:], len(at), axis=1) if x.size else np.zeros((len(values), len(at)))
-    if not values.any():
-        return np.zeros((len(values), len(at)))
-    low, high = 2.0 * x[0] - x[1], 2.0 * x[-1] - x[-2]
-    return np.asarray(PchipInterpolator(x, values, axis=1)(np.clip(at, low, high)))

@@ -223,7 +223,8 @@ def forgetful(true):
         if moved.place == given[0].place:
             return moved
         kept = np.where(beyond, 0.0, moved.components)
-        return replace(moved, components=kept, branches=np.where(beyond, 0.0, moved.branches))
+        branches = np.where(beyond, 0.0, moved.branches)
+        return replace(moved, components=kept, branches=branches, record=None)
 
     return transferred
 
