@@ -157,10 +157,26 @@ def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, d
     )
 
 
-def over_zones(
-    chain: Chain, before: Energies, after: Energies, done: float, intensity: float, grown: float
+def share_from_balance(chain: Chain, duration: float) -> float:
+    """Share of what the branches dissipate that a step of an advancing edge takes from the balance, 0 to 1.
+
+    All of it where the step is long for every branch: the layers behind the edge have then no part in the
+    states.
+    """
+    y = duration / float(chain.retardation.max(initial=0.0)) if chain.retardation.size else 0.0
+    return float(np.clip(np.log(max(y, _SHORT) / _SHORT) / np.log(_LONG / _SHORT), 0.0, 1.0))
+
+
+def with_balance(
+    chain: Chain,
+    before: Energies,
+    after: Energies,
+    done: float,
+    intensity: float,
+    grown: float,
+    share: float,
 ) -> Energies:
-    """Energies after a step over process zones, what the branches dissipate taken from the balance.
+    """Energies after a step, what the branches dissipate taken from the balance, or a share of it.
 
     Parameters
     ----------
@@ -173,6 +189,8 @@ def over_zones(
         Stress intensity factor of the tip at its end.
     grown : float
         By how much the contact area grew.
+    share : float
+        Of the balance; the rest is what ``after`` says. 1 in steps over process zones.
 
     Returns
     -------
@@ -187,6 +205,7 @@ def over_zones(
     release = 0.5 * intensity**2 / chain.glassy
     mean = release if before.release is None else 0.5 * (before.release + release)
     lost = done - (after.stored(chain) - before.stored(chain)) + mean * grown
+    lost = share * lost + (1.0 - share) * (after.dissipated - before.dissipated)
     return replace(after, dissipated=before.dissipated + lost, release=release)
 
 

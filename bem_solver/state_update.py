@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
 from bem_solver.edge_energy import EdgeStep, energy_spent
-from bem_solver.energy import Energies, over_zones, updated_energies, work_increment
+from bem_solver.energy import Energies, share_from_balance, updated_energies, with_balance, work_increment
 from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import (
     NodalVariables,
@@ -132,10 +132,13 @@ def updated_state(
         problem.chain, state.surface, surface, variables, points.load, points.variables
     )
     after = updated_energies(problem.chain, energies, increment, motion.duration)
-    if problem.over_zones(motion.edge) and motion.duration > 0.0:
+    share = share_from_balance(problem.chain, motion.duration) if motion.new_edge > motion.edge else 0.0
+    share = 1.0 if problem.over_zones(motion.edge) else share
+    if share > 0.0 and motion.duration > 0.0 and problem.viscoelastic and problem.work > 0.0:
         done = 0.5 * (state.surface.force + surface.force) * (motion.new_penetration - motion.penetration)
         grown = np.pi * (motion.new_edge - motion.edge) * (motion.new_edge + motion.edge)
-        after = over_zones(problem.chain, energies, after, done, _tip_intensity(problem, state, trial), grown)
+        intensity = _tip_intensity(problem, state, trial)
+        after = with_balance(problem.chain, energies, after, done, intensity, grown, share)
     contact = HalfSpaceState(time, motion.new_penetration, surface, history)
     if problem.irreversible is not None:
         closures = (state.closure, trial.closure)
