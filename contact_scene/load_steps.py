@@ -46,6 +46,19 @@ class Ramp(Step):
         return None if self.until_force is None else Trigger("force", self.until_force)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
+        """A straight line from the penetration to ``to``.
+
+        Parameters
+        ----------
+        time : float
+            At which it starts.
+        penetration, force : float
+            From which it starts.
+
+        Returns
+        -------
+        Segment
+        """
         end = time + abs(self.to - penetration) / self.rate
         return replace(straight("penetration", time, end, penetration, self.to), trigger=self.trigger)
 
@@ -68,6 +81,19 @@ class Hold(Step):
         return None if self.until_force is None else Trigger("force", self.until_force)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
+        """The penetration, held.
+
+        Parameters
+        ----------
+        time : float
+            At which it starts.
+        penetration, force : float
+            From which it starts.
+
+        Returns
+        -------
+        Segment
+        """
         held = straight("penetration", time, time + self.duration, penetration, penetration)
         return replace(held, trigger=self.trigger)
 
@@ -96,6 +122,19 @@ class Force(Step):
         return None if self.until_penetration is None else Trigger("penetration", self.until_penetration)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
+        """The force, constant.
+
+        Parameters
+        ----------
+        time : float
+            At which it starts.
+        penetration, force : float
+            From which it starts.
+
+        Returns
+        -------
+        Segment
+        """
         constant = straight("force", time, time + self.duration, self.value, self.value)
         return replace(constant, trigger=self.trigger)
 
@@ -113,6 +152,19 @@ class ForceRamp(Step):
         object.__setattr__(self, "rate", positive(self.rate, "rate"))
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
+        """A straight line from the force to ``to``.
+
+        Parameters
+        ----------
+        time : float
+            At which it starts.
+        penetration, force : float
+            From which it starts.
+
+        Returns
+        -------
+        Segment
+        """
         return straight("force", time, time + abs(self.to - force) / self.rate, force, self.to)
 
 
@@ -133,6 +185,19 @@ class Oscillate(Step):
         object.__setattr__(self, "drift", finite(self.drift, "drift"))
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
+        """A sine about a drifting penetration.
+
+        Parameters
+        ----------
+        time : float
+            At which it starts.
+        penetration, force : float
+            From which it starts.
+
+        Returns
+        -------
+        Segment
+        """
         w = self.angular_frequency
 
         def value(at: float) -> float:
@@ -160,6 +225,20 @@ class Sweep(Step):
         object.__setattr__(self, "duration", positive(self.duration, "duration"))
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
+        """A sine of rising frequency about the penetration.
+
+        Parameters
+        ----------
+        time : float
+            At which it starts.
+        penetration, force : float
+            From which it starts.
+
+        Returns
+        -------
+        Segment
+        """
+
         def value(at: float) -> float:
             return penetration + self.amplitude * math.sin(0.5 * self.chirp * (at - time) ** 2)
 

@@ -58,6 +58,19 @@ class Table(Step):
         object.__setattr__(self, "values", values)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
+        """The rows, the first at the start of the step.
+
+        Parameters
+        ----------
+        time : float
+            At which it starts.
+        penetration, force : float
+            From which it starts.
+
+        Returns
+        -------
+        Segment
+        """
         # Rows that round to the same time after a late start are one row, the last of them.
         rows = dict(zip((time + (t - self.times[0]) for t in self.times), self.values, strict=True))
         at, values = list(rows), list(rows.values())

@@ -170,6 +170,14 @@ def test_work_of_a_dead_load_is_force_times_path():
     assert SPHERE.radius == 1.0
 
 
+def test_branches_warm_behind_an_edge_that_advances_slower_than_any_of_them_relaxes():
+    """Layers behind the edge, far thinner than an annulus, have no part in the states: the balance holds."""
+    trace = bem(scene(Ramp(0.01, 1e-6), start="relaxed", at=0.0), resolution=4)
+    branch = trace.extra["branch_dissipation"]
+    assert_allclose(branch[-1], 1.8223e-4, rtol=0.03)  # front tracking
+    assert np.all(np.diff(branch) >= -1e-4 * branch[-1])
+
+
 @pytest.mark.parametrize("time", [1e-2, 1e-4])
 @pytest.mark.parametrize("resolution", [4, 12])
 def test_branches_faster_than_the_steps(time, resolution):

@@ -119,7 +119,20 @@ class Evidence:
         return trace
 
     def measure(self, scene: Scene | str, name: str, solver: str = SOLVER) -> float:
-        """One of its scalars, in the scene's units."""
+        """One of its scalars.
+
+        Parameters
+        ----------
+        scene : Scene or str
+        name : str
+            As of ``Run.measures``.
+        solver : str
+
+        Returns
+        -------
+        float
+            In the scene's units.
+        """
         result = self.run(scene, solver)
         value = result.measures.get(name)
         if value is None:
