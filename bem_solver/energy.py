@@ -13,9 +13,10 @@ negative. What changes at the moving tip does so at once wherever the tip is, ev
 form of the change of v that is ``K^2 |dA|`` at most, with K at unit modulus.
 
 With a sharp edge the branch integral exceeds the loss of the energy balance by what the tip releases in
-excess of the glassy ``K^2/(2 Einf*)``; both are reported. While such an edge moves, what the branches
-dissipate is taken from that balance (``balanced_dissipation``): a fast branch sees of the tip only what
-passes within its own time, of which forms of the states at the ends of a longer step hold nothing.
+excess of the glassy ``K^2/(2 Einf*)``; both are reported. While such an edge moves in steps that are long for
+a branch, what the branches dissipate is taken from that balance (``balanced_dissipation``): a fast branch
+sees of the tip only what passes within its own time, of which forms of the states at the ends of a longer
+step hold nothing.
 """
 
 from __future__ import annotations
@@ -184,13 +185,36 @@ def balanced_dissipation(work: Array, stored: Array, release: Array, grown: Arra
     return work - stored + np.where(grown > 0.0, closing, opening) * grown
 
 
+def share_of_balance(durations: Array, shortest: float) -> Array:
+    """Share of that in what the branches dissipate, by the length of the steps.
+
+    Parameters
+    ----------
+    durations : ndarray (n,)
+        Of the steps.
+    shortest : float
+        Of the retardation times.
+
+    Returns
+    -------
+    ndarray (n,)
+        0 where a step is short for every branch: forms of the states, whose errors do not add up, hold all
+        that the branches see of the tip. 1 where it is long for the fastest.
+    """
+    return _rising(durations / shortest)
+
+
+def _rising(y: Array) -> Array:
+    """0 up to ``_SHORT`` retardation times, 1 from ``_LONG`` on."""
+    return np.minimum(np.log(np.maximum(y, _SHORT) / _SHORT) / np.log(_LONG / _SHORT), 1.0)
+
+
 def _share_of_long(y: Array, increment: WorkIncrement, before: Energies) -> Array:
     """Weight of the long step's energies, 0 to 1 (K,)."""
-    steps = np.log(np.maximum(y, _SHORT) / _SHORT) / np.log(_LONG / _SHORT)
     total = increment.load_work + before.load_work - 2.0 * increment.across
     tip = increment.tip / max(total, increment.tip) if increment.tip > 0.0 else 0.0
     rest = (_MOSTLY_TIP - tip) / (_MOSTLY_TIP - _LITTLE_TIP)
-    return np.minimum(steps, 1.0) * min(max(rest, 0.0), 1.0)
+    return _rising(y) * min(max(rest, 0.0), 1.0)
 
 
 def _short(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, balanced_dissipation
+from bem_solver.energy import Energies, balanced_dissipation, share_of_balance
 from bem_solver.external_work import external_work
 from bem_solver.half_space_state import HalfSpaceState
 from contact_scene import Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
@@ -19,12 +19,16 @@ UNKNOWN_RELEASE = (math.nan, math.nan)
 
 @dataclass
 class TraceRecorder:
-    """Rows, events and profiles of a run so far; ``kinks`` are the rows after which slopes may jump."""
+    """Rows, events and profiles of a run so far.
+
+    ``kinks`` are the rows after which slopes may jump, ``shortest`` is the shortest retardation time.
+    """
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     profiles: list[SurfaceProfile] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
+    shortest: float = math.inf
 
     def row(self, chain: Chain, state: HalfSpaceState, energies: Energies) -> None:
         """Add the row of an accepted state.
@@ -101,7 +105,10 @@ class TraceRecorder:
         release = np.array([opening, closing])
         balanced = balanced_dissipation(np.diff(external), np.diff(stored), release, grown)
         tip_moves = (grown != 0.0) & (np.diff(time) > 0.0) & np.isfinite(balanced)
-        branch = np.concatenate(([0.0], np.cumsum(np.where(tip_moves, balanced, np.diff(branch)))))
+        share = np.where(tip_moves, share_of_balance(np.diff(time), self.shortest), 0.0)
+        balanced = np.where(tip_moves, balanced, 0.0)
+        heat = share * balanced + (1.0 - share) * np.diff(branch)
+        branch = np.concatenate(([0.0], np.cumsum(heat)))
         return Trace(
             solver="bem",
             time=time,

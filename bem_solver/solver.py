@@ -6,6 +6,7 @@ from the axis; units of the scene.
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable
 from dataclasses import replace
@@ -127,7 +128,7 @@ def _solve_graded(
             free = trace_without_contact(scene.loading.penetration, reason, counters, problem.work)
             return on_machine(free, scene.machine)
         contact, energies = started
-        record = TraceRecorder()
+        record = TraceRecorder(shortest=float(problem.chain.retardation.min(initial=math.inf)))
         record.row(problem.chain, contact, energies)
         state = GradedState(contact, energies, record, abs(contact.surface.force), contact.edge)
     settings = StepSettings(options.step_tolerance, options.divisions, scale)
