@@ -27,7 +27,7 @@ from fem_solver.recorder import SurfaceRecorder, SurfaceState
 from fem_solver.run_state import StepBefore
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
-from fem_solver.tip_release import UNKNOWN_RELEASE, release_of_closing, release_of_opening
+from fem_solver.tip_release import SLOW_EDGE, UNKNOWN_RELEASE, release_of_closing, release_of_opening
 
 Array = NDArray[np.float64]
 
@@ -145,7 +145,7 @@ class AcceptedStates:
                 branch_dissipation=history.state.dissipated,
                 zone=candidate.problem.zone(candidate.edge.s),
                 received=received,
-                release=self._tip_release(candidate.edge.s, forces, gap),
+                release=self._tip_release(candidate.edge.s, radius, forces, gap),
                 **self._interface(candidate, radius),
             )
         )
@@ -153,11 +153,20 @@ class AcceptedStates:
             forces_so_far = [row[2] for row in self.recorder.content.rows]
             raise RunEnded(below_zone_outcome(forces_so_far, self.time))
 
-    def _tip_release(self, edge: float, forces: Array, gap: Array) -> tuple[float, float]:
-        """Glassy energy release rate of the tip, opening and closing, on a mesh that does not follow it."""
-        setup = self.setup
+    def _tip_release(self, edge: float, radius: float, forces: Array, gap: Array) -> tuple[float, float]:
+        """Glassy energy release rate of the tip, opening and closing, on a mesh that does not follow it.
+
+        Asked for only where the edge is slow against the fastest branch: the volume integral holds all else.
+        """
+        setup, last = self.setup, self.recorder.content.last
         if isinstance(setup, FollowingSetup) or setup.geometry.zone is None or not setup.has_history:
             return UNKNOWN_RELEASE
+        if last is not None:
+            node = min(max(math.floor(edge), 0), setup.geometry.last - 1)
+            element = 2.0 * float(np.diff(setup.geometry.radii[node : node + 2])[0])
+            passed = abs(radius - last.radius) * setup.shortest_time
+            if passed > SLOW_EDGE * element * (self.time - last.time):
+                return UNKNOWN_RELEASE
         operator, modulus = setup.history.instantaneous, setup.history.glassy_modulus
         return (
             release_of_opening(operator, setup.geometry, modulus, forces, edge),

@@ -24,7 +24,9 @@ Array = NDArray[np.float64]
 
 _NODES = 4
 """Nodes of the straight line: two vertices and two mid-side nodes, over which their ripple cancels."""
-
+SLOW_EDGE = 1.0
+"""Elements that the edge passes within the shortest relaxation time, up to which it counts as slow: a node is
+then let go so slowly that this branch relaxes meanwhile."""
 
 UNKNOWN_RELEASE = (math.nan, math.nan)
 """Of opening and of closing, where the tip is not known."""
