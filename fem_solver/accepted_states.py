@@ -161,6 +161,8 @@ class AcceptedStates:
         setup, last = self.setup, self.recorder.content.last
         if isinstance(setup, FollowingSetup) or setup.geometry.zone is None or not setup.has_history:
             return UNKNOWN_RELEASE
+        if radius <= 0.0:
+            return UNKNOWN_RELEASE
         if last is not None:
             node = min(max(math.floor(edge), 0), setup.geometry.last - 1)
             element = 2.0 * float(np.diff(setup.geometry.radii[node : node + 2])[0])
