@@ -1,4 +1,4 @@
-"""``crosscontact study --zones``: steps, time and error over seven decades of the process zone."""
+"""``crosscontact study --zones``: steps, time, memory and error over seven decades of the process zone."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None) -> int:
     for case in loaded:
         progress = Progress(f"{case.name} zones")
         try:
-            with processes(1, isolated=True) as executor:
+            with processes(1, isolated=True, tasks_per_process=1) as executor:
                 names = [one.name for one in solvers()]
                 runs = zone_runs(case, names, ratios or RATIOS, progress, executor)
         finally:

@@ -1,4 +1,4 @@
-"""Freed memory is kept: what a step frees, the next one takes, without asking the system for every page."""
+"""Freed memory is kept, and the most that a process held is its own, not that of its parent."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ import platform
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+
+from validation.execution.memory import STATUS, peak_memory
 
 PROGRAM = """
 import resource
@@ -22,6 +25,7 @@ for _ in range(100):
     del arrays
 print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 """
+OWN_PEAK = "from validation.execution.memory import peak_memory; print(peak_memory())"
 AT_ONCE = 10 * 40_000 * 8 // 4096  # pages of all arrays of a round
 
 
@@ -29,3 +33,13 @@ AT_ONCE = 10 * 40_000 * 8 // 4096  # pages of all arrays of a round
 def test_arrays_made_again_and_again_cost_no_new_pages() -> None:
     done = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True)
     assert int(done.stdout) < 10 * AT_ONCE
+
+
+@pytest.mark.skipif(not STATUS.exists(), reason="only Linux says what a process held")
+def test_peak_memory_is_that_of_one_process() -> None:
+    before = peak_memory()
+    held = np.ones(25_000_000)
+    assert before is not None
+    assert peak_memory() > held.nbytes
+    done = subprocess.run([sys.executable, "-c", OWN_PEAK], capture_output=True, text=True, check=True)
+    assert 0 < int(done.stdout) < held.nbytes

@@ -121,3 +121,9 @@ def test_one_worker_means_this_process_unless_isolated():
         assert isinstance(pool, WorkerProcesses)
         (result,) = run_tasks([Task("", "", os.getpid)], pool)
     assert result.value != os.getpid()
+
+
+def test_a_process_is_replaced_after_its_tasks():
+    with processes(1, isolated=True, tasks_per_process=1) as pool:
+        one_each = {pool.submit(os.getpid).result() for _ in range(2)}
+    assert len(one_each) == 2

@@ -46,9 +46,9 @@ def test_a_slow_solver_is_asked_no_further(monkeypatch):
 
     def run_tasks(tasks, executor):
         assert all(task.time_limit == zones.PATIENCE for task in tasks)
-        case, solver = tasks[0].arguments[:2]
+        case, solver = tasks[0].arguments[1:3]
         slow = solver == "bem" and case.scene.adhesion.zone < 0.05
-        value = None if slow else answer(100, 4.0)
+        value = None if slow else (answer(100, 4.0), 2_000_000)
         ending = TaskEnding.TIMED_OUT if slow else TaskEnding.ANSWERED
         asked.append((solver, case.scene.adhesion.zone, None))
         return [TaskResult(tasks[0], value, "no answer within 60 s" if slow else "", ending=ending)]
@@ -74,16 +74,20 @@ def test_without_adhesion_there_is_no_zone():
 
 def test_command_writes_table_figure_and_numbers(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(zones, "run", lambda case, solver, resolution=None: answer(100, 1.0))
-    monkeypatch.setattr(zones, "run_tasks", lambda tasks, executor: [TaskResult(tasks[0], answer(100, 1.0))])
+    taken = (answer(100, 1.0), 250_000_000)
+    monkeypatch.setattr(zones, "run_tasks", lambda tasks, executor: [TaskResult(tasks[0], taken)])
     code = main(["study", "cycle-v0.02", "--zones", "1e-2", "1e-4", "1e-6", "--out", str(tmp_path)])
     assert code == 0
-    assert "growth of steps" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "growth of steps" in shown
+    assert "250" in shown
     data = json.loads((tmp_path / "zones-cycle-v0.02.json").read_text())
     assert [one["zone_over_radius"] for one in data["runs"] if one["solver"] == "reference"] == [
         1e-2,
         1e-4,
         1e-6,
     ]
+    assert {one["peak_memory_bytes"] for one in data["runs"]} == {250_000_000}
     assert (tmp_path / "zones-cycle-v0.02.png").stat().st_size > 1000
     assert "| zone / radius" in (tmp_path / "zones-cycle-v0.02.md").read_text()
 

@@ -30,12 +30,17 @@ and on a machine with ten times as many busy processes as cores no other task re
 class WorkerProcesses(Executor):
     """Spawned processes that leave an interrupt to their parent and end with it, even if it is killed."""
 
-    def __init__(self, count: int, wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND) -> None:
+    def __init__(
+        self,
+        count: int,
+        wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND,
+        tasks_per_process: int = 0,
+    ) -> None:
         self._wall_per_processor_second = wall_per_processor_second
         # Started later, where interrupts are blocked, it would unblock them for the processes that follow.
         resource_tracker.ensure_running()
         context = multiprocessing.get_context("spawn")
-        self._pool = pebble.ProcessPool(count, initializer=_begin_worker, context=context)
+        self._pool = pebble.ProcessPool(count, tasks_per_process, initializer=_begin_worker, context=context)
         self._futures: WeakSet[Future[Any]] = WeakSet()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
@@ -98,13 +103,32 @@ class WorkerProcesses(Executor):
 
 @contextmanager
 def processes(
-    workers: int, isolated: bool = False, wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND
+    workers: int,
+    isolated: bool = False,
+    wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND,
+    tasks_per_process: int = 0,
 ) -> Iterator[WorkerProcesses | None]:
-    """As many processes; none for one worker, unless its tasks must be ``isolated`` from this process."""
+    """As many processes; none for one worker, unless its tasks must be ``isolated`` from this process.
+
+    Parameters
+    ----------
+    workers : int
+        Processes at a time.
+    isolated : bool
+        Whether one worker is a process of its own as well.
+    wall_per_processor_second : float
+        Wall time after which a task is given up, over its limit of processor time.
+    tasks_per_process : int
+        Tasks after which a process is replaced by a fresh one; 0: never.
+
+    Yields
+    ------
+    WorkerProcesses or None
+    """
     if workers <= 1 and not isolated:
         yield None
         return
-    pool = WorkerProcesses(max(workers, 1), wall_per_processor_second)
+    pool = WorkerProcesses(max(workers, 1), wall_per_processor_second, tasks_per_process)
     try:
         yield pool
     except BaseException:

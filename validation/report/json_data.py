@@ -172,6 +172,7 @@ def of_zones(name: str, runs: Iterable[ZoneRun]) -> Data:
                 "steps": one.steps,
                 "history_updates_per_step": one.updates,
                 "cpu_seconds": one.seconds,
+                "peak_memory_bytes": one.peak_memory,
                 "errors": one.errors,
                 "error_estimates": {} if one.run is None else one.run.errors,
             }

@@ -1,4 +1,4 @@
-"""What a shorter process zone costs: steps, updates, time and error of every solver over decades of the zone.
+"""What a shorter process zone costs: steps, updates, time, memory, error of every solver over decades of it.
 
 The scene is run with zones of given ratios to its contact radius, long ones first. The zone is part of the
 model, so every zone has an answer of its own: the reference at twice its default resolution. A run that takes
@@ -11,11 +11,13 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from contact_scene import Adhesion, SceneError
 from validation.cases import Case
+from validation.execution.memory import peak_memory
 from validation.execution.runs import Run, run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.tasks import TaskEnding, run_tasks
@@ -43,6 +45,8 @@ class ZoneRun:
     skipped : str
     errors : dict of str to float
         Signed relative errors by observable, against the finer reference.
+    peak_memory : int or None
+        Most bytes of the process of this run alone, program included; ``None`` if it had none of its own.
     """
 
     ratio: float
@@ -51,6 +55,7 @@ class ZoneRun:
     run: Run | None = None
     skipped: str = ""
     errors: dict[str, float] = field(default_factory=dict)
+    peak_memory: int | None = None
 
     @property
     def steps(self) -> int | None:
@@ -91,7 +96,8 @@ def zone_runs(
         Zones over the largest contact radius that the scene reaches with its own zone.
     progress : callable(fraction, text), optional
     executor : Executor, optional
-        With processes of its own, which alone can end a run that takes too long.
+        With processes of its own, which alone can end a run that takes too long; one task a process, for
+        memory is measured as well.
 
     Returns
     -------
@@ -132,12 +138,22 @@ def zone_runs(
 
 def _zone_run(one: ZoneRun, case: Case, finer: Run, executor: Executor | None) -> ZoneRun:
     """The run, or that it took too long."""
-    task = replace(run_task(case, one.solver), time_limit=PATIENCE)
+    plain = run_task(case, one.solver)
+    task = replace(
+        plain, function=_measured, arguments=(plain.function, *plain.arguments), time_limit=PATIENCE
+    )
     (answer,) = run_tasks([task], executor)
     if answer.ending is TaskEnding.TIMED_OUT:
         return replace(one, skipped=answer.failure)
-    result = run_of(answer)
-    return replace(one, run=result, skipped="", errors=_errors(result, finer))
+    value, peak = answer.value or (None, None)
+    result = run_of(replace(answer, task=plain, value=value))
+    peak = None if executor is None else peak
+    return replace(one, run=result, skipped="", errors=_errors(result, finer), peak_memory=peak)
+
+
+def _measured(function: Callable[..., Run], *arguments: Any) -> tuple[Run, int | None]:
+    """The run, and the most bytes that its process held by then."""
+    return function(*arguments), peak_memory()
 
 
 def _errors(result: Run, finer: Run) -> dict[str, float]:

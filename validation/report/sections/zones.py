@@ -9,9 +9,9 @@ from validation.studies.zones import OBSERVED, ZoneRun, growth
 
 NOTES = """\
 Errors: relative, against the reference at twice its default resolution with the same zone. Updates: of the
-history, in a step on average, as each solver counts them (the reference: points of the surface). Growth:
-exponent p of a fit by zone^-p over all zones of a solver; 0 where a shorter zone costs no more than its
-logarithm."""
+history, in a step on average, as each solver counts them (the reference: points of the surface). Megabytes:
+the most that the process of a run held, program and libraries included. Growth: exponent p of a fit by
+zone^-p over all zones of a solver; 0 where a shorter zone costs no more than its logarithm."""
 
 
 def section(name: str, runs: Sequence[ZoneRun]) -> Section:
@@ -31,6 +31,7 @@ def _row(one: ZoneRun) -> Record:
         "steps": formatted(one.steps, "d"),
         "updates": formatted(one.updates, ".0f"),
         "seconds": formatted(one.seconds, ".2f"),
+        "megabytes": formatted(None if one.peak_memory is None else 1e-6 * one.peak_memory, ".0f"),
         **{f"{plain(name)}: error": formatted(one.errors.get(name), "+.1e") for name in OBSERVED},
         "not finished": ending or ABSENT,
     }
