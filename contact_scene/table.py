@@ -107,7 +107,8 @@ def _column(values: Any, name: str) -> tuple[float, ...]:
 
 def _cubic(at: list[float], values: list[float]) -> tuple[Callable[[float], float], Callable[[float], float]]:
     """Value and rate of the piecewise cubic without extrema between the rows."""
-    pieces: list[list[float]] = PchipInterpolator(at, values).c.T.tolist()  # highest power first
+    with np.errstate(over="ignore"):  # between rows that all but agree: the mean of slopes is then zero
+        pieces: list[list[float]] = PchipInterpolator(at, values).c.T.tolist()  # highest power first
 
     def value(now: float) -> float:
         if now >= at[-1]:

@@ -261,6 +261,14 @@ def test_cubic_table_has_no_kinks_and_no_extremum_between_rows(tmp_path):
     assert read_scene(tmp_path / "again.toml") == scene
 
 
+def test_rows_of_a_cubic_table_that_all_but_agree_are_joined_without_a_warning():
+    cubic = Table((0.0, 1.0, 2.0, 3.0), (0.0, 1e-310, 3e-310, 1.0), interpolation="cubic").segment(
+        0.0, 0.0, 0.0
+    )
+    assert cubic.value(1.5) == pytest.approx(0.0, abs=1e-300)
+    assert 0.0 < cubic.value(2.5) < 1.0
+
+
 def test_long_records_are_read_fast(tmp_path):
     """100 000 rows; row by row, with a kink each, it would take a hundred times as long to solve."""
     t = np.arange(100_000) * 1e-3
