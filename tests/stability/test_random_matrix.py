@@ -110,6 +110,7 @@ def test_a_movement_counts_relative_to_itself():
     assert off.finding is AnswerFinding.WRONG
     assert off.quantity == "force"
     assert off.difference == pytest.approx(0.3 * 0.72 / 1.95, rel=0.1)
+    assert judged(result("bem", answer(0.13), 1e-2)).finding is AnswerFinding.TOLD
     assert judged(result("bem", answer(0.102), 5e-5)).finding is AnswerFinding.UNDERSTATED
     assert judged(result("bem", answer(0.102), 1e-3)).finding is AnswerFinding.AGREES
     assert judged(result("bem", answer(0.102), 1e-2)).finding is AnswerFinding.LOOSE
@@ -141,7 +142,15 @@ def test_the_last_penetration_is_met_to_a_rounding_error_of_the_way(miss):
     assert ("the last penetration is not the prescribed one" in found) == (miss > 1e-12)
 
 
-def test_estimates_are_asked_for_where_they_decide(tmp_path):
+@pytest.mark.parametrize(
+    ("swing", "error", "finding"),
+    [
+        (0.104, 1e-2, AnswerFinding.LOOSE),
+        (0.13, 1e-2, AnswerFinding.TOLD),
+        (0.13, 1e-5, AnswerFinding.WRONG),
+    ],
+)
+def test_estimates_are_asked_for_where_they_decide(swing, error, finding):
     """First without estimates; one run of bem is off by more than it may be, and is asked again."""
     asked: list[tuple[str, bool]] = []
 
@@ -149,7 +158,10 @@ def test_estimates_are_asked_for_where_they_decide(tmp_path):
         for number, task in numbered:
             _, solver, _, _, estimate = task.arguments
             asked.append((solver, estimate))
-            yield number, result(solver, answer(0.104 if solver == "bem" else 0.1), 1e-2 if estimate else 0.0)
+            bem = solver == "bem"
+            mine = result(solver, answer(swing if bem else 0.1), error if bem else 1e-5)
+            bare = replace(mine, value=replace(mine.value, errors={}))
+            yield number, mine if estimate else bare
 
     settings = random_runs.RandomRunSettings(coarse=True, screened=True)
     with pytest.MonkeyPatch.context() as patched:
@@ -157,7 +169,8 @@ def test_estimates_are_asked_for_where_they_decide(tmp_path):
         ((_, one),) = random_runs.judged_scenes([replace(CHOSEN, scene=SCENE)], settings, None)
     assert set(asked[:3]) == {(name, name == "reference") for name in solvers.SOLVERS}
     assert asked[3:] == [("bem", True)]
-    assert {each.solver: each.finding for each in one.answers}["fem"] is AnswerFinding.AGREES
+    found = {each.solver: each.finding for each in one.answers}
+    assert (found["bem"], found["fem"]) == (finding, AnswerFinding.AGREES)
 
 
 def test_without_an_estimate_only_a_wrong_answer_is_told():

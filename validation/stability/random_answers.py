@@ -24,8 +24,9 @@ from validation.stability import trace_invariants
 from validation.stability.random_scenes import RandomScene
 
 WRONG = 0.05
-"""Difference from which an answer counts as wrong whatever it says of itself, beyond the reference's own
-error: ten times what the solvers are held to in the built-in scenes."""
+"""Difference from which an answer counts as wrong, beyond the reference's own error: ten times what the
+solvers are held to in the built-in scenes. An estimate that holds the difference makes it no better, but
+then the run says so."""
 NOTICEABLE = 2e-3
 """Difference below which an estimate that falls short of it is not reported."""
 LOOSE = 0.1
@@ -56,6 +57,7 @@ class AnswerFinding(StrEnum):
     IMPROPER = "breaks an invariant"
     OTHER_ENDING = "ends otherwise"
     WRONG = "silently wrong"
+    TOLD = "wrong, and says so"
     UNDERSTATED = "off by more than its estimate"
     LOOSE = "estimate is large"
     NO_REFERENCE = "nothing to compare with"
@@ -68,6 +70,7 @@ FAULTS = (
     AnswerFinding.IMPROPER,
     AnswerFinding.OTHER_ENDING,
     AnswerFinding.WRONG,
+    AnswerFinding.TOLD,
     AnswerFinding.UNDERSTATED,
 )
 """Judgements after which the scene is written to a file."""
@@ -162,7 +165,8 @@ def _compared(run: Run, trace: Trace, base: Run, base_trace: Trace, seconds: flo
         allowed = own + others
         now = AnswerFinding.AGREES
         if difference > WRONG + others:
-            now = AnswerFinding.WRONG
+            told = math.isfinite(own) and difference <= allowed
+            now = AnswerFinding.TOLD if told else AnswerFinding.WRONG
         elif difference > max(allowed, NOTICEABLE):
             now = AnswerFinding.UNDERSTATED
         elif name in CURVES and LOOSE < own < math.inf:

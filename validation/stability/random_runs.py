@@ -1,9 +1,8 @@
 """The runs of random scenes: a stream through processes that stay, three runs a scene, a fourth where needed.
 
 Half of what a run with an error estimate costs is the second run that the estimate is made from. It decides
-nothing where an answer is within the tolerance that its solver keeps at a coarse resolution, and nothing
-where the answer counts as wrong whatever it says of itself. So answers are first had without estimates, and
-``screened`` ones asked again only in between.
+nothing where an answer is within the tolerance that its solver keeps at a coarse resolution. So ``screened``
+answers are first had without estimates, and asked again where they are farther off.
 """
 
 from __future__ import annotations
@@ -126,11 +125,11 @@ def judged_scenes(
 
 
 def _undecided(chosen: RandomScene, judged: JudgedScene) -> Sequence[str]:
-    """Solvers whose answers differ by more than they may at a coarse resolution, without being wrong."""
+    """Solvers whose answers differ by more than they may at a coarse resolution: their estimates decide."""
     return [
         answer.solver
         for answer in judged.answers
-        if answer.finding is AnswerFinding.AGREES
+        if answer.finding in (AnswerFinding.AGREES, AnswerFinding.WRONG)
         and answer.solver != REFERENCE
         and answer.difference > solver(answer.solver).coarse_tolerance
     ]
