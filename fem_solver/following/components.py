@@ -165,6 +165,22 @@ class Components:
         """What is left after a time of the energies of :meth:`free_energies`."""
         return energies * np.exp(-2.0 * self._rates * dt)
 
+    def uneven_energies(self, spread: Array, unit: Array) -> Array:
+        """Energy of each branch that components hold beyond that of their means; shape (branches,).
+
+        Parameters
+        ----------
+        spread : ndarray, shape (branches, m)
+            Variance of ``b/unit`` within each component.
+        unit : ndarray, shape (m,)
+            ``L^-1 1``.
+        """
+        return np.asarray((spread * unit**2).sum(axis=1) / (2.0 * self.shear.moduli))
+
+    def remaining_in_contact(self, energies: Array, dt: float) -> Array:
+        """What is left after a time of the energies of :meth:`uneven_energies`: a strain that is the same."""
+        return energies * np.exp(-2.0 * dt / self.shear.times)
+
     def force(self, v: Array, b: Array) -> Array:
         """``y``."""
         return self.shear.relaxed * v + b.sum(axis=0)

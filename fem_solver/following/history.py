@@ -60,7 +60,7 @@ class FollowingHistory:
         """Energy of the springs."""
         state = self.state
         held = float(np.sum(self.solid.stored(state.components, state.branches)))
-        return held + float(np.sum(state.unresolved))
+        return held + float(np.sum(state.unresolved) + np.sum(state.uneven))
 
     def snapshot(self) -> FollowingState:
         """Serialisable state."""

@@ -227,7 +227,8 @@ class FollowingProblem:
             passage.received += rest.received
         state = self.state
         unresolved = self.solid.remaining(state.unresolved, self.dt)
-        relaxed = float(np.sum(state.unresolved - unresolved))
+        uneven = self.solid.remaining_in_contact(state.uneven, self.dt)
+        relaxed = float(np.sum(state.unresolved - unresolved) + np.sum(state.uneven - uneven))
         return FollowingState(
             place=self.placement.place,
             components=v,
@@ -241,6 +242,7 @@ class FollowingProblem:
             received=state.received + passage.received,
             updates=state.updates + 1,
             unresolved=unresolved,
+            uneven=uneven,
             record=self._recorded(s, b),
         )
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fem_solver.following.components import Components
 from fem_solver.following.path import Row
 from fem_solver.following.placement import Placement
-from fem_solver.following.surface_record import SurfaceRecord, interpolated
+from fem_solver.following.surface_record import SurfaceRecord, averaged, interpolated
 
 Array = NDArray[np.float64]
 
@@ -44,6 +44,8 @@ class FollowingState:
         Accepted steps so far.
     unresolved : ndarray, shape (branches,)
         Energy of the surface outside, by modes, that is finer than the elements there hold.
+    uneven : ndarray, shape (branches,)
+        Energy of each branch in contact that is finer than the elements there hold.
     record : SurfaceRecord, optional
         The surface where earlier meshes were finer.
     """
@@ -60,6 +62,7 @@ class FollowingState:
     received: float = 0.0
     updates: int = 0
     unresolved: Array = field(default_factory=lambda: np.zeros(0))
+    uneven: Array = field(default_factory=lambda: np.zeros(0))
     record: SurfaceRecord | None = None
 
     def rows_and_this(self, dt: float) -> tuple[Row, ...]:
@@ -77,16 +80,18 @@ def undeformed(placement: Placement, branches: int) -> FollowingState:
         branches=np.zeros((branches, nodes)),
         held=np.zeros(branches),
         unresolved=np.zeros(branches),
+        uneven=np.zeros(branches),
     )
 
 
 def transferred(state: FollowingState, old: Placement, new: Placement, solid: Components) -> FollowingState:
     """The same state with the mesh at another place.
 
-    Inside the contact the components follow from the penetration, and the branch variables vary smoothly with
-    the radius; outside both are interpolated together, so that the surface remains free of forces. Neither is
-    interpolated across the edge. Elements are wide away from it: what the surface there holds between them is
-    kept as an energy, which relaxes as the rest of the surface does.
+    Inside the contact the components follow from the penetration, and the branch variables are interpolated;
+    outside both are interpolated together, so that the surface remains free of forces. Neither is
+    interpolated across the edge. Elements are wide away from it: inside, each takes the mean over its share
+    of the stiffness, so that the force stays where an edge has left a jump behind. What the surface holds
+    within an element is kept as an energy, which relaxes as the surface there does.
 
     Parameters
     ----------
@@ -106,7 +111,7 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
     known = state.record or SurfaceRecord(old.positions, state.branches / old.unit, inside)
     x, intensity, share = known.positions, known.intensity, edge - (top - 1)
     free = known.edge + outside - inside
-    within = interpolated(x[: known.edge], intensity[:, : known.edge], new.positions[: top + 1])
+    within, uneven = _in_contact(known, new, top, solid)
     beyond = interpolated(x[free:], intensity[:, free:], new.positions[top:])
     between = share * within[:, -1:] + (1.0 - share) * beyond[:, :1]
     imposed = state.penetration * new.unit - new.profile
@@ -119,8 +124,20 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
         branches=np.hstack([within[:, :-1], between, beyond[:, 1:]]) * new.unit,
         held=within[:, -1] * new.unit[top],
         edge=edge,
+        uneven=uneven,
     )
     return _energy_conserved(state, old, moved, new, solid)
+
+
+def _in_contact(known: SurfaceRecord, new: Placement, top: int, solid: Components) -> tuple[Array, Array]:
+    """Intensities of the nodes ``0..top`` in contact, and the energies that wide elements do not hold."""
+    x, intensity = known.positions[: known.edge], known.intensity[:, : known.edge]
+    within = interpolated(x, intensity, new.positions[: top + 1])
+    wide = min(int(new.lowest), top)
+    shares = np.concatenate([[0.0], new.geometry.effective[:wide]])
+    within[:, :wide] = averaged(x, intensity, shares)
+    spread = averaged(x, intensity**2, shares) - within[:, :wide] ** 2
+    return within, solid.uneven_energies(np.maximum(spread, 0.0), new.unit[:wide])
 
 
 def _energy_conserved(
@@ -134,13 +151,17 @@ def _energy_conserved(
     if outside.sum() <= 0.0:
         return moved
     before, after = interface_energy(state, old, solid), interface_energy(moved, new, solid)
-    stored = float(np.sum(solid.stored(state.components, state.branches)))
-    lost = stored - float(np.sum(solid.stored(moved.components, moved.branches))) + before - after
+    lost = _stored(state, solid) - _stored(moved, solid) + before - after
     return replace(
         moved,
         unresolved=state.unresolved + lost * outside / outside.sum(),
         received=state.received + before - after,
     )
+
+
+def _stored(state: FollowingState, solid: Components) -> float:
+    """Energy that the elements hold, and the branches within an element in contact."""
+    return float(np.sum(solid.stored(state.components, state.branches)) + np.sum(state.uneven))
 
 
 def interface_energy(state: FollowingState, placement: Placement, solid: Components) -> float:

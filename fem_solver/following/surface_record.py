@@ -111,6 +111,28 @@ def interpolated(x: Array, values: Array, at: Array) -> Array:
     return np.asarray(PchipInterpolator(x[used], values[:, used], axis=1)(np.clip(at, low, high)))
 
 
+def averaged(x: Array, values: Array, bounds: Array) -> Array:
+    """Means of the same interpolation over adjoining intervals: what a jump adds to a sum over them stays.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m,)
+    values : ndarray, shape (rows, m)
+    bounds : ndarray, shape (n + 1,)
+        Rising.
+
+    Returns
+    -------
+    ndarray, shape (rows, n)
+    """
+    if x.size < 2 or not values.any():
+        return interpolated(x, values, bounds[1:])
+    within = np.clip(bounds, x[0], x[-1])
+    total = PchipInterpolator(x, values, axis=1).antiderivative()(within)
+    total += values[:, :1] * np.minimum(bounds - x[0], 0.0) + values[:, -1:] * np.maximum(bounds - x[-1], 0.0)
+    return np.asarray(np.diff(total, axis=1) / np.diff(bounds))
+
+
 def _thinned(x: Array, values: Array) -> tuple[Array, Array]:
     """Every second point dropped where all rows are straight."""
     if x.size < 5:

@@ -63,7 +63,8 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
 
     def energy(one, placement):
         stored = float(np.sum(solid.stored(one.components, one.branches)))
-        return stored + interface_energy(one, placement, solid) + float(np.sum(one.unresolved))
+        finer = float(np.sum(one.unresolved) + np.sum(one.uneven))
+        return stored + interface_energy(one, placement, solid) + finer
 
     assert energy(moved, there) == pytest.approx(energy(state, here), rel=1e-12)
     # work on the interface's spring, which the half-space does not hold
@@ -75,6 +76,29 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
     fine = np.r_[int(here.lowest) : top - 1, top + 3 : here.geometry.last]
     largest = np.abs(state.branches[:, fine]).max()
     assert_allclose(back.branches[:, fine], state.branches[:, fine], rtol=0.0, atol=1e-6 * largest)
+
+
+def test_force_and_energy_stay_where_a_jump_left_behind_lies_in_a_wide_element():
+    """A fast approach has passed the edge of the relaxed contact, where the branch variable jumps."""
+    scene = replace(SHORT, loading=Loading("relaxed", 0.002, (Ramp(0.05, 0.5),)))
+    history = fem_solver.record(scene, edge_meshes(scene, 4)).setup.history
+    state, here, solid, surfaces = history.state, history.placement, history.solid, history.surfaces
+
+    def force(one, placement):
+        loaded = slice(int(one.edge) + 2)
+        return float(placement.unit[loaded] @ solid.force(one.components[loaded], one.branches[:, loaded]))
+
+    def energy(one):
+        return float(np.sum(solid.stored(one.components, one.branches)) + np.sum(one.uneven))
+
+    for further in (-10.0, 4.0, 10.0):
+        there = surfaces.around(state.radius + further * ZONE)
+        moved = transferred(state, here, there, solid)
+        assert force(moved, there) == pytest.approx(force(state, here), rel=3e-5)
+        assert energy(moved) == pytest.approx(energy(state), rel=3e-5)
+        assert abs(np.sum(moved.uneven) - np.sum(state.uneven)) > 1e-4 * energy(state)
+    later = solid.remaining_in_contact(moved.uneven, 0.5)
+    assert_allclose(later, moved.uneven * np.exp(-2.0 * 0.5 / solid.shear.times))
 
 
 def test_what_the_free_surface_holds_decays_by_modes():
