@@ -96,7 +96,7 @@ class TraceRecorder:
         time, penetration, force, radius, stored, branch, intensity, spent, opening, closing = (
             np.array(column) for column in zip(*self.rows, strict=True)
         )
-        external = external_work(time, penetration, force, self.kinks)
+        external = external_work(time, penetration, force, self.kinks, radius)
         area = np.pi * radius**2
         if reversible:
             spent = -work * (area - area[0])
