@@ -3,7 +3,7 @@
 Straight lines between rows cut the corners of every loop: a cycle of n rows loses ``(2 pi/n)^2/6`` of its
 area. Between kinks of the loading and jumps of the edge, force and penetration are cubics instead, with the
 slopes of the parabolas through neighbouring rows: of the length of the path in the plane of time and edge.
-Before a limit point, where the edge runs away, they are smooth in the place of the edge and roots of the time.
+Before a limit point, where the edge runs away, they are smooth in the edge and roots of the time.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def external_work(
 
 
 def _lengths(time: Array, edge: Array) -> Array:
-    """Lengths of the path of the edge over time between rows, both in parts of their ranges, shape (n - 1,)."""
+    """Lengths (n - 1,) of the path of the edge over time between rows, both in parts of their ranges."""
     moved = np.diff(edge) / (np.ptp(edge) or 1.0)
     return np.hypot(np.diff(time) / np.ptp(time), moved)
 

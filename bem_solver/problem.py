@@ -13,8 +13,9 @@ from contact_scene import Adhesion, Counters, Scene
 _LONG_TRAVEL = 0.1
 """Part of the contact radius of which a step over zones takes the same fraction, at most: what acts at the
 edge then changes little within it, and the loading mostly asks for shorter ones."""
-_ZONES_OF_LONG_TRAVEL = 3.0
-"""Process zones of which it takes the same fraction, at least, where its path is a parabola."""
+_ZONES_OF_LONG_TRAVEL = 2.0
+"""Process zones of which it takes the same fraction, at least, where its path is a parabola: half a zone
+at the coarsest resolution, from where on errors fall with its square."""
 LONG_ZONE = 0.02
 """Process zone over contact radius below which a step may pass over process zones and annuli are graded
 towards the edge; with longer zones annuli of equal angles are few enough."""

@@ -14,9 +14,10 @@ SHARE_OF_ZONE = 0.04
 """Travel of a step, in process zones, from which on its path is a parabola through another row and it is
 judged by that: an eighth of the longest step within a zone at half the default resolution. Below it an edge
 sets out or turns, and earlier rows tell little."""
-_SHARE_OF_TRAVEL = 2.0
-"""Error of extrapolating the edge over process zones, in step tolerances of its travel, that is allowed: the
-speed of the edge, on which the closure depends, is then met to about as much."""
+_SHARE_OF_TRAVEL, _SHARE_WITHIN_ZONE = 1.0, 2.0
+"""Errors of extrapolating the edge over process zones and within one, in step tolerances of its travel, that
+are allowed: the speed of the edge, on which the closure depends, is then met to about as much. Within a zone
+the closure depends on the place of the edge, too."""
 _LEAST_SHARE_OF_ZONE = 0.5
 """Least travel for that, in process zones: the closure sees no less of the path than about as much."""
 _SHARE_OF_FREE_TRAVEL = 0.5
@@ -106,6 +107,8 @@ def _departure_from_path(start: StepStart, edge: float, step: float) -> float:
     """Error of extrapolating the path of the edge to the end of a step, relative to what is allowed."""
     travel = max(abs(edge - start.state.contact.edge), _LEAST_SHARE_OF_ZONE * start.problem.zone)
     missed = abs(edge - start.state.accepted.edge_after(step))
-    share = _SHARE_OF_FREE_TRAVEL if start.interval.control == "force" else _SHARE_OF_TRAVEL
+    share = _SHARE_OF_TRAVEL if start.problem.over_zones(start.state.contact.edge) else _SHARE_WITHIN_ZONE
+    if start.interval.control == "force":
+        share = _SHARE_OF_FREE_TRAVEL
     allowed = min(share * travel, start.problem.longest_travel(edge))
     return missed / allowed if allowed > 0.0 else math.inf

@@ -118,35 +118,29 @@ def largest_tension(trace):
 
 
 @pytest.mark.parametrize(
-    ("rate", "levels"), [(0.02, (4, 8, 16)), pytest.param(0.1, (4, 6, 8, 12), marks=pytest.mark.slow)]
+    ("rate", "levels"), [(0.02, (6, 12, 24)), pytest.param(0.1, (6, 8, 12, 16, 24), marks=pytest.mark.slow)]
 )
 def test_observed_order_when_annuli_and_steps_are_refined_together(rate, levels):
     """Two-sided: an order far above the scheme's would be chance.
 
-    The tension scatters from level to level, so its order is the slope of the line through all levels; at the
-    lower rate it holds from level to level as well. The loop integral has errors of either sign: they stay
-    below those of second order.
+    The tension scatters from level to level, by 1e-5 at the lower rate and 3e-5 at the higher one, so its
+    order is the slope of the line through all levels; at the lower rate it holds from 6 to 12 as well.
     """
     fine = front(cycle(rate), 40)
-    pulls, radii, loops = [], [], []
+    pulls, loops = [], []
     for resolution in levels:
         trace = bem(cycle(rate)) if resolution == 12 else bem(cycle(rate), resolution=resolution)
         pulls.append(largest_tension(trace) / largest_tension(fine) - 1.0)
-        radii.append(deepest_radius(trace) / deepest_radius(fine) - 1.0)
         loops.append(observe(trace).loop_energy / observe(fine).loop_energy - 1.0)
-    for errors in (pulls, radii):
+    for errors in (pulls, loops):
         slope = np.polyfit(np.log(levels), np.log(np.abs(errors)), 1)[0]
         assert 1.8 <= -slope < 2.5, errors
         assert 1.8 <= observed_order([errors[0], errors[-1]], levels[-1] / levels[0]) < 2.5, errors
         assert abs(errors[-1]) < 5e-5
-    for errors in (radii, pulls) if rate == 0.02 else (radii,):
-        assert 1.8 <= observed_order([errors[0], errors[levels.index(8)]]) < 2.5, errors
-    assert np.all(np.abs(loops) < 1.6e-3 / np.square(levels)), loops
-
-
-def deepest_radius(trace):
-    """Contact radius at the end of the approach."""
-    return trace.contact_radius[np.argmax(trace.penetration)]
+    twelve = levels.index(12)
+    for errors in (loops, pulls) if rate == 0.02 else (loops,):
+        assert 1.8 <= observed_order([errors[0], errors[twelve]]) < 2.5, errors
+    assert 1.8 <= observed_order([loops[twelve], loops[-1]]) < 2.5, loops
 
 
 @pytest.mark.slow
