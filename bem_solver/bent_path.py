@@ -9,29 +9,41 @@ just before it: ``g`` is the share of the step still to come.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bem_solver.outer_fall import OuterFall
+
 Array = NDArray[np.float64]
 
 _LARGEST_BEND = 0.99
 """Change of the speed within a step, relative to its mean over it: below 1 the edge does not turn."""
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(20)
-_POINTS, _WEIGHTS = 0.5 * (_POINTS + 1.0), 0.5 * _WEIGHTS
+_RULES = {
+    longest: (0.5 * (nodes + 1.0), 0.5 * weights)
+    for longest, (nodes, weights) in (
+        (most, np.polynomial.legendre.leggauss(count)) for most, count in ((1.0, 12), (math.inf, 20))
+    )
+}
+"""Quadratures over a step by its length, in retardation times, up to which they are exact to 1e-6."""
 _FORGOTTEN = 36.0
 """Time, in retardation times, after which nothing is left of a lag: ``exp(-36)`` is rounding."""
 
 
 @dataclass(frozen=True)
 class EarlierRow:
-    """The row before the last: its time before the last, its edge and its penetration."""
+    """The row before the last: its time before the last, its edge and its penetration.
+
+    ``fall`` is that of the load outside the last.
+    """
 
     time: float
     edge: float
     penetration: float
+    fall: OuterFall
 
 
 def parabola_bend(earlier: tuple[float, float], value: float, duration: float, end: float) -> float:
@@ -104,14 +116,14 @@ class BentPath:
         return np.abs(radius - self.edge(left))
 
     def recent_change(
-        self, fall: Callable[[Array], Array], radius: Array, y: Array, begin: Array, end: Array
+        self, fall: Callable[[Array, Array], Array], radius: Array, y: Array, begin: Array, end: Array
     ) -> Array:
-        """``int exp(-(t_end - t)/theta) dS(|r - a(t)|)`` between two shares still to come.
+        """``int exp(-(t_end - t)/theta) dS(|r - a(t)|, t)`` between two shares still to come.
 
         Parameters
         ----------
         fall : callable
-            ``S`` of a distance from the edge, a square root near it.
+            ``S`` of a distance from the edge, a square root near it, and the share still to come.
         radius : ndarray (m,)
             Radii that the edge does not pass between them.
         y : ndarray (K,)
@@ -135,10 +147,11 @@ class BentPath:
         before = passage >= 0.5 * (begin + end)  # the passage lies before, not after
         near = np.sqrt(np.maximum(np.where(before, passage - first, end - passage), 0.0))[..., None]
         far = np.sqrt(np.maximum(np.where(before, passage - end, first - passage), 0.0))[..., None]
-        z = near + (far - near) * _POINTS
+        points, weights = next(rule for longest, rule in _RULES.items() if y.max() <= longest)
+        z = near + (far - near) * points
         left = np.where(before[..., None], passage[..., None] - z**2, passage[..., None] + z**2)
-        values = fall(self.distance(radius[..., None], left))
+        values = fall(self.distance(radius[..., None], left), left)
         kernel = y[:, None] * np.exp(-y[:, None] * (left - end[..., None]))
-        lagging = ((far - near)[..., 0]) * ((2.0 * z * kernel * values) @ _WEIGHTS)
-        first = fall(self.distance(radius, begin))
-        return fall(self.distance(radius, end)) - np.exp(-y * (begin - end)) * first - lagging
+        lagging = ((far - near)[..., 0]) * ((2.0 * z * kernel * values) @ weights)
+        first = fall(self.distance(radius, begin), begin)
+        return fall(self.distance(radius, end), end) - np.exp(-y * (begin - end)) * first - lagging

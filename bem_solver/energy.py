@@ -64,6 +64,10 @@ class Energies:
             - 2.0 * chain.compliances * self.branch_work
         )
 
+    def supply(self, chain: Chain) -> float:
+        """Power that the branches receive, ``sum_k (J_k Y - X_k)/theta_k``."""
+        return float(np.sum((chain.compliances * self.load_work - self.branch_work) / chain.retardation))
+
     def unloaded(self) -> Energies:
         """The same without load."""
         release = None if self.release is None else (0.0, 0.0)

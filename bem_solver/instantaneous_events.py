@@ -19,8 +19,6 @@ from bem_solver.surface import ContactSurface
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 from contact_scene import Outcome, OutcomeKind
 
-SMALLEST_TRAVEL_SHARE = 1.0 / 64.0
-"""Share of the travel limit: an edge that passes even this at constant load moves unstably."""
 LARGEST_TRAVEL_SHARE = 4096.0
 """Bound on widening the travel limit where time cannot resolve its passage; beyond it motion is unstable."""
 _STEPS_WITHOUT_CONTACT = 64
@@ -105,7 +103,7 @@ def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
     rounding = _ZERO_RESIDUAL * (problem.work or 0.5 * state.largest_force / contact.edge)
     reach = problem.length_at(contact.edge) / settings.divisions
     # Start outside the interval already searched, to avoid an endless loop.
-    searched = reach * SMALLEST_TRAVEL_SHARE
+    searched = start.smallest_travel
     edge = contact.edge - searched if receding else min(contact.edge + searched, limit)
     ratio = 1.0 / _SCAN_RATIO if receding else _SCAN_RATIO
     smallest = max(_SMALLEST_CONTACT * settings.scale, problem.zone)  # shorter than the zone: no contact

@@ -6,6 +6,7 @@ Displacement, load and penetration are positive downwards; radii from the axis.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from bem_solver.creep import Chain
 from bem_solver.outer_fall import OuterFall
 
 Array = NDArray[np.float64]
+
+_ROUNDING = 1e-14
+"""Bend of the path of the penetration, relative to it, that is rounding: that of a ramp."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +45,14 @@ class Motion:
     fall: OuterFall | None = None
     earlier: tuple[float, float] | None = None
 
-    @property
+    @cached_property
     def bend(self) -> float:
         """``c`` in the penetration ``D + (D' - D) s + c s (s - 1)`` after a share s of the step."""
         if self.earlier is None or self.duration == 0.0:
             return 0.0
-        return parabola_bend(self.earlier, self.penetration, self.duration, self.new_penetration)
+        bend = parabola_bend(self.earlier, self.penetration, self.duration, self.new_penetration)
+        rounding = _ROUNDING * max(abs(self.penetration), abs(self.new_penetration))
+        return bend if abs(bend) > rounding else 0.0
 
     def passing(self, radius: Array) -> Array:
         """Share of the step after which the edge passes radii between its two ends."""
@@ -80,12 +86,11 @@ class Motion:
         path, fall = self.path, self.fall
         if path is None or fall is None:
             raise ValueError("the edge has no path")
-        share = 1.0 - end
 
-        def of(distance: Array) -> Array:
-            return fall(distance, share.reshape(-1, *(1,) * (distance.ndim - 1)))
+        def of(distance: Array, left: Array) -> Array:
+            return fall(distance, 1.0 - left)
 
-        change = of(path.distance(radius, end)) - of(path.distance(radius, begin))
+        change = of(path.distance(radius, end), end) - of(path.distance(radius, begin), begin)
         recent = path.recent_change(of, radius, self.duration / chain.retardation, begin, end)
         return -chain.lag_rate * (recent - even * change[:, None])
 

@@ -10,13 +10,15 @@ from bem_solver.closure import ClosureRule
 from bem_solver.creep import Chain
 from contact_scene import Adhesion, Counters, Scene
 
-LONG_ZONE = 0.02
-"""Process zone over contact radius from which on a step is a fraction of a zone and annuli have equal angles.
-There are few of both then; with shorter zones steps pass over zones, and annuli are graded towards the
-edge."""
 _LONG_TRAVEL = 0.1
 """Part of the contact radius of which a step over zones takes the same fraction, at most: what acts at the
 edge then changes little within it, and the loading mostly asks for shorter ones."""
+_ZONES_OF_LONG_TRAVEL = 2.0
+"""Process zones of which it takes the same fraction, at least, where its path is a parabola: half a zone
+at the coarsest resolution, from where on errors fall with its square."""
+LONG_ZONE = 0.02
+"""Process zone over contact radius below which a step may pass over process zones and annuli are graded
+towards the edge; with longer zones annuli of equal angles are few enough."""
 
 
 @dataclass(frozen=True)
@@ -62,14 +64,22 @@ class Problem:
 
     def longest_travel(self, edge: float) -> float:
         """Length of which the edge at radius ``edge`` may pass a fraction in one step."""
-        return _LONG_TRAVEL * edge if self.over_zones(edge) else self.length_at(edge)
+        if not self.curves:
+            return self.length_at(edge)
+        zones = _ZONES_OF_LONG_TRAVEL * self.zone
+        return max(zones, _LONG_TRAVEL * edge) if self.over_zones(edge) else zones
 
     def relaxes_within(self, duration: float) -> bool:
         """Whether a step is long against a branch: points it covers then feel the whole fall of the load."""
         return bool(duration > self.chain.retardation.min(initial=math.inf))
 
     def over_zones(self, edge: float) -> bool:
-        """Whether a step may pass over process zones: of one length, of an edge with one work of adhesion."""
+        """Whether a step may pass over process zones."""
+        return self.curves and self.zone < LONG_ZONE * edge
+
+    @property
+    def curves(self) -> bool:
+        """Whether the path of the edge is a parabola: with a zone of one length and one work of adhesion."""
         adhesion = self.scene.adhesion
         plain = adhesion is not None and adhesion.reversible and adhesion.stress is None
-        return plain and self.length_at(edge) < LONG_ZONE * edge
+        return plain and self.work > 0.0 and self.viscoelastic

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, balanced_dissipation, share_of_balance
@@ -13,8 +14,13 @@ from bem_solver.external_work import external_work
 from bem_solver.half_space_state import HalfSpaceState
 from contact_scene import Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
 
+Array = NDArray[np.float64]
+
 UNKNOWN_RELEASE = (math.nan, math.nan)
 """Energy release rate of the tip, opening and closing, where it is not known: then the branches are asked."""
+_SHORT_OF_SMOOTH = 4.0
+"""By how much shorter than one that counts as short for a branch a step and its neighbours have to be for the
+power that the branch receives to be a cubic."""
 
 
 @dataclass
@@ -52,6 +58,7 @@ class TraceRecorder:
                 surface.stress_intensity,
                 state.spent,
                 *(UNKNOWN_RELEASE if energies.release is None else energies.release),
+                energies.supply(chain),
             )
         )
 
@@ -93,21 +100,13 @@ class TraceRecorder:
         ``zone_excess`` is what the branches dissipate beyond the loss: at a sharp edge the whole field moves
         as if the process zone had no length, and the tip takes only the glassy ``K^2/(2 Einf*)``.
         """
-        time, penetration, force, radius, stored, branch, intensity, spent, opening, closing = (
-            np.array(column) for column in zip(*self.rows, strict=True)
-        )
-        external = external_work(time, penetration, force, self.kinks)
+        time, penetration, force, radius, stored, _, intensity, spent, *_ = self._columns()
+        external = external_work(time, penetration, force, self.kinks, radius)
         area = np.pi * radius**2
         if reversible:
             spent = -work * (area - area[0])
         dissipated = external - spent - (stored - stored[0])
-        grown = np.diff(area)
-        release = np.array([opening, closing])
-        balanced = balanced_dissipation(np.diff(external), np.diff(stored), release, grown)
-        tip_moves = (grown != 0.0) & (np.diff(time) > 0.0) & np.isfinite(balanced)
-        share = np.where(tip_moves, share_of_balance(np.diff(time), self.shortest), 0.0)
-        balanced = np.where(tip_moves, balanced, 0.0)
-        heat = share * balanced + (1.0 - share) * np.diff(branch)
+        heat = self._branch_heat(time, radius, external, stored)
         branch = np.concatenate(([0.0], np.cumsum(heat)))
         return Trace(
             solver="bem",
@@ -131,6 +130,36 @@ class TraceRecorder:
             profiles=tuple(self.profiles),
         )
 
+    def _columns(self) -> list[Array]:
+        """Columns of the rows."""
+        return [np.array(column) for column in zip(*self.rows, strict=True)]
+
+    def _branch_heat(self, time: Array, radius: Array, external: Array, stored: Array) -> Array:
+        """What the branches turn into heat in each step, shape (n - 1,).
+
+        Parameters
+        ----------
+        time, radius, external, stored : ndarray (n,)
+            Contact radius, external work and stored energy at the rows.
+
+        Returns
+        -------
+        ndarray (n - 1,)
+        """
+        *_, branch, _, _, opening, closing, supply = self._columns()
+        duration, grown = np.diff(time), np.pi * np.diff(radius**2)
+        share = share_of_balance(duration, self.shortest)
+        trapezoids = 0.5 * (supply[1:] + supply[:-1]) * duration  # of which the branches' heat is made
+        beyond = np.diff(external_work(time, time, supply, self.kinks)) - trapezoids
+        padded = np.pad(duration, 1, mode="edge")
+        around = np.maximum(np.maximum(padded[:-2], padded[2:]), duration)
+        heat = np.diff(branch) + (1.0 - share_of_balance(_SHORT_OF_SMOOTH * around, self.shortest)) * beyond
+        release = np.array([opening, closing])
+        balanced = balanced_dissipation(np.diff(external), np.diff(stored), release, grown)
+        tip_moves = (grown != 0.0) & (duration > 0.0) & np.isfinite(balanced)
+        share = np.where(tip_moves, share, 0.0)
+        return share * np.where(tip_moves, balanced, 0.0) + (1.0 - share) * heat
+
 
 def trace_without_contact(penetration: float, reason: str, counters: Counters, work: float) -> Trace:
     """The trace of a scene without a start state: one row without contact.
@@ -148,7 +177,7 @@ def trace_without_contact(penetration: float, reason: str, counters: Counters, w
     -------
     Trace
     """
-    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *UNKNOWN_RELEASE)])
+    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *UNKNOWN_RELEASE, 0.0)])
     return recorder.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters, work)
 
 

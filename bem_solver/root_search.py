@@ -25,7 +25,10 @@ T = TypeVar("T", bound=HasResidual)
 
 @dataclass(frozen=True)
 class RootSearchResult(Generic[T]):
-    """Last trial at ``x``, and the position of the root: there, below ``low``, or above ``high``."""
+    """Last trial at ``x``, and the position of the root: there, below ``low``, or above ``high``.
+
+    ``slope`` is the derivative as measured in the search; zero if it was not.
+    """
 
     position: Literal["converged", "below", "above"]
     x: float
@@ -75,7 +78,7 @@ def rising_root(
     """
     negative: float | None = None  # largest x known with residual < 0
     positive: float | None = None  # smallest x known with residual > 0
-    wide = slope  # over at least the accuracy
+    wide, measured = slope, 0.0  # over at least the accuracy
     x = min(max(guess, low), high)
     trial = evaluate(x)
     for iteration in range(_ITERATIONS):
@@ -84,31 +87,31 @@ def rising_root(
             raise FloatingPointError(f"the closure is not finite at contact radius {x:.6g}")
         if r < 0.0:
             if x >= high:
-                return RootSearchResult("above", x, trial, wide)
+                return RootSearchResult("above", x, trial, measured)
             negative = x if negative is None else max(negative, x)
         elif r > 0.0:
             if x <= low:
-                return RootSearchResult("below", x, trial, wide)
+                return RootSearchResult("below", x, trial, measured)
             positive = x if positive is None else min(positive, x)
         if r == 0.0 or (iteration > 0 and abs(r) <= min(slope * accuracy, wide * accuracy, residual)):
-            return RootSearchResult("converged", x, trial, wide)
+            return RootSearchResult("converged", x, trial, measured)
         left = low if negative is None else negative
         right = high if positive is None else positive
         near = abs(r) <= residual or right - left <= _ROUNDING * abs(x)
         if near and right - left <= accuracy:
-            return RootSearchResult("converged", x, trial, wide)
+            return RootSearchResult("converged", x, trial, measured)
         new = min(max(x - r / slope, left), right) if slope > 0.0 else (right if r < 0.0 else left)
         bracketed = negative is not None and positive is not None
-        if not bracketed and iteration > 0 and abs(new - x) < accuracy:
+        if not bracketed and (iteration > 0 or new == x) and abs(new - x) < accuracy:
             new = min(max(x - math.copysign(accuracy, r), left), right)
         if bracketed and (not left < new < right or iteration % 6 == 5):
             new = 0.5 * (left + right)
         if new == x:
-            return RootSearchResult("converged", x, trial, wide)
+            return RootSearchResult("converged", x, trial, measured)
         new_trial = evaluate(new)
         secant = (new_trial.residual - r) / (new - x)
         slope = max(secant, 0.0)
         if abs(new - x) >= accuracy:
-            wide = slope
+            wide = measured = slope
         x, trial = new, new_trial
     raise FloatingPointError("the search for the edge did not converge")

@@ -15,6 +15,9 @@ from bem_solver.problem import Problem
 from bem_solver.recorder import TraceRecorder
 from bem_solver.step_control import AcceptedSteps
 
+_SMALLEST_TRAVEL_SHARE = 1.0 / 64.0
+"""Share of the travel limit: an edge that passes even this at constant load moves unstably."""
+
 
 @dataclass(frozen=True)
 class StepSettings:
@@ -37,8 +40,8 @@ class GradedState:
     the present loading interval (``begun``) the run has reached ``parameter``, with the ``accepted`` states
     from which rates are extrapolated; from there steps were ``rejected``, with their length and the travel of
     the edge. ``step`` is the step to try next before it is limited, ``travel_share`` the share of the travel
-    limit of the edge in force, ``slope`` the derivative of the residual with the edge in the last accepted
-    step (0: unknown).
+    limit of the edge in force, ``slope`` the derivative of the residual with the edge expected in the next
+    step (0: unknown), ``last_slope`` that in the last accepted one.
     """
 
     contact: HalfSpaceState
@@ -54,6 +57,13 @@ class GradedState:
     step: float = 0.0
     travel_share: float = 1.0
     slope: float = 0.0
+    last_slope: float = 0.0
+
+    def follow_slope(self, slope: float) -> None:
+        """Take the slope of an accepted step (0: unknown), and expect the next to change in proportion."""
+        if slope > 0.0:
+            change = slope / self.last_slope if self.last_slope > 0.0 else 1.0
+            self.slope, self.last_slope = slope * min(max(change, 0.5), 2.0), slope
 
     def interval_done(self) -> None:
         """Ready for the next loading interval."""
@@ -68,3 +78,10 @@ class StepStart:
     settings: StepSettings
     state: GradedState
     interval: LoadingInterval
+
+    @property
+    def smallest_travel(self) -> float:
+        """Travel at constant load from which on an edge moves unstably; limit points are located to it."""
+        return (
+            _SMALLEST_TRAVEL_SHARE * self.problem.length_at(self.state.contact.edge) / self.settings.divisions
+        )

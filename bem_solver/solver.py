@@ -41,6 +41,10 @@ _SMOOTH_SHARE = 0.01
 """Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the
 root at the edge, which is taken out: without adhesion, and in an elastic contact, whatever its zone."""
 
+_FINER_IN_ZONE = 2
+"""By how much annuli are finer than the history of the zone that they resolve: they cost little, and at slow
+approach theirs would be the larger part of the error."""
+
 
 def refusal(scene: Scene) -> UnsupportedScene | None:
     """Why the boundary elements do not take a scene; ``None`` if they do."""
@@ -158,7 +162,8 @@ def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Pr
         step = edge_step(divisions, share, largest, layer)
         annuli, in_zone = Annuli(*graded_annuli(divisions, step)), np.arccos(1.0 - share) / step
     else:
-        count = max(annuli_needed(divisions, share), annuli_for_layer(divisions, largest, layer))
+        finer = _FINER_IN_ZONE if share != _SMOOTH_SHARE else 1
+        count = max(annuli_needed(finer * divisions, share), annuli_for_layer(divisions, largest, layer))
         annuli, in_zone = Annuli(count), count * np.arccos(1.0 - share) * 2.0 / np.pi
     rule = ClosureRule.resolving(max(divisions, int(in_zone)))
     problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)

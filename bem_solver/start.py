@@ -29,6 +29,10 @@ _SCAN_RATIO = 1.04
 _SCAN_START, _SCAN_END = 64.0, 1e-6
 """Largest and smallest radius of the scan, in the estimated contact radius."""
 
+_FACING = 64
+"""Nodes outside the edge that the closure looks at, even in the root of the distance: their cubics hold the
+first residual, by which an edge at rest would creep, to a part of the accuracy of the closure."""
+
 
 def elastic_problem(problem: Problem, modulus: float) -> Problem:
     """The same problem on an elastic half-space with the given Young's modulus."""
@@ -154,9 +158,10 @@ def _start_history(
     edge, radii = surface.edge, problem.annuli.radii
     near = edge * radii
     mirrored = 2.0 * edge - near[near > edge - problem.length]
+    facing = edge + problem.length * (np.arange(1.0, _FACING + 1.0) / _FACING) ** 2
     far = (edge + problem.length) * np.geomspace(1.0, 200.0, 160)
     smallest = 0.5 * edge * (1.0 - radii[-1])
-    radius = distinct(np.concatenate(([0.0], near, [edge], mirrored, far)), (edge,), smallest)
+    radius = distinct(np.concatenate(([0.0], near, [edge], mirrored, facing, far)), (edge,), smallest)
     load = surface.outside(np.maximum(radius, edge))
     if relaxed:
         variables = np.zeros((len(radius), len(chain)))

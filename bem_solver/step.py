@@ -6,14 +6,15 @@ Nothing is committed here.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum, auto
+from functools import cached_property
 
 from scipy.optimize import brentq
 
 from bem_solver.bent_path import EarlierRow
 from bem_solver.edge_energy import drive
+from bem_solver.outer_fall import OuterFall
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import shrunk
@@ -22,6 +23,8 @@ from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 
 _RESIDUAL_ACCURACY = 1e-2
 """Accuracy of the closure, in step tolerances of the work of adhesion: far below the step error."""
+_TRAVEL_ITERATIONS = 3
+"""Corrections of a step by the travel to be expected in it: the expected travel is nearly in proportion."""
 _BESIDE_EXTREMUM = 0.125
 """Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row
 by a sixty-fourth of what it would with the whole step."""
@@ -71,16 +74,31 @@ def limited_step(start: StepStart) -> tuple[float, float]:
     state, interval, settings = start.state, start.interval, start.settings
     limit = 0.9 * state.travel_share * start.problem.longest_travel(state.contact.edge) / settings.divisions
     limited, parameter = state.step, state.parameter
-    speed = abs(state.accepted.rates(limited)[0])
-    if speed * limited > limit:
-        limited = limit / speed
+    limited = _step_within(start, limited, limit)
     left = interval.length - parameter
-    limited = min(limited, left, _until_largest_tension(start, limited))
+    limited = min(limited, left)
     while (departure := interval.departure_from_chord(parameter, limited) / settings.tolerance) > 1.0:
         limited = shrunk(limited, departure)
     if limited >= left * (1.0 - 1e-9):
-        return limited, left
-    return limited, min(limited, 0.5 * left) if 2.0 * limited > left else limited
+        step = left
+    else:
+        step = min(limited, 0.5 * left) if 2.0 * limited > left else limited
+    return limited, min(step, _until_largest_tension(start, limited))
+
+
+def _step_within(start: StepStart, step: float, limit: float) -> float:
+    """The step, or a shorter one in which the edge is expected to travel no farther than ``limit``."""
+    accepted, edge = start.state.accepted, start.state.contact.edge
+    if start.problem.work == 0.0:  # no limit point ahead
+        speed = abs(accepted.rates(step)[0])
+        return limit / speed if speed * step > limit else step
+    step = min(step, accepted.step_of_travel(limit, start.smallest_travel))
+    for _ in range(_TRAVEL_ITERATIONS):
+        linear = abs(accepted.rates(step)[0]) * step
+        travel = max(linear, abs(accepted.edge_after(step) - edge))
+        if travel > limit:
+            step *= limit / travel
+    return step
 
 
 def _until_largest_tension(start: StepStart, step: float) -> float:
@@ -146,17 +164,21 @@ class TrialStep(StepStart):
     ) -> Candidate | FailedStep:
         """The shorter step that takes the edge to its travel limit ``edge``, if it is stable there."""
         start, beyond = self.state.parameter, root.trial
+        accuracy = _RESIDUAL_ACCURACY * self.settings.tolerance
+        known = {1.0: beyond, 0.0: self._trial(start, edge)}
 
         def residual(share: float) -> float:
-            return self._trial(start + share * self.step, edge).residual
+            if share not in known:
+                known[share] = self._trial(start + share * self.step, edge)
+            return known[share].residual
 
         if (residual(0.0) > 0.0) == (beyond.residual > 0.0):
             return FailedStep(StepFailure.BEYOND_TRAVEL_LIMIT, receding)
-        share = _sign_change(residual, beyond.residual > 0.0)
+        share = brentq(residual, 0.0, 1.0, xtol=1e-300, rtol=accuracy)
         parameter = start + share * self.step
         if parameter <= start:
             return FailedStep(StepFailure.UNRESOLVED, receding)
-        trial = self._trial(parameter, edge)
+        trial = known[share]
         inward = self._trial(parameter, edge - 0.01 * reach)
         if inward.residual > trial.residual:
             travel = abs(beyond.motion.new_edge - self.state.contact.edge)
@@ -207,27 +229,23 @@ class TrialStep(StepStart):
         return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, earlier)
 
     def _earlier(self, duration: float) -> EarlierRow | None:
-        """The row before the last, where a step passes over much of a process zone, or over several.
+        """The row before the last, where the step takes the edge far enough for a parabola.
 
-        Within a zone the path is straight: the condition at the end of the step is then one on the place of
-        the edge, and a parabola through earlier rows carries their errors on.
+        Over less the path is straight: the condition at the end of the step is then one on the place of the
+        edge, and a parabola through earlier rows carries their errors on.
         """
         rows, interval, edge = self.state.accepted.rows, self.interval, self.state.contact.edge
-        if interval.jump or len(rows) < 2 or not self.problem.over_zones(edge):
+        if interval.jump or len(rows) < 2 or not self.problem.curves:
             return None
         (last, before), (_, now) = ((one[0], one[1]) for one in rows[-2:])
         travel = abs(now - before) / (rows[-1][0] - last) * duration
         if travel < SHARE_OF_ZONE * self.problem.length_at(edge):
             return None
         (before, edge, load), (now, _, _) = rows[-2:]
-        return EarlierRow(
-            now - before, edge, load if interval.control == "force" else interval.prescribed(before)
-        )
+        penetration = load if interval.control == "force" else interval.prescribed(before)
+        return EarlierRow(now - before, edge, penetration, self._fall)
 
-
-def _sign_change(residual: Callable[[float], float], positive: bool) -> float:
-    """Share of the step, however small, at which the residual takes the sign it has at the end."""
-    upper = lower = 1.0
-    while lower > 1e-300 and (residual(lower) > 0.0) == positive:
-        lower, upper = 1e-3 * lower, lower
-    return brentq(residual, lower, upper, xtol=1e-300, rtol=1e-7)
+    @cached_property
+    def _fall(self) -> OuterFall:
+        """Fall of the load outside the edge at the start."""
+        return OuterFall.outside(self.state.contact.surface, self.problem.zone)

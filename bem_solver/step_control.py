@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 _SAFETY = 0.9
 """Share of the step that the error model predicts to just meet the tolerance."""
@@ -15,6 +16,11 @@ _LARGEST_REDUCTION, _LARGEST_GROWTH = 0.2, 2.0
 """Bounds on the ratio of successive steps."""
 _SLIVER = 1e-9
 """Part of a step by which it may differ from another by rounding, and still is as long."""
+_SHARE_OF_WAY = 0.7
+"""Share of the way of the edge to a limit point taken in one step: a tenth of the time is left after it, and
+the place of that point is then known ten times as well."""
+_NEWTON_STEPS = 3
+"""From the turn of a parabola to that of a cubic: each squares the relative error."""
 _MEMORY = 64
 """Accepted states that rates may reach back over."""
 
@@ -76,25 +82,86 @@ class AcceptedSteps:
         return (now[1] - base[1]) / span, (now[2] - base[2]) / span
 
     def edge_after(self, step: float) -> float:
-        """Edge a step ahead, extrapolated by the parabola through the last three states."""
+        """Edge a step ahead, extrapolated by the parabola through the last three states.
+
+        Before a limit point by that of the parameter over the edge.
+        """
         if len(self.rows) < 3:
             return self.rows[-1][1] + self.rates(step)[0] * step
+        way = self.way_to_limit_point()
+        if 0.0 < way < math.inf:
+            share = 2.0 * step / (way * self._delay()[0])  # of the parameter left until there
+            if share <= 1.0:
+                travel = way * share / (1.0 + math.sqrt(1.0 - share))
+                return self.rows[-1][1] + math.copysign(travel, self.rows[-1][1] - self.rows[-2][1])
         (t0, a0, _), (t1, a1, _), (t2, a2, _) = self.rows[-3:]
         late, early = (a2 - a1) / (t2 - t1), (a1 - a0) / (t1 - t0)
         return a2 + step * (late + (t2 - t1 + step) * (late - early) / (t2 - t0))
 
-    def until_load_turns(self) -> float:
-        """Distance from the last state to where the parabola through the last three states of the load turns.
+    def _delay(self) -> tuple[float, float]:
+        """Parameter per travel of the edge at the last state, and half its change with the travel.
 
-        Negative if it has turned, infinite if it does not.
+        By the parabola of the parameter over the edge, which is smooth where the edge runs away; both
+        infinite unless the edge has run ever faster over the last four states.
+        """
+        if len(self.rows) < 4:
+            return math.inf, math.inf
+        steps = [(t1 - t0, a1 - a0) for (t0, a0, _), (t1, a1, _) in pairwise(self.rows[-4:])]
+        travels = [travel for _, travel in steps]
+        if not (min(travels) > 0.0 or max(travels) < 0.0):
+            return math.inf, math.inf
+        first, early, late = (step / abs(travel) for step, travel in steps)
+        if not first > early > late:
+            return math.inf, math.inf
+        bend = (late - early) / abs(travels[1] + travels[2])
+        return late + bend * abs(travels[2]), bend
+
+    def way_to_limit_point(self) -> float:
+        """Distance of the edge from where it will run away; infinite if it does not run ever faster."""
+        delay, bend = self._delay()
+        return max(delay, 0.0) / (-2.0 * bend) if bend < 0.0 else math.inf
+
+    def step_of_travel(self, travel: float, least: float) -> float:
+        """Step in which an edge that runs ever faster travels so far; infinite for any other edge.
+
+        With a limit point ahead, no farther than a share of the way to it; over it, for a trial that shows
+        whether it is there, if the way is no longer than ``least``.
+        """
+        way = self.way_to_limit_point()
+        if not 0.0 < way < math.inf:
+            return math.inf
+        delay, bend = self._delay()
+        if way <= least:
+            return way * delay  # twice the step to the limit point
+        travel = min(travel, _SHARE_OF_WAY * way)
+        return travel * (delay + bend * travel)
+
+    def until_load_turns(self) -> float:
+        """Distance from the last state to where the load turns, by the cubic through the last four states.
+
+        By the parabola through three if there are no more. Negative if it has turned, infinite if never.
         """
         if len(self.rows) < 3:
             return math.inf
         (t0, _, f0), (t1, _, f1), (t2, _, f2) = self.rows[-3:]
         late, early = (f2 - f1) / (t2 - t1), (f1 - f0) / (t1 - t0)
-        if late == early:
+        curvature = (late - early) / (t2 - t0)
+        if curvature == 0.0:
             return math.inf
-        return -0.5 * (late * (t2 - t0) / (late - early) + t2 - t1)
+        turn = -0.5 * (late / curvature + t2 - t1)
+        if len(self.rows) == 3:
+            return turn
+        before, _, first = self.rows[-4]
+        third = (curvature - (early - (f0 - first) / (t0 - before)) / (t1 - before)) / (t2 - before)
+        sides = (t2 - t1, t2 - t0)
+        for _ in range(_NEWTON_STEPS):
+            slope = late + curvature * (2.0 * turn + sides[0])
+            slope += third * (3.0 * turn**2 + 2.0 * turn * sum(sides) + sides[0] * sides[1])
+            bend = 2.0 * curvature + third * (6.0 * turn + 2.0 * sum(sides))
+            if bend * curvature <= 0.0:  # the cubic turns nowhere near
+                return math.inf
+            turn -= slope / bend
+        return turn
 
 
 def departure_from_line(extrapolation_error: float, scale: float) -> float:
@@ -105,13 +172,13 @@ def departure_from_line(extrapolation_error: float, scale: float) -> float:
     return 0.125 * abs(extrapolation_error) / scale if scale > 0.0 else 0.0
 
 
-def grown(step: float, error: float) -> float:
-    """Next step after one accepted with ``error`` (in tolerances; second order)."""
-    return step * max(
-        _LARGEST_REDUCTION, min(_LARGEST_GROWTH, _SAFETY / error**0.5 if error > 0.0 else _LARGEST_GROWTH)
-    )
+def grown(step: float, error: float, order: int = 2) -> float:
+    """Next step after one accepted with ``error`` (in tolerances) that grows as ``step**order``."""
+    if error <= 0.0:
+        return step * _LARGEST_GROWTH
+    return step * max(_LARGEST_REDUCTION, min(_LARGEST_GROWTH, _SAFETY / error ** (1.0 / order)))
 
 
-def shrunk(step: float, error: float) -> float:
-    """Next trial after one rejected with ``error`` > 1."""
-    return step * max(_LARGEST_REDUCTION, _SAFETY / error**0.5)
+def shrunk(step: float, error: float, order: int = 2) -> float:
+    """Next trial after one rejected with ``error`` > 1 that grows as ``step**order``."""
+    return step * max(_LARGEST_REDUCTION, _SAFETY / error ** (1.0 / order))

@@ -10,12 +10,16 @@ from bem_solver.run_state import StepStart
 from bem_solver.step_control import departure_from_line
 from bem_solver.trial import TrialContact
 
-SHARE_OF_ZONE = 0.25
+SHARE_OF_ZONE = 0.04
 """Travel of a step, in process zones, from which on its path is a parabola through another row and it is
-judged by that: the longest step within a zone at the coarsest resolution."""
-_SHARE_OF_TRAVEL = 2.0
-"""Error of extrapolating the edge over process zones, in step tolerances of its travel, that is allowed: the
-speed of the edge, on which the closure depends, is then met to about as much."""
+judged by that: an eighth of the longest step within a zone at half the default resolution. Below it an edge
+sets out or turns, and earlier rows tell little."""
+_SHARE_OF_TRAVEL, _SHARE_WITHIN_ZONE = 1.0, 2.0
+"""Errors of extrapolating the edge over process zones and within one, in step tolerances of its travel, that
+are allowed: the speed of the edge, on which the closure depends, is then met to about as much. Within a zone
+the closure depends on the place of the edge, too."""
+_LEAST_SHARE_OF_ZONE = 0.5
+"""Least travel for that, in process zones: the closure sees no less of the path than about as much."""
 _SHARE_OF_FREE_TRAVEL = 0.5
 """The same under a controlled force: no prescribed penetration holds the edge back there, and the errors of
 its speed add up to one of the time at which contact is lost."""
@@ -92,16 +96,19 @@ def _departures(
         travel = max(abs(edge - contact.edge), _LEAST_RATED_TRAVEL * contact.edge)
         of_edge = max(of_edge, departure_from_line(missed, _RATED_WEIGHT * travel))
     passes = abs(edge - contact.edge) >= SHARE_OF_ZONE * problem.length_at(edge)
-    if passes and problem.over_zones(contact.edge) and start.state.accepted.curved:
-        of_edge = min(of_edge, _departure_from_path(start, edge, step))
+    if passes and problem.curves and start.state.accepted.curved:
+        of_path = _departure_from_path(start, edge, step)
+        of_edge = min(of_edge, of_path) if problem.over_zones(contact.edge) else of_path
     of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
     return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
 
 
 def _departure_from_path(start: StepStart, edge: float, step: float) -> float:
     """Error of extrapolating the path of the edge to the end of a step, relative to what is allowed."""
-    travel = abs(edge - start.state.contact.edge)
+    travel = max(abs(edge - start.state.contact.edge), _LEAST_SHARE_OF_ZONE * start.problem.zone)
     missed = abs(edge - start.state.accepted.edge_after(step))
-    share = _SHARE_OF_FREE_TRAVEL if start.interval.control == "force" else _SHARE_OF_TRAVEL
+    share = _SHARE_OF_TRAVEL if start.problem.over_zones(start.state.contact.edge) else _SHARE_WITHIN_ZONE
+    if start.interval.control == "force":
+        share = _SHARE_OF_FREE_TRAVEL
     allowed = min(share * travel, start.problem.longest_travel(edge))
     return missed / allowed if allowed > 0.0 else math.inf

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.instantaneous_events import (
     LARGEST_TRAVEL_SHARE,
-    SMALLEST_TRAVEL_SHARE,
     EdgeJump,
     FreeMotion,
     contact_lost,
@@ -52,6 +51,9 @@ from contact_scene.trigger import passed
 SOLVER = "bem"
 _ZONE_END_SHARE = 1e-4
 """Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
+
+_SLIVER = 1e-9
+"""Part of a step by which it may differ from the one wanted by rounding."""
 
 
 @dataclass
@@ -150,7 +152,7 @@ class GradedRun:
         if result.error > 1.0 and not self._passes_an_annulus(taken, travel):
             problem.counters.rejected_steps += 1
             state.rejected.append((taken, travel))
-            state.step = shrunk(taken, result.error)
+            state.step = shrunk(taken, result.error, 2 if len(state.accepted.rows) > 1 else 1)
             return None
         if interval.trigger is None or interval.jump:
             return self._accept(result, start, report)
@@ -182,8 +184,10 @@ class GradedRun:
         """Commit a candidate; an outcome if the contact ends with it."""
         state, record, interval = self.state, self.state.record, start.interval
         state.rejected = []
-        state.slope = candidate.slope or state.slope
-        state.step = grown(candidate.parameter - state.parameter, candidate.error)
+        taken = candidate.parameter - state.parameter
+        order = 3 if self.problem.curves else 2  # of a parabola, or of a straight line
+        state.step = max(grown(taken, candidate.error, order), self._shortened(taken, candidate.error))
+        state.follow_slope(candidate.slope)
         state.parameter = candidate.parameter
         self._commit(candidate.trial, interval.time(state.parameter), report)
         if candidate.sets_out:
@@ -205,19 +209,24 @@ class GradedRun:
     ) -> Outcome | None:
         """Change travel limit or step, or let the edge move unstably; an outcome if the run ends with it."""
         state, interval = self.state, start.interval
+        smallest = start.smallest_travel
+        at_limit_point = state.accepted.way_to_limit_point() < smallest
         match failed.failure:
+            case _ if at_limit_point:
+                pass
             case StepFailure.UNRESOLVED:
                 state.travel_share *= 4.0
                 if state.travel_share <= LARGEST_TRAVEL_SHARE:
                     return None
             case StepFailure.BEYOND_TRAVEL_LIMIT:
-                problem, edge = start.problem, state.contact.edge
-                smallest = SMALLEST_TRAVEL_SHARE * problem.length_at(edge) / problem.longest_travel(edge)
-                if smallest < state.travel_share <= LARGEST_TRAVEL_SHARE:
+                longest = start.problem.longest_travel(state.contact.edge) / self.settings.divisions
+                if smallest / longest < state.travel_share <= LARGEST_TRAVEL_SHARE:
                     state.travel_share *= 0.5
                     return None
             case StepFailure.UNSTABLE:
-                if step > 1e-12 * interval.length:
+                reach = state.travel_share * start.problem.longest_travel(state.contact.edge)
+                if reach > smallest * self.settings.divisions and step > 1e-12 * interval.length:
+                    state.travel_share *= 0.5
                     state.rejected.append((step, failed.travel))
                     state.step = shrunk(step, math.inf)
                     return None
@@ -251,6 +260,11 @@ class GradedRun:
         state.travel_share, state.step = 1.0, event.next_step
         state.record.kink()
         return None
+
+    def _shortened(self, taken: float, error: float) -> float:
+        """The step that a stop or a largest tension has cut short, to go on with; 0 if none has."""
+        step = self.state.step
+        return step if error <= 1.0 and taken < (1.0 - _SLIVER) * step else 0.0
 
     def _commit(self, trial: TrialContact, time: float, report: Callable[[float], None]) -> None:
         """Make the trial the state."""

@@ -109,7 +109,7 @@ def _motion(
         row = earlier.time, earlier.penetration
         if edge != state.edge:
             path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge)
-            fall = OuterFall.outside(state.surface, problem.zone)
+            fall = earlier.fall
     elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)
         fall = OuterFall.outside(state.surface, problem.zone)

@@ -161,7 +161,8 @@ def test_work_is_triangular_solves_after_one_factorisation(rate):
     counters = trace.counters
     assert counters.factorisations == 1
     assert counters.steps == len(trace) - 1
-    assert counters.closure_evaluations == counters.linear_solves
+    advancing = counters.linear_solves - counters.closure_evaluations  # there the load is solved for twice
+    assert 0 <= advancing < 0.5 * counters.closure_evaluations
     assert counters.linear_solves < 8 * (counters.steps + counters.rejected_steps)
     assert counters.rejected_steps < 0.2 * counters.steps
     assert counters.steps < 500

@@ -39,6 +39,15 @@ def test_root_beyond_a_vertical_tangent():
             assert found.slope <= accuracy**-0.5  # over the accuracy, it cannot be steeper
 
 
+def test_no_root_is_met_by_a_slope_alone():
+    """By one that is far too steep every guess would be the root; nor is it handed on as measured."""
+    found = rising_root(lambda x: Trial(x - 0.3), 0.1, 1e17, -1.0, 1.0, 1e-3, 1e-3)
+    assert found.position == "converged"
+    assert abs(found.x - 0.3) <= 1e-3
+    assert_allclose(found.slope, 1.0, rtol=1e-6)
+    assert rising_root(lambda x: Trial(x - 0.3), 0.3, 1e17, -1.0, 1.0, 1e-3, 1e-3).slope == 0.0
+
+
 @pytest.mark.parametrize("duration", [1e-3, 0.1, 1.0, 10.0])
 def test_both_sides_of_an_edge_change_alike(duration):
     """Just outside, covered at once or left outside, a point goes through what the edge does."""
