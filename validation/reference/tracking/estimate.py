@@ -21,7 +21,7 @@ RICHARDSON = 1.0 / 3.0
 """Error of the finer of two runs over their difference, for order two and twice the step."""
 NEARBY = 48
 """Sides of the other polygon, before and after the corner at the same time and before and after the nearest
-corner, among which the nearest side is sought: where an edge collapses, a small shift in time is many rows."""
+corner, among which the nearest is sought: where an edge collapses, a small shift in time is many rows."""
 
 
 def estimated_errors(fine: Columns, coarse: Columns) -> dict[str, float]:
