@@ -101,7 +101,7 @@ class TraceRecorder:
         as if the process zone had no length, and the tip takes only the glassy ``K^2/(2 Einf*)``.
         """
         time, penetration, force, radius, stored, _, intensity, spent, *_ = self._columns()
-        external = external_work(time, penetration, force, self.kinks, radius)
+        external = external_work(time, penetration, force, [*self.kinks, *rest_ends(radius)], radius)
         area = np.pi * radius**2
         if reversible:
             spent = -work * (area - area[0])
@@ -150,7 +150,7 @@ class TraceRecorder:
         duration, grown = np.diff(time), np.pi * np.diff(radius**2)
         share = share_of_balance(duration, self.shortest)
         trapezoids = 0.5 * (supply[1:] + supply[:-1]) * duration  # of which the branches' heat is made
-        beyond = np.diff(external_work(time, time, supply, self.kinks)) - trapezoids
+        beyond = np.diff(external_work(time, time, supply, [*self.kinks, *rest_ends(radius)])) - trapezoids
         padded = np.pad(duration, 1, mode="edge")
         around = np.maximum(np.maximum(padded[:-2], padded[2:]), duration)
         heat = np.diff(branch) + (1.0 - share_of_balance(_SHORT_OF_SMOOTH * around, self.shortest)) * beyond
@@ -159,6 +159,22 @@ class TraceRecorder:
         tip_moves = (grown != 0.0) & (duration > 0.0) & np.isfinite(balanced)
         share = np.where(tip_moves, share, 0.0)
         return share * np.where(tip_moves, balanced, 0.0) + (1.0 - share) * heat
+
+
+def rest_ends(radius: Array) -> list[int]:
+    """Rows at which an edge that has rested sets off, or comes to rest: slopes may jump there.
+
+    Parameters
+    ----------
+    radius : ndarray (n,)
+        Contact radius.
+
+    Returns
+    -------
+    list of int
+    """
+    rests = np.diff(radius) == 0.0
+    return (np.flatnonzero(rests[1:] != rests[:-1]) + 1).tolist()
 
 
 def trace_without_contact(penetration: float, reason: str, counters: Counters, work: float) -> Trace:
