@@ -151,7 +151,7 @@ class TraceRecorder:
         share = share_of_balance(duration, self.shortest)
         trapezoids = 0.5 * (supply[1:] + supply[:-1]) * duration  # of which the branches' heat is made
         beyond = np.diff(external_work(time, time, supply, [*self.kinks, *rest_ends(radius)])) - trapezoids
-        padded = np.pad(duration, 1, mode="edge")
+        padded = np.pad(duration, 1)
         around = np.maximum(np.maximum(padded[:-2], padded[2:]), duration)
         heat = np.diff(branch) + (1.0 - share_of_balance(_SHORT_OF_SMOOTH * around, self.shortest)) * beyond
         release = np.array([opening, closing])

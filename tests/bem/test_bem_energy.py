@@ -246,6 +246,11 @@ def test_heat_of_the_branches_in_a_cycle(resolution):
     assert abs(found / exact - 1.0) < 5e-3 / resolution**2
 
 
+def test_a_start_state_alone_turns_nothing_into_heat():
+    trace = bem(scene(start="relaxed", at=0.01))
+    assert trace.extra["branch_dissipation"].tolist() == [0.0]
+
+
 def test_no_slope_is_taken_across_a_kink_or_a_jump():
     """Triangles: straight lines are exact, and cubics across the corner are not."""
     time = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
