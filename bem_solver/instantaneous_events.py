@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from scipy.optimize import brentq
 
+from bem_solver.edge_energy import energy_spent
 from bem_solver.energy import Energies
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.history import SurfaceHistory
@@ -160,4 +161,9 @@ def released(start: StepStart) -> tuple[HalfSpaceState, Energies]:
         stage = (
             state.contact.penetration + start.problem.scene.loading.compliance * state.contact.surface.force
         )
-    return HalfSpaceState(state.contact.time, stage, free, state.contact.history), state.energies.unloaded()
+    contact, adhesion = state.contact, start.problem.irreversible
+    after = HalfSpaceState(contact.time, stage, free, contact.history)
+    if adhesion is not None:
+        spent = contact.spent + energy_spent(adhesion, contact.edge, 0.0, (contact.closure, contact.closure))
+        after = replace(after, spent=spent)
+    return after, state.energies.unloaded()

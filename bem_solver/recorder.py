@@ -96,7 +96,7 @@ class TraceRecorder:
         time, penetration, force, radius, stored, branch, intensity, spent, opening, closing = (
             np.array(column) for column in zip(*self.rows, strict=True)
         )
-        external = external_work(time, penetration, force, self.kinks)
+        external = external_work(time, penetration, force, [*self.kinks, *rest_ends(radius)])
         area = np.pi * radius**2
         if reversible:
             spent = -work * (area - area[0])
@@ -130,6 +130,22 @@ class TraceRecorder:
             events=tuple(self.events),
             profiles=tuple(self.profiles),
         )
+
+
+def rest_ends(radius: np.ndarray) -> list[int]:
+    """Rows at which an edge that has rested sets off, or comes to rest: slopes may jump there.
+
+    Parameters
+    ----------
+    radius : ndarray (n,)
+        Contact radius.
+
+    Returns
+    -------
+    list of int
+    """
+    rests = np.diff(radius) == 0.0
+    return (np.flatnonzero(rests[1:] != rests[:-1]) + 1).tolist()
 
 
 def trace_without_contact(penetration: float, reason: str, counters: Counters, work: float) -> Trace:

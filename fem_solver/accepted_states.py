@@ -149,7 +149,7 @@ class AcceptedStates:
                 **self._interface(candidate, radius),
             )
         )
-        if self.setup.geometry.stress is not None and self.state.zone >= radius:
+        if contact and self.setup.geometry.stress is not None and self.state.zone >= radius:
             forces_so_far = [row[2] for row in self.recorder.content.rows]
             raise RunEnded(below_zone_outcome(forces_so_far, self.time))
 

@@ -146,9 +146,9 @@ class ContactProblem:
         return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone))
 
     def zone(self, s: float) -> float:
-        """Length of the process zone; at fixed stress at most the contact radius."""
+        """Length of the process zone; at fixed stress at most the radius, without contact that at rest."""
         geometry = self.geometry
-        if geometry.stress is None or geometry.zone is None:
+        if geometry.stress is None or geometry.zone is None or s < 0.0:
             return geometry.zone or 0.0
         return self._zone(s, self.transformed(s), geometry.stress, geometry.zone)
 

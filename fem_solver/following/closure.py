@@ -70,10 +70,10 @@ def zone_at(placement: Placement, solid: Components, s: float, v: Array, b: Arra
     Returns
     -------
     float
-        At fixed stress at most the contact radius.
+        At fixed stress at most the contact radius; without contact that at rest.
     """
     geometry, end = placement.geometry, int(np.floor(s)) + 2
-    if geometry.stress is None or geometry.zone is None:
+    if geometry.stress is None or geometry.zone is None or s < 0.0:
         return geometry.zone or 0.0
 
     def forces(first: int) -> Array:

@@ -1,17 +1,31 @@
 """A process zone of fixed cohesive stress: elastic closed form, the steady opening edge, three solvers."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.paper_scenes import ONE, WORK
 
-from contact_scene import Adhesion, FlatPunch, Loading, Material, PowerRate, Ramp, Scene, SceneError, Sphere
+from contact_scene import (
+    Adhesion,
+    FlatPunch,
+    Loading,
+    Machine,
+    Material,
+    OutcomeKind,
+    PowerRate,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+)
 from validation.reference import fixed_stress, greenwood, persson_brener, schapery, steady_crack
 from validation.reference.fixed_stress import FixedStressContact
 from validation.reference.jkr import JKR
 from validation.reference.maugis_dugdale import MaugisDugdale
+from validation.reference.spring import SpringContact
 from validation.solvers import SOLVERS
 
 ELASTIC = Material(0.75, 0.5)
@@ -51,6 +65,22 @@ def test_it_is_lost_where_the_closed_form_says(solver):
     assert_allclose(-trace.force.min(), -law.pull_off_force_control().force, rtol=TOLERANCES[solver])
     least = law.pull_off_penetration_control().penetration
     assert_allclose(trace.penetration[-1], least, rtol=TOLERANCES[solver])
+
+
+@pytest.mark.parametrize(
+    "solver", ["fem", *(pytest.param(name, marks=pytest.mark.slow) for name in ("reference", "bem"))]
+)
+def test_on_a_spring_it_is_lost_where_the_stage_is_least(solver):
+    """The free state after the snap has no zone, and ends no run as one shorter than it."""
+    law, stiffness = FixedStressContact(1.0, 1.0, WORK, 1e-6, STRESS), 0.3
+    limit = SpringContact(law, stiffness)
+    least = limit.stage(limit.pull_off())
+    asked = scene([Ramp(2.0 * least, 1e-2)], Adhesion(WORK, stress=STRESS), 0.0)
+    asked = replace(asked, loading=replace(asked.loading, machine=Machine(stiffness)))
+    trace = solved(solver, asked)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert_allclose(trace.extra["stage"].min(), least, rtol=TOLERANCES[solver])
+    assert_allclose(-trace.force.min(), -law.pull_off_force_control().force, rtol=TOLERANCES[solver])
 
 
 def test_a_large_stress_is_jkr_and_the_zone_that_of_dugdale():

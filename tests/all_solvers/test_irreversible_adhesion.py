@@ -208,3 +208,7 @@ def test_contact_is_lost_on_a_spring(solver, adhesion):
     assert trace.outcome.kind is expected.outcome.kind
     assert trace.outcome.kind in (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
     assert_allclose(trace.force.min(), expected.force.min(), rtol=5e-3)
+    spent = expected.extra["separation_energy"][-1]
+    assert_allclose(trace.extra["separation_energy"][-1], spent, rtol=1e-2)  # of the snap too
+    lost = expected.extra["instability_loss"][-1]
+    assert_allclose(trace.extra["instability_loss"][-1], lost, atol=1e-2 * abs(trace.external_work).max())

@@ -10,6 +10,7 @@ from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, WORK, ZONE, cycle, 
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, WorkIncrement, updated_energies
 from bem_solver.external_work import external_work
+from bem_solver.recorder import rest_ends
 from contact_scene import Adhesion, Branch, FlatPunch, Force, Hold, Material, Oscillate, Ramp, Table
 from validation.reference import hertz
 from validation.reference.finite_zone import FiniteZone
@@ -232,3 +233,14 @@ def test_no_slope_is_taken_across_a_kink_or_a_jump():
     force = np.where(np.arange(7) > 2, 1.0, 0.0)
     found = external_work(jump, np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0, 7.0]), force, [])
     assert_allclose(found[-1], 1.0 + 3.0, rtol=1e-14)
+
+
+def test_no_slope_is_taken_where_an_edge_that_rested_sets_off():
+    """Long steps of a punch, then a fall of the tension in steps a thousand times as short."""
+    time = np.concatenate((np.arange(5.0), 4.0 + 1e-3 * np.arange(1.0, 6.0)))
+    radius = np.concatenate((np.full(5, 1.0), 1.0 - 1e-3 * np.arange(1.0, 6.0)))
+    depth, force = -time, np.where(time <= 4.0, 2.0 - time, 100.0 * (time - 4.0) - 2.0)
+    assert rest_ends(radius) == [4]
+    work = external_work(time, depth, force, rest_ends(radius))
+    assert_allclose(work[:5], -(2.0 * time - time**2 / 2.0)[:5], atol=1e-12)
+    assert abs(external_work(time, depth, force, [])[4]) > 1.0  # the slopes of the fall within the long step

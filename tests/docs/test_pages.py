@@ -91,6 +91,11 @@ def test_pictures_and_pages_linked_exist():
     assert [path for path in links if not path.exists() and "generated" not in path.parts] == []
 
 
+def test_no_page_holds_both_sides_of_a_merge():
+    conflict = re.compile("^(<{7}|>{7}|={7}$)", re.MULTILINE)
+    assert [str(page) for page in PAGES if conflict.search(page.read_text("utf-8"))] == []
+
+
 def test_every_outcome_is_explained():
     page = TEXTS[ROOT / "docs/reference/exit-codes.md"]
     assert [kind for kind in OutcomeKind if f"`{kind}`" not in page] == []

@@ -6,8 +6,10 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from contact_scene import Branch, Cone, Material, Sphere
+from validation.cases import load
+from validation.measure.dimensionless import unit_sizes
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.frozen import FrozenRetraction
+from validation.reference.frozen import FrozenRetraction, FrozenZone
 from validation.reference.jkr import JKR, NoEquilibrium
 from validation.reference.spring import FrozenSpring, SpringContact
 
@@ -77,3 +79,50 @@ def test_frozen_retraction_on_a_spring():
     stages = retraction.penetration(radii) + retraction.force(radii)
     assert middle.stage(lost) <= stages.min() + 1e-12
     assert_allclose(middle.stage(lost), stages.min(), rtol=1e-4)
+
+
+def test_frozen_contact_of_finite_zone_tends_to_that_of_a_vanishing_one():
+    material = Material(0.75, 0.5, (Branch(2.25, 1.0),))
+    sharp, zoned = (
+        FrozenRetraction(material, Sphere(1.0), WORK, 0.03),
+        FrozenZone(material, 1.0, WORK, 1e-7, 0.03),
+    )
+    assert_allclose(zoned.relaxed.contact_radius, sharp.relaxed.contact_radius, rtol=1e-5)
+    radii = np.linspace(0.2, 0.95, 4) * sharp.relaxed.contact_radius
+    states = [zoned.equivalent.state(a) for a in radii]
+    assert_allclose([one.force for one in states], sharp.force(radii), atol=1e-5 * sharp.relaxed.force)
+    depths = [one.penetration + zoned.offset for one in states]
+    assert_allclose(depths, sharp.penetration(radii), atol=1e-5 * 0.03)
+
+
+def stated(case):
+    """Check values in SI units."""
+    units = unit_sizes(case.scene)
+    return {check.observable: check.value * units[check.unit] for check in case.expected}
+
+
+def test_check_values_of_the_frozen_and_the_relaxed_limit_on_a_spring():
+    case = load("spring-frozen-si")
+    frozen = FrozenZone(case.scene.material, 1e-3, 0.5, 1.3e-5, 3e-5)
+    spring = SpringContact(frozen.equivalent, 1540.0)
+    lost = spring.pull_off()
+    assert (
+        lost.contact_radius < frozen.relaxed.contact_radius - 1.3e-5
+    )  # the zone lies within what was covered
+    expected = {
+        "start_radius": frozen.relaxed.contact_radius,
+        "pull_off_force": -spring.largest_tension().force,
+        "stage_at_detachment": spring.stage(lost) + frozen.offset,
+        "detachment_radius": lost.contact_radius,
+        "detachment_force": lost.force,
+        "instability_loss": spring.lost_in_snap(),
+    }
+    assert stated(case) == pytest.approx(expected, rel=1e-6)
+
+    spring = SpringContact(FiniteZone(1e-3, 1e6, 0.5, 1.3e-5), 150.0)
+    expected = {
+        "start_radius": spring.law.at_penetration(2e-5).contact_radius,
+        "pull_off_force": -spring.largest_tension().force,
+        "stage_at_detachment": spring.stage(spring.pull_off()),
+    }
+    assert stated(load("spring-relaxed-si")) == pytest.approx(expected, rel=1e-6)

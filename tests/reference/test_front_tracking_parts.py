@@ -12,6 +12,7 @@ from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.closure import EdgeFields, closure_integral
 from validation.reference.tracking.edge_path import ParabolicPath, PolynomialPath, polynomial_path
+from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.penetration_path import cubic, phi
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.root import bracketed, rising_root
@@ -191,6 +192,23 @@ def test_path_over_zones_is_the_polynomial_through_the_rows() -> None:
     wild = polynomial_path(rows, 0.7, 0.3, 0.2999)
     assert (np.diff(wild(np.linspace(0.0, 1.0, 400))) < 0.0).all()
     np.testing.assert_allclose(wild.passing(wild(f)), f, atol=1e-9)
+
+
+def test_a_collapse_that_comes_a_little_later_is_no_error_of_its_curve() -> None:
+    """A thousand rows of a nearly vertical fall, later by a thousandth of it."""
+    fall = np.linspace(1.0, 0.0, 1000)
+    columns = [
+        {
+            "time": np.concatenate(([0.0], 1.0 + later - 1e-5 * fall)),
+            "force": np.concatenate(([0.0], fall)),
+            "contact_radius": np.concatenate(([1.0], fall)),
+            "external_work": np.concatenate(([0.0], 1.0 - fall)),
+        }
+        for later in (0.0, 1e-4)
+    ]
+    errors = estimated_errors(*columns)
+    assert errors["force"] == pytest.approx(1e-4 / 3.0, rel=0.15)
+    assert errors["contact_radius"] == pytest.approx(1e-4 / 3.0, rel=0.15)
 
 
 def test_roots() -> None:

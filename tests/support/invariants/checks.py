@@ -71,7 +71,8 @@ def accounts_for_the_interface(solver: CoarseSolver, scene: Scene) -> None:
         return
     assert trace.outcome.finished or trace.outcome.kind in CLEAR
     spent = trace.extra["separation_energy"]
-    stored = trace.stored_energy - trace.stored_energy[0]
+    stored = trace.stored_energy + trace.extra.get("machine_energy", 0.0)
+    stored = stored - stored[0]
     lost = trace.external_work - stored - spent
     terms = np.abs([trace.external_work, stored, spent]).max()
     assert np.abs(lost - trace.dissipated_energy).max() <= 1e-12 * terms

@@ -14,6 +14,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from contact_scene import (
+    WLF,
     Adhesion,
     Branch,
     Cone,
@@ -27,6 +28,7 @@ from contact_scene import (
     Material,
     Oscillate,
     PowerLaw,
+    PowerLawRelaxation,
     PowerRate,
     Ramp,
     RateTable,
@@ -36,6 +38,7 @@ from contact_scene import (
     Sweep,
     Table,
     TabulatedProfile,
+    at_temperature,
 )
 
 WIDTH, DEPTH = 0.2, 0.02
@@ -70,6 +73,16 @@ def materials(branches: st.SearchStrategy | None = None) -> st.SearchStrategy[Ma
         return Material(plane, poisson, tuple(Branch(b.modulus * plane, b.time) for b in spectrum))
 
     return st.builds(build, ratios, spectra() if branches is None else branches)
+
+
+def modelled() -> st.SearchStrategy[Material]:
+    """A power law over four decades above ``E0 = 1``, at some temperature."""
+
+    def build(exponent: float, share: float, time: float, temperature: float) -> Material:
+        law = PowerLawRelaxation(exponent, share, time, (1e-2 * time, 1e2 * time), error=0.1, relaxed=1.0)
+        return at_temperature(law.material(0.5), WLF(17.44, 51.6, 20.0), temperature)
+
+    return st.builds(build, shares(0.1, 0.7), decades(-1.0, 1.0), decades(-2.0, 2.0), shares(15.0, 25.0))
 
 
 def rough_tables() -> st.SearchStrategy[TabulatedProfile]:

@@ -16,6 +16,7 @@ from support.invariants.random_scenes import (
     instruments,
     irreversible,
     materials,
+    modelled,
     scenes,
     shares,
     smooth_indenters,
@@ -103,12 +104,18 @@ RESTED = scenes(
 )
 
 INSTRUMENT = scenes(adhesion=adhesions(ZONES), loading=instruments())
+ALL_OF_AN_INSTRUMENT = scenes(
+    material=st.one_of(materials(spectra(6)), modelled()), adhesion=irreversible(), loading=instruments()
+)
 
 INVARIANTS: dict[str, Invariant] = {
     "clear answer": Invariant(checks.answers_or_refuses, st.tuples(ANY), 3, 16),
     "budget": Invariant(checks.stays_within_the_step_budget, st.tuples(ANY, st.integers(1, 60)), 2, 8),
     "interface": Invariant(
         checks.accounts_for_the_interface, st.tuples(scenes(adhesion=irreversible())), 1, 12
+    ),
+    "instrument: interface": Invariant(
+        checks.accounts_for_the_interface, st.tuples(ALL_OF_AN_INSTRUMENT), 1, 6
     ),
     "energy gained": Invariant(checks.gains_no_energy, st.tuples(ANY), 2, 16),
     "energy balance": Invariant(checks.closes_the_energy_balance, st.tuples(ANY), 2, 12),

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
@@ -19,7 +20,8 @@ Columns = Mapping[str, Array]
 RICHARDSON = 1.0 / 3.0
 """Error of the finer of two runs over their difference, for order two and twice the step."""
 NEARBY = 48
-"""Sides of the other polygon, before and after, among which the nearest is sought."""
+"""Sides of the other polygon, before and after the corner at the same time and before and after the nearest
+corner, among which the nearest is sought: where an edge collapses, a small shift in time is many rows."""
 
 
 def estimated_errors(fine: Columns, coarse: Columns) -> dict[str, float]:
@@ -48,8 +50,12 @@ def _curve_distance(fine: Columns, coarse: Columns, name: str) -> float:
     corner_time, corner = coarse["time"] / span, coarse[name] / scale
     if len(corner) < 2:
         return float(np.abs(value - corner[0]).max())
-    nearest = corner_time.searchsorted(time)
-    side = np.clip(nearest[:, None] + np.arange(-NEARBY, NEARBY + 1), 0, len(corner) - 2)
+    places = KDTree(np.column_stack((corner_time, corner)))
+    by_time = corner_time.searchsorted(time)
+    by_place = places.query(np.column_stack((time, value)))[1]
+    near = np.arange(-NEARBY, NEARBY + 1)
+    side = np.hstack([nearest[:, None] + near for nearest in (by_time, by_place)])
+    side = np.clip(side, 0, len(corner) - 2)
     along_time, along = np.diff(corner_time)[side], np.diff(corner)[side]
     off_time, off = time[:, None] - corner_time[side], value[:, None] - corner[side]
     length = along_time**2 + along**2
