@@ -17,7 +17,7 @@ from fem_solver.accepted_states import RunEnded
 from fem_solver.curved_loads import swing
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import LoadJump
-from fem_solver.following.contact_solver import EdgeNotFound
+from fem_solver.following.edge_search import EdgeNotFound
 from fem_solver.recorder import SOLVER
 from fem_solver.run_state import NodeReleaseState
 from fem_solver.step_control import DyadicInterval

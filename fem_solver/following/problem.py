@@ -54,6 +54,12 @@ class FollowingProblem:
         Of the controlled quantity.
     compliance : float
         Of the machine, through which the stage acts.
+
+    Attributes
+    ----------
+    stiffness, held_force : ndarray, shape (n,)
+        Of contact of the nodes ``0..m`` throughout the step, for every m: force per unit of penetration, and
+        the force that is left at none.
     """
 
     control: Control
@@ -81,8 +87,8 @@ class FollowingProblem:
         self._gain = step.gain[:, None]
         self._base = step.decay[:, None] * state.branches + self._gain * start
         held = self.modulus * -placement.profile + step.memory(state.branches, state.components)
-        self._stiffness = np.cumsum(self.modulus * placement.unit**2)
-        self._held = np.cumsum(placement.unit * held)
+        self.stiffness = np.cumsum(self.modulus * placement.unit**2)
+        self.held_force = np.cumsum(placement.unit * held)
         if self.at_once:
             self._free = solid.relieved(state.components, state.branches, dt)
             self._free_branches = solid.linear(state.components, state.branches, dt, self._free)
@@ -129,7 +135,8 @@ class FollowingProblem:
         top = int(np.floor(s)) + 1
         loaded = self.solid.force(passage.v, passage.b)[: top + 1 - low]
         total = float(self.placement.unit[low : top + 1] @ loaded)
-        return total + (float(self._stiffness[low - 1] * penetration + self._held[low - 1]) if low else 0.0)
+        inner = self.stiffness[low - 1] * penetration + self.held_force[low - 1] if low else 0.0
+        return total + float(inner)
 
     def _changing(self, s: float) -> tuple[int, int]:
         """Range of the nodes that are not in contact, or free, throughout the step."""
@@ -182,35 +189,6 @@ class FollowingProblem:
         within = self._base[:, :low] + self._gain * penetration * here.unit[:low]
         v = np.concatenate([held, passage.v, self._free[high:]])
         return v, np.hstack([within, passage.b, self._free_branches[:, high:]]), passage
-
-    def sharp(self, plane_modulus: float) -> Array:
-        """Energy release rate of a sharp edge at every component, if all happens at once; shape (n,).
-
-        It needs no process zone to be resolved: ``E* q^2/(2 pi x)``, with ``q`` the flat punch that leaves
-        the same singularity there; zero where the edge would be under pressure.
-
-        Parameters
-        ----------
-        plane_modulus : float
-            ``E*`` at unit shear modulus.
-
-        Returns
-        -------
-        ndarray
-        """
-        here = self.placement
-        free = self.solid.relieved(self.state.components, self.state.branches, self.dt)
-        if self.control == "penetration":
-            penetration = np.full(len(here.unit), self.value)
-        elif self.control == "stage":
-            softness = self.compliance
-            penetration = (self.value - softness * self._held) / (1.0 + softness * self._stiffness)
-        else:
-            penetration = (self.value - self._held) / self._stiffness
-        q = penetration - (here.profile + free) / here.unit
-        twice = self.modulus * plane_modulus * np.minimum(q, 0.0) ** 2 / np.pi
-        x = here.positions
-        return 0.5 * np.divide(twice, x, out=np.zeros_like(x), where=x > 0.0)
 
     def accepted(self, s: float) -> FollowingState:
         """The state at the end of the step."""

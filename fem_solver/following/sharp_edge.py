@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_solver.following.problem import FollowingProblem
 from fem_solver.following.setup import FollowingSetup
+
+Array = NDArray[np.float64]
 
 
 def sharp_rest(
@@ -31,7 +34,7 @@ def sharp_rest(
         largest radius the mesh is made for.
     """
     reach = setup.surfaces.reach
-    excess = problem.sharp(setup.plane_modulus) - work
+    excess = sharp_release_rates(problem, setup.plane_modulus) - work
     x = problem.placement.positions
     stable = (excess[:-1] < 0.0) & (excess[1:] >= 0.0)
     stable &= (x[:-1] > radius) if outwards else (x[1:] < radius)
@@ -41,3 +44,25 @@ def sharp_rest(
     at = rests[0] if outwards else rests[-1]
     share = excess[at] / (excess[at] - excess[at + 1])
     return float(min(x[at] + share * (x[at + 1] - x[at]), reach))
+
+
+def sharp_release_rates(problem: FollowingProblem, plane_modulus: float) -> Array:
+    """Energy release rate of a sharp edge at every component, if all happens at once; shape (n,).
+
+    It needs no process zone to be resolved: ``E* q^2/(2 pi x)``, with ``q`` the flat punch that leaves the
+    same singularity there; zero where the edge would be under pressure. ``plane_modulus`` is ``E*`` at unit
+    shear modulus.
+    """
+    here, state = problem.placement, problem.state
+    free = problem.solid.relieved(state.components, state.branches, problem.dt)
+    if problem.control == "penetration":
+        penetration = np.full(len(here.unit), problem.value)
+    elif problem.control == "stage":
+        softness = problem.compliance
+        penetration = (problem.value - softness * problem.held_force) / (1.0 + softness * problem.stiffness)
+    else:
+        penetration = (problem.value - problem.held_force) / problem.stiffness
+    q = penetration - (here.profile + free) / here.unit
+    twice = problem.modulus * plane_modulus * np.minimum(q, 0.0) ** 2 / np.pi
+    x = here.positions
+    return 0.5 * np.divide(twice, x, out=np.zeros_like(x), where=x > 0.0)
