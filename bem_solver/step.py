@@ -147,7 +147,7 @@ class TrialStep(StepStart):
             low, high = (low, edge) if pinned > 0.0 else (edge, high)
         root = rising_root(
             lambda radius: self._trial(self.end, radius),
-            self._expected_edge(),
+            self._expected_edge(EDGE_ACCURACY * tolerance * length),
             state.slope,
             low,
             high,
@@ -185,15 +185,16 @@ class TrialStep(StepStart):
             return FailedStep(StepFailure.UNSTABLE, receding, travel)
         return Candidate(parameter, trial, error_at_limit(self, trial, parameter - start), root.slope)
 
-    def _expected_edge(self) -> float:
-        """Edge to start the search from: extrapolated, but where it is now if the parabola turns round.
+    def _expected_edge(self, accuracy: float) -> float:
+        """Edge to start the search from: extrapolated, but hardly farther than now if the parabola turns round.
 
         Behind a receding edge of a stiff glass the residual of covered points is rounding, with false roots.
         """
         accepted, edge = self.state.accepted, self.state.contact.edge
         expected = accepted.edge_after(self.step)
-        last = accepted.rates(0.0)[0]
-        return edge if (expected - edge) * last < 0.0 else expected
+        if (expected - edge) * accepted.rates(0.0)[0] >= 0.0:
+            return expected
+        return min(max(expected, edge - accuracy), edge + accuracy)
 
     def _in_full_contact(self) -> Candidate | None:
         """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""
