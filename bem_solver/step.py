@@ -186,7 +186,7 @@ class TrialStep(StepStart):
         return Candidate(parameter, trial, error_at_limit(self, trial, parameter - start), root.slope)
 
     def _expected_edge(self, accuracy: float) -> float:
-        """Edge to start the search from: extrapolated, but hardly farther than now if the parabola turns round.
+        """Edge to start the search from: extrapolated, but the present one if the parabola turns round.
 
         Behind a receding edge of a stiff glass the residual of covered points is rounding, with false roots.
         """
