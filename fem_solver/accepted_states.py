@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NoReturn
+from typing import NoReturn, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from fem_solver.events import zone_reached
 from fem_solver.following.contact_solver import FollowingContactSolver
 from fem_solver.following.setup import FollowingSetup
 from fem_solver.irreversible_edge import IrreversibleEdge, energy_spent
+from fem_solver.limit_point import LimitPoint, limit_point
 from fem_solver.recorder import SurfaceRecorder, SurfaceState
 from fem_solver.run_state import StepBefore
 from fem_solver.setup import Setup
@@ -195,10 +196,21 @@ class AcceptedStates:
             reached = geometry.radius(candidate.edge.s)
             reason = f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
-        self._pulled_off()
+        control = cast("Control", candidate.problem.control)
+        self._pulled_off(self._limit_point(control))
 
-    def _pulled_off(self) -> NoReturn:
-        self.recorder.event("pull-off")
+    def _limit_point(self, control: Control) -> LimitPoint | None:
+        """Where contact is lost, as the rows since the last instability tell it."""
+        content, geometry = self.recorder.content, self.setup.geometry
+        if geometry.zone is None or not content.rows:
+            return None
+        node = min(max(math.floor(self.state.edge), 0), len(geometry.radii) - 3)
+        element = float(geometry.radii[node + 2] - geometry.radii[node])
+        rows = np.array(content.rows)[:, 1:4]
+        return limit_point(rows, element, control, self.setup.compliance)
+
+    def _pulled_off(self, at: LimitPoint | None = None) -> NoReturn:
+        self.recorder.event("pull-off", at)
         reason = f"contact lost at penetration {self.state.penetration:.6g}"
         if self.setup.compliance > 0.0:  # the spring takes the indenter to where the stage is
             stage = self.state.penetration + self.setup.compliance * self.state.force

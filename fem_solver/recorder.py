@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import COLUMNS, Counters, Event, Outcome, SurfaceProfile, Trace
+from fem_solver.limit_point import LimitPoint
 from fem_solver.tip_release import UNKNOWN_RELEASE
 
 Array = NDArray[np.float64]
@@ -197,11 +198,12 @@ class SurfaceRecorder:
         content.external_work, content.surface_work = before.external_work, before.surface_work
         content.largest_force, content.largest_tension = before.largest_force, before.largest_tension
 
-    def event(self, kind: str) -> None:
-        """An instability that starts from the last row."""
+    def event(self, kind: str, at: LimitPoint | None = None) -> None:
+        """An instability that starts from the last row, or from a limit point next to it."""
         state = self.content.last
         if state is not None:
-            self.content.events.append(Event(kind, state.time, state.penetration, state.force, state.radius))
+            start = at or state
+            self.content.events.append(Event(kind, state.time, start.penetration, start.force, start.radius))
 
     def depth_scale(self) -> float:
         """Range of the penetrations so far, at least a hundredth of the largest (of about 64 rows)."""
