@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +62,7 @@ def machine_columns(columns: Rows, machine: Machine, events: Sequence[Event]) ->
         penetration where the edge moves at once.
     machine : Machine
     events : sequence of Event
-        Instabilities, each of which starts from a row.
+        Instabilities, each of which starts from a row or, at the time of a row, next to it.
 
     Returns
     -------
@@ -96,9 +96,12 @@ def on_machine(trace: Trace, machine: Machine | None) -> Trace:
 
 
 def _row_of(columns: Rows, event: Event) -> int | None:
-    """The row from which an instability starts."""
-    found: Any = columns["time"] == event.time
-    for name in ("penetration", "force", "contact_radius"):
-        found = found & (columns[name] == getattr(event, name))
-    rows = np.flatnonzero(found)
-    return int(rows[-1]) if rows.size else None
+    """The row from which an instability starts: of those at its time the one next to its contact radius.
+
+    A solver may know the limit point better than its rows do.
+    """
+    rows = np.flatnonzero(columns["time"] == event.time)
+    if not rows.size:
+        return None
+    apart = np.abs(columns["contact_radius"][rows] - event.contact_radius)
+    return int(rows[np.flatnonzero(apart == apart.min())[-1]])
