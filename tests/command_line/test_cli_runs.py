@@ -32,19 +32,23 @@ def test_compare_in_parallel(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "seconds"),
     [
-        (["solve", "sweep", "--solver", "reference"], 2.5),
-        (["report", "--jobs", "2"], 0.8),
-        (["report", "--jobs", "2"], 2.5),
+        (["solve", "sweep", "--solver", "reference"], 2.0),
+        (["report", "--jobs", "2"], 0.3),
+        (["report", "--jobs", "2"], 2.0),
     ],
 )
 def test_interrupt(tmp_path, arguments, seconds):
+    """So many seconds after the program has been loaded, before which Python answers by itself."""
+    program = "import sys; from crosscontact.cli import main; print('up', flush=True); sys.exit(main())"
     work = subprocess.Popen(
-        [*COMMAND, *arguments, "--out", str(tmp_path / "out")],
+        [sys.executable, "-c", program, *arguments, "--out", str(tmp_path / "out")],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
     )
+    assert work.stdout is not None
+    assert work.stdout.readline() == "up\n"
     time.sleep(seconds)
     os.killpg(work.pid, signal.SIGINT)  # as a terminal does: to the workers too
     out, err = work.communicate(timeout=30)
