@@ -45,6 +45,7 @@ HELD = replace(
 )
 TURNED = Loading("relaxed", 0.01, (Ramp(0.02, 0.05, until_force=2e-3), Ramp(0.01, 0.05)), Machine(0.5))
 SPRUNG = replace(PRESSED, loading=TURNED)
+PULLED = replace(HELD, loading=replace(HELD.loading, machine=Machine(0.5)))
 OTHER_UNITS = (2.0**-30, 2.0**20, 2.0**-10)  # of length, modulus and time
 HISTORIES = ((0.0, 1.0, 3.0), [0.01, 0.02, -0.01], [0.0, 0.02, 0.01], (0.5, -0.7))
 
@@ -138,6 +139,10 @@ BROKEN: dict[str, list[tuple[Alteration, tuple]]] = {
     "instrument: energy balance": [
         (changed("external_work", louder), (SPRUNG,)),
         (changed("machine_energy", np.zeros_like), (SPRUNG,)),
+    ],
+    "instrument: interface": [
+        (changed("separation_energy", louder), (PULLED,)),
+        (changed("dissipated_energy", louder), (PULLED,)),
     ],
     "energy gained": [
         (changed("branch_dissipation", np.negative), (PRESSED,)),
