@@ -15,8 +15,11 @@ from bem_solver.problem import Problem
 from bem_solver.recorder import TraceRecorder
 from bem_solver.step_control import AcceptedSteps
 
-_SMALLEST_TRAVEL_SHARE = 1.0 / 64.0
-"""Share of the travel limit: an edge that passes even this at constant load moves unstably."""
+_SMALLEST_TRAVEL_SHARES = 1.0 / 64.0, 1.0 / 16.0
+"""Shares of the travel limit: an edge that passes even this at constant load moves unstably."""
+_ROUNDING_AT_FOLD = 1e-5
+"""Contact radius, relative, to which a limit point is told from rounding: there the edge moves by the root of
+what the load does, of which 1e-10 is lost in the sums over annuli and states."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +85,7 @@ class StepStart:
     @property
     def smallest_travel(self) -> float:
         """Travel at constant load from which on an edge moves unstably; limit points are located to it."""
-        return (
-            _SMALLEST_TRAVEL_SHARE * self.problem.length_at(self.state.contact.edge) / self.settings.divisions
-        )
+        edge = self.state.contact.edge
+        limit = self.problem.length_at(edge) / self.settings.divisions
+        least, most = _SMALLEST_TRAVEL_SHARES
+        return min(max(_ROUNDING_AT_FOLD * edge, least * limit), most * limit)
