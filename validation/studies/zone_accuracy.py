@@ -1,0 +1,134 @@
+"""How accurate a solver is with zones of every length under every kind of loading.
+
+``python -m validation.studies.zone_accuracy SOLVER [SCENE ...]`` runs built-in scenes with process zones of
+given ratios to their contact radius and prints the errors against the reference at twice its default
+resolution. The reference itself is measured so against a finer run of its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from contact_scene import Adhesion
+from validation import cases
+from validation.cases import Case
+from validation.execution.runs import Run, run
+from validation.measure.norms import distance
+from validation.measure.scaling import scale
+from validation.solvers import REFERENCE, SOLVERS, solver
+from validation.studies.zones import RATIOS
+
+SCENES = (
+    "cycle-v0.002",
+    "cycle-v0.1",
+    "retraction-v0.02",
+    "retraction-fast",
+    "dwell-1",
+    "force-4",
+    "pdms-dead-load-1um",
+    "three-branches",
+    "oscillation-w1.4",
+    "cone-cycle",
+    "elastic-relaxed",
+    "spring-relaxed-si",
+)
+"""Approach, reversal, dwell, dead loads with delayed detachment, oscillation, branches, jump at a spring."""
+MEASURES = ("pull_off_force", "loop_energy", "detachment_time")
+CURVES = ("force", "contact_radius")
+
+
+@dataclass(frozen=True)
+class ZoneAccuracy:
+    """One run; its relative errors: of measures with their sign, of curves the RMS."""
+
+    scene: str
+    ratio: float
+    steps: int
+    seconds: float
+    errors: dict[str, float]
+    ending: str
+
+
+def accuracies(
+    name: str, chosen: Sequence[Case], ratios: Sequence[float] = RATIOS, times: int = 1
+) -> Iterator[ZoneAccuracy]:
+    """Errors of a solver, scene by scene, the longest zone first.
+
+    Parameters
+    ----------
+    name : str
+        Of the solver.
+    chosen : sequence of Case
+        With adhesion of a given zone.
+    ratios : sequence of float
+        Zones over the largest contact radius that each scene reaches with its own zone.
+    times : int
+        The solver's default resolution is multiplied by this.
+
+    Yields
+    ------
+    ZoneAccuracy
+    """
+    for case in chosen:
+        own, adhesion = run(case, REFERENCE), case.scene.adhesion
+        if own.trace is None or adhesion is None:
+            continue
+        radius = float(own.trace.contact_radius.max())
+        for ratio in sorted(ratios, reverse=True):
+            there = replace(case, scene=replace(case.scene, adhesion=Adhesion(adhesion.work, ratio * radius)))
+            exact = run(there, REFERENCE, 2 * SOLVERS[REFERENCE].default_resolution(there.scene))
+            answer = run(there, name, times * solver(name).default_resolution(there.scene))
+            yield ZoneAccuracy(
+                case.name,
+                ratio,
+                0 if answer.trace is None else answer.trace.counters.steps,
+                answer.cpu_seconds,
+                _errors(answer, exact),
+                answer.failure or answer.ending,
+            )
+
+
+def _errors(answer: Run, exact: Run) -> dict[str, float]:
+    errors: dict[str, float] = {}
+    if answer.trace is None or exact.trace is None:
+        return errors
+    for name in MEASURES:
+        value, expected = answer.measures.get(name), exact.measures.get(name)
+        if value is not None and expected is not None and (size := scale(name, expected, exact.trace)) > 0.0:
+            errors[name] = (value - expected) / size
+    for name in CURVES:
+        if (apart := distance(answer.trace, exact.trace, name)) is not None:
+            errors[f"{name}, RMS"] = apart.rms
+    return errors
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print a line for every scene and zone, then the largest errors."""
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.studies.zone_accuracy", description=__doc__.partition("\n")[0]
+    )
+    parser.add_argument("solver", choices=[*SOLVERS])
+    parser.add_argument("scenes", nargs="*", default=SCENES, help="built-in names or TOML files")
+    parser.add_argument("--zones", type=float, nargs="+", default=RATIOS, help="over the contact radius")
+    parser.add_argument("--times", type=int, default=1, help="multiple of the default resolution")
+    chosen = parser.parse_args(arguments)
+    names = (*MEASURES, *(f"{name}, RMS" for name in CURVES))
+    print(f"{'scene':<20}{'zone/radius':>12}{'steps':>8}{'cpu s':>8}" + "".join(f"{n:>22}" for n in names))
+    worst = dict.fromkeys(names, (0.0, ""))
+    for one in accuracies(chosen.solver, cases.load_all(chosen.scenes), chosen.zones, chosen.times):
+        cells = "".join(f"{one.errors[n]:>22.1e}" if n in one.errors else f"{'-':>22}" for n in names)
+        print(
+            f"{one.scene:<20}{one.ratio:>12.0e}{one.steps:>8}{one.seconds:>8.2f}{cells}  {one.ending}",
+            flush=True,
+        )
+        for name, error in one.errors.items():
+            worst[name] = max(worst[name], (abs(error), f"{one.scene}, {one.ratio:.0e}"))
+    print()
+    for name, (error, place) in worst.items():
+        print(f"largest error of {name}: {error:.1e} ({place})")
+
+
+if __name__ == "__main__":
+    main()
