@@ -8,10 +8,11 @@ resolution. The reference itself is measured so against a finer run of its own.
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from contact_scene import Adhesion
+from contact_scene import Adhesion, Oscillate, Scene
 from validation import cases
 from validation.cases import Case
 from validation.execution.runs import Run, run
@@ -35,6 +36,8 @@ SCENES = (
     "spring-relaxed-si",
 )
 """Approach, reversal, dwell, dead loads with delayed detachment, oscillation, branches, jump at a spring."""
+CYCLES = 10
+"""Cycles of an oscillation: those that follow repeat them."""
 MEASURES = ("pull_off_force", "loop_energy", "detachment_time")
 CURVES = ("force", "contact_radius")
 
@@ -77,7 +80,7 @@ def accuracies(
             continue
         radius = float(own.trace.contact_radius.max())
         for ratio in sorted(ratios, reverse=True):
-            there = replace(case, scene=replace(case.scene, adhesion=Adhesion(adhesion.work, ratio * radius)))
+            there = replace(case, scene=_with_zone(case.scene, adhesion.work, ratio * radius))
             exact = run(there, REFERENCE, 2 * SOLVERS[REFERENCE].default_resolution(there.scene))
             answer = run(there, name, times * solver(name).default_resolution(there.scene))
             yield ZoneAccuracy(
@@ -88,6 +91,17 @@ def accuracies(
                 _errors(answer, exact),
                 answer.failure or answer.ending,
             )
+
+
+def _with_zone(scene: Scene, work: float, zone: float) -> Scene:
+    """The scene with another zone, its oscillations no longer than ``CYCLES``."""
+    steps = tuple(
+        replace(step, duration=min(step.duration, CYCLES * 2.0 * math.pi / step.angular_frequency))
+        if isinstance(step, Oscillate)
+        else step
+        for step in scene.loading.steps
+    )
+    return replace(scene, adhesion=Adhesion(work, zone), loading=replace(scene.loading, steps=steps))
 
 
 def _errors(answer: Run, exact: Run) -> dict[str, float]:

@@ -12,6 +12,9 @@ Array = NDArray[np.float64]
 
 GRADING = 1.75
 """Grading of nodes towards the end of a step: distances shrink by the factor ``1 - GRADING/divisions``."""
+GRADING_OVER_ZONES = 1.2
+"""The same in steps over process zones: speed and closure follow there from the path within the step alone,
+and under a force nothing takes back what the speed is off by."""
 STEEPEST = 0.1
 """Least of that factor: with few divisions, as a coarse tolerance asks for, it would not be positive."""
 LAYER_FRACTION = 0.15
@@ -59,7 +62,8 @@ class NodePlacement:
         """Fractions of the step, rising, within (0, 1)."""
         if math.isinf(self.shortest) or duration <= 0.0 or self.travel == 0.0 or self.zone_length == 0.0:
             return np.empty(0)
-        ratio = max(1.0 - GRADING / self.divisions, STEEPEST)
+        grading = GRADING_OVER_ZONES if self.over_zones else GRADING
+        ratio = max(1.0 - grading / self.divisions, STEEPEST)
         smallest = max(
             LAYER_FRACTION * self.shortest / duration,
             THINNEST_LAYER * self.zone_length / self.travel,

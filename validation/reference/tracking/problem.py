@@ -28,7 +28,9 @@ to 1e-7 by it."""
 
 LONG_STEP_SHARE = 0.3
 """Allowed deviation of a step over process zones, in those of shorter ones, which stay far below theirs: an
-accelerating edge magnifies errors, under force control by up to ten."""
+accelerating edge magnifies errors."""
+FREE_STEP_SHARE = 0.05
+"""The same under a controlled force, where no penetration holds the edge back: there by up to ten."""
 ELASTIC_TRAVEL = 0.08
 """Largest travel in an elastic step, in first radii, times the steps per process zone: 0.5 % by default."""
 
@@ -127,9 +129,10 @@ class FrontProblem:
             PENETRATION: max(state.largest_depth, abs(to.surface.penetration)),
         }
         over_zones = self.over_zones(state.surface.radius)
+        share = FREE_STEP_SHARE if segment.control == "force" else LONG_STEP_SHARE
         return StepErrorEstimator(
             state.history,
-            (LONG_STEP_SHARE if over_zones else 1.0) * self.fineness.deviation,
+            (share if over_zones else 1.0) * self.fineness.deviation,
             free_columns(segment.control),
             scales,
             self.condition.zone_length if over_zones else 0.0,
