@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from scipy.special import ellipkm1
@@ -11,6 +12,7 @@ from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
 from bem_solver.problem import Problem
 from bem_solver.start import contact_scale, elastic_problem, equilibrium, untouched_state
+from bem_solver.trial import TrialContact
 from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Step, Sweep
 
 FEWEST_ANNULI, MOST_ANNULI = 16, 4000
@@ -156,6 +158,10 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
         guess = abs(value) / (2.0 * elastic.chain.relaxed)
         return contact_scale(scene, guess / scale if scale > 0 else guess**0.5)
 
+    @cache
+    def settled(control: str, value: float, scale: float) -> TrialContact | None:
+        return equilibrium(elastic, untouched_state(elastic, 0.0, 0.0), control, value, scale)
+
     def settle(control: str, value: float) -> tuple[float, float, float]:
         deepest = penetration if control == "force" else value
         scale = max(contact_scale(scene, deepest), radius)
@@ -166,7 +172,7 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
             scale = min(scale, max(least, by_force(value / scene.loading.compliance, least)))
         if scale == 0.0:
             return 0.0, penetration, 0.0
-        trial = equilibrium(elastic, untouched_state(elastic, 0.0, 0.0), control, value, scale)
+        trial = settled(control, value, scale)
         if trial is None:
             return 0.0, penetration if control == "force" else value, 0.0
         return trial.surface.edge, trial.motion.new_penetration, trial.surface.force

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -23,7 +24,7 @@ from bem_solver.motion import Motion
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import advanced, load_inside
-from bem_solver.trial import EDGE_ACCURACY, TrialContact, gap_outside
+from bem_solver.trial import EDGE_ACCURACY, TrialContact
 
 Array = NDArray[np.float64]
 
@@ -120,7 +121,7 @@ def updated_state(
     energies : Energies
     """
     motion, surface = trial.motion, trial.surface
-    points = points_at(problem, state, motion.new_edge * problem.annuli.radii)
+    points, count = trial.points, problem.annuli.count
     if not problem.viscoelastic:
         variables, history = points.variables, state.history
     else:
@@ -129,11 +130,16 @@ def updated_state(
         history = _new_history(problem, state, motion, surface, length, divisions, tolerance)
         variables = advanced(problem.chain, points, motion, None)
     increment = work_increment(
-        problem.chain, state.surface, surface, variables, points.load, points.variables
+        problem.chain,
+        state.surface,
+        surface,
+        variables[:count],
+        points.load[:count],
+        points.variables[:count],
     )
     after = updated_energies(problem.chain, energies, increment, motion.duration)
-    if problem.work > 0.0 and problem.viscoelastic:
-        after = replace(after, release=_tip_release(problem, state, trial))
+    if trial.tip_gap is not None and problem.viscoelastic:
+        after = replace(after, release=_tip_release(trial, trial.tip_gap, problem.chain.glassy))
     contact = HalfSpaceState(time, motion.new_penetration, surface, history)
     if problem.irreversible is not None:
         closures = (state.closure, trial.closure)
@@ -143,19 +149,16 @@ def updated_state(
     return contact, after
 
 
-def _tip_release(problem: Problem, state: HalfSpaceState, trial: TrialContact) -> tuple[float, float]:
+def _tip_release(trial: TrialContact, gap: Array, glassy: float) -> tuple[float, float]:
     """Glassy energy release rate of the tip, opening and closing.
 
     Behind an advancing edge the stress falls within a layer that may be thinner than an annulus. Outside the
     opening is a root of the distance throughout, which at a closing tip is the glassy one, ``c = (4
     K/Einf*)/sqrt(2 pi)``.
     """
-    motion, surface, zone, glassy = trial.motion, trial.surface, trial.zone, problem.chain.glassy
-    quarter, full = gap_outside(
-        problem, state, motion, surface, motion.new_edge + zone * np.array([0.25, 1.0])
-    )
-    root = float(8.0 * quarter - full) / (3.0 * float(np.sqrt(zone)))
-    return 0.5 * surface.stress_intensity**2 / glassy, root**2 * glassy * np.pi / 16.0
+    quarter, full = gap.tolist()
+    root = (8.0 * quarter - full) / (3.0 * math.sqrt(trial.zone))
+    return 0.5 * trial.surface.stress_intensity**2 / glassy, root**2 * glassy * np.pi / 16.0
 
 
 def _new_history(
