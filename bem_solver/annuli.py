@@ -108,6 +108,10 @@ class Annuli:
             return angle * (2.0 * self.count / np.pi)
         return np.interp(angle, self._table_angle, self._table_number)
 
+    def number_within(self, share: float) -> float:
+        """Number of annuli within a share of the radius inside the edge."""
+        return self.count - float(self.position(np.array(np.arcsin(1.0 - share))))
+
     def __reduce__(self) -> tuple[type[Annuli], tuple[int, float]]:
         """Kept as number and grading alone: matrix and factors are made anew, bit for bit."""
         return Annuli, (self.count, self.grading)

@@ -27,12 +27,14 @@ class NodalVariables:
 
     ``kinks`` are nodes where an edge rests or has rested: each leaves the square root of the distance beyond
     it. From a kink to the next the root of the distance from it is the coordinate of interpolation, in which
-    such a state is smooth; before the first, the radius is. No slope is taken across a kink.
+    such a state is smooth; before the first, the radius is. No slope is taken across a kink. Where an edge
+    that has just set off is the first node, ``rest`` is the radius it has rested at: the root is still that.
     """
 
     radius: Array
     values: Array
     kinks: tuple[float, ...] = ()
+    rest: float | None = None
 
     @cached_property
     def _bounds(self) -> list[int]:
@@ -47,7 +49,7 @@ class NodalVariables:
         origin = np.full(len(self.radius) - 1, np.nan)
         for low, high in pairwise(self._bounds):
             if low > 0 or (self.kinks and self.kinks[0] == self.radius[0]):
-                origin[low:high] = self.radius[low]
+                origin[low:high] = self.radius[low] if low > 0 or self.rest is None else self.rest
         return origin
 
     @cached_property
@@ -56,8 +58,8 @@ class NodalVariables:
         start, end = self.radius[:-1].copy(), self.radius[1:].copy()
         for low, high in pairwise(self._bounds):
             if not np.isnan(self._origin[low]):
-                start[low:high] = np.sqrt(start[low:high] - self.radius[low])
-                end[low:high] = np.sqrt(end[low:high] - self.radius[low])
+                start[low:high] = np.sqrt(start[low:high] - self._origin[low])
+                end[low:high] = np.sqrt(end[low:high] - self._origin[low])
         return start, end - start
 
     @cached_property
@@ -123,12 +125,12 @@ class NodalVariables:
         Where a short interval borders on one that the removal makes long, its slope overshoots there.
         """
         removed = np.flatnonzero(~keep)
-        rest = NodalVariables(self.radius[keep], self.values[keep], self.kinks)
-        missed = np.abs(rest.at(self.radius[removed]) - self.values[removed]).max(axis=1) > tolerance
+        thinned = NodalVariables(self.radius[keep], self.values[keep], self.kinks, self.rest)
+        missed = np.abs(thinned.at(self.radius[removed]) - self.values[removed]).max(axis=1) > tolerance
         if not missed.any():
-            return rest
+            return thinned
         keep[removed[missed]] = True
-        return NodalVariables(self.radius[keep], self.values[keep], self.kinks)
+        return NodalVariables(self.radius[keep], self.values[keep], self.kinks, self.rest)
 
 
 def _slopes(gap: Array, rise: Array) -> Array:

@@ -40,6 +40,7 @@ def split_at_edge(
     edge: float,
     displacement: float,
     kinks: tuple[float, ...] = (),
+    rest: float | None = None,
 ) -> tuple[NodalVariables, NodalVariables]:
     """Nodal variables inside and outside the edge.
 
@@ -56,6 +57,8 @@ def split_at_edge(
     edge, displacement : float
         Contact radius, and surface displacement there.
     kinks : tuple of float
+    rest : float, optional
+        Radius inside the edge at which it has rested until just now.
 
     Returns
     -------
@@ -66,7 +69,7 @@ def split_at_edge(
     beyond[0] = load_inside(chain, variables[outside][:1], np.array([displacement]))[0]
     strains = chain.to_strains(variables[outside], beyond)
     inner = NodalVariables(radius[inside], variables[inside], tuple(k for k in kinks if k < edge))
-    return inner, NodalVariables(radius[outside], strains, (edge, *(k for k in kinks if k > edge)))
+    return inner, NodalVariables(radius[outside], strains, (edge, *(k for k in kinks if k > edge)), rest)
 
 
 def spacing(radius: Array, edge: float, length: float, divisions: int) -> Array:
@@ -180,8 +183,9 @@ def _new_history(
         state.history, motion.edge, edge, 8.0 * smallest, EDGE_ACCURACY * tolerance * length
     )
     fixed = (edge, *kinks) if turning is None or turning == edge else (edge, turning, *kinks)
-    if turning is not None and turning < edge:
-        kinks = tuple(sorted((*kinks, turning)))
+    rest = turning if turning is not None and turning < edge else None
+    if rest is not None:
+        kinks = tuple(sorted((*kinks, rest)))
     radius = distinct(np.concatenate((state.history.radius, wanted)), fixed, smallest)
     allowed = spacing(radius, edge, length, divisions)
     halves = midpoints_of_wide_intervals(radius, 0.5 * (allowed[1:] + allowed[:-1]))
@@ -189,7 +193,7 @@ def _new_history(
     load = surface.outside(np.maximum(radius, edge))
     variables = advanced(chain, points_at(problem, state, radius), motion, load)
     at_edge = motion.new_penetration - float(problem.scene.indenter.height(edge))
-    inner, outer = split_at_edge(chain, radius, variables, load, edge, at_edge, kinks)
+    inner, outer = split_at_edge(chain, radius, variables, load, edge, at_edge, kinks, rest)
     allowed_change = _COARSENING * tolerance * float(np.abs(variables).max(initial=0.0))
     parity = problem.counters.steps % 2
 
