@@ -34,20 +34,23 @@ def even_cubic(values: Array, position: Array) -> Array:
     ``values`` (n,) stand at 0.5, 1.5, ...; ``position`` in [0, n], any shape.
     """
     padded = np.concatenate((values[1::-1], values, values[:-3:-1]))
-    y = position + 1.5
-    first = np.minimum(np.maximum(y.astype(int) - 1, 0), len(padded) - 4)
-    return _lagrange(padded, first, y - first)
+    return _cubic(_divided_differences(padded), position + 1.5)
 
 
-def _lagrange(samples: Array, first: NDArray[np.intp], z: Array) -> Array:
-    """Cubic through ``samples[first .. first + 3]`` at offset ``z`` from the first."""
-    z1, z2, z3 = z - 1.0, z - 2.0, z - 3.0
-    return (
-        -z1 * z2 * z3 / 6.0 * samples[first]
-        + 0.5 * z * z2 * z3 * samples[first + 1]
-        - 0.5 * z * z1 * z3 * samples[first + 2]
-        + z * z1 * z2 / 6.0 * samples[first + 3]
-    )
+def _divided_differences(samples: Array) -> Array:
+    """Of the cubics through four neighbouring samples each, in Newton's form; (n,) -> (4, n - 3)."""
+    first = samples[1:] - samples[:-1]
+    second = 0.5 * (first[1:] - first[:-1])
+    third = (second[1:] - second[:-1]) / 3.0
+    return np.array((samples[:-3], first[:-2], second[:-1], third))
+
+
+def _cubic(table: Array, position: Array) -> Array:
+    """The cubics of :func:`_divided_differences` at positions among the samples, which stand at 0, 1, ..."""
+    first = np.minimum(np.maximum(position.astype(int) - 1, 0), table.shape[1] - 1)
+    z = position - first
+    value, slope, second, third = table.take(first, axis=1)
+    return value + z * (slope + (z - 1.0) * (second + (z - 2.0) * third))
 
 
 class Annuli:
@@ -83,11 +86,12 @@ class Annuli:
         # average of sqrt(1 - x^2) over an annulus of constant pressure
         self._weight = 0.5 * (np.cos(angle[1:]) + np.cos(angle[:-1]))
         self.punch = self.solve(np.ones(count))
-        self._punch_density = np.pi * self._weight * self.punch
+        self._per_pressure = 1.0 / (np.pi * self.punch)
         offsets = (np.arange(3) + 0.5) ** 2
         self._edge_fit = np.linalg.inv(np.vander(offsets, 3, increasing=True))[0]
         # displacement outside, at the same angles arcsin(1/x); the far end, arcsin = 0, is zero
         self._outside = annulus_influence(1.0 / np.sin(angle[1:]), self.borders)
+        self._outside_punch = self._outside @ self.punch
         if grading != 1.0:
             self._table_number = np.arange(_PER_ANNULUS * count + 1.0) / _PER_ANNULUS
             self._table_angle = self._angle(self._table_number)
@@ -104,6 +108,10 @@ class Annuli:
             return angle * (2.0 * self.count / np.pi)
         return np.interp(angle, self._table_angle, self._table_number)
 
+    def number_within(self, share: float) -> float:
+        """Number of annuli within a share of the radius inside the edge."""
+        return self.count - float(self.position(np.array(np.arcsin(1.0 - share))))
+
     def __reduce__(self) -> tuple[type[Annuli], tuple[int, float]]:
         """Kept as number and grading alone: matrix and factors are made anew, bit for bit."""
         return Annuli, (self.count, self.grading)
@@ -114,29 +122,31 @@ class Annuli:
 
     def density(self, pressure: Array) -> Array:
         """``q_j = p sqrt(1 - x^2)`` at the collocation angles, edge pattern taken out by the punch, (M,)."""
-        return self._weight * pressure / self._punch_density
+        return self._per_pressure * pressure
 
     def edge_strength(self, density: Array) -> float:
         """``kappa = pi q(edge)``: displacement of the flat punch with the same edge singularity."""
         return float(np.pi * (self._edge_fit @ density[:-4:-1]))
 
     def outside_field(self, pressure: Array, kappa: float) -> Array:
-        """Samples of the outer displacement without its punch part, at the angles ``arcsin(1/x)`` of borders.
+        """Cubics of the outer displacement without its punch part, over the angle ``arcsin(1/x)``.
 
-        Returns shape (M + 3,): far end (zero, and its odd continuation) to the edge.
+        Returns shape (4, M): between borders, from the far end to the edge.
         """
-        inner = self._outside @ (pressure - kappa * self.punch)
-        # odd about the far end (~1/x); about the edge the samples are continued by a cubic
-        beyond = 4.0 * inner[-1] - 6.0 * inner[-2] + 4.0 * inner[-3] - inner[-4]
-        return np.concatenate(([-inner[0], 0.0], inner, [beyond]))
+        samples = np.zeros(self.count + 3)
+        samples[2:-1] = self._outside @ pressure - kappa * self._outside_punch
+        samples[0] = -samples[2]  # odd about the far end (~1/x); about the edge continued by a cubic
+        fourth, third, second, last = samples[-5:-1].tolist()
+        samples[-1] = 4.0 * last - 6.0 * second + 4.0 * third - fourth
+        return _divided_differences(samples)
 
     def outside(self, field: Array, kappa: float, ratio: Array) -> Array:
         """Surface displacement outside the contact.
 
         Parameters
         ----------
-        field : ndarray (M + 3,)
-            Samples of :meth:`outside_field`.
+        field : ndarray (4, M)
+            Cubics of :meth:`outside_field`.
         kappa : float
             Displacement of the flat punch with the same edge singularity.
         ratio : ndarray (m,)
@@ -147,6 +157,4 @@ class Annuli:
         ndarray (m,)
         """
         angle = np.arcsin(1.0 / ratio)
-        y = self.position(angle) + 1.0
-        first = np.minimum(np.maximum(y.astype(int) - 1, 0), len(field) - 4)
-        return kappa * (2.0 / np.pi) * angle + _lagrange(field, first, y - first)
+        return kappa * (2.0 / np.pi) * angle + _cubic(field, self.position(angle) + 1.0)

@@ -116,9 +116,15 @@ class BentPath:
         return np.abs(radius - self.edge(left))
 
     def recent_change(
-        self, fall: Callable[[Array, Array], Array], radius: Array, y: Array, begin: Array, end: Array
+        self,
+        fall: Callable[[Array, Array], Array],
+        radius: Array,
+        y: Array,
+        begin: Array,
+        end: Array,
+        even: Array | float = 0.0,
     ) -> Array:
-        """``int exp(-(t_end - t)/theta) dS(|r - a(t)|, t)`` between two shares still to come.
+        """``int (exp(-(t_end - t)/theta) - even) dS(|r - a(t)|, t)`` between two shares still to come.
 
         Parameters
         ----------
@@ -130,6 +136,8 @@ class BentPath:
             Step, in retardation times.
         begin, end : ndarray (m,)
             Shares still to come, ``begin >= end``.
+        even : ndarray (m, K) or (K,), optional
+            Share of an even change that is taken off.
 
         Returns
         -------
@@ -140,18 +148,19 @@ class BentPath:
         By parts; what remains is smooth in the root of the time from the passage of the edge, within or
         beyond the step.
         """
-        radius, end = radius[:, None], end[:, None]
-        begin = begin[:, None]
+        radius, begin, end = radius[:, None], begin[:, None], end[:, None]
         first = np.minimum(begin, end + _FORGOTTEN / y)  # (m, K)
         passage = self.left(radius)
         before = passage >= 0.5 * (begin + end)  # the passage lies before, not after
-        near = np.sqrt(np.maximum(np.where(before, passage - first, end - passage), 0.0))[..., None]
-        far = np.sqrt(np.maximum(np.where(before, passage - end, first - passage), 0.0))[..., None]
+        away = np.where(before, -1.0, 1.0)
+        near = np.sqrt(np.maximum(away * (np.where(before, first, end) - passage), 0.0))
+        far = np.sqrt(np.maximum(away * (np.where(before, end, first) - passage), 0.0))
         points, weights = next(rule for longest, rule in _RULES.items() if y.max() <= longest)
-        z = near + (far - near) * points
-        left = np.where(before[..., None], passage[..., None] - z**2, passage[..., None] + z**2)
+        reach = far - near
+        z = near[..., None] + reach[..., None] * points
+        left = passage[..., None] + away[..., None] * z * z
         values = fall(self.distance(radius[..., None], left), left)
-        kernel = y[:, None] * np.exp(-y[:, None] * (left - end[..., None]))
-        lagging = ((far - near)[..., 0]) * ((2.0 * z * kernel * values) @ weights)
-        first = fall(self.distance(radius, begin), begin)
-        return fall(self.distance(radius, end), end) - np.exp(-y * (begin - end)) * first - lagging
+        values *= z * np.exp(y[:, None] * (end[..., None] - left))
+        lagging = 2.0 * y * reach * (values @ weights)
+        at_begin, at_end = (fall(self.distance(radius, at), at) for at in (begin, end))
+        return (1.0 - even) * at_end - (np.exp(y * (end - begin)) - even) * at_begin - lagging

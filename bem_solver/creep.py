@@ -26,10 +26,14 @@ from contact_scene import Material
 
 Array = NDArray[np.float64]
 
+_SMALLEST = 1e-300
+"""Stands for zero in quotients whose limit there is 1 to rounding."""
+
 
 def phi(y: Array) -> Array:
     """``(1 - exp(-y))/y``, the average of ``exp(-y x)`` over 0 <= x <= 1; phi(0) = 1."""
-    return np.divide(-np.expm1(-y), y, out=np.ones_like(y), where=y > 0.0)
+    positive = np.maximum(y, _SMALLEST)
+    return -np.expm1(-positive) / positive
 
 
 class Chain:

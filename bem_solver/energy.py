@@ -158,8 +158,11 @@ def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, d
     """
     y = duration / chain.retardation
     long = _share_of_long(y, increment, before)
-    ways = _short(chain, before, increment, y), _long(chain, before, increment, y)
-    energy, lost = ((1.0 - long) * one + long * other for one, other in zip(*ways, strict=True))
+    if not long.any():
+        energy, lost = _short(chain, before, increment, y)
+    else:
+        ways = _short(chain, before, increment, y), _long(chain, before, increment, y)
+        energy, lost = ((1.0 - long) * one + long * other for one, other in zip(*ways, strict=True))
     return Energies(
         increment.load_work, increment.branch_work, energy, before.dissipated + float(np.sum(lost))
     )

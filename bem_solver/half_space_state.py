@@ -45,21 +45,32 @@ class HalfSpaceState:
 
 def points_at(problem: Problem, state: HalfSpaceState, radius: Array) -> SurfacePoints:
     """State of surface points at the start of a step."""
-    chain, history = problem.chain, state.history
     height = problem.scene.indenter.height(radius)
-    inside = (radius <= state.edge) & (state.edge > 0.0)
-    displacement = state.penetration - height
+    inside = radius <= state.edge if state.edge > 0.0 else np.zeros(len(radius), bool)
     if inside.all():
-        variables = history.inner.at(radius)
-        return SurfacePoints(
-            radius, height, variables, load_inside(chain, variables, displacement), displacement
-        )
-    load = np.empty(len(radius))
-    variables = np.empty((len(radius), len(chain)))
-    variables[inside] = history.inner.at(radius[inside])
-    load[inside] = load_inside(chain, variables[inside], displacement[inside])
-    outside = ~inside
-    load[outside] = state.surface.outside(radius[outside])
-    variables[outside] = chain.from_strains(history.outer.at(radius[outside]), load[outside])
-    displacement[outside] = displacement_outside(chain, variables[outside], load[outside])
+        return SurfacePoints(radius, height, *_inside(problem, state, radius, height))
+    if not inside.any():
+        return SurfacePoints(radius, height, *_outside(problem, state, radius))
+    variables = np.empty((len(radius), len(problem.chain)))
+    load, displacement, outside = np.empty(len(radius)), np.empty(len(radius)), ~inside
+    variables[inside], load[inside], displacement[inside] = _inside(
+        problem, state, radius[inside], height[inside]
+    )
+    variables[outside], load[outside], displacement[outside] = _outside(problem, state, radius[outside])
     return SurfacePoints(radius, height, variables, load, displacement)
+
+
+def _inside(
+    problem: Problem, state: HalfSpaceState, radius: Array, height: Array
+) -> tuple[Array, Array, Array]:
+    """Variables, load and displacement of points in contact."""
+    displacement = state.penetration - height
+    variables = state.history.inner.at(radius)
+    return variables, load_inside(problem.chain, variables, displacement), displacement
+
+
+def _outside(problem: Problem, state: HalfSpaceState, radius: Array) -> tuple[Array, Array, Array]:
+    """Variables, load and displacement of points outside the contact."""
+    chain, load = problem.chain, state.surface.outside(radius)
+    variables = chain.from_strains(state.history.outer.at(radius), load)
+    return variables, load, displacement_outside(chain, variables, load)

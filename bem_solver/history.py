@@ -27,12 +27,14 @@ class NodalVariables:
 
     ``kinks`` are nodes where an edge rests or has rested: each leaves the square root of the distance beyond
     it. From a kink to the next the root of the distance from it is the coordinate of interpolation, in which
-    such a state is smooth; before the first, the radius is. No slope is taken across a kink.
+    such a state is smooth; before the first, the radius is. No slope is taken across a kink. Where an edge
+    that has just set off is the first node, ``rest`` is the radius it has rested at: the root is still that.
     """
 
     radius: Array
     values: Array
     kinks: tuple[float, ...] = ()
+    rest: float | None = None
 
     @cached_property
     def _bounds(self) -> list[int]:
@@ -47,25 +49,34 @@ class NodalVariables:
         origin = np.full(len(self.radius) - 1, np.nan)
         for low, high in pairwise(self._bounds):
             if low > 0 or (self.kinks and self.kinks[0] == self.radius[0]):
-                origin[low:high] = self.radius[low]
+                origin[low:high] = self.radius[low] if low > 0 or self.rest is None else self.rest
         return origin
 
     @cached_property
-    def _intervals(self) -> tuple[Array, Array, bool, Array, Array]:
-        """Per interval: start, width, whether any has a root, width times the slopes at both ends."""
-        n, branches = self.values.shape
-        start, end = np.empty(n - 1), np.empty(n - 1)
-        first, last = np.empty((n - 1, branches)), np.empty((n - 1, branches))
+    def _intervals(self) -> tuple[Array, Array]:
+        """Start and width of each interval in its coordinate, each shape (n - 1,)."""
+        start, end = self.radius[:-1].copy(), self.radius[1:].copy()
         for low, high in pairwise(self._bounds):
-            at, values = self.radius[low : high + 1], self.values[low : high + 1]
             if not np.isnan(self._origin[low]):
-                at = np.sqrt(at - at[0])
-            slope = _slopes(at, values)
-            start[low:high], end[low:high] = at[:-1], at[1:]
-            first[low:high], last[low:high] = slope[:-1], slope[1:]
-        width = end - start
-        rooted = not np.isnan(self._origin).all()
-        return start, width, rooted, width[:, None] * first, width[:, None] * last
+                start[low:high] = np.sqrt(start[low:high] - self._origin[low])
+                end[low:high] = np.sqrt(end[low:high] - self._origin[low])
+        return start, end - start
+
+    @cached_property
+    def _cubics(self) -> Array:
+        """Cubics over the share of each interval, powers 0 to 3, shape (n - 1, 4, K)."""
+        values, (_, width) = self.values, self._intervals
+        cubics = np.empty((len(width), 4, values.shape[1]))
+        cubics[:, 0] = values[:-1]
+        rise, wide = values[1:] - values[:-1], width[:, None]
+        for low, high in pairwise(self._bounds):
+            slope = _slopes(wide[low:high], rise[low:high])
+            first, last = wide[low:high] * slope[:-1], wide[low:high] * slope[1:]
+            beyond = rise[low:high] - first
+            cubics[low:high, 1] = first
+            cubics[low:high, 3] = last - first - 2.0 * beyond
+            cubics[low:high, 2] = beyond - cubics[low:high, 3]
+        return cubics
 
     def at(self, radius: Array) -> Array:
         """Variables (m, K) at any radii (m,), by cubics; constant beyond the ends."""
@@ -73,20 +84,15 @@ class NodalVariables:
             return np.zeros((len(radius), self.values.shape[1]))
         if len(self.radius) == 1:
             return np.repeat(self.values, len(radius), axis=0)
-        start, width, rooted, first, last = self._intervals
+        start, width = self._intervals
         i = self.radius[1:-1].searchsorted(radius)
         x = radius
-        if rooted:
-            base = self._origin[i]
+        if self.kinks:
+            base = self._origin.take(i)
             x = np.where(np.isnan(base), radius, np.sqrt(np.maximum(radius - base, 0.0)))
-        z = np.minimum(np.maximum((x - start[i]) / width[i], 0.0), 1.0)[:, None]
-        y0, rest = self.values[i], 1.0 - z
-        return (
-            y0
-            + z * z * (3.0 - 2.0 * z) * (self.values[i + 1] - y0)
-            + z * rest * rest * first[i]
-            - z * z * rest * last[i]
-        )
+        z = np.minimum(np.maximum((x - start.take(i)) / width.take(i), 0.0), 1.0)[:, None]
+        cubics = self._cubics.take(i, axis=0)
+        return cubics[:, 0] + z * (cubics[:, 1] + z * (cubics[:, 2] + z * cubics[:, 3]))
 
     def coarsened(self, tolerance: float, spacing: Array, parity: int) -> NodalVariables:
         """Without every second node that its neighbours reproduce; both ends stay.
@@ -103,18 +109,14 @@ class NodalVariables:
         i = np.arange(1 + parity, len(self.radius) - 1, 2)
         if len(i) == 0:
             return self
-        origin = self._origin[i]
-        x0, x, x1 = (
-            np.where(np.isnan(origin), at, np.sqrt(np.maximum(at - origin, 0.0)))
-            for at in (self.radius[i - 1], self.radius[i], self.radius[i + 1])
-        )
-        share = ((x - x0) / (x1 - x0))[:, None]
-        change = np.abs(self.values[i - 1] * (1 - share) + self.values[i + 1] * share - self.values[i]).max(
-            axis=1
-        )
+        width, rise = self._intervals[1], self.values[1:] - self.values[:-1]
+        # coordinates of the two sides of a kink differ: kinks stay below
+        share = (width[i - 1] / (width[i - 1] + width[i]))[:, None]
+        change = np.abs(share * rise[i] - (1.0 - share) * rise[i - 1]).max(axis=1)
         close = self.radius[i + 1] - self.radius[i - 1] <= spacing[i]
         keep = np.ones(len(self.radius), bool)
-        keep[i[(change <= tolerance) & close & ~np.isin(self.radius[i], self.kinks)]] = False
+        keep[i[(change <= tolerance) & close]] = False
+        keep[self._bounds] = True
         return self._thinned(keep, tolerance)
 
     def _thinned(self, keep: NDArray[np.bool_], tolerance: float) -> NodalVariables:
@@ -123,18 +125,20 @@ class NodalVariables:
         Where a short interval borders on one that the removal makes long, its slope overshoots there.
         """
         removed = np.flatnonzero(~keep)
-        rest = NodalVariables(self.radius[keep], self.values[keep], self.kinks)
-        missed = np.abs(rest.at(self.radius[removed]) - self.values[removed]).max(axis=1) > tolerance
+        thinned = NodalVariables(self.radius[keep], self.values[keep], self.kinks, self.rest)
+        missed = np.abs(thinned.at(self.radius[removed]) - self.values[removed]).max(axis=1) > tolerance
         if not missed.any():
-            return rest
+            return thinned
         keep[removed[missed]] = True
-        return NodalVariables(self.radius[keep], self.values[keep], self.kinks)
+        return NodalVariables(self.radius[keep], self.values[keep], self.kinks, self.rest)
 
 
-def _slopes(at: Array, values: Array) -> Array:
-    """Derivatives at the nodes (n, K): of the parabola through each node and its neighbours."""
-    gap = np.diff(at)[:, None]
-    secant = np.diff(values, axis=0) / gap
+def _slopes(gap: Array, rise: Array) -> Array:
+    """Derivatives at the nodes (n, K): of the parabola through each node and its neighbours.
+
+    From the gaps (n - 1, 1) and the rises (n - 1, K) between them.
+    """
+    secant = rise / gap
     if len(gap) < 2:
         return np.repeat(secant, 2, axis=0)
     left, right = gap[:-1], gap[1:]
@@ -166,7 +170,7 @@ class SurfaceHistory:
     @property
     def radius(self) -> Array:
         """All nodes, rising, the edge once."""
-        return np.union1d(self.inner.radius, self.outer.radius)
+        return np.concatenate((self.inner.radius[:-1], self.outer.radius))
 
     @classmethod
     def blank(cls, branches: int) -> SurfaceHistory:
@@ -181,16 +185,20 @@ def distinct(radius: Array, fixed: tuple[float, ...], smallest: float) -> Array:
     Slopes between closer nodes would be rounding errors, and feed back into the motion of the edge.
     """
     merged = np.unique(np.concatenate((radius, fixed)))
+    stay, free = np.zeros(len(merged), bool), np.ones(len(merged), bool)
+    stay[merged.searchsorted(fixed)] = True
     for value in fixed:
-        merged = merged[(np.abs(merged - value) >= smallest) | np.isin(merged, fixed)]
+        low, high = merged.searchsorted((value - smallest, value + smallest))
+        free[low:high] &= np.abs(merged[low:high] - value) >= smallest
+    merged, stay = merged[free | stay], stay[free | stay]
     keep = np.ones(len(merged), bool)
     last = 0  # the outermost node kept so far
     # of a close pair the outer goes, unless it is fixed
     for outer in (np.flatnonzero(np.diff(merged) < smallest) + 1).tolist():
         last = outer - 1 if keep[outer - 1] else last
         if merged[outer] - merged[last] < smallest:
-            keep[last if merged[outer] in fixed else outer] = False
-    return merged[keep | np.isin(merged, fixed)]
+            keep[last if stay[outer] else outer] = False
+    return merged[keep | stay]
 
 
 def updated_kinks(

@@ -54,28 +54,22 @@ class Motion:
         rounding = _ROUNDING * max(abs(self.penetration), abs(self.new_penetration))
         return bend if abs(bend) > rounding else 0.0
 
-    def passing(self, radius: Array) -> Array:
-        """Share of the step after which the edge passes radii between its two ends."""
-        if self.path is not None:
-            return 1.0 - self.left(radius)
-        share = (radius - self.edge) / (self.new_edge - self.edge)
-        return np.minimum(np.maximum(share, 0.0), 1.0)
-
-    def left(self, radius: Array) -> Array:
-        """Share of the step still to come when the edge passes radii between its two ends."""
+    def passing(self, radius: Array) -> tuple[Array, Array]:
+        """Shares of the step before and after the edge passes radii between its ends, neither rounded."""
         if self.path is None:
-            return 1.0 - self.passing(radius)
-        return np.minimum(np.maximum(self.path.left(radius), 0.0), 1.0)
+            before = (radius - self.edge) / (self.new_edge - self.edge)
+            before = np.minimum(np.maximum(before, 0.0), 1.0)
+            return before, 1.0 - before
+        after = np.minimum(np.maximum(self.path.left(radius), 0.0), 1.0)
+        return 1.0 - after, after
 
-    def lags_of_fall(self, chain: Chain, radius: Array, even: Array, begin: Array, end: Array) -> Array:
+    def lags_of_fall(self, chain: Chain, radius: Array, begin: Array, end: Array) -> Array:
         """Scaled lags of the edge's own part of ``v`` along the path, beyond those of an even change.
 
         Parameters
         ----------
         chain : Chain
         radius : ndarray (m,)
-        even : ndarray (m, K) or (K,)
-            Share of an even change between ``begin`` and ``end`` that is still there at the end.
         begin, end : ndarray (m,)
             Shares of the step still to come.
 
@@ -90,9 +84,9 @@ class Motion:
         def of(distance: Array, left: Array) -> Array:
             return fall(distance, 1.0 - left)
 
-        change = of(path.distance(radius, end), end) - of(path.distance(radius, begin), begin)
-        recent = path.recent_change(of, radius, self.duration / chain.retardation, begin, end)
-        return -chain.lag_rate * (recent - even * change[:, None])
+        y = self.duration / chain.retardation
+        even = chain.spread((begin - end)[:, None] * y)
+        return -chain.lag_rate * path.recent_change(of, radius, y, begin, end, even)
 
     def penetration_at(self, share: Array) -> Array:
         """Penetration after a share of the step."""
@@ -115,6 +109,8 @@ class SurfacePoints:
     displacement: Array
 
     def __getitem__(self, chosen: NDArray[np.bool_]) -> SurfacePoints:
+        if chosen.all():
+            return self
         return SurfacePoints(
             self.radius[chosen],
             self.height[chosen],

@@ -7,7 +7,9 @@ the logarithm of the distance, from far below the process zone to far beyond the
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +27,13 @@ _PER_DECADE = 32
 
 @dataclass(frozen=True)
 class OuterFall:
-    """B at both ends of a step, ``start`` and ``end`` (n,); distances grow by ``ratio`` from ``near``.
+    """B at both ends of a step, ``start`` and ``end`` (n,), at ``distance`` (n,) in equal ratios.
 
     In between it is linear in time; with the fall of the start alone the residual of a long step of an
     advancing edge has a second, false root.
     """
 
-    near: float
-    ratio: float
+    distance: Array
     start: Array
     end: Array
 
@@ -41,25 +42,38 @@ class OuterFall:
         """The fall outside a contact of some radius > 0, the same at both ends."""
         near, far = _NEAREST * zone, _FARTHEST * surface.edge
         count = int(_PER_DECADE * np.log10(far / near))
-        fall = cls(near, (far / near) ** (1.0 / count), np.empty(count), np.empty(count))
-        strength = fall._strength(surface)
-        return replace(fall, start=strength, end=strength)
+        distance = near * (far / near) ** (np.arange(count) / count)
+        strength = _strength(surface, distance)
+        return cls(distance, strength, strength)
 
     def towards(self, surface: ContactSurface) -> OuterFall:
         """The same start, and the fall outside another contact at the end."""
-        return replace(self, end=self._strength(surface))
+        return OuterFall(self.distance, self.start, _strength(surface, self.distance))
 
-    def _strength(self, surface: ContactSurface) -> Array:
-        distance = self.near * self.ratio ** np.arange(len(self.start))
-        load = surface.outside(np.append(surface.edge, surface.edge + distance))
-        return (load[0] - load[1:]) / np.sqrt(distance)
+    @cached_property
+    def _per_ratio(self) -> float:
+        """Entries per unit of the logarithm of the distance."""
+        return (len(self.distance) - 1) / math.log(self.distance[-1] / self.distance[0])
+
+    @cached_property
+    def _table(self) -> Array:
+        """B at the start and to the next entry (2, n - 1); if it changes within the step, by how much."""
+        rows = [self.start] if self.end is self.start else [self.start, self.end - self.start]
+        return np.stack([part for row in rows for part in (row[:-1], np.diff(row))])
 
     def __call__(self, distance: Array, share: Array) -> Array:
         """``v(a) - v(a + x)`` at distances >= 0, after shares of the step; arguments broadcast."""
-        position = np.log(np.maximum(distance, self.near) / self.near) / np.log(self.ratio)
-        position = np.minimum(position, len(self.start) - 1.001)
-        first = position.astype(int)
-        part, last = position - first, first + 1
-        start = (1.0 - part) * self.start[first] + part * self.start[last]
-        end = (1.0 - part) * self.end[first] + part * self.end[last]
-        return (start + share * (end - start)) * np.sqrt(distance)
+        table = self._table
+        position = np.log(np.maximum(distance, self.distance[0]) / self.distance[0]) * self._per_ratio
+        first = np.minimum(position.astype(int), table.shape[1] - 1)
+        part = np.minimum(position - first, 1.0)
+        strength, slope, *change = table.take(first, axis=1)
+        strength = strength + part * slope
+        if change:
+            strength += share * (change[0] + part * change[1])
+        return strength * np.sqrt(distance)
+
+
+def _strength(surface: ContactSurface, distance: Array) -> Array:
+    load = surface.outside(np.append(surface.edge, surface.edge + distance))
+    return (load[0] - load[1:]) / np.sqrt(distance)

@@ -17,8 +17,8 @@ _ZONES_OF_LONG_TRAVEL = 2.0
 """Process zones of which it takes the same fraction, at least, where its path is a parabola: half a zone
 at the coarsest resolution, from where on errors fall with its square."""
 LONG_ZONE = 0.02
-"""Process zone over contact radius below which a step may pass over process zones and annuli are graded
-towards the edge; with longer zones annuli of equal angles are few enough."""
+"""Process zone over contact radius below which a step may pass over process zones, and the field inside the
+contact varies over its radius rather than over zones."""
 
 
 @dataclass(frozen=True)

@@ -100,13 +100,15 @@ class TraceRecorder:
         ``zone_excess`` is what the branches dissipate beyond the loss: at a sharp edge the whole field moves
         as if the process zone had no length, and the tip takes only the glassy ``K^2/(2 Einf*)``.
         """
-        time, penetration, force, radius, stored, _, intensity, spent, *_ = self._columns()
-        external = external_work(time, penetration, force, [*self.kinks, *rest_ends(radius)], radius)
+        columns = [np.array(column) for column in zip(*self.rows, strict=True)]
+        time, penetration, force, radius, stored, _, intensity, spent, *_ = columns
+        kinks = [*self.kinks, *rest_ends(radius)]
+        external = external_work(time, penetration, force, kinks, radius)
         area = np.pi * radius**2
         if reversible:
             spent = -work * (area - area[0])
         dissipated = external - spent - (stored - stored[0])
-        heat = self._branch_heat(time, radius, external, stored)
+        heat = self._branch_heat(columns, external, kinks)
         branch = np.concatenate(([0.0], np.cumsum(heat)))
         return Trace(
             solver="bem",
@@ -130,27 +132,16 @@ class TraceRecorder:
             profiles=tuple(self.profiles),
         )
 
-    def _columns(self) -> list[Array]:
-        """Columns of the rows."""
-        return [np.array(column) for column in zip(*self.rows, strict=True)]
-
-    def _branch_heat(self, time: Array, radius: Array, external: Array, stored: Array) -> Array:
+    def _branch_heat(self, columns: list[Array], external: Array, kinks: list[int]) -> Array:
         """What the branches turn into heat in each step, shape (n - 1,).
 
-        Parameters
-        ----------
-        time, radius, external, stored : ndarray (n,)
-            Contact radius, external work and stored energy at the rows.
-
-        Returns
-        -------
-        ndarray (n - 1,)
+        From the columns of the rows, the external work (n,) and the rows after which slopes may jump.
         """
-        *_, branch, _, _, opening, closing, supply = self._columns()
+        time, _, _, radius, stored, branch, _, _, opening, closing, supply = columns
         duration, grown = np.diff(time), np.pi * np.diff(radius**2)
         share = share_of_balance(duration, self.shortest)
         trapezoids = 0.5 * (supply[1:] + supply[:-1]) * duration  # of which the branches' heat is made
-        beyond = np.diff(external_work(time, time, supply, [*self.kinks, *rest_ends(radius)])) - trapezoids
+        beyond = np.diff(external_work(time, time, supply, kinks)) - trapezoids
         padded = np.pad(duration, 1)
         around = np.maximum(np.maximum(padded[:-2], padded[2:]), duration)
         heat = np.diff(branch) + (1.0 - share_of_balance(_SHORT_OF_SMOOTH * around, self.shortest)) * beyond

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from scipy.special import ellipkm1
@@ -11,14 +12,13 @@ from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
 from bem_solver.problem import Problem
 from bem_solver.start import contact_scale, elastic_problem, equilibrium, untouched_state
+from bem_solver.trial import TrialContact
 from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Step, Sweep
 
 FEWEST_ANNULI, MOST_ANNULI = 16, 4000
 """Bounds on the number of annuli: interpolation at the edge needs the first, a dense matrix the second."""
 _ANNULI_OF_ESTIMATE = 24
 """Annuli of the elastic contacts from which the largest radius is estimated, to about a percent."""
-_LAYER_ANNULI = 45
-"""Largest number of annuli for the sake of a boundary layer, in divisions."""
 _FINER_AT_EDGE = 4.0
 """By how much graded annuli are finer at the edge than the resolution asks of the process zone: it costs a
 few annuli, and the relaxing layer behind a slowly advancing edge errs by the square of that step."""
@@ -41,20 +41,6 @@ def annuli_needed(divisions: int, share: float) -> int:
     )
 
 
-def annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
-    """Number of annuli whose outermost is ``3.4/divisions**2`` of a boundary layer so thick (0: none).
-
-    It grows with the resolution, as the annuli in the zone do, so that a finer run is finer here too.
-    """
-    if layer <= 0.0 or radius <= 0.0:
-        return FEWEST_ANNULI
-    return min(_annuli_for_layer(divisions, radius, layer), _LAYER_ANNULI * divisions)
-
-
-def _annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
-    return int(np.ceil(0.6 * divisions * np.sqrt(radius / layer)))
-
-
 def edge_step(divisions: int, share: float, radius: float, layer: float) -> float:
     """Step of the angle ``arcsin(r)`` at the edge that resolves process zone and boundary layer.
 
@@ -67,7 +53,7 @@ def edge_step(divisions: int, share: float, radius: float, layer: float) -> floa
     radius : float
         Largest contact radius.
     layer : float
-        Boundary layer, resolved as by :func:`annuli_for_layer`; zero without.
+        Thickness of a boundary layer; zero without.
 
     Returns
     -------
@@ -75,6 +61,14 @@ def edge_step(divisions: int, share: float, radius: float, layer: float) -> floa
     """
     step = float(np.arccos(1.0 - share)) / divisions
     return min(step, 0.5 * np.pi / _annuli_for_layer(divisions, radius, layer)) if layer > 0.0 else step
+
+
+def _annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
+    """Number of annuli of equal angles whose outermost is ``3.4/divisions**2`` of a boundary layer so thick.
+
+    It grows with the resolution, as the annuli in the zone do, so that a finer run is finer here too.
+    """
+    return int(np.ceil(0.6 * divisions * np.sqrt(radius / layer)))
 
 
 def graded_annuli(divisions: int, step: float) -> tuple[int, float]:
@@ -86,9 +80,7 @@ def graded_annuli(divisions: int, step: float) -> tuple[int, float]:
     return max(int(np.ceil(divisions * ellipkm1(grading**2))), FEWEST_ANNULI), grading
 
 
-def thinnest_layer(
-    scene: Scene, chain: Chain, radius: float, zone: float, graded_divisions: int | None = None
-) -> float:
+def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float, divisions: int) -> float:
     """Thinnest boundary layer behind an advancing edge that has to be resolved; zero without.
 
     Parameters
@@ -98,10 +90,9 @@ def thinnest_layer(
     radius : float
         Largest contact radius.
     zone : float
-        Length of the process zone; zero without adhesion.
-    graded_divisions : int, optional
-        Divisions of the zone where annuli are graded and a layer costs only the logarithm of its thickness:
-        then all that they would see. Otherwise what changes the closure noticeably.
+        Length of the process zone.
+    divisions : int
+        Of the zone. A layer costs only the logarithm of its thickness: all that annuli would see is resolved.
 
     Returns
     -------
@@ -116,8 +107,6 @@ def thinnest_layer(
     it falls through every value, down to where the layer hardly matters. The layer of a rest that is shorter
     than the relaxation time is taken thicker by the square of their ratio: such an edge hardly slows down.
     """
-    if zone == 0.0 or not len(chain):
-        return 0.0
     slope = float(scene.indenter.slope(radius))
     penetration, slowest, rest = scene.loading.penetration, np.inf, 0.0
     for step in scene.loading.steps:
@@ -135,10 +124,8 @@ def thinnest_layer(
     layers = slowest / (2.0 * slope) * chain.relaxation if slope > 0.0 else np.full(len(chain), np.inf)
     too_short = np.maximum(chain.relaxation / rest, 1.0) if rest > 0.0 else np.inf
     layers = np.minimum(layers, _NEGLIGIBLE_AT_REST * zone / strength * too_short**2)
-    negligible = _NEGLIGIBLE_LAYER * zone / strength
-    if graded_divisions is not None:
-        outermost = zone / (_FINER_AT_EDGE * graded_divisions) ** 2
-        negligible = np.minimum(negligible, _UNSEEN_LAYER * outermost)
+    outermost = zone / (_FINER_AT_EDGE * divisions) ** 2
+    negligible = np.minimum(_NEGLIGIBLE_LAYER * zone / strength, _UNSEEN_LAYER * outermost)
     matter = (layers < zone) & (layers > negligible)
     return float(layers[matter].min()) if matter.any() else 0.0
 
@@ -156,6 +143,10 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
         guess = abs(value) / (2.0 * elastic.chain.relaxed)
         return contact_scale(scene, guess / scale if scale > 0 else guess**0.5)
 
+    @cache
+    def settled(control: str, value: float, scale: float) -> TrialContact | None:
+        return equilibrium(elastic, untouched_state(elastic, 0.0, 0.0), control, value, scale)
+
     def settle(control: str, value: float) -> tuple[float, float, float]:
         deepest = penetration if control == "force" else value
         scale = max(contact_scale(scene, deepest), radius)
@@ -166,7 +157,7 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
             scale = min(scale, max(least, by_force(value / scene.loading.compliance, least)))
         if scale == 0.0:
             return 0.0, penetration, 0.0
-        trial = equilibrium(elastic, untouched_state(elastic, 0.0, 0.0), control, value, scale)
+        trial = settled(control, value, scale)
         if trial is None:
             return 0.0, penetration if control == "force" else value, 0.0
         return trial.surface.edge, trial.motion.new_penetration, trial.surface.force

@@ -24,7 +24,6 @@ from bem_solver.recorder import TraceRecorder, trace_without_contact
 from bem_solver.run_state import GradedState, StepSettings
 from bem_solver.size_estimates import (
     FEWEST_ANNULI,
-    annuli_for_layer,
     annuli_needed,
     edge_step,
     graded_annuli,
@@ -41,9 +40,8 @@ _SMOOTH_SHARE = 0.01
 """Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the
 root at the edge, which is taken out: without adhesion, and in an elastic contact, whatever its zone."""
 
-_FINER_IN_ZONE = 2
-"""By how much annuli are finer than the history of the zone that they resolve: they cost little, and at slow
-approach theirs would be the larger part of the error."""
+_FINER_OF_LONG_ZONE = 2
+"""By how much annuli are finer at the centre where the zone is long: fields vary over a few zones there."""
 
 
 def refusal(scene: Scene) -> UnsupportedScene | None:
@@ -153,18 +151,14 @@ def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Pr
     coarse = Problem(scene, Annuli(FEWEST_ANNULI), chain, zone, work, 1.0, Counters(), rule)
     initial = contact_scale(scene, scene.loading.penetration)
     largest = largest_contact(scene, coarse) or initial
-    share = _SMOOTH_SHARE
     if zone > 0.0 and largest > 0.0 and len(chain):
         share = min(zone / largest, 1.0)
-    graded = len(chain) > 0 and 0.0 < zone < LONG_ZONE * largest
-    layer = thinnest_layer(scene, chain, largest, zone, divisions if graded else None)
-    if graded:
-        step = edge_step(divisions, share, largest, layer)
-        annuli, in_zone = Annuli(*graded_annuli(divisions, step)), np.arccos(1.0 - share) / step
+        step = edge_step(divisions, share, largest, thinnest_layer(scene, chain, largest, zone, divisions))
+        finer = 1 if zone < LONG_ZONE * largest else _FINER_OF_LONG_ZONE
+        annuli = Annuli(*graded_annuli(finer * divisions, step))
+        at_edge = np.arccos(1.0 - share) / step  # more than the annuli in the zone where they resolve a layer
+        rule = ClosureRule.resolving(int(max(annuli.number_within(share), at_edge)))
     else:
-        finer = _FINER_IN_ZONE if share != _SMOOTH_SHARE else 1
-        count = max(annuli_needed(finer * divisions, share), annuli_for_layer(divisions, largest, layer))
-        annuli, in_zone = Annuli(count), count * np.arccos(1.0 - share) * 2.0 / np.pi
-    rule = ClosureRule.resolving(max(divisions, int(in_zone)))
+        annuli = Annuli(annuli_needed(divisions, _SMOOTH_SHARE))
     problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     return problem, max(largest, initial)

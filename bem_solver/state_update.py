@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -23,7 +24,7 @@ from bem_solver.motion import Motion
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import advanced, load_inside
-from bem_solver.trial import EDGE_ACCURACY, TrialContact, gap_outside
+from bem_solver.trial import EDGE_ACCURACY, TrialContact
 
 Array = NDArray[np.float64]
 
@@ -39,6 +40,7 @@ def split_at_edge(
     edge: float,
     displacement: float,
     kinks: tuple[float, ...] = (),
+    rest: float | None = None,
 ) -> tuple[NodalVariables, NodalVariables]:
     """Nodal variables inside and outside the edge.
 
@@ -55,6 +57,8 @@ def split_at_edge(
     edge, displacement : float
         Contact radius, and surface displacement there.
     kinks : tuple of float
+    rest : float, optional
+        Radius inside the edge at which it has rested until just now.
 
     Returns
     -------
@@ -65,7 +69,7 @@ def split_at_edge(
     beyond[0] = load_inside(chain, variables[outside][:1], np.array([displacement]))[0]
     strains = chain.to_strains(variables[outside], beyond)
     inner = NodalVariables(radius[inside], variables[inside], tuple(k for k in kinks if k < edge))
-    return inner, NodalVariables(radius[outside], strains, (edge, *(k for k in kinks if k > edge)))
+    return inner, NodalVariables(radius[outside], strains, (edge, *(k for k in kinks if k > edge)), rest)
 
 
 def spacing(radius: Array, edge: float, length: float, divisions: int) -> Array:
@@ -120,7 +124,7 @@ def updated_state(
     energies : Energies
     """
     motion, surface = trial.motion, trial.surface
-    points = points_at(problem, state, motion.new_edge * problem.annuli.radii)
+    points, count = trial.points, problem.annuli.count
     if not problem.viscoelastic:
         variables, history = points.variables, state.history
     else:
@@ -129,11 +133,16 @@ def updated_state(
         history = _new_history(problem, state, motion, surface, length, divisions, tolerance)
         variables = advanced(problem.chain, points, motion, None)
     increment = work_increment(
-        problem.chain, state.surface, surface, variables, points.load, points.variables
+        problem.chain,
+        state.surface,
+        surface,
+        variables[:count],
+        points.load[:count],
+        points.variables[:count],
     )
     after = updated_energies(problem.chain, energies, increment, motion.duration)
-    if problem.work > 0.0 and problem.viscoelastic:
-        after = replace(after, release=_tip_release(problem, state, trial))
+    if trial.tip_gap is not None and problem.viscoelastic:
+        after = replace(after, release=_tip_release(trial, trial.tip_gap, problem.chain.glassy))
     contact = HalfSpaceState(time, motion.new_penetration, surface, history)
     if problem.irreversible is not None:
         closures = (state.closure, trial.closure)
@@ -143,19 +152,16 @@ def updated_state(
     return contact, after
 
 
-def _tip_release(problem: Problem, state: HalfSpaceState, trial: TrialContact) -> tuple[float, float]:
+def _tip_release(trial: TrialContact, gap: Array, glassy: float) -> tuple[float, float]:
     """Glassy energy release rate of the tip, opening and closing.
 
     Behind an advancing edge the stress falls within a layer that may be thinner than an annulus. Outside the
     opening is a root of the distance throughout, which at a closing tip is the glassy one, ``c = (4
     K/Einf*)/sqrt(2 pi)``.
     """
-    motion, surface, zone, glassy = trial.motion, trial.surface, trial.zone, problem.chain.glassy
-    quarter, full = gap_outside(
-        problem, state, motion, surface, motion.new_edge + zone * np.array([0.25, 1.0])
-    )
-    root = float(8.0 * quarter - full) / (3.0 * float(np.sqrt(zone)))
-    return 0.5 * surface.stress_intensity**2 / glassy, root**2 * glassy * np.pi / 16.0
+    quarter, full = gap.tolist()
+    root = (8.0 * quarter - full) / (3.0 * math.sqrt(trial.zone))
+    return 0.5 * trial.surface.stress_intensity**2 / glassy, root**2 * glassy * np.pi / 16.0
 
 
 def _new_history(
@@ -177,8 +183,9 @@ def _new_history(
         state.history, motion.edge, edge, 8.0 * smallest, EDGE_ACCURACY * tolerance * length
     )
     fixed = (edge, *kinks) if turning is None or turning == edge else (edge, turning, *kinks)
-    if turning is not None and turning < edge:
-        kinks = tuple(sorted((*kinks, turning)))
+    rest = turning if turning is not None and turning < edge else None
+    if rest is not None:
+        kinks = tuple(sorted((*kinks, rest)))
     radius = distinct(np.concatenate((state.history.radius, wanted)), fixed, smallest)
     allowed = spacing(radius, edge, length, divisions)
     halves = midpoints_of_wide_intervals(radius, 0.5 * (allowed[1:] + allowed[:-1]))
@@ -186,7 +193,7 @@ def _new_history(
     load = surface.outside(np.maximum(radius, edge))
     variables = advanced(chain, points_at(problem, state, radius), motion, load)
     at_edge = motion.new_penetration - float(problem.scene.indenter.height(edge))
-    inner, outer = split_at_edge(chain, radius, variables, load, edge, at_edge, kinks)
+    inner, outer = split_at_edge(chain, radius, variables, load, edge, at_edge, kinks, rest)
     allowed_change = _COARSENING * tolerance * float(np.abs(variables).max(initial=0.0))
     parity = problem.counters.steps % 2
 

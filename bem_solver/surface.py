@@ -33,7 +33,7 @@ class ContactSurface:
         Scaled pressure of the rest times ``sqrt(1 - (r/a)^2)``, smooth up to the edge.
     kappa : float
         ``pi`` times the density at the edge; ``K_I = -kappa/sqrt(pi a)`` (tension opens).
-    field : ndarray
+    field : ndarray (4, M)
         Outer displacement of the rest without its punch part (``Annuli.outside_field``).
     force : float
         Compressive force.
@@ -71,10 +71,10 @@ class ContactSurface:
             scaled = rest = annuli.solve(load)
             strengths, carried = None, 0.0
         else:
-            load, read = np.split(load, [annuli.count])
+            load, read = load[: annuli.count], load[annuli.count :]
             strengths = kinks.strengths(read)
             punches = kinks.displacement(edge * annuli.radii) @ strengths
-            scaled, rest = annuli.solve(np.stack((load, load - punches), axis=1)).T
+            scaled, rest = annuli.solve(np.array((load, load - punches)).T).T
             carried = 2.0 * float(kinks.radius @ strengths)
         density = annuli.density(rest)
         kappa = annuli.edge_strength(density)
@@ -95,7 +95,7 @@ class ContactSurface:
     def free(cls, annuli: Annuli) -> ContactSurface:
         """No contact."""
         zero = np.zeros(annuli.count)
-        return cls(annuli, 0.0, zero, zero, 0.0, np.zeros(annuli.count + 3), 0.0)
+        return cls(annuli, 0.0, zero, zero, 0.0, np.zeros((4, annuli.count)), 0.0)
 
     def tension(self, distance: Array) -> Array:
         """Normal stress (tension positive) at ``distance`` inside the edge, singular there; without kinks."""

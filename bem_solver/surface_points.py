@@ -44,7 +44,7 @@ def pressed(
     y = np.asarray(duration, float)[..., None] / chain.relaxation
     rate = chain.stress_scale / chain.relaxation
     result = chain.decay(y) * variables + rate * chain.spread(y) * rise[:, None]
-    if np.any(bend):
+    if not (isinstance(bend, float) and bend == 0.0):
         result += rate * chain.spread_bent(y) * np.asarray(bend, float)[..., None]
     return result
 
@@ -91,7 +91,7 @@ def bend(chain: Chain, points: SurfacePoints, motion: Motion, first: Array, last
 
 def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     """Variables of points that the advancing edge passes."""
-    share = motion.passing(points.radius)
+    share, left = motion.passing(points.radius)
     y = (share * motion.duration)[:, None] / chain.retardation
     even = chain.spread(y)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
@@ -99,22 +99,21 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
         rise = motion.singular * np.sqrt(points.radius - motion.edge)
         lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
     else:
-        lags += motion.lags_of_fall(
-            chain, points.radius, even, np.ones_like(share), motion.left(points.radius)
-        )
-    lags += bend(chain, points, motion, np.zeros_like(share), share)
+        lags += motion.lags_of_fall(chain, points.radius, np.ones_like(share), left)
+    if motion.innermost is not None:
+        lags += bend(chain, points, motion, np.zeros_like(share), share)
     meeting = motion.penetration_at(share) - points.height
     # w = v/E0 - sum l at the moment of contact, with even * (v - v_n) still to come into l
     per_load = even @ chain.compliances
     load = (meeting + chain.lag(lags) - per_load * points.load) / (1.0 / chain.relaxed - per_load)
     lags += even * chain.lag_rate * (load - points.load)[:, None]
     pushed = motion.new_penetration - points.height - meeting
-    left = motion.left(points.radius)
-    return pressed(chain, lags @ chain.rotation, pushed, left * motion.duration, motion.bend * left**2)
+    bent = motion.bend * left**2 if motion.bend != 0.0 else 0.0
+    return pressed(chain, lags @ chain.rotation, pushed, left * motion.duration, bent)
 
 
 def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -> Array:
-    """Variables of points that the receding edge passes.
+    """Variables of points that the receding edge passes, without :func:`along_path`.
 
     Parameters
     ----------
@@ -128,12 +127,11 @@ def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     -------
     ndarray (m, K)
     """
-    share = motion.passing(points.radius)
+    share, left = motion.passing(points.radius)
     leaving = motion.penetration_at(share) - points.height
-    rise, bent = leaving - points.displacement, motion.bend * share**2
+    rise, bent = leaving - points.displacement, motion.bend * share**2 if motion.bend != 0.0 else 0.0
     at_release = pressed(chain, points.variables, rise, share * motion.duration, bent)
     load = load_inside(chain, at_release, leaving)
-    left = motion.left(points.radius)
     y = (left * motion.duration)[:, None] / chain.retardation
     even = chain.spread(y)
     lags = chain.decay(y) * (at_release @ chain.rotation.T)
@@ -141,14 +139,13 @@ def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     if motion.path is None:
         fall = -motion.singular * np.sqrt(points.radius - motion.new_edge)
         lags += (chain.spread_from_edge(y) - even) * chain.lag_rate * fall[:, None]
-    else:
-        lags += motion.lags_of_fall(chain, points.radius, even, left, np.zeros_like(left))
-    lags += bend(chain, points, motion, share, np.ones_like(share))
+    if motion.innermost is not None:
+        lags += bend(chain, points, motion, share, np.ones_like(share))
     return lags @ chain.rotation
 
 
 def free(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -> Array:
-    """Variables of points outside all the time: the exact Voigt recursion.
+    """Variables of points outside all the time, without :func:`along_path`: the exact Voigt recursion.
 
     Parameters
     ----------
@@ -171,11 +168,28 @@ def free(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -
         change = -motion.singular * (np.sqrt(after) - np.sqrt(before))
         weight = chain.spread_outside(np.broadcast_to(y, lags.shape), before[:, None], after[:, None])
         lags += (weight - even) * chain.lag_rate * change[:, None]
-    else:
-        none = np.zeros_like(points.radius)
-        lags += motion.lags_of_fall(chain, points.radius, even, none + 1.0, none)
-    lags += bend(chain, points, motion, np.zeros(1), np.ones(1))
+    if motion.innermost is not None:
+        lags += bend(chain, points, motion, np.zeros(1), np.ones(1))
     return lags @ chain.rotation
+
+
+def along_path(chain: Chain, points: SurfacePoints, motion: Motion, begin: Array) -> Array:
+    """What the fall along the path of the edge adds to the variables of points outside at the end.
+
+    Parameters
+    ----------
+    chain : Chain
+    points : SurfacePoints (m)
+    motion : Motion
+        With a path.
+    begin : ndarray (m,)
+        Share of the step still to come when each is outside: from the start, or from its release.
+
+    Returns
+    -------
+    ndarray (m, K)
+    """
+    return motion.lags_of_fall(chain, points.radius, begin, np.zeros_like(begin)) @ chain.rotation
 
 
 def displacement_outside(chain: Chain, variables: Array, load: Array) -> Array:
@@ -198,8 +212,9 @@ def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     -------
     ndarray (m, K)
     """
-    inside_before = (points.radius <= motion.edge) & (motion.edge > 0.0)
-    inside_after = points.radius <= motion.new_edge
+    inside_before, inside_after = points.radius <= motion.edge, points.radius <= motion.new_edge
+    if motion.edge <= 0.0:
+        inside_before[:] = False
     result = np.empty_like(points.variables)
     stays = inside_before & inside_after
     if stays.any():
@@ -217,4 +232,8 @@ def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     out = ~inside_before & ~inside_after
     if out.any():
         result[out] = free(chain, points[out], motion, new_load[out])
+    if motion.path is not None:
+        outside = ~inside_after
+        begin = np.where(leaves, motion.passing(points.radius)[1], 1.0)[outside]
+        result[outside] += along_path(chain, points[outside], motion, begin)
     return result

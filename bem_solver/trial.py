@@ -27,16 +27,26 @@ Array = NDArray[np.float64]
 EDGE_ACCURACY = 4e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
 
+_TIP = np.array([0.25, 1.0])
+"""Distances outside the edge, in process zones, from which the root of the gap at the tip is read."""
+
 
 @dataclass(frozen=True)
 class TrialContact:
-    """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes; length of its ``zone``."""
+    """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes.
+
+    ``points`` are the collocation radii inside its edge at the start of the step; ``zone`` is the length of
+    the process zone, and ``tip_gap`` (2,) the gap at a quarter of it and at all of it outside the edge, with
+    adhesion.
+    """
 
     motion: Motion
     surface: ContactSurface
+    points: SurfacePoints
     residual: float
     closure: float
     zone: float = 0.0
+    tip_gap: Array | None = None
 
 
 def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> Array:
@@ -91,8 +101,8 @@ def evaluate(
             motion, surface = load_control.satisfied(motion)
             problem.counters.linear_solves += 1
     if problem.work == 0.0:
-        return TrialContact(motion, surface, -surface.kappa, 0.0)
-    return _adhesive_contact(problem, state, motion, surface)
+        return TrialContact(motion, surface, points, -surface.kappa, 0.0)
+    return _adhesive_contact(problem, state, motion, surface, points)
 
 
 def _motion(
@@ -100,10 +110,6 @@ def _motion(
 ) -> Motion:
     """The step of the edge, penetration unchanged: its root and innermost radius, or its path and fall."""
     singular, innermost = 0.0, None
-    if problem.viscoelastic:
-        singular = state.surface.root_strength(abs(edge - state.edge))
-        if problem.work == 0.0 and state.edge > 0.0:
-            innermost = points_at(problem, state, np.array([min(edge, state.edge)]))
     path = row = fall = None
     if earlier is not None and duration > 0.0:
         row = earlier.time, earlier.penetration
@@ -113,6 +119,10 @@ def _motion(
     elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)
         fall = OuterFall.outside(state.surface, problem.zone)
+    if problem.viscoelastic and path is None:
+        singular = state.surface.root_strength(abs(edge - state.edge))
+        if problem.work == 0.0 and state.edge > 0.0:
+            innermost = points_at(problem, state, np.array([min(edge, state.edge)]))
     depth = state.penetration
     return Motion(duration, state.edge, edge, depth, depth, singular, innermost, path, fall, row)
 
@@ -156,19 +166,19 @@ class _LoadControl:
 
 
 def _adhesive_contact(
-    problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface
+    problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface, points: SurfacePoints
 ) -> TrialContact:
     """The contact after a motion, and by how much it misses the closure."""
     problem.counters.closure_evaluations += 1
     zone = _zone(problem, surface)
-    closure = _closure(problem, state, motion, surface, zone)
+    closure, tip_gap = _closure(problem, state, motion, surface, zone)
     if surface.kappa > 0.0:
         closure = -abs(closure)
     if problem.irreversible is None:
-        return TrialContact(motion, surface, closure - problem.work, closure, zone)
+        return TrialContact(motion, surface, points, closure - problem.work, closure, zone, tip_gap)
     velocity = end_velocity(state.edge, motion.new_edge, motion.duration, state.last_step)
     excess = closure / energy_taken(problem.irreversible, velocity) - 1.0
-    return TrialContact(motion, surface, excess * problem.work, closure, zone)
+    return TrialContact(motion, surface, points, excess * problem.work, closure, zone, tip_gap)
 
 
 def _zone(problem: Problem, surface: ContactSurface) -> float:
@@ -202,23 +212,25 @@ def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge
 
 def _closure(
     problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface, zone: float
-) -> float:
-    """``I``, the punches at kinks integrated from their own edges on."""
+) -> tuple[float, Array]:
+    """``I``, the punches at kinks integrated from their own edges on, and the gap at the tip."""
     rule, edge, kinks = problem.rule, surface.edge, surface.kinks
-    inner = rule.inside(zone, edge)
+    inner, count = rule.inside(zone, edge), len(rule.distance)
+    offsets = np.concatenate((inner, zone - zone * _TIP))
     if kinks is None or surface.strengths is None:
-        gap = gap_outside(problem, state, motion, surface, edge + zone - inner)
-        return rule.integral(surface.tension(inner), gap, zone, edge)
+        gap = gap_outside(problem, state, motion, surface, edge + zone - offsets)
+        return rule.integral(surface.tension(inner), gap[:count], zone, edge), gap[count:]
     depth = edge - kinks.radius
     near = np.flatnonzero(depth < min(zone, edge))
     own = (min(zone, edge) - depth[near, None]) * rule.distance  # distances inside each kink
-    offsets = np.concatenate((inner, (depth[near, None] + own).ravel()))
-    gap, *gaps = np.split(gap_outside(problem, state, motion, surface, edge + zone - offsets), 1 + len(near))
-    value = rule.integral(surface.tension(inner), gap, zone, edge)
+    offsets = np.concatenate((offsets, (depth[near, None] + own).ravel()))
+    gap = gap_outside(problem, state, motion, surface, edge + zone - offsets)
+    value = rule.integral(surface.tension(inner), gap[:count], zone, edge)
+    tip_gap, gaps = gap[count : count + len(_TIP)], gap[count + len(_TIP) :].reshape(own.shape)
     for index, distance, facing in zip(near.tolist(), own, gaps, strict=True):
         tension = surface.strengths[index] * kinks.tension(index, distance)
         value += (min(zone, edge) - depth[index]) * (rule.weight @ (tension * facing)) / (2.0 * zone)
-    return float(value)
+    return float(value), tip_gap
 
 
 def gap_outside(
@@ -241,10 +253,10 @@ def gap_outside(
     ndarray (m,)
     """
     load = surface.outside(radius)
+    if not problem.viscoelastic:
+        height = problem.scene.indenter.height(radius)
+        return height - motion.new_penetration + load / problem.chain.relaxed
     points = points_at(problem, state, radius)
-    if problem.viscoelastic:
-        variables = advanced(problem.chain, points, motion, load)
-        displacement = displacement_outside(problem.chain, variables, load)
-    else:
-        displacement = load / problem.chain.relaxed
+    variables = advanced(problem.chain, points, motion, load)
+    displacement = displacement_outside(problem.chain, variables, load)
     return points.height - motion.new_penetration + displacement

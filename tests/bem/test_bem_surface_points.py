@@ -136,5 +136,5 @@ def test_every_point_gets_its_case():
 
 def test_speed_of_passing():
     motion = Motion(2.0, 0.1, 0.3, 0.0, 1.0)
-    assert_allclose(motion.passing(np.array([0.05, 0.1, 0.15, 0.3, 0.4])), [0.0, 0.0, 0.25, 1.0, 1.0])
+    assert_allclose(motion.passing(np.array([0.05, 0.1, 0.15, 0.3, 0.4]))[0], [0.0, 0.0, 0.25, 1.0, 1.0])
     assert_allclose(motion.penetration_at(np.array([0.25])), 0.25)
