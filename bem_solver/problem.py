@@ -79,7 +79,5 @@ class Problem:
 
     @property
     def curves(self) -> bool:
-        """Whether the path of the edge is a parabola: with a zone of one length and one work of adhesion."""
-        adhesion = self.scene.adhesion
-        plain = adhesion is not None and adhesion.reversible and adhesion.stress is None
-        return plain and self.work > 0.0 and self.viscoelastic
+        """Whether the path of the edge is a parabola: with adhesion, where the surface has a history."""
+        return self.work > 0.0 and self.viscoelastic

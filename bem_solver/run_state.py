@@ -6,6 +6,7 @@ run continued from its state performs the same floating-point operations in the 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from bem_solver.energy import Energies
@@ -20,6 +21,8 @@ _SMALLEST_TRAVEL_SHARES = 1.0 / 64.0, 1.0 / 16.0
 _ROUNDING_AT_FOLD = 1e-5
 """Contact radius, relative, to which a limit point is told from rounding: there the edge moves by the root of
 what the load does, of which 1e-10 is lost in the sums over annuli and states."""
+_ROUNDINGS_OF_TIME = 4.0
+"""Shortest step of a rated edge, in roundings of the time: what happens within it cannot be told apart."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,16 @@ class StepStart:
     settings: StepSettings
     state: GradedState
     interval: LoadingInterval
+
+    @property
+    def shortest_step(self) -> float:
+        """Step below which times are lost in rounding, where the work of adhesion follows the speed; else 0.
+
+        Such an edge never moves at once, however fast a short contact collapses.
+        """
+        if not self.problem.rated or self.interval.jump:
+            return 0.0
+        return _ROUNDINGS_OF_TIME * math.ulp(self.interval.time(self.interval.length))
 
     @property
     def smallest_travel(self) -> float:

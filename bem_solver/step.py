@@ -83,7 +83,8 @@ def limited_step(start: StepStart) -> tuple[float, float]:
         step = left
     else:
         step = min(limited, 0.5 * left) if 2.0 * limited > left else limited
-    return limited, min(step, _until_largest_tension(start, limited))
+    step = min(step, _until_largest_tension(start, limited))
+    return limited, max(step, min(start.shortest_step, left))
 
 
 def _step_within(start: StepStart, step: float, limit: float) -> float:
@@ -176,6 +177,9 @@ class TrialStep(StepStart):
             return FailedStep(StepFailure.BEYOND_TRAVEL_LIMIT, receding)
         share = brentq(residual, 0.0, 1.0, xtol=1e-300, rtol=accuracy)
         parameter = start + share * self.step
+        if share * self.step < self.shortest_step:  # within rounding of the time it goes at least so far
+            parameter = min(start + self.shortest_step, self.interval.length)
+            return Candidate(parameter, self._trial(parameter, edge), 0.0)
         if parameter <= start:
             return FailedStep(StepFailure.UNRESOLVED, receding)
         trial = known[share]

@@ -54,6 +54,8 @@ _ZONE_END_SHARE = 1e-4
 
 _SLIVER = 1e-9
 """Part of a step by which it may differ from the one wanted by rounding."""
+_SLIGHTLY_LONGER = 1.5
+"""Step, in shortest ones, up to which it is as short as can be: it is rounded to multiples of a quarter."""
 
 
 @dataclass
@@ -149,7 +151,8 @@ class GradedRun:
             problem.counters.rejected_steps += 1
             state.step = 0.25 * taken
             return None
-        if result.error > 1.0 and not self._passes_an_annulus(taken, travel):
+        at_once = taken <= _SLIGHTLY_LONGER * start.shortest_step or self._passes_an_annulus(taken, travel)
+        if result.error > 1.0 and not at_once:
             problem.counters.rejected_steps += 1
             state.rejected.append((taken, travel))
             state.step = shrunk(taken, result.error, 2 if len(state.accepted.rows) > 1 else 1)

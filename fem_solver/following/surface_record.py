@@ -108,7 +108,8 @@ def interpolated(x: Array, values: Array, at: Array) -> Array:
     used = np.unique(np.clip(beside, 0, len(x) - 1))
     if used.size < 2:
         used = np.arange(len(x))
-    return np.asarray(PchipInterpolator(x[used], values[:, used], axis=1)(np.clip(at, low, high)))
+    with np.errstate(over="ignore"):  # over a difference lost in underflow: the slope there is then zero
+        return np.asarray(PchipInterpolator(x[used], values[:, used], axis=1)(np.clip(at, low, high)))
 
 
 def averaged(x: Array, values: Array, bounds: Array) -> Array:
@@ -128,7 +129,8 @@ def averaged(x: Array, values: Array, bounds: Array) -> Array:
     if x.size < 2 or not values.any():
         return interpolated(x, values, bounds[1:])
     within = np.clip(bounds, x[0], x[-1])
-    total = PchipInterpolator(x, values, axis=1).antiderivative()(within)
+    with np.errstate(over="ignore"):  # as above
+        total = PchipInterpolator(x, values, axis=1).antiderivative()(within)
     total += values[:, :1] * np.minimum(bounds - x[0], 0.0) + values[:, -1:] * np.maximum(bounds - x[-1], 0.0)
     return np.asarray(np.diff(total, axis=1) / np.diff(bounds))
 

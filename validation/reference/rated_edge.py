@@ -53,6 +53,10 @@ class RatedEdge:
     adhesion: Adhesion
     release_rate: ReleaseRate
 
+    def speed(self, release_rate: float) -> float:
+        """Speed at which the edge opens where it is driven by ``release_rate``; 0 where it does not."""
+        return opening_speed(self.adhesion, release_rate)
+
     def departure(self, radius: float, penetration: float, rate: float) -> float:
         """Time at which a pinned edge starts to open while the penetration falls.
 
@@ -103,7 +107,7 @@ class RatedEdge:
 
         def speed(time: float, state: Array) -> list[float]:
             a = max(float(state[0]), 0.5 * smallest)
-            return [-opening_speed(self.adhesion, self.release_rate(a, penetration - rate * time))]
+            return [-self.speed(self.release_rate(a, penetration - rate * time))]
 
         def at_smallest(time: float, state: Array) -> float:
             return float(state[0]) - smallest

@@ -1,0 +1,241 @@
+"""A short zone that opens steadily: a law of the rate, or a fixed stress, and the enhancement of the crack.
+
+The scenes' check values worked out again, every row of every solver against the law, and wrong versions of
+what makes up the law, one at a time: the check values show each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.faults.injection import Fault, missing, seeded, time_limit
+
+import bem_solver
+from contact_scene import (
+    Adhesion,
+    Hold,
+    Loading,
+    Material,
+    OutcomeKind,
+    PowerRate,
+    Ramp,
+    Scene,
+    Sphere,
+)
+from validation.cases import load
+from validation.measure.dimensionless import unit_sizes
+from validation.measure.observables import observe
+from validation.reference import fixed_stress, steady_crack
+from validation.reference.jkr import JKR
+from validation.reference.rated_edge import RatedEdge
+from validation.reference.steady_edge import SteadyEdge
+from validation.solvers import SOLVERS
+
+TRACKING = "validation.reference.tracking"
+RATED, STRESS = ("steady-rate-si",), ("steady-stress-si",)
+ACCURACY = {"reference": 5e-4, "bem": 1e-3, "fem": 5e-3}
+each_scene = pytest.mark.parametrize("name", [*RATED, *STRESS])
+
+
+def contact(scene):
+    """The relaxed contact without a zone."""
+    return JKR(scene.indenter, scene.material.relaxed_plane_modulus, scene.adhesion.work)
+
+
+def edge(scene):
+    law = contact(scene)
+    return SteadyEdge(
+        scene.adhesion, lambda a, depth: float(law.energy_release_rate(a, depth)), scene.material
+    )
+
+
+@each_scene
+def test_check_values_are_those_of_the_equation_of_motion(name):
+    case = load(name)
+    scene, law, motion, units = case.scene, contact(case.scene), edge(case.scene), unit_sizes(case.scene)
+    depth, step = scene.loading.penetration, scene.loading.steps[0]
+    times = np.linspace(0.0, (depth - step.to) / step.rate, 1001)
+    start = law.at_penetration(depth).contact_radius
+    radius = motion.radii(start, depth, step.rate, times)
+    depths = depth - step.rate * times
+    force = 2.0 * law.plane_modulus * (radius * depths - radius**3 / (3.0 * scene.indenter.radius))
+    release = [float(law.energy_release_rate(a, d)) for a, d in zip(radius, depths, strict=True)]
+    taken = np.array([scene.adhesion.opening(motion.speed(g)) for g in release])
+    spent = -np.cumsum(0.5 * (taken[1:] + taken[:-1]) * np.pi * np.diff(radius**2))
+    last = round(0.96 * (len(times) - 1))
+    found = {
+        "start_radius": start,
+        "pull_off_force": -force.min(),
+        "contact_radius": radius[last],
+        "separation_energy": spent[last - 1],
+        "loop_energy": np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(depths)),
+    }
+    for check in case.expected:
+        assert check.at_time in (None, pytest.approx(times[last]))
+        assert check.value * units[check.unit] == pytest.approx(found.pop(check.observable), rel=2e-5)
+    assert found == {}
+
+
+@each_scene
+def test_the_speed_is_the_one_at_which_so_much_is_taken(name):
+    scene = load(name).scene
+    motion, work, zone = edge(scene), scene.adhesion.work, scene.adhesion.zone
+    for release in work * np.array([1.1, 2.0, 5.0]):
+        speed = motion.speed(release)
+        taken = scene.adhesion.opening(speed)
+        if scene.adhesion.stress is None:
+            closed = steady_crack.opening(scene.material, zone, speed)
+        else:
+            closed = fixed_stress.opening(scene.material, zone * taken / work, speed)
+        assert release == pytest.approx(taken * float(closed), rel=1e-9)
+    assert motion.speed(work) == 0.0
+
+
+def test_without_a_rate_nothing_takes_more_than_a_glassy_edge():
+    motion = edge(load(*STRESS).scene)
+    assert motion.speed(9.999 * motion.adhesion.work) > 1e3 * motion.speed(9.0 * motion.adhesion.work)
+    assert motion.speed(10.001 * motion.adhesion.work) == np.inf
+
+
+def test_a_half_space_that_relaxes_at_once_leaves_the_law_of_the_rate():
+    scene = load(*RATED).scene
+    quick = replace(scene.material, branches=tuple(replace(b, time=1e-12) for b in scene.material.branches))
+    motion, elastic = (
+        replace(edge(scene), material=quick),
+        RatedEdge(scene.adhesion, edge(scene).release_rate),
+    )
+    for release in (0.6, 0.8):
+        assert motion.speed(release) == pytest.approx(elastic.speed(release), rel=1e-6)
+
+
+def apparent(scene, trace):
+    """Radius, speed and energy release rate at the rows that the edge has passed steadily."""
+    radius, begun = trace.contact_radius, trace.contact_radius[0]
+    speed = -np.gradient(radius, trace.time)
+    release = contact(scene).energy_release_rate_from_force(radius, trace.force)
+    steady = (radius < 0.95 * begun) & (np.arange(len(radius)) < len(radius) - 1)
+    return radius[steady], speed[steady], release[steady]
+
+
+def assert_law_holds(scene, trace, accuracy):
+    """The energy release rate of every steady row is the law at the speed of the row."""
+    _, speeds, releases = apparent(scene, trace)
+    motion = edge(scene)
+    taken = [motion.taken(v, g) for v, g in zip(speeds, releases, strict=True)]
+    assert len(taken) > 5
+    assert_allclose(releases, taken, rtol=accuracy)
+    added = np.array([motion.enhancement(v, g) for v, g in zip(speeds, releases, strict=True)])
+    assert added.min() > 1.5
+    return releases / added / scene.adhesion.work
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", ACCURACY)
+@each_scene
+def test_every_row_follows_the_law(solver, name):
+    scene = load(name).scene
+    assert_law_holds(scene, SOLVERS[solver].solve(scene, None), ACCURACY[solver])
+
+
+def test_boundary_elements_follow_the_law_in_few_steps():
+    """Steps over many zones: at a twelfth of a zone each they would be a hundred thousand."""
+    scene = load(*RATED).scene
+    brisk = replace(scene, loading=replace(scene.loading, steps=(Ramp(-1.2e-5, 2e-9),)))
+    trace = bem_solver.solve(brisk, bem_solver.Options(resolution=6))
+    rate = assert_law_holds(brisk, trace, ACCURACY["bem"])
+    assert 1.2 < rate.min() < rate.max() < 1.5
+    assert trace.counters.steps < 100
+    assert (trace.contact_radius[0] - trace.contact_radius[-1]) / scene.adhesion.zone > 2000.0
+
+
+def test_a_rated_edge_that_collapses_within_the_rounding_of_time_ends_the_run():
+    """After a long rest the time tells no steps short enough for the last of the collapse."""
+    adhesion = Adhesion(5e-4, 1e-3, None, PowerRate(1e-2, 0.4))
+    loading = Loading("relaxed", 0.01, (Hold(1e11), Ramp(-1.0, 1e-2)))
+    scene = Scene(Material(0.75, 0.5), Sphere(1.0), loading, adhesion)
+    trace = bem_solver.solve(scene, bem_solver.Options(resolution=4, max_steps=1000))
+    assert trace.outcome.kind is OutcomeKind.BELOW_ZONE
+    assert np.all(np.diff(trace.contact_radius)[-50:] < 0.0)
+    assert trace.contact_radius[-1] == pytest.approx(adhesion.zone)
+
+
+def times(factor):
+    return lambda true: lambda *given, **named: factor * true(*given, **named)
+
+
+def timed(factor):
+    """A half-space whose branches relax slower, or at once."""
+
+    def altered(true):
+        def of_material(*given):
+            *before, material = given[:2] if isinstance(given[-1], bool) else given
+            branches = tuple(replace(one, time=factor * one.time) for one in material.branches)
+            return true(*before, replace(material, branches=branches), *given[len(before) + 1 :])
+
+        return of_material
+
+    return altered
+
+
+FAULTS = [
+    Fault("reference", "speed twice too large", f"{TRACKING}.edge_path:PolynomialPath.end_slope",
+          times(2.0), RATED),
+    Fault("reference", "zone as at rest", f"{TRACKING}.law:Griffith.zone_at",
+          lambda true: lambda self, *given: self.zone_length, STRESS),
+    Fault("reference", "enhancement forgotten", f"{TRACKING}.rheology:rheology", timed(1e-4), RATED),
+    Fault("reference", "enhancement at twice the speed", f"{TRACKING}.rheology:rheology", timed(2.0), STRESS),
+    Fault("bem", "speed twice too large", "bem_solver.edge_energy:end_velocity", times(2.0), RATED),
+    Fault("bem", "zone as at rest", "bem_solver.trial:_zone",
+          lambda true: lambda problem, surface: problem.zone, STRESS),
+    Fault("bem", "enhancement forgotten", "bem_solver.creep:Chain.__init__", timed(1e-4), RATED),
+    Fault("bem", "enhancement at twice the speed", "bem_solver.creep:Chain.__init__", timed(2.0), STRESS),
+    Fault("fem", "speed twice too large", "fem_solver.release:EdgeOrigin.opening_speed", times(2.0), RATED),
+    Fault("fem", "zone as at rest", "fem_solver.following.closure:zone_at",
+          lambda true: lambda placement, *given: placement.geometry.zone, STRESS),
+    Fault("fem", "enhancement forgotten", "fem_solver.setup:moduli", timed(1e-4), RATED),
+    Fault("fem", "enhancement at twice the speed", "fem_solver.setup:moduli", timed(2.0), STRESS),
+]  # fmt: skip
+
+
+def wrong(solver, name):
+    """Check values that a solver misses on a scene; empty if all is well."""
+    case = load(name)
+    trace = SOLVERS[solver].solve(case.scene, None)
+    found = observe(trace, case.scene.adhesion.zone, case.scene.loading).as_dict()
+    units = unit_sizes(case.scene)
+    missed = [] if trace.outcome.kind == case.outcome else ["outcome"]
+    for check in case.expected:
+        value, measured = check.value * units[check.unit], found.get(check.observable)
+        if check.at_time is not None:
+            measured = np.interp(check.at_time, trace.time, trace.columns()[check.observable])
+        if measured is None or not abs(measured - value) <= check.tolerance[solver] * abs(value):
+            missed.append(check.observable)
+    return missed
+
+
+def test_every_fault_has_its_function():
+    assert missing(FAULTS) == []
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("solver", ACCURACY)
+@each_scene
+def test_the_true_solvers_miss_nothing(solver, name):
+    assert wrong(solver, name) == []
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("fault", FAULTS, ids=[fault.key for fault in FAULTS])
+def test_a_fault_shows(fault):
+    (name,) = fault.scenes
+    with seeded(fault) as calls:
+        try:
+            with np.errstate(all="ignore"), time_limit(60.0):
+                missed = wrong(fault.solver, name)
+        except (TimeoutError, ArithmeticError, ValueError) as error:
+            missed = [type(error).__name__]
+    assert calls.count > 0
+    assert missed != []
