@@ -162,5 +162,7 @@ class BentPath:
         values = fall(self.distance(radius[..., None], left), left)
         values *= z * np.exp(y[:, None] * (end[..., None] - left))
         lagging = 2.0 * y * reach * (values @ weights)
-        at_begin, at_end = (fall(self.distance(radius, at), at) for at in (begin, end))
-        return (1.0 - even) * at_end - (np.exp(y * (end - begin)) - even) * at_begin - lagging
+        ends = np.concatenate((begin, end), axis=1)
+        at_ends = fall(self.distance(radius, ends), ends)
+        left_of_begin = np.exp(y * (end - begin)) - even
+        return (1.0 - even) * at_ends[:, 1:] - left_of_begin * at_ends[:, :1] - lagging

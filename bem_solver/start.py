@@ -24,10 +24,11 @@ from contact_scene.scene import zone_too_long
 
 Array = NDArray[np.float64]
 
-_SCAN_RATIO = 1.04
-"""Ratio of neighbouring contact radii in the scan for the largest stable one."""
-_SCAN_START, _SCAN_END = 64.0, 1e-6
-"""Largest and smallest radius of the scan, in the estimated contact radius."""
+_SCAN_RATIO, _FAR_SCAN_RATIO = 1.04, 1.04**5
+"""Ratios of neighbouring radii in the scan for the largest stable contact: near the estimate, far beyond."""
+_SCAN_START, _SCAN_END, _FAR = 64.0, 1e-6, 4.0
+"""Largest and smallest radius of the scan, in the estimated contact radius, and from where on it is far above
+it: only a wide plateau of the profile could hold an edge there."""
 
 _FACING = 64
 """Nodes outside the edge that the closure looks at, even in the root of the distance: their cubics hold the
@@ -57,7 +58,7 @@ def largest_stable(trial: Callable[[float], TrialContact], scale: float, limit: 
     if upper == limit and last.residual <= 0.0:
         return last
     while edge > _SCAN_END * scale:
-        lower = edge / _SCAN_RATIO
+        lower = edge / (_FAR_SCAN_RATIO if edge > _FAR * scale else _SCAN_RATIO)
         candidate = trial(lower)
         if candidate.residual <= 0.0 < last.residual:
             return rising_root(trial, lower, 0.0, lower, edge, 1e-11 * edge).trial

@@ -29,10 +29,9 @@ from validation.cases import load
 from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import observe
 from validation.reference import fixed_stress, steady_crack
-from validation.reference.jkr import JKR
 from validation.reference.rated_edge import RatedEdge
-from validation.reference.steady_edge import SteadyEdge
 from validation.solvers import SOLVERS
+from validation.studies.steady_edge import main, relaxed_contact, steady_edge, steady_rows
 
 TRACKING = "validation.reference.tracking"
 RATED, STRESS = ("steady-rate-si",), ("steady-stress-si",)
@@ -40,22 +39,15 @@ ACCURACY = {"reference": 5e-4, "bem": 1e-3, "fem": 5e-3}
 each_scene = pytest.mark.parametrize("name", [*RATED, *STRESS])
 
 
-def contact(scene):
-    """The relaxed contact without a zone."""
-    return JKR(scene.indenter, scene.material.relaxed_plane_modulus, scene.adhesion.work)
-
-
-def edge(scene):
-    law = contact(scene)
-    return SteadyEdge(
-        scene.adhesion, lambda a, depth: float(law.energy_release_rate(a, depth)), scene.material
-    )
-
-
 @each_scene
 def test_check_values_are_those_of_the_equation_of_motion(name):
     case = load(name)
-    scene, law, motion, units = case.scene, contact(case.scene), edge(case.scene), unit_sizes(case.scene)
+    scene, law, motion, units = (
+        case.scene,
+        relaxed_contact(case.scene),
+        steady_edge(case.scene),
+        unit_sizes(case.scene),
+    )
     depth, step = scene.loading.penetration, scene.loading.steps[0]
     times = np.linspace(0.0, (depth - step.to) / step.rate, 1001)
     start = law.at_penetration(depth).contact_radius
@@ -82,7 +74,7 @@ def test_check_values_are_those_of_the_equation_of_motion(name):
 @each_scene
 def test_the_speed_is_the_one_at_which_so_much_is_taken(name):
     scene = load(name).scene
-    motion, work, zone = edge(scene), scene.adhesion.work, scene.adhesion.zone
+    motion, work, zone = steady_edge(scene), scene.adhesion.work, scene.adhesion.zone
     for release in work * np.array([1.1, 2.0, 5.0]):
         speed = motion.speed(release)
         taken = scene.adhesion.opening(speed)
@@ -95,7 +87,7 @@ def test_the_speed_is_the_one_at_which_so_much_is_taken(name):
 
 
 def test_without_a_rate_nothing_takes_more_than_a_glassy_edge():
-    motion = edge(load(*STRESS).scene)
+    motion = steady_edge(load(*STRESS).scene)
     assert motion.speed(9.999 * motion.adhesion.work) > 1e3 * motion.speed(9.0 * motion.adhesion.work)
     assert motion.speed(10.001 * motion.adhesion.work) == np.inf
 
@@ -103,33 +95,19 @@ def test_without_a_rate_nothing_takes_more_than_a_glassy_edge():
 def test_a_half_space_that_relaxes_at_once_leaves_the_law_of_the_rate():
     scene = load(*RATED).scene
     quick = replace(scene.material, branches=tuple(replace(b, time=1e-12) for b in scene.material.branches))
-    motion, elastic = (
-        replace(edge(scene), material=quick),
-        RatedEdge(scene.adhesion, edge(scene).release_rate),
-    )
+    edge = steady_edge(scene)
+    motion, elastic = replace(edge, material=quick), RatedEdge(scene.adhesion, edge.release_rate)
     for release in (0.6, 0.8):
         assert motion.speed(release) == pytest.approx(elastic.speed(release), rel=1e-6)
 
 
-def apparent(scene, trace):
-    """Radius, speed and energy release rate at the rows that the edge has passed steadily."""
-    radius, begun = trace.contact_radius, trace.contact_radius[0]
-    speed = -np.gradient(radius, trace.time)
-    release = contact(scene).energy_release_rate_from_force(radius, trace.force)
-    steady = (radius < 0.95 * begun) & (np.arange(len(radius)) < len(radius) - 1)
-    return radius[steady], speed[steady], release[steady]
-
-
 def assert_law_holds(scene, trace, accuracy):
     """The energy release rate of every steady row is the law at the speed of the row."""
-    _, speeds, releases = apparent(scene, trace)
-    motion = edge(scene)
-    taken = [motion.taken(v, g) for v, g in zip(speeds, releases, strict=True)]
-    assert len(taken) > 5
-    assert_allclose(releases, taken, rtol=accuracy)
-    added = np.array([motion.enhancement(v, g) for v, g in zip(speeds, releases, strict=True)])
-    assert added.min() > 1.5
-    return releases / added / scene.adhesion.work
+    rows = steady_rows(scene, trace)
+    assert len(rows.speed) > 5
+    assert_allclose(rows.release_rate, rows.law, rtol=accuracy)
+    assert rows.enhancement.min() > 1.5
+    return rows.law / rows.enhancement / scene.adhesion.work
 
 
 @pytest.mark.slow
@@ -160,6 +138,16 @@ def test_a_rated_edge_that_collapses_within_the_rounding_of_time_ends_the_run():
     assert trace.outcome.kind is OutcomeKind.BELOW_ZONE
     assert np.all(np.diff(trace.contact_radius)[-50:] < 0.0)
     assert trace.contact_radius[-1] == pytest.approx(adhesion.zone)
+
+
+def test_the_study_prints_how_closely_every_row_follows_the_law(capsys):
+    main(["--scene", *RATED, "--solver", "reference", "--resolution", "6"])
+    scene, solver, resolution, largest, mean, rows, _ = (
+        capsys.readouterr().out.splitlines()[-1].split("|")[1:-1]
+    )
+    assert (scene.strip(), solver.strip(), int(resolution)) == (*RATED, "reference", 6)
+    assert 0.0 < float(mean) < float(largest) < ACCURACY["reference"]
+    assert int(rows) > 100
 
 
 def times(factor):
