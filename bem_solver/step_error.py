@@ -69,12 +69,15 @@ def step_error(start: StepStart, trial: TrialContact, step: float, rate_step: fl
 def error_at_limit(start: StepStart, trial: TrialContact, step: float) -> float:
     """Step error where the edge has travelled as far as it may: of the load, which may have a corner.
 
-    It misses no more than by what the load would have changed without one, however fast the edge runs.
+    It misses no more than by what the load would have changed without one, however fast the edge runs. The
+    edge counts as anywhere: one that has set off within the step has not moved evenly.
     """
-    _, of_load, change = _departures(start, trial, step, step)
-    if len(start.state.accepted.rows) > 1:  # or its rate is unknown
+    of_edge, of_load, change = _departures(start, trial, step, step)
+    if len(start.state.accepted.rows) > 1:  # or their rates are unknown
         of_load = min(of_load, 0.125 * change)
-    return _LOAD_WEIGHT_AT_LIMIT * of_load / start.settings.tolerance
+    else:
+        of_edge = 0.0
+    return max(of_edge, _LOAD_WEIGHT_AT_LIMIT * of_load) / start.settings.tolerance
 
 
 def _departures(

@@ -11,6 +11,8 @@ from support.bem_runs import front
 from support.paper_scenes import cycle
 
 from bem_solver import Options, solve
+from bem_solver.options import DEFAULT_RESOLUTION
+from validation.cases import load
 from validation.measure.observables import observe
 from validation.reference import tracking
 
@@ -22,6 +24,13 @@ from bem_solver import solve
 solve(cycle(0.02))
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 """
+
+
+MEASURED = (
+    *("cycle-v0.002", "cycle-v0.02", "cycle-v0.1", "dwell-1", "dwell-10", "force-2", "force-4", "force-8"),
+    *(f"pdms-{what}-{zone}" for zone in ("1um", "100nm") for what in ("retraction", "cycle", "dead-load")),
+)
+"""Built-in scenes with process zones of 6e-2 to 1e-3 of the contact radius."""
 
 
 def processor_time(rate):
@@ -66,6 +75,24 @@ def test_price_of_four_digits_and_of_six(rate, record_property):
                 break
         record_property(f"{name}, seconds", min(seconds))
         assert error < required
+
+
+@pytest.mark.benchmark
+@pytest.mark.parametrize("name", MEASURED)
+def test_error_by_default_and_at_four_times_the_resolution(name, record_property):
+    """Pull-off force and loop integral to 1e-3 and 1e-4; the state at detachment is printed beside them."""
+    question = load(name).scene
+    exact = observe(front(question, 20))
+    for resolution, bound in ((DEFAULT_RESOLUTION, 1e-3), (4 * DEFAULT_RESOLUTION, 1e-4)):
+        began = time.process_time()
+        ours = observe(solve(question, Options(resolution)))
+        seconds = time.process_time() - began
+        keys = ("pull_off_force", "loop_energy", "detachment_time", "detachment_radius")
+        errors = {key: abs(getattr(ours, key) / getattr(exact, key) - 1.0) for key in keys}
+        listed = ", ".join(f"{key} {error:.1e}" for key, error in errors.items())
+        print(f"{name} at {resolution}: {seconds:.1f} s, {listed}")
+        record_property(f"{resolution}", listed)
+        assert max(errors["pull_off_force"], errors["loop_energy"]) < bound
 
 
 @pytest.mark.benchmark
