@@ -152,8 +152,8 @@ class SurfaceHistory:
     """Scaled Maxwell stresses up to the edge, scaled Voigt strains from the edge on.
 
     ``direction`` is the sign of the last motion of the edge, ``farthest`` the radius it has reached in it
-    (``None``: not yet any); ``turning`` the radius at which that motion began, until the edge has left it far
-    enough for it to be a kink.
+    (``None``: not yet any); ``turning`` the radius at which that motion began, or of a kink that it comes
+    near, until the edge has left it far enough for it to be a kink.
     """
 
     inner: NodalVariables
@@ -225,8 +225,9 @@ def updated_kinks(
     Notes
     -----
     An edge that turned, or started from rest, leaves a kink once it is ``apart`` from there. Kinks closer
-    than that to the edge or to a newer one are dropped: the nodes that stay around them carry their
-    history.
+    than that to a newer one are dropped: the nodes that stay around them carry their history. One closer to
+    an edge that has not just turned takes the place of the turning until the edge has passed it: left to the
+    annuli, its inverse root would hold the edge up there.
     """
     farthest = edge if before.farthest is None else before.farthest
     direction, turning = before.direction, before.turning
@@ -236,10 +237,13 @@ def updated_kinks(
     elif direction == 0 or ahead < -rest:
         direction = int(np.sign(new_edge - farthest)) or direction
         turning, farthest = farthest, new_edge
-    kinks = [k for k in before.kinks if k != edge and abs(k - new_edge) >= apart]
+    older = [k for k in before.kinks if k != edge and abs(k - new_edge) >= rest]
+    kinks = [k for k in older if abs(k - new_edge) >= apart]
     if turning is not None and abs(new_edge - turning) >= apart:
         kinks = [k for k in kinks if abs(k - turning) >= apart] + [turning]
         turning = None
+    if turning is None and len(kinks) < len(older):
+        turning = min(older, key=lambda kink: abs(kink - new_edge))
     return tuple(sorted(kinks[-_MOST_KINKS:])), direction, turning, farthest
 
 

@@ -166,6 +166,21 @@ def test_kinks_near_the_edge_are_dropped_and_few_are_kept():
     assert min(abs(k - 0.1501) for k in kinks) >= 1e-3
 
 
+def test_a_kink_that_the_edge_comes_near_is_held_until_it_is_far():
+    before = SurfaceHistory(
+        track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.15, 0.2)), -1, None
+    )
+    kinks, _, turning, _ = updated_kinks(before, 0.2, 0.1501, 1e-3, 1e-6)
+    assert (kinks, turning) == ((), 0.15)
+    before = SurfaceHistory(
+        track_to(0.1501), NodalVariables(np.array([0.1501, 1.0]), np.zeros((2, 1)), (0.1501,)), -1, 0.15
+    )
+    kinks, _, turning, _ = updated_kinks(before, 0.1501, 0.14, 1e-3, 1e-6)
+    assert (kinks, turning) == ((0.15,), None)
+    kinks, _, turning, _ = updated_kinks(before, 0.1501, 0.15 + 1e-8, 1e-3, 1e-6)
+    assert turning == 0.15
+
+
 def test_nodes_around_an_edge():
     radii = np.array([0.1, 0.5, 0.9, 0.99])
     assert_allclose(graded_nodes(radii, 2.0, 0.3), [1.8, 1.98, 2.0, 2.2, 2.02])

@@ -16,7 +16,19 @@ from bem_solver.history import NodalVariables
 from bem_solver.motion import Motion, SurfacePoints
 from bem_solver.root_search import rising_root
 from bem_solver.surface_points import advanced, load_inside, pressed
-from contact_scene import Adhesion, Branch, Hold, Loading, Material, Oscillate, Ramp, Scene, Sphere
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    PowerLaw,
+    Ramp,
+    Scene,
+    Sphere,
+    Sweep,
+)
 
 
 @dataclass(frozen=True)
@@ -129,3 +141,22 @@ def test_small_oscillation_with_stops_at_the_ends_of_cycles(resolution, duration
         error = np.abs(trace.contact_radius - np.interp(trace.time, exact.time, exact.contact_radius))
         assert error.max() < share * np.ptp(exact.contact_radius)
         assert not np.any(np.diff(trace.contact_radius) == 0.0)
+
+
+@pytest.mark.parametrize("stop", [5.323e-4, 5.326e-4, 5.329e-4])
+def test_an_edge_that_a_row_leaves_just_beyond_its_old_place_recedes_past_it(stop):
+    # the place where it has relaxed is nearer to the edge there than the annuli resolve
+    question = Scene(
+        Material(142000.0, 0.49, [Branch(2499200.0, 0.0065703)]),
+        PowerLaw(4.29, 27516787309.97498),
+        Loading(
+            "relaxed",
+            0.00012829486574999997,
+            [Sweep(amplitude=3.429394175e-07, chirp=21829264.41359641, duration=6.6e-4)],
+        ),
+        Adhesion(0.04327379005692223, 4.307295e-5),
+    )
+    radius = bem(question, resolution=6, stop_times=(stop,)).contact_radius
+    exact = front(question, 10).contact_radius
+    assert abs(radius[-1] - exact[-1]) < 0.02 * np.ptp(exact)
+    assert radius.max() < exact.max() + 0.05 * np.ptp(exact)
