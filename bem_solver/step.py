@@ -258,6 +258,8 @@ class TrialStep(StepStart):
             return None
         (before, edge, load), (now, _, _) = rows[-2:]
         penetration = load if interval.control == "force" else interval.prescribed(before)
+        if interval.control == "stage":
+            penetration -= self.problem.scene.loading.compliance * load
         return EarlierRow(now - before, edge, penetration, self._fall)
 
     @cached_property

@@ -227,6 +227,20 @@ def test_copies_in_other_units_agree(name):
     assert differences_in_units(SOLVERS[name], asked, copy, units) == []
 
 
+@pytest.mark.parametrize("share", [0.1, 1.0])
+def test_slow_approach_on_a_spring_while_the_half_space_relaxes(share):
+    """Stage and penetration are two things: a step that takes one for the other loses its way slowly."""
+    material = Material(0.75, 0.5, (Branch(1.5, 1.0),))
+    slow = scene(material, Ramp(0.06, 0.01), machine=Machine(share * STIFFNESS))
+    exact = SOLVERS["reference"].solve(slow)
+    for name in ("bem", "fem"):
+        trace = SOLVERS[name].solve(slow)
+        for column in ("contact_radius", "force", "penetration"):
+            ours, theirs = getattr(trace, column), getattr(exact, column)
+            apart = np.abs(np.interp(trace.time, exact.time, theirs) - ours).max()
+            assert apart <= 5e-3 * np.abs(theirs).max(), (name, column)
+
+
 @every_solver
 def test_contact_is_made_at_constant_stage(solver):
     """With the stage where the surfaces just touch, spring and adhesion balance: the stable branch."""
