@@ -12,9 +12,9 @@ Array = NDArray[np.float64]
 
 GRADING = 1.75
 """Grading of nodes towards the end of a step: distances shrink by the factor ``1 - GRADING/divisions``."""
-GRADING_OVER_ZONES = 1.2
-"""The same in steps over process zones: speed and closure follow there from the path within the step alone,
-and under a force nothing takes back what the speed is off by."""
+FREE_GRADING = 1.2
+"""The same for steps over process zones under a controlled force: no penetration takes back there what the
+speed, which follows from these nodes, is off by."""
 STEEPEST = 0.1
 """Least of that factor: with few divisions, as a coarse tolerance asks for, it would not be positive."""
 LAYER_FRACTION = 0.15
@@ -50,6 +50,8 @@ class NodePlacement:
         Steps per process zone.
     over_zones : bool
         Whether the step may pass over several process zones; its nodes then reach down to a part of a zone.
+    free : bool
+        Whether the force is controlled, so that the penetration is free.
     """
 
     shortest: float
@@ -57,12 +59,13 @@ class NodePlacement:
     zone_length: float
     divisions: float
     over_zones: bool = False
+    free: bool = False
 
     def fractions(self, duration: float) -> Array:
         """Fractions of the step, rising, within (0, 1)."""
         if math.isinf(self.shortest) or duration <= 0.0 or self.travel == 0.0 or self.zone_length == 0.0:
             return np.empty(0)
-        grading = GRADING_OVER_ZONES if self.over_zones else GRADING
+        grading = FREE_GRADING if self.over_zones and self.free else GRADING
         ratio = max(1.0 - grading / self.divisions, STEEPEST)
         smallest = max(
             LAYER_FRACTION * self.shortest / duration,

@@ -109,7 +109,12 @@ class FrontProblem:
             state.history.extrapolation(RADIUS),
             state.history.extrapolation(PENETRATION),
             NodePlacement(
-                self.shortest_time, travel, self.condition.zone_length, self.fineness.divisions, over_zones
+                self.shortest_time,
+                travel,
+                self.condition.zone_length,
+                self.fineness.divisions,
+                over_zones,
+                segment.control == "force",
             ),
             state.counters,
             self.edge_radius,
