@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.faults.injection import Fault, missing, seeded, time_limit
+from support.faults.injection import Fault, found_wrong, missing
 
 from validation.cases import load
 from validation.measure.dimensionless import unit_sizes
@@ -95,12 +95,6 @@ def test_the_true_solvers_miss_nothing(solver, name):
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("fault", FAULTS, ids=[fault.key for fault in FAULTS])
 def test_a_fault_shows(fault):
-    (name,) = fault.scenes
-    with seeded(fault) as calls:
-        try:
-            with np.errstate(all="ignore"), time_limit(30.0):
-                missed = wrong(fault.solver, name)
-        except (TimeoutError, ArithmeticError, ValueError) as error:
-            missed = [type(error).__name__]
-    assert calls.count > 0
+    calls, missed = found_wrong(fault, wrong, 30.0)
+    assert calls > 0
     assert missed != []

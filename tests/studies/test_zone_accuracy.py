@@ -75,8 +75,16 @@ def test_a_run_without_an_answer_has_no_errors(asked, monkeypatch):
     assert one.ending == "refused"
 
 
+def test_what_has_no_zone_is_one_line(asked, capsys):
+    assert main(["bem", "elastic-press"]) == 2
+    assert capsys.readouterr().err == "elastic-press: adhesion: a study of zones needs adhesion\n"
+    assert main(["bem", "no-such-scene"]) == 2
+    assert "no-such-scene" in capsys.readouterr().err
+    assert asked == []
+
+
 def test_table_names_the_largest_errors_and_their_place(asked, capsys):
-    main(["bem", "cycle-v0.02", "--zones", "1e-2"])
+    assert main(["bem", "cycle-v0.02", "--zones", "1e-2"]) == 0
     shown = capsys.readouterr().out
     assert "largest error of pull_off_force: 5.0e-02 (cycle-v0.02, 1e-02)" in shown
 

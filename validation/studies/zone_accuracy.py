@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from contact_scene import Adhesion, Oscillate, Scene
+from contact_scene import Adhesion, Oscillate, Scene, SceneError
 from validation import cases
 from validation.cases import Case
 from validation.execution.runs import Run, run
 from validation.measure.norms import distance
-from validation.measure.scaling import scale
 from validation.solvers import REFERENCE, SOLVERS, solver
-from validation.studies.zones import RATIOS
+from validation.studies.zones import RATIOS, relative_errors
 
 SCENES = (
     "cycle-v0.002",
@@ -73,11 +73,19 @@ def accuracies(
     Yields
     ------
     ZoneAccuracy
+
+    Raises
+    ------
+    SceneError
+        A scene without adhesion has no zone, and one that the reference does not answer no radius.
     """
     for case in chosen:
-        own, adhesion = run(case, REFERENCE), case.scene.adhesion
-        if own.trace is None or adhesion is None:
-            continue
+        adhesion = case.scene.adhesion
+        if adhesion is None:
+            raise SceneError(f"{case.name}: adhesion", "a study of zones needs adhesion")
+        own = run(case, REFERENCE)
+        if own.trace is None:
+            raise SceneError(case.name, f"the reference has no answer to it: {own.failure}")
         radius = float(own.trace.contact_radius.max())
         for ratio in sorted(ratios, reverse=True):
             there = replace(case, scene=_with_zone(case.scene, adhesion.work, ratio * radius))
@@ -105,21 +113,18 @@ def _with_zone(scene: Scene, work: float, zone: float) -> Scene:
 
 
 def _errors(answer: Run, exact: Run) -> dict[str, float]:
-    errors: dict[str, float] = {}
+    """Of measures and curves; none where one of the two has no answer."""
     if answer.trace is None or exact.trace is None:
-        return errors
-    for name in MEASURES:
-        value, expected = answer.measures.get(name), exact.measures.get(name)
-        if value is not None and expected is not None and (size := scale(name, expected, exact.trace)) > 0.0:
-            errors[name] = (value - expected) / size
+        return {}
+    errors = relative_errors(answer, exact, MEASURES)
     for name in CURVES:
         if (apart := distance(answer.trace, exact.trace, name)) is not None:
             errors[f"{name}, RMS"] = apart.rms
     return errors
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Print a line for every scene and zone, then the largest errors."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print a line for every scene and zone, then the largest errors; exit code 2 for what cannot be run."""
     parser = argparse.ArgumentParser(
         prog="python -m validation.studies.zone_accuracy", description=__doc__.partition("\n")[0]
     )
@@ -128,6 +133,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--zones", type=float, nargs="+", default=RATIOS, help="over the contact radius")
     parser.add_argument("--times", type=int, default=1, help="multiple of the default resolution")
     chosen = parser.parse_args(arguments)
+    try:
+        _print_table(chosen)
+    except SceneError as error:
+        print(error, file=sys.stderr)
+        return 2
+    return 0
+
+
+def _print_table(chosen: argparse.Namespace) -> None:
     names = (*MEASURES, *(f"{name}, RMS" for name in CURVES))
     print(f"{'scene':<20}{'zone/radius':>12}{'steps':>8}{'cpu s':>8}" + "".join(f"{n:>22}" for n in names))
     worst = dict.fromkeys(names, (0.0, ""))
@@ -145,4 +159,4 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

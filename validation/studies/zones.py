@@ -148,7 +148,7 @@ def _zone_run(one: ZoneRun, case: Case, finer: Run, executor: Executor | None) -
     value, peak = answer.value or (None, None)
     result = run_of(replace(answer, task=plain, value=value))
     peak = None if executor is None else peak
-    return replace(one, run=result, skipped="", errors=_errors(result, finer), peak_memory=peak)
+    return replace(one, run=result, skipped="", errors=relative_errors(result, finer), peak_memory=peak)
 
 
 def _measured(function: Callable[..., Run], *arguments: Any) -> tuple[Run, int | None]:
@@ -156,9 +156,10 @@ def _measured(function: Callable[..., Run], *arguments: Any) -> tuple[Run, int |
     return function(*arguments), peak_memory()
 
 
-def _errors(result: Run, finer: Run) -> dict[str, float]:
+def relative_errors(result: Run, finer: Run, names: Iterable[str] = OBSERVED) -> dict[str, float]:
+    """Signed relative errors of observables against a finer run; those that one lacks are left out."""
     errors = {}
-    for name in OBSERVED:
+    for name in names:
         value, expected = result.measures.get(name), finer.measures.get(name)
         if value is not None and expected is not None and finer.trace is not None:
             size = scale(name, expected, finer.trace)

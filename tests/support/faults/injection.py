@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pytest
 
 PACKAGES = ("contact_scene", "bem_solver", "fem_solver", "meshes", "validation")
@@ -172,3 +173,20 @@ def time_limit(seconds: float) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.signal(signal.SIGPROF, before)
+
+
+def found_wrong(
+    fault: Fault, wrong: Callable[[str, str], list[str]], seconds: float
+) -> tuple[int, list[str]]:
+    """What ``wrong(solver, scene)`` finds with a fault in its one scene, and how often the fault was called.
+
+    A run that breaks down or takes longer than so many seconds shows the fault, too.
+    """
+    (name,) = fault.scenes
+    with seeded(fault) as calls:
+        try:
+            with np.errstate(all="ignore"), time_limit(seconds):
+                missed = wrong(fault.solver, name)
+        except (TimeoutError, ArithmeticError, ValueError) as error:
+            missed = [type(error).__name__]
+    return calls.count, missed
