@@ -35,15 +35,16 @@ _FORGOTTEN = 36.0
 
 @dataclass(frozen=True)
 class EarlierRow:
-    """The row before the last: its time before the last, its edge and its penetration.
+    """The row before the last: its time before the last, its penetration, and its edge.
 
-    ``fall`` is that of the load outside the last.
+    ``fall`` is that of the load outside the last. Both are None where the edge keeps to a straight line, and
+    only the penetration is a parabola.
     """
 
     time: float
-    edge: float
     penetration: float
-    fall: OuterFall
+    edge: float | None = None
+    fall: OuterFall | None = None
 
 
 def parabola_bend(earlier: tuple[float, float], value: float, duration: float, end: float) -> float:

@@ -14,19 +14,21 @@ form of the change of v that is ``K^2 |dA|`` at most, with K at unit modulus.
 
 With a sharp edge the branch integral exceeds the loss of the energy balance by what the tip releases in
 excess of the glassy ``K^2/(2 Einf*)``; both are reported. While such an edge moves in steps that are long for
-a branch, what the branches dissipate is taken from that balance (``balanced_dissipation``): a fast branch
+a branch, what the branches dissipate is taken from that balance (``tip_release``): a fast branch
 sees of the tip only what passes within its own time, of which forms of the states at the ends of a longer
 step hold nothing.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain, phi
+from bem_solver.even_step import beyond_straight_lines
 from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
@@ -43,13 +45,16 @@ that counts as short; a mixture between."""
 class Energies:
     """``load_work`` is Y; ``branch_work`` (K,) is X; ``branch_energy`` (K,) is W; ``dissipated`` the time
     integral of the branch power. ``release`` is the glassy energy release rate of the tip, opening and
-    closing, with adhesion."""
+    closing, with adhesion; ``tip`` the integral of it over the area that the step before has gained, NaN
+    where it is not known, and ``bend`` the part of what the branches received in it that is no trapezoid."""
 
     load_work: float
     branch_work: Array
     branch_energy: Array
     dissipated: float
     release: tuple[float, float] | None = None
+    tip: float = math.nan
+    bend: float = 0.0
 
     def stored(self, chain: Chain) -> float:
         """Stored energy U."""
@@ -158,38 +163,19 @@ def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, d
     """
     y = duration / chain.retardation
     long = _share_of_long(y, increment, before)
-    if not long.any():
-        energy, lost = _short(chain, before, increment, y)
-    else:
-        ways = _short(chain, before, increment, y), _long(chain, before, increment, y)
-        energy, lost = ((1.0 - long) * one + long * other for one, other in zip(*ways, strict=True))
+    energy, lost, received = _short(chain, before, increment, y)
+    if long.any():
+        other = _long(chain, before, increment, y)
+        energy, lost = (
+            (1.0 - long) * one + long * two for one, two in zip((energy, lost), other, strict=True)
+        )
     return Energies(
-        increment.load_work, increment.branch_work, energy, before.dissipated + float(np.sum(lost))
+        increment.load_work,
+        increment.branch_work,
+        energy,
+        before.dissipated + float(np.sum(lost)),
+        bend=float(np.sum((1.0 - long) * received)),
     )
-
-
-def balanced_dissipation(work: Array, stored: Array, release: Array, grown: Array) -> Array:
-    """What the branches dissipate in steps with a moving sharp edge.
-
-    Parameters
-    ----------
-    work : ndarray (n,)
-        ``int F dD`` of each step.
-    stored : ndarray (n,)
-        By how much the stored energy grew.
-    release : ndarray (2, n + 1)
-        Glassy energy release rate ``K^2/(2 Einf*)`` of the tip at the ends of the steps, were it to open and
-        to close there.
-    grown : ndarray (n,)
-        By how much the contact area grew.
-
-    Returns
-    -------
-    ndarray (n,)
-        ``int F dD - dU + int K^2/(2 Einf*) dA``.
-    """
-    opening, closing = 0.5 * (release[:, 1:] + release[:, :-1])
-    return work - stored + np.where(grown > 0.0, closing, opening) * grown
 
 
 def share_of_balance(durations: Array, shortest: float) -> Array:
@@ -224,16 +210,33 @@ def _share_of_long(y: Array, increment: WorkIncrement, before: Energies) -> Arra
     return _rising(y) * min(max(rest, 0.0), 1.0)
 
 
-def _short(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array]:
-    """W after a step with X linear, and what turned into heat if it is shorter than the branch's time."""
+def _short(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array, Array]:
+    """W after a step with X nearly linear, what turned into heat if it is shorter than the branch's time.
+
+    The last (K,) is the part of that heat by which what the branch receives exceeds the trapezoid.
+    """
     energy = _energy_under_linear_work(chain, before, increment, y)
+    energy += chain.compliances * _beyond(chain, before, increment, y)[1]
     y = np.minimum(y, _LONG)
-    short = _energy_under_linear_work(chain, before, increment, y)
-    # work done on the branch, int (J Y - X)/theta dt, by the trapezoid
+    received, stored = _beyond(chain, before, increment, y)
+    short = _energy_under_linear_work(chain, before, increment, y) + chain.compliances * stored
+    # work done on the branch, int (J Y - X)/theta dt
     lag = chain.compliances * (increment.load_work + before.load_work) - (
         increment.branch_work + before.branch_work
     )
-    return energy, 0.5 * y * lag - 0.5 * (short - before.branch_energy) / chain.compliances
+    lost = 0.5 * y * lag + received - 0.5 * (short - before.branch_energy) / chain.compliances
+    return energy, lost, received
+
+
+def _beyond(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array]:
+    """Supply and energy beyond those under straight lines, for a load that changes evenly."""
+    lag = chain.compliances * before.load_work - before.branch_work
+    total = max(increment.load_work + before.load_work - 2.0 * increment.across, 0.0)
+    tip = min(increment.tip, total)
+    gained = increment.across - before.load_work
+    return beyond_straight_lines(
+        lag, increment.lag_across - lag, gained, total - tip, tip, chain.compliances, y
+    )
 
 
 def _energy_under_linear_work(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> Array:

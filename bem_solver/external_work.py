@@ -45,9 +45,13 @@ def external_work(
 
 
 def _lengths(time: Array, edge: Array) -> Array:
-    """Lengths (n - 1,) of the path of the edge over time between rows, both in parts of their ranges."""
-    moved = np.diff(edge) / (np.ptp(edge) or 1.0)
-    return np.hypot(np.diff(time) / np.ptp(time), moved)
+    """Lengths (n - 1,) of the path of the edge over time between rows, both in parts of their totals.
+
+    The edge counts where it runs away. One that goes to and fro has a long way, and time counts there: where
+    it turns and rests for a while, a length of its own way would not be smooth.
+    """
+    moved = np.abs(np.diff(edge))
+    return np.hypot(np.diff(time) / np.ptp(time), moved / (moved.sum() or 1.0))
 
 
 def _beyond_straight(step: Array, penetration: Array, force: Array) -> Array:

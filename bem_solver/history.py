@@ -168,6 +168,13 @@ class SurfaceHistory:
         return tuple(sorted({*self.inner.kinks, *self.outer.kinks}))
 
     @property
+    def past_kinks(self) -> tuple[float, ...]:
+        """Where an edge has rested or turned, without the edge itself."""
+        edge = self.outer.radius[:1].tolist()
+        turning = () if self.turning is None else (self.turning,)
+        return tuple(kink for kink in (*self.kinks, *turning) if kink not in edge)
+
+    @property
     def radius(self) -> Array:
         """All nodes, rising, the edge once."""
         return np.concatenate((self.inner.radius[:-1], self.outer.radius))

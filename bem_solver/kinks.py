@@ -75,3 +75,35 @@ class EdgeKinks:
     def tension(self, index: int, inside: Array) -> Array:
         """Normal stress (tension positive) of the unit punch ``index`` at distances inside its own edge."""
         return -1.0 / (np.pi * np.sqrt(inside * (2.0 * self.radius[index] - inside)))
+
+
+def speed_jump_between(
+    kinks: tuple[float, ...], zone: float, edge: float, new_edge: float, accuracy: float
+) -> float | None:
+    """The radius, nearest to ``edge`` on its way to ``new_edge``, at which its speed may jump.
+
+    Where an edge has rested, gap and tension outside and inside it begin with a root. The closure pairs the
+    gap at one end of the process zone with the singular tension at the other, so what it takes of the root
+    grows linearly from zero once the zone has left that place behind: the slope of the closure with the edge
+    jumps there, and with it the speed of the edge.
+
+    Parameters
+    ----------
+    kinks : tuple of float
+        Radii at which an edge has rested.
+    zone : float
+        Length of the process zone.
+    edge, new_edge : float
+        Contact radius at the start and at the end of a step.
+    accuracy : float
+        Of the edge: so far behind it a radius is where it is.
+
+    Returns
+    -------
+    float or None
+        ``None`` if there is none between the two.
+    """
+    way = 1.0 if new_edge > edge else -1.0
+    travels = [way * (kink + side * zone - edge) for kink in kinks for side in (-1.0, 1.0)]
+    nearest = min((t for t in travels if -accuracy <= t < abs(new_edge - edge)), default=None)
+    return None if nearest is None else edge + way * nearest

@@ -28,9 +28,9 @@ class Motion:
     ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step.
     ``path`` is that of an edge whose speed is not constant, and ``fall`` then takes the place of the square
     root, or both None;
-    ``earlier`` a row (time before the start, penetration) through which the penetration is a parabola, or
-    None where it is linear.
-    ``innermost`` (1 point) the state there of the innermost radius the edge takes in the step. It is given
+    ``earlier`` a row (time before the start, penetration) through which the penetration is a parabola, where
+    it is prescribed its value within the step (time negative), or None where it is linear.
+    ``innermost`` (1 point) the state of a point inside the edge throughout the step. It is given
     without adhesion only: an adhesive edge that moves leaves behind the load that its singularity put there.
     """
 

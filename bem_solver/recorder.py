@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, balanced_dissipation, share_of_balance
+from bem_solver.energy import Energies, share_of_balance
 from bem_solver.external_work import external_work
 from bem_solver.half_space_state import HalfSpaceState
 from contact_scene import Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
 
 Array = NDArray[np.float64]
 
-UNKNOWN_RELEASE = (math.nan, math.nan)
-"""Energy release rate of the tip, opening and closing, where it is not known: then the branches are asked."""
 _SHORT_OF_SMOOTH = 4.0
 """By how much shorter than one that counts as short for a branch a step and its neighbours have to be for the
 power that the branch receives to be a cubic."""
@@ -57,8 +55,9 @@ class TraceRecorder:
                 energies.dissipated,
                 surface.stress_intensity,
                 state.spent,
-                *(UNKNOWN_RELEASE if energies.release is None else energies.release),
+                energies.tip,
                 energies.supply(chain),
+                energies.bend,
             )
         )
 
@@ -137,16 +136,17 @@ class TraceRecorder:
 
         From the columns of the rows, the external work (n,) and the rows after which slopes may jump.
         """
-        time, _, _, radius, stored, branch, _, _, opening, closing, supply = columns
+        time, _, _, radius, stored, branch, _, _, tip, supply, bend = columns
         duration, grown = np.diff(time), np.pi * np.diff(radius**2)
         share = share_of_balance(duration, self.shortest)
         trapezoids = 0.5 * (supply[1:] + supply[:-1]) * duration  # of which the branches' heat is made
         beyond = np.diff(external_work(time, time, supply, kinks)) - trapezoids
         padded = np.pad(duration, 1)
         around = np.maximum(np.maximum(padded[:-2], padded[2:]), duration)
-        heat = np.diff(branch) + (1.0 - share_of_balance(_SHORT_OF_SMOOTH * around, self.shortest)) * beyond
-        release = np.array([opening, closing])
-        balanced = balanced_dissipation(np.diff(external), np.diff(stored), release, grown)
+        heat = np.diff(branch) + (1.0 - share_of_balance(_SHORT_OF_SMOOTH * around, self.shortest)) * (
+            beyond - bend[1:]
+        )
+        balanced = np.diff(external) - np.diff(stored) + tip[1:]
         tip_moves = (grown != 0.0) & (duration > 0.0) & np.isfinite(balanced)
         share = np.where(tip_moves, share, 0.0)
         return share * np.where(tip_moves, balanced, 0.0) + (1.0 - share) * heat
@@ -184,7 +184,7 @@ def trace_without_contact(penetration: float, reason: str, counters: Counters, w
     -------
     Trace
     """
-    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *UNKNOWN_RELEASE, 0.0)])
+    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, math.nan, 0.0, 0.0)])
     return recorder.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters, work)
 
 

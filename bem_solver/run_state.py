@@ -97,8 +97,13 @@ class StepStart:
 
     @property
     def smallest_travel(self) -> float:
-        """Travel at constant load from which on an edge moves unstably; limit points are located to it."""
-        edge = self.state.contact.edge
-        limit = self.problem.length_at(edge) / self.settings.divisions
+        """Travel at constant load from which on an edge moves unstably; limit points are located to it.
+
+        Where steps pass over zones it may be many of them: with short ones a share of one is below rounding.
+        """
+        edge, divisions = self.state.contact.edge, self.settings.divisions
+        limit = longest = self.problem.length_at(edge) / divisions
+        if self.problem.over_zones(edge):
+            longest = self.problem.longest_travel(edge) / divisions
         least, most = _SMALLEST_TRAVEL_SHARES
-        return min(max(_ROUNDING_AT_FOLD * edge, least * limit), most * limit)
+        return min(max(_ROUNDING_AT_FOLD * edge, least * limit), most * longest)

@@ -126,7 +126,7 @@ def _solve_graded(
             free = trace_without_contact(scene.loading.penetration, reason, counters, problem.work)
             return on_machine(free, scene.machine)
         contact, energies = started
-        record = TraceRecorder(shortest=float(problem.chain.retardation.min(initial=math.inf)))
+        record = TraceRecorder(shortest=float(problem.chain.relaxation.min(initial=math.inf)))
         record.row(problem.chain, contact, energies)
         state = GradedState(contact, energies, record, abs(contact.surface.force), contact.edge)
     settings = StepSettings(options.step_tolerance, options.divisions, scale)

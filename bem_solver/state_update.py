@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +23,7 @@ from bem_solver.motion import Motion
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import advanced, load_inside
+from bem_solver.tip_release import energy_of_tip, release_jumps, tip_distances, tip_release
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 
 Array = NDArray[np.float64]
@@ -142,7 +142,10 @@ def updated_state(
     )
     after = updated_energies(problem.chain, energies, increment, motion.duration)
     if trial.tip_gap is not None and problem.viscoelastic:
-        after = replace(after, release=_tip_release(trial, trial.tip_gap, problem.chain.glassy))
+        distances = tip_distances(problem, state.history, motion, trial.zone)
+        release = tip_release(problem.chain, surface, trial.tip_gap, distances)
+        tip = energy_of_tip(energies.release, release, motion, release_jumps(state.history, motion))
+        after = replace(after, release=release, tip=tip)
     contact = HalfSpaceState(time, motion.new_penetration, surface, history)
     if problem.irreversible is not None:
         closures = (state.closure, trial.closure)
@@ -150,18 +153,6 @@ def updated_state(
         step = EdgeStep(motion.duration, motion.edge)
         contact = replace(contact, closure=trial.closure, spent=spent, last_step=step)
     return contact, after
-
-
-def _tip_release(trial: TrialContact, gap: Array, glassy: float) -> tuple[float, float]:
-    """Glassy energy release rate of the tip, opening and closing.
-
-    Behind an advancing edge the stress falls within a layer that may be thinner than an annulus. Outside the
-    opening is a root of the distance throughout, which at a closing tip is the glassy one, ``c = (4
-    K/Einf*)/sqrt(2 pi)``.
-    """
-    quarter, full = gap.tolist()
-    root = (8.0 * quarter - full) / (3.0 * math.sqrt(trial.zone))
-    return 0.5 * trial.surface.stress_intensity**2 / glassy, root**2 * glassy * np.pi / 16.0
 
 
 def _new_history(

@@ -6,7 +6,7 @@ Nothing is committed here.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from functools import cached_property
 
@@ -14,11 +14,12 @@ from scipy.optimize import brentq
 
 from bem_solver.bent_path import EarlierRow
 from bem_solver.edge_energy import drive
+from bem_solver.kinks import speed_jump_between
 from bem_solver.outer_fall import OuterFall
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import shrunk
-from bem_solver.step_error import SHARE_OF_ZONE, error_at_limit, step_error
+from bem_solver.step_error import error_at_limit, least_bent_travel, step_error
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 
 _RESIDUAL_ACCURACY = 1e-2
@@ -54,15 +55,15 @@ class FailedStep:
 class Candidate:
     """A trial that satisfies the closure, the parameter it was reached at, and its error in tolerances.
 
-    ``slope`` is the derivative of the residual with the edge; zero if unknown. ``sets_out``: a pinned edge
-    moves from there on.
+    ``slope`` is the derivative of the residual with the edge; zero if unknown. ``speed_jumps``: that of the
+    edge does there, as where a pinned one sets out.
     """
 
     parameter: float
     trial: TrialContact
     error: float
     slope: float = 0.0
-    sets_out: bool = False
+    speed_jumps: bool = False
 
 
 def limited_step(start: StepStart) -> tuple[float, float]:
@@ -119,7 +120,9 @@ class TrialStep(StepStart):
     """A step of length ``step`` from the committed state along a loading interval.
 
     Where the edge would go further than its travel limit, or inside the process zone, the shorter step that
-    takes it just there is sought instead.
+    takes it just there is sought instead. An edge turns only if the residual asks for it where it stands:
+    just beyond the place where it would turn the annuli do not resolve what it covers, and where the residual
+    hardly rises with the edge, as before a limit point, that makes a false root.
     """
 
     step: float
@@ -130,11 +133,15 @@ class TrialStep(StepStart):
         parameter, length = self.state.parameter, self.interval.length
         return length if self.step == length - parameter else parameter + self.step
 
+    @property
+    def accuracy(self) -> float:
+        """Accuracy of the edge."""
+        return EDGE_ACCURACY * self.settings.tolerance * self.problem.length_at(self.state.contact.edge)
+
     def result(self) -> Candidate | FailedStep:
         """The candidate, or why there is none."""
         problem, state, step = self.problem, self.state, self.step
         edge, limit = state.contact.edge, problem.scene.indenter.edge
-        length, tolerance = problem.length_at(edge), self.settings.tolerance
         reach = state.travel_share * problem.longest_travel(edge) / self.settings.divisions
         low, high = max(edge - reach, 0.25 * edge, problem.zone), min(edge + reach, limit)
         if edge == limit:
@@ -146,19 +153,43 @@ class TrialStep(StepStart):
             if isinstance(pinned, Candidate):
                 return pinned
             low, high = (low, edge) if pinned > 0.0 else (edge, high)
-        root = rising_root(
-            lambda radius: self._trial(self.end, radius),
-            self._expected_edge(EDGE_ACCURACY * tolerance * length),
-            state.slope,
-            low,
-            high,
-            EDGE_ACCURACY * tolerance * length,
-            _RESIDUAL_ACCURACY * tolerance * problem.work or math.inf,
-        )
+        root = self._root(self._expected_edge(), low, high)
+        if (root.x - edge) * state.contact.history.direction < 0.0:
+            excess = self._trial(self.end, edge).residual
+            if (root.x - edge) * excess > 0.0:
+                low, high = (low, edge) if excess > 0.0 else (edge, high)
+                root = self._root(edge, low, high)
         if root.position == "converged" or (root.position == "above" and high == limit):
             return Candidate(self.end, root.trial, step_error(self, root.trial, step), root.slope)
         receding = root.position == "below"
         return self._to_travel_limit(receding, low if receding else high, reach, root)
+
+    def to_speed_jump(self, candidate: Candidate) -> Candidate | None:
+        """A shorter step than a candidate's, to the first radius on its way at which its speed may jump.
+
+        Of no length if that is where it starts; ``None`` if there is no such radius.
+        """
+        contact, problem = self.state.contact, self.problem
+        edge, new_edge, zone = contact.edge, candidate.trial.motion.new_edge, candidate.trial.zone
+        if problem.work == 0.0:
+            return None
+        radius = speed_jump_between(contact.history.past_kinks, zone, edge, new_edge, self.accuracy)
+        if radius is None:
+            return None
+        if abs(radius - edge) <= self.accuracy:
+            return replace(candidate, parameter=self.state.parameter, error=0.0, speed_jumps=True)
+        step = replace(self, step=candidate.parameter - self.state.parameter)
+        beyond = step._trial(candidate.parameter, radius)
+        reach = self.state.travel_share * problem.longest_travel(edge) / self.settings.divisions
+        root = RootSearchResult("converged", radius, beyond, 0.0)
+        result = step._to_travel_limit(new_edge < edge, radius, reach, root)
+        return replace(result, speed_jumps=True) if isinstance(result, Candidate) else None
+
+    def _root(self, guess: float, low: float, high: float) -> RootSearchResult[TrialContact]:
+        """Search for the edge at the end of the step."""
+        residual = _RESIDUAL_ACCURACY * self.settings.tolerance * self.problem.work or math.inf
+        slope, accuracy = self.state.slope, self.accuracy
+        return rising_root(lambda at: self._trial(self.end, at), guess, slope, low, high, accuracy, residual)
 
     def _to_travel_limit(
         self, receding: bool, edge: float, reach: float, root: RootSearchResult[TrialContact]
@@ -189,7 +220,7 @@ class TrialStep(StepStart):
             return FailedStep(StepFailure.UNSTABLE, receding, travel)
         return Candidate(parameter, trial, error_at_limit(self, trial, parameter - start), root.slope)
 
-    def _expected_edge(self, accuracy: float) -> float:
+    def _expected_edge(self) -> float:
         """Edge to start the search from: extrapolated, but the present one if the parabola turns round.
 
         Behind a receding edge of a stiff glass the residual of covered points is rounding, with false roots.
@@ -198,7 +229,7 @@ class TrialStep(StepStart):
         expected = accepted.edge_after(self.step)
         if (expected - edge) * accepted.rates(0.0)[0] >= 0.0:
             return expected
-        return min(max(expected, edge - accuracy), edge + accuracy)
+        return min(max(expected, edge - self.accuracy), edge + self.accuracy)
 
     def _in_full_contact(self) -> Candidate | None:
         """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""
@@ -233,7 +264,7 @@ class TrialStep(StepStart):
             )
             if end > start:
                 trial = self._trial(end, edge)
-                return Candidate(end, trial, step_error(self, trial, end - start), sets_out=True)
+                return Candidate(end, trial, step_error(self, trial, end - start), speed_jumps=True)
         return trial.closure - adhesion.work
 
     def _trial(self, parameter: float, edge: float) -> TrialContact:
@@ -241,26 +272,30 @@ class TrialStep(StepStart):
         duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
         prescribed = interval.prescribed(parameter)
         earlier = self._earlier(duration)
-        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, earlier)
+        midway = None
+        if interval.control == "penetration" and duration > 0.0:
+            midway = interval.prescribed(0.5 * (self.state.parameter + parameter))
+        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, earlier, midway)
 
     def _earlier(self, duration: float) -> EarlierRow | None:
-        """The row before the last, where the step takes the edge far enough for a parabola.
+        """The row before the last, with adhesion where the step takes the edge far enough for a parabola.
 
-        Over less the path is straight: the condition at the end of the step is then one on the place of the
-        edge, and a parabola through earlier rows carries their errors on.
+        Over less its path is straight: the condition at the end of the step is then one on the place of the
+        edge, and a parabola through earlier rows carries their errors on. Not so the penetration under a
+        force, and without adhesion, which creeps and is sought at the end of the step: it always is one.
         """
         rows, interval, edge = self.state.accepted.rows, self.interval, self.state.contact.edge
-        if interval.jump or len(rows) < 2 or not self.problem.curves:
+        if interval.jump or len(rows) < 2 or not self.problem.viscoelastic:
             return None
-        (last, before), (_, now) = ((one[0], one[1]) for one in rows[-2:])
-        travel = abs(now - before) / (rows[-1][0] - last) * duration
-        if travel < SHARE_OF_ZONE * self.problem.length_at(edge):
-            return None
-        (before, edge, load), (now, _, _) = rows[-2:]
+        (before, earlier_edge, load), (now, last_edge, _) = rows[-2:]
         penetration = load if interval.control == "force" else interval.prescribed(before)
         if interval.control == "stage":
             penetration -= self.problem.scene.loading.compliance * load
-        return EarlierRow(now - before, edge, penetration, self._fall)
+        travel = abs(last_edge - earlier_edge) / (now - before) * duration
+        if self.problem.curves and travel >= least_bent_travel(self, edge):
+            return EarlierRow(now - before, penetration, earlier_edge, self._fall)
+        creeps = interval.control == "force" or not self.problem.curves
+        return EarlierRow(now - before, penetration) if creeps else None
 
     @cached_property
     def _fall(self) -> OuterFall:

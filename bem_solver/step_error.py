@@ -6,14 +6,15 @@ import math
 
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.loading_intervals import LoadingInterval
+from bem_solver.options import DEFAULT_RESOLUTION
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import departure_from_line
 from bem_solver.trial import TrialContact
 
-SHARE_OF_ZONE = 0.04
+_BENT_SHARE_OF_ZONE = 0.04
 """Travel of a step, in process zones, from which on its path is a parabola through another row and it is
-judged by that: an eighth of the longest step within a zone at half the default resolution. Below it an edge
-sets out or turns, and earlier rows tell little."""
+judged by that: a quarter of the longest step within a zone at the default resolution, and at finer ones that
+quarter, too. Below it an edge sets out or turns, and earlier rows tell little; steady steps are longer."""
 _SHARE_OF_TRAVEL, _SHARE_WITHIN_ZONE = 1.0, 2.0
 """Errors of extrapolating the edge over process zones and within one, in step tolerances of its travel, that
 are allowed: the speed of the edge, on which the closure depends, is then met to about as much. Within a zone
@@ -36,7 +37,8 @@ _SCALE_OF_FIRST_LOAD = 0.01
 """Part of the load to be expected in an interval against which a load that starts from zero is measured."""
 _RATED_WEIGHT = 5.0
 """Weight of the departure from a straight line relative to the length the edge is resolved on against that
-relative to its travel, where the speed counts: the edge may then change its speed by a sixth in a step."""
+relative to its travel, where the speed counts, of an opening edge: it may then change its speed by a sixth in
+a step."""
 _LEAST_RATED_TRAVEL = 1e-4
 """Least travel for that, in contact radii: below it an edge is about to set out."""
 
@@ -44,6 +46,12 @@ _LEAST_RATED_TRAVEL = 1e-4
 def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
     """The quantity that is not prescribed: penetration under a controlled force, otherwise the force."""
     return contact.penetration if interval.control == "force" else contact.surface.force
+
+
+def least_bent_travel(start: StepStart, edge: float) -> float:
+    """Travel of a step from which on the path of an edge is a parabola."""
+    finer = min(1.0, DEFAULT_RESOLUTION / start.settings.divisions)
+    return _BENT_SHARE_OF_ZONE * finer * start.problem.length_at(edge)
 
 
 def step_error(start: StepStart, trial: TrialContact, step: float, rate_step: float | None = None) -> float:
@@ -64,6 +72,11 @@ def step_error(start: StepStart, trial: TrialContact, step: float, rate_step: fl
     """
     of_edge, of_load, _ = _departures(start, trial, step, step if rate_step is None else rate_step)
     return max(of_edge, _LOAD_WEIGHT * of_load) / start.settings.tolerance
+
+
+def load_error(start: StepStart, trial: TrialContact, step: float) -> float:
+    """Departure of the load alone from a straight line, in tolerances."""
+    return _LOAD_WEIGHT * _departures(start, trial, step, step)[1] / start.settings.tolerance
 
 
 def error_at_limit(start: StepStart, trial: TrialContact, step: float) -> float:
@@ -99,10 +112,10 @@ def _departures(
         scale /= softer
     missed = edge - contact.edge - edge_rate * step
     of_edge = departure_from_line(missed, problem.length_at(edge))
-    if problem.rated:
+    if problem.rated and edge < contact.edge:
         travel = max(abs(edge - contact.edge), _LEAST_RATED_TRAVEL * contact.edge)
         of_edge = max(of_edge, departure_from_line(missed, _RATED_WEIGHT * travel))
-    passes = abs(edge - contact.edge) >= SHARE_OF_ZONE * problem.length_at(edge)
+    passes = abs(edge - contact.edge) >= least_bent_travel(start, edge)
     if passes and problem.curves and start.state.accepted.curved:
         of_path = _departure_from_path(start, edge, step)
         of_edge = min(of_edge, of_path) if problem.over_zones(contact.edge) else of_path

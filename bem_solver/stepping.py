@@ -35,7 +35,7 @@ from bem_solver.step import (
     limited_step,
 )
 from bem_solver.step_control import grown, shrunk
-from bem_solver.step_error import free_load
+from bem_solver.step_error import free_load, load_error
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
@@ -141,7 +141,8 @@ class GradedRun:
         if state.parameter + step <= state.parameter:
             reason = "the step fell below rounding"
             return Outcome(OutcomeKind.STEP_UNDERFLOW, reason, state.contact.time)
-        result = TrialStep(problem, self.settings, state, interval, step).result()
+        trial_step = TrialStep(problem, self.settings, state, interval, step)
+        result = trial_step.result()
         if isinstance(result, FailedStep):
             problem.counters.rejected_steps += 1
             return self._after_failure(result, step, start, report)
@@ -151,16 +152,24 @@ class GradedRun:
             problem.counters.rejected_steps += 1
             state.step = 0.25 * taken
             return None
-        at_once = taken <= _SLIGHTLY_LONGER * start.shortest_step or self._passes_an_annulus(taken, travel)
+        leaps = result.error > 1.0 and self._passes_an_annulus(taken, travel)
+        leaps = leaps and load_error(start, result.trial, taken) <= 1.0
+        at_once = leaps or taken <= _SLIGHTLY_LONGER * start.shortest_step
         if result.error > 1.0 and not at_once:
             problem.counters.rejected_steps += 1
-            state.rejected.append((taken, travel))
-            state.step = shrunk(taken, result.error, 2 if len(state.accepted.rows) > 1 else 1)
-            return None
+            at_jump = trial_step.to_speed_jump(result)
+            if at_jump is not None and at_jump.parameter == state.parameter:
+                self._speed_jumps(interval)
+                at_jump = None
+            if at_jump is None or at_jump.error > 1.0:
+                state.rejected.append((taken, travel))
+                state.step = shrunk(taken, result.error, 2 if len(state.accepted.rows) > 1 else 1)
+                return None
+            result = at_jump
         if interval.trigger is None or interval.jump:
-            return self._accept(result, start, report)
-        located = to_level(TrialStep(problem, self.settings, state, interval, step), interval.trigger, result)
-        outcome = self._accept(located.candidate, start, report)
+            return self._accept(result, start, report, leaps)
+        located = to_level(trial_step, interval.trigger, result)
+        outcome = self._accept(located.candidate, start, report, leaps)
         if located.reached:
             self.cursor.level_reached()
         return outcome
@@ -182,9 +191,12 @@ class GradedRun:
         )
 
     def _accept(
-        self, candidate: Candidate, start: StepStart, report: Callable[[float], None]
+        self, candidate: Candidate, start: StepStart, report: Callable[[float], None], leaps: bool
     ) -> Outcome | None:
-        """Commit a candidate; an outcome if the contact ends with it."""
+        """Commit a candidate; an outcome if the contact ends with it.
+
+        Where its edge ``leaps``, passing an annulus at once, its speed says nothing of the next step.
+        """
         state, record, interval = self.state, self.state.record, start.interval
         state.rejected = []
         taken = candidate.parameter - state.parameter
@@ -193,10 +205,13 @@ class GradedRun:
         state.follow_slope(candidate.slope)
         state.parameter = candidate.parameter
         self._commit(candidate.trial, interval.time(state.parameter), report)
-        if candidate.sets_out:
-            record.kink()
         edge = state.contact.edge
-        state.accepted.add(state.parameter, edge, free_load(interval, state.contact))
+        remember = state.accepted.start if leaps else state.accepted.add
+        remember(state.parameter, edge, free_load(interval, state.contact))
+        if candidate.speed_jumps and candidate.trial.motion.edge == edge:  # at rest until now: rates hold
+            record.kink()
+        elif candidate.speed_jumps:
+            self._speed_jumps(interval)
         state.travel_share = min(1.0, 2.0 * state.travel_share)
         if edge <= max(self.problem.zone, candidate.trial.zone):
             return below_zone_outcome(record.forces, state.contact.time)
@@ -206,6 +221,12 @@ class GradedRun:
             record.row(self.problem.chain, state.contact, state.energies)
             return Outcome(OutcomeKind.DETACHED, "the contact area fell to zero", state.contact.time)
         return None
+
+    def _speed_jumps(self, interval: LoadingInterval) -> None:
+        """Slopes jump at the committed state: those from before it tell nothing about what comes."""
+        state = self.state
+        state.record.kink()
+        state.accepted.start(state.parameter, state.contact.edge, free_load(interval, state.contact))
 
     def _after_failure(
         self, failed: FailedStep, step: float, start: StepStart, report: Callable[[float], None]

@@ -3,7 +3,7 @@
 A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside,
 then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
 sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of the departure from a
-straight line that ``v`` has in time at the outermost point inside all the time (without adhesion), falling
+straight line that ``v`` has in time at a point inside all the time, near the edge (without adhesion), falling
 off as ``v``, and of a rest that is linear in time; the recursions are exact for all. So both sides of an edge
 at rest change alike: a step between them would be read as a root by an edge that advances a little. Where a
 step passes over process zones, the speed of the edge is not constant but that of its path (``bent_path``). A
@@ -69,17 +69,18 @@ def bend(chain: Chain, points: SurfacePoints, motion: Motion, first: Array, last
     Returns
     -------
     ndarray (m, K)
-        Those of the innermost edge, where displacement is prescribed, times the share of its load that the
-        points have: in a hold all loads relax in proportion.
+        Those of a point inside the edge, where displacement is prescribed, times the share of its load that
+        the points have: in a hold all loads relax in proportion.
     """
     point = motion.innermost
     if point is None or motion.duration == 0.0:
         return np.zeros((len(points), len(chain)))
-    rise = motion.new_penetration - motion.penetration
 
     def at(share: Array) -> tuple[Array, Array]:
-        variables = pressed(chain, point.variables, share * rise, share * motion.duration)
-        load = load_inside(chain, variables, point.displacement + share * rise)
+        rise = motion.penetration_at(share) - motion.penetration
+        bent = motion.bend * share**2 if motion.bend != 0.0 else 0.0
+        variables = pressed(chain, point.variables, rise, share * motion.duration, bent)
+        load = load_inside(chain, variables, point.displacement + rise)
         return variables @ chain.rotation.T, load
 
     (before, load), (after, new_load) = at(first), at(last)

@@ -21,14 +21,17 @@ from bem_solver.outer_fall import OuterFall
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import advanced, displacement_outside, load_inside
+from bem_solver.tip_release import tip_distances
 
 Array = NDArray[np.float64]
 
-EDGE_ACCURACY = 4e-3
+EDGE_ACCURACY = 1e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
 
-_TIP = np.array([0.25, 1.0])
-"""Distances outside the edge, in process zones, from which the root of the gap at the tip is read."""
+_DEPTH_OF_LOAD = 4.0
+"""Distance of the point whose load stands for that of the contact inside an advancing edge without adhesion,
+in travels of the step: a point nearer to it has been covered within the last few steps, and relaxes from that
+by itself, while the load outside does not. From twice to eight times that travel all is alike."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +39,7 @@ class TrialContact:
     """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes.
 
     ``points`` are the collocation radii inside its edge at the start of the step; ``zone`` is the length of
-    the process zone, and ``tip_gap`` (2,) the gap at a quarter of it and at all of it outside the edge, with
-    adhesion.
+    the process zone, and ``tip_gap`` (2,) the gap outside the edge at the ``tip_distances``, with adhesion.
     """
 
     motion: Motion
@@ -66,6 +68,7 @@ def evaluate(
     control: str,
     value: float,
     earlier: EarlierRow | None = None,
+    midway: float | None = None,
 ) -> TrialContact:
     """The surface with the edge at ``edge`` after ``duration``, and its residual.
 
@@ -82,6 +85,8 @@ def evaluate(
     value : float
     earlier : EarlierRow, optional
         Row through which the paths of edge and penetration are then parabolas.
+    midway : float, optional
+        Prescribed penetration in the middle of the step, through which its path is a parabola instead.
 
     Returns
     -------
@@ -93,7 +98,7 @@ def evaluate(
     radii = edge * problem.annuli.radii
     points = points_at(problem, state, radii if kinks is None else np.append(radii, kinks.readings))
     load_control = _LoadControl(problem, state, points, kinks, control, value)
-    motion, surface = load_control.satisfied(_motion(problem, state, duration, edge, earlier))
+    motion, surface = load_control.satisfied(_motion(problem, state, duration, edge, earlier, midway))
     problem.counters.linear_solves += 1
     if motion.fall is not None:
         motion = replace(motion, fall=motion.fall.towards(surface))
@@ -106,13 +111,21 @@ def evaluate(
 
 
 def _motion(
-    problem: Problem, state: HalfSpaceState, duration: float, edge: float, earlier: EarlierRow | None
+    problem: Problem,
+    state: HalfSpaceState,
+    duration: float,
+    edge: float,
+    earlier: EarlierRow | None,
+    midway: float | None,
 ) -> Motion:
-    """The step of the edge, penetration unchanged: its root and innermost radius, or its path and fall."""
+    """The step of the edge, penetration unchanged: its root and a point inside, or its path and fall."""
     singular, innermost = 0.0, None
     path = row = fall = None
+    if midway is not None:
+        row = -0.5 * duration, midway
     if earlier is not None and duration > 0.0:
-        row = earlier.time, earlier.penetration
+        row = row or (earlier.time, earlier.penetration)
+    if earlier is not None and earlier.edge is not None and duration > 0.0:
         if edge != state.edge:
             path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge)
             fall = earlier.fall
@@ -122,7 +135,9 @@ def _motion(
     if problem.viscoelastic and path is None:
         singular = state.surface.root_strength(abs(edge - state.edge))
         if problem.work == 0.0 and state.edge > 0.0:
-            innermost = points_at(problem, state, np.array([min(edge, state.edge)]))
+            depth = _DEPTH_OF_LOAD * max(edge - state.edge, 0.0)
+            inside = max(min(edge, state.edge) - depth, 0.5 * state.edge)
+            innermost = points_at(problem, state, np.array([inside]))
     depth = state.penetration
     return Motion(duration, state.edge, edge, depth, depth, singular, innermost, path, fall, row)
 
@@ -216,7 +231,7 @@ def _closure(
     """``I``, the punches at kinks integrated from their own edges on, and the gap at the tip."""
     rule, edge, kinks = problem.rule, surface.edge, surface.kinks
     inner, count = rule.inside(zone, edge), len(rule.distance)
-    offsets = np.concatenate((inner, zone - zone * _TIP))
+    offsets = np.concatenate((inner, zone - tip_distances(problem, state.history, motion, zone)))
     if kinks is None or surface.strengths is None:
         gap = gap_outside(problem, state, motion, surface, edge + zone - offsets)
         return rule.integral(surface.tension(inner), gap[:count], zone, edge), gap[count:]
@@ -226,7 +241,7 @@ def _closure(
     offsets = np.concatenate((offsets, (depth[near, None] + own).ravel()))
     gap = gap_outside(problem, state, motion, surface, edge + zone - offsets)
     value = rule.integral(surface.tension(inner), gap[:count], zone, edge)
-    tip_gap, gaps = gap[count : count + len(_TIP)], gap[count + len(_TIP) :].reshape(own.shape)
+    tip_gap, gaps = gap[count : count + 2], gap[count + 2 :].reshape(own.shape)
     for index, distance, facing in zip(near.tolist(), own, gaps, strict=True):
         tension = surface.strengths[index] * kinks.tension(index, distance)
         value += (min(zone, edge) - depth[index]) * (rule.weight @ (tension * facing)) / (2.0 * zone)

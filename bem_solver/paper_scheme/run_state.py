@@ -10,7 +10,7 @@ import numpy as np
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies
 from bem_solver.paper_scheme.annuli import AnnuliState, UniformAnnuli
-from bem_solver.recorder import UNKNOWN_RELEASE, TraceRecorder
+from bem_solver.recorder import TraceRecorder
 from contact_scene import Event, SurfaceProfile
 
 
@@ -54,7 +54,7 @@ class UniformState:
         radius = surface.contact * annuli.width
         stored, intensity = energies.stored(chain), surface.stress_intensity
         row = (surface.time, surface.penetration, surface.force, radius)
-        self.record.rows.append((*row, stored, energies.dissipated, intensity, 0.0, *UNKNOWN_RELEASE, 0.0))
+        self.record.rows.append((*row, stored, energies.dissipated, intensity, 0.0, math.nan, 0.0, 0.0))
 
     def event(self, kind: str, width: float) -> None:
         """An instability of the committed state on annuli of a ``width``."""
