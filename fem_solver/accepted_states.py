@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NoReturn, cast
+from typing import Any, NoReturn, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ from fem_solver.recorder import SurfaceRecorder, SurfaceState
 from fem_solver.run_state import StepBefore
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
-from fem_solver.tip_release import SLOW_EDGE, UNKNOWN_RELEASE, release_of_closing, release_of_opening
+from fem_solver.tip_release import LARGEST_STEP, SLOW_EDGE, release_of_tip
 
 Array = NDArray[np.float64]
 
@@ -142,11 +142,11 @@ class AcceptedStates:
                 forces=forces,
                 displacement=displacement,
                 stored=history.stored_energy,
-                interface=-0.5 * float(forces @ gap),
+                interface=history.interface_energy(forces, gap),
                 branch_dissipation=history.state.dissipated,
                 zone=candidate.problem.zone(candidate.edge.s),
                 received=received,
-                release=self._tip_release(candidate.edge.s, radius, forces, gap),
+                **self._at_tip(candidate.edge.s, radius, forces),
                 **self._interface(candidate, radius),
             )
         )
@@ -154,29 +154,31 @@ class AcceptedStates:
             forces_so_far = [row[2] for row in self.recorder.content.rows]
             raise RunEnded(below_zone_outcome(forces_so_far, self.time))
 
-    def _tip_release(self, edge: float, radius: float, forces: Array, gap: Array) -> tuple[float, float]:
-        """Glassy energy release rate of the tip, opening and closing, on a mesh that does not follow it.
+    def _at_tip(self, edge: float, radius: float, forces: Array) -> dict[str, Any]:
+        """Glassy energy release rate of the tip, on a mesh that does not follow it.
 
-        Asked for only where the edge is slow against the fastest branch: the volume integral holds all else.
+        Not known where the edge jumps, and where it sets off fast within a node in which it was slow: strips
+        that it leaves there join others that have relaxed, for which they have no time.
         """
         setup, last = self.setup, self.recorder.content.last
-        if isinstance(setup, FollowingSetup) or setup.geometry.zone is None or not setup.has_history:
-            return UNKNOWN_RELEASE
-        if radius <= 0.0:
-            return UNKNOWN_RELEASE
+        if isinstance(setup, FollowingSetup) or not setup.has_history:
+            return {}
+        partly = setup.history.state.partly
+        if partly is None:
+            return {}
+        crept = math.floor(edge)
         if last is not None:
-            node = min(max(math.floor(edge), 0), setup.geometry.last - 1)
+            node = min(max(crept, 0), setup.geometry.last - 1)
             element = 2.0 * float(np.diff(setup.geometry.radii[node : node + 2])[0])
-            passed = abs(radius - last.radius) * setup.shortest_time
-            if passed > SLOW_EDGE * element * (self.time - last.time):
-                return UNKNOWN_RELEASE
+            passed = abs(radius - last.radius)
+            if passed * setup.shortest_time > SLOW_EDGE * element * (self.time - last.time):
+                crept = last.crept
+                if last.crept == math.floor(last.edge) or passed > LARGEST_STEP * element:
+                    return {"crept": crept}
         operator, modulus = setup.history.instantaneous, setup.history.glassy_modulus
-        return (
-            release_of_opening(operator, setup.geometry, modulus, forces, edge),
-            release_of_closing(operator, setup.geometry, modulus, forces, gap, edge),
-        )
+        return {"release": release_of_tip(partly, operator, setup.geometry, modulus, forces), "crept": crept}
 
-    def _interface(self, candidate: ContactCandidate, radius: float) -> dict[str, float]:
+    def _interface(self, candidate: ContactCandidate, radius: float) -> dict[str, Any]:
         """Closure, energy spent and rate of the edge, where they do not follow from the contact radius."""
         law, last = self.setup.law, self.recorder.content.last
         if not isinstance(law, IrreversibleEdge):

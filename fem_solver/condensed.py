@@ -19,6 +19,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_solver.partial_release import (
+    PartialContact,
+    PartlyHeld,
+    PartlyReleasedNode,
+    SeriesModulus,
+    energy_at_edge,
+    partly_held,
+)
 from fem_solver.prony import Increment, Prony
 from fem_solver.surface import SurfaceOperator
 
@@ -29,12 +37,14 @@ Array = NDArray[np.float64]
 class Response:
     """Surface displacement at the end of a step for new surface forces: ``u = free + C f/modulus``.
 
-    ``free`` (n,) is the displacement of the surface without forces; ``operator`` holds ``C``.
+    ``free`` (n,) is the displacement of the surface without forces; ``operator`` holds ``C``. ``partly`` is
+    the node in contact in part where the step begins.
     """
 
     operator: SurfaceOperator
     modulus: float
     free: Array
+    partly: PartlyReleasedNode | None = None
 
 
 @dataclass(frozen=True)
@@ -55,6 +65,8 @@ class CondensedState:
         Energy dissipated in the branches so far.
     updates : int
         Accepted steps so far.
+    partly : PartlyHeld, optional
+        The node next to an adhesive edge.
     """
 
     image: Array
@@ -63,6 +75,7 @@ class CondensedState:
     forms: Array
     dissipated: float = 0.0
     updates: int = 0
+    partly: PartlyHeld | None = None
 
 
 class CondensedHistory:
@@ -95,10 +108,12 @@ class CondensedHistory:
         step = self.shear.increment(dt)
         memory = step.memory(self.state.branches, self.state.image)
         free = -self.operator.displacement(memory) / step.modulus
-        return Response(self.operator, step.modulus, free)
+        partly = self.state.partly
+        released = None if partly is None else partly.released(dt, self.operator.unit)
+        return Response(self.operator, step.modulus, free, released)
 
-    def commit(self, dt: float, forces: Array) -> None:
-        """Accept the step that ends with these surface forces."""
+    def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:
+        """Accept the step that ends with these surface forces, and with an adhesive edge there."""
         step: Increment = self.shear.increment(dt)
         old = self.state
         image = (forces - step.memory(old.branches, old.image)) / step.modulus
@@ -114,6 +129,7 @@ class CondensedHistory:
             np.maximum(forms, 0.0),
             old.dissipated + loss,
             old.updates + 1,
+            partly_held(old.partly, SeriesModulus((self.shear,)), dt, contact),
         )
 
     def snapshot(self) -> CondensedState:
@@ -127,6 +143,10 @@ class CondensedHistory:
     def take_back(self, state: CondensedState) -> None:
         """Return to the state before the last step."""
         self.state = state
+
+    def interface_energy(self, forces: Array, gap: Array) -> float:
+        """Energy of the node next to the edge beyond that of its mean; shapes (n,)."""
+        return energy_at_edge(self.state.partly, self.operator.unit, forces, gap)
 
     def _loss(self, dt: float, mixed: Array, squared: float) -> float:
         """Energy dissipated over a step; ``mixed`` is ``b_k^T C dw`` and ``squared`` ``dw^T C dw``."""

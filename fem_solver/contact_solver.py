@@ -148,7 +148,8 @@ class ContactSolver:
         float or None
             Work done on the surface so far, where the history itself knows it.
         """
-        self.setup.history.commit(candidate.dt, forces)
+        contact = candidate.problem.partial_contact(candidate.edge.s)
+        self.setup.history.commit(candidate.dt, forces, contact)
         return None
 
     def _problem(self, dt: float, control: Control, value: float) -> ContactProblem:

@@ -90,3 +90,37 @@ class Prony:
         with np.errstate(invalid="ignore", divide="ignore"):
             curved = np.where(y < 1e-3, y / 3.0 - y**2 / 4.0, (1.0 - 2.0 * one + two) / y)
         return np.stack([y * two, 2.0 * (one - two), curved])
+
+
+@dataclass(frozen=True)
+class RelaxingField:
+    """A relaxing modulus with the strain it acts on and its branch variables.
+
+    Parameters
+    ----------
+    modulus : Prony
+    x : ndarray, shape (m,)
+        A strain-like quantity.
+    branches : ndarray, shape (branches, m)
+    """
+
+    modulus: Prony
+    x: Array
+    branches: Array
+
+    @classmethod
+    def at_rest(cls, modulus: Prony, size: int) -> RelaxingField:
+        """Undeformed."""
+        return cls(modulus, np.zeros(size), np.zeros((len(modulus.times), size)))
+
+    def memory(self, dt: float) -> Array:
+        """Stress that the past leaves at the end of a step."""
+        return self.modulus.increment(dt).memory(self.branches, self.x)
+
+    def advanced(self, dt: float, x: Array) -> RelaxingField:
+        """State at the end of a step."""
+        return RelaxingField(self.modulus, x, self.modulus.increment(dt).advance(self.branches, x - self.x))
+
+    def scaled(self, factor: float) -> RelaxingField:
+        """The state after a multiple of all that it has been through."""
+        return RelaxingField(self.modulus, factor * self.x, factor * self.branches)

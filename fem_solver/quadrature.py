@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 from fem_solver import forms
 from fem_solver.condensed import Response
 from fem_solver.halfspace import Factorisation, HalfSpace
-from fem_solver.prony import Prony
-from fem_solver.quadrature_state import LoadOfPast, QuadratureSnapshot, QuadratureState, RelaxingField
+from fem_solver.partial_release import PartialContact, SeriesModulus, energy_at_edge, partly_held
+from fem_solver.prony import Prony, RelaxingField
+from fem_solver.quadrature_state import LoadOfPast, QuadratureSnapshot, QuadratureState
 from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
@@ -68,6 +69,7 @@ class QuadratureHistory:
         self._past: LoadOfPast | None = None
         # of the relaxed solid
         self.factor, self.operator = self._operator(self._ratio(np.inf))
+        self._surface_modulus = _surface_modulus(shear, None if bulk is None else joined, self._ratio(0.0))
         far_strain = [self._deviator(shape[: space.basis.N]) for shape in space.far_shapes]
         self._far_shear = np.stack([0.5 * self._measure * field for field in far_strain])
         self._far_volume = np.stack([self._volume_force(shape) for shape in space.far_shapes])
@@ -108,10 +110,12 @@ class QuadratureHistory:
         past = self._prepare(dt)
         factor, operator = self._operator(past.ratio)
         free = factor.solve(past.load, past.far_memory)
-        return Response(operator, past.modulus, -free[self.space.surface_dofs[: self.count]])
+        surface, partly = -free[self.space.surface_dofs[: self.count]], self.state.partly
+        released = None if partly is None else partly.released(dt, operator.unit)
+        return Response(operator, past.modulus, surface, released)
 
-    def commit(self, dt: float, forces: Array) -> None:
-        """Accept the step that ends with these surface forces."""
+    def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:
+        """Accept the step that ends with these surface forces, and with an adhesive edge there."""
         past, old = self._prepare(dt), self.state
         modulus = past.modulus
         factor, _ = self._operator(past.ratio)
@@ -127,7 +131,8 @@ class QuadratureHistory:
             dissipated += self._loss(dt, old.shear, shear, self._shear_form)
             dissipated += self._loss(dt, old.volume, volume, self._volume_form)
         far = old.far[0].advanced(dt, amplitudes[:1]), old.far[1].advanced(dt, amplitudes[1:])
-        self.state = QuadratureState(unknowns, shear, volume, far, dissipated, old.updates + 1)
+        partly = partly_held(old.partly, self._surface_modulus, dt, contact)
+        self.state = QuadratureState(unknowns, shear, volume, far, dissipated, old.updates + 1, partly)
         self._past = None
 
     @property
@@ -140,6 +145,10 @@ class QuadratureHistory:
         """Energy of all springs, in shear and in volume."""
         state = self.state
         return self._stored(state.shear, self._shear_form) + self._stored(state.volume, self._volume_form)
+
+    def interface_energy(self, forces: Array, gap: Array) -> float:
+        """Energy of the node next to the edge beyond that of its mean; shapes (count,)."""
+        return energy_at_edge(self.state.partly, self.instantaneous.unit, forces, gap)
 
     def _ratio(self, dt: float) -> float:
         if self.bulk_modulus is None:
@@ -224,3 +233,11 @@ class QuadratureHistory:
             forms_ = form(branch, branch) / modulus, form(branch, change), modulus * form(change, change)
             total += float(weights[:, k] @ forms_)
         return total
+
+
+def _surface_modulus(shear: Prony, joined: Prony | None, ratio: float) -> SeriesModulus:
+    """``E*`` per that of unit shear modulus at the glassy ``G/K``; ``joined`` is ``3 K + G``."""
+    if joined is None:
+        return SeriesModulus((shear,))
+    plane = (3.0 + ratio) / (3.0 + 4.0 * ratio)
+    return SeriesModulus((shear, joined), (plane, 3.0 * plane))

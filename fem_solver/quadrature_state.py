@@ -1,4 +1,4 @@
-"""State of the history at quadrature points: relaxing fields, and what a run stores of them."""
+"""State of the history at quadrature points, and what a run stores of it."""
 
 from __future__ import annotations
 
@@ -7,39 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_solver.prony import Prony
+from fem_solver.partial_release import PartlyHeld
+from fem_solver.prony import RelaxingField
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class RelaxingField:
-    """A relaxing modulus with the strain it acts on and its branch variables.
-
-    Parameters
-    ----------
-    modulus : Prony
-    x : ndarray, shape (m,)
-        A strain field and, behind it, the two amplitudes of the far field.
-    branches : ndarray, shape (branches, m)
-    """
-
-    modulus: Prony
-    x: Array
-    branches: Array
-
-    @classmethod
-    def at_rest(cls, modulus: Prony, size: int) -> RelaxingField:
-        """Undeformed."""
-        return cls(modulus, np.zeros(size), np.zeros((len(modulus.times), size)))
-
-    def memory(self, dt: float) -> Array:
-        """Stress that the past leaves at the end of a step."""
-        return self.modulus.increment(dt).memory(self.branches, self.x)
-
-    def advanced(self, dt: float, x: Array) -> RelaxingField:
-        """State at the end of a step."""
-        return RelaxingField(self.modulus, x, self.modulus.increment(dt).advance(self.branches, x - self.x))
 
 
 @dataclass(frozen=True)
@@ -57,6 +28,8 @@ class QuadratureState:
         Energy dissipated in the branches so far.
     updates : int
         Accepted steps so far.
+    partly : PartlyHeld, optional
+        The node next to an adhesive edge.
     """
 
     unknowns: Array
@@ -65,6 +38,7 @@ class QuadratureState:
     far: tuple[RelaxingField, RelaxingField]
     dissipated: float = 0.0
     updates: int = 0
+    partly: PartlyHeld | None = None
 
 
 @dataclass(frozen=True)

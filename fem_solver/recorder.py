@@ -7,9 +7,9 @@ equivalents) that know nothing of the work. ``balance_residual`` is what is left
 work taken by trapezoids between rows, as a reader of the trace would. It measures the steps: it grows where
 an edge creeps so slowly that its layer of relaxing stress, ``|da/dt| tau``, is crossed within one of them.
 
-A partly released node is held by the interface as by a spring, with the force ``f`` at the opening ``g``:
-its energy ``-f g/2`` belongs to ``stored_energy``, which without it would sag between any two nodes by up to
-an eighth of what the edge releases there. The balance of the half-space alone does without it.
+The parts of the node next to the edge, in contact and free, hold an energy beyond that of their mean (see
+``partial_release``). It belongs to ``stored_energy``, which without it would sag between any two nodes by up
+to an eighth of what the edge releases there. The balance of the half-space alone does without it.
 
 ``dissipated_energy`` is the loss of the balance ``F dD + dg dA = dU + dL``. It differs from the branch
 dissipation by ``zone_excess``: a sharp edge gives back only the glassy ``K^2/(2 Einf*)`` of the work of
@@ -19,7 +19,6 @@ adhesion, the remainder is dissipated where the process zone would have held it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,7 +26,7 @@ from numpy.typing import NDArray
 
 from contact_scene import COLUMNS, Counters, Event, Outcome, SurfaceProfile, Trace
 from fem_solver.limit_point import LimitPoint
-from fem_solver.tip_release import UNKNOWN_RELEASE
+from fem_solver.tip_release import UNKNOWN_RELEASE, with_sharp_tip
 
 Array = NDArray[np.float64]
 
@@ -49,7 +48,7 @@ class SurfaceState:
     forces, displacement : ndarray, shape (n,)
         Nodal forces, compressive positive, and nodal displacements, positive downwards.
     stored, interface : float
-        Energy of the half-space, and of the springs by which the interface holds a partly released node.
+        Energy of the half-space, and of the parts of the node next to the edge beyond that of their mean.
     branch_dissipation : float
         Energy dissipated in the branches so far.
     zone : float
@@ -59,8 +58,9 @@ class SurfaceState:
         last step and its length: where adhesion is irreversible.
     received : float, optional
         Work done on the surface so far, where the history knows it better than trapezoids between rows.
-    release : tuple of float
-        Glassy energy release rate of the tip, opening and closing (see ``tip_release``).
+    release, crept : tuple of float, int
+        Glassy energy release rate of the tip, opening and closing (see ``tip_release``), and the node before
+        the edge when that was slow last.
     """
 
     time: float
@@ -80,6 +80,7 @@ class SurfaceState:
     duration: float = 0.0
     received: float | None = None
     release: tuple[float, float] = UNKNOWN_RELEASE
+    crept: int = -1
 
 
 @dataclass
@@ -247,33 +248,3 @@ class SurfaceRecorder:
             profiles=tuple(self.content.profiles),
             wall_seconds=wall_seconds,
         )
-
-
-def with_sharp_tip(columns: Mapping[str, Array]) -> Array:
-    """What the branches dissipate, with what a sharp tip makes them dissipate within the last element.
-
-    Parameters
-    ----------
-    columns : mapping of str to ndarray (n,)
-        Of the rows, with the ``volume_dissipation`` and the release rates of the tip, ``opening`` and
-        ``closing``.
-
-    Returns
-    -------
-    ndarray (n,)
-
-    Notes
-    -----
-    An edge slow against a branch, ``|da/dt| tau`` below the size of an element, releases a node so slowly
-    that the branch relaxes meanwhile; at a sharp tip it lags at every speed. While the edge moves, the
-    balance with a sharp edge takes the place of the volume integral: ``int F dD = dU + loss - int K^2/(2
-    Einf*) dA``.
-    """
-    grown = np.pi * np.diff(columns["contact_radius"] ** 2)
-    opening, closing = (0.5 * (columns[n][1:] + columns[n][:-1]) for n in ("opening", "closing"))
-    sharp = np.diff(columns["external_work"] - columns["stored_energy"])
-    sharp = sharp + np.where(grown > 0.0, closing, opening) * grown
-    moves = (grown != 0.0) & (np.diff(columns["time"]) > 0.0) & np.isfinite(sharp)
-    lost = np.where(moves, sharp, np.diff(columns["volume_dissipation"]))
-    so_far = np.concatenate((columns["volume_dissipation"][:1], lost)).cumsum()
-    return np.maximum.accumulate(so_far)  # a step may miss by the error of its work; branches gain nothing

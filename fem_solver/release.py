@@ -1,11 +1,9 @@
 """Contact states with a continuous edge, and the node-release closure.
 
 The edge is a real number ``s``: nodes ``0..floor(s)`` are in full contact, the next one carries the fraction
-``s - floor(s)`` of the reaction it would have in full contact. Every state between two neighbouring contact
-sets is thus their linear combination, its total force and contact radius (see ``surface``) too.
-
-The fraction refers to the stiffness at that instant: where a relaxed state is followed by a glassy load jump,
-forces and gaps continue unchanged under another fraction, so ``s`` may jump by less than a node.
+``s - floor(s)`` of the reaction it would have in full contact, with the history of its part in contact (see
+``partial_release``). Every state between two neighbouring contact sets of a solid without history is thus
+their linear combination, its total force and contact radius (see ``surface``) too.
 
 The closure ``(1/(2 da)) int sigma(r) g(r + da) dr`` over the process zone is read as the work of the nodal
 reactions ``f_i`` (which contain ``2 pi r``) through the gap one zone further out,
@@ -27,6 +25,7 @@ from numpy.typing import NDArray
 
 from fem_solver.condensed import Response
 from fem_solver.edge_geometry import EdgeGeometry, EdgeOrigin
+from fem_solver.partial_release import PartialContact
 from fem_solver.process_zone import ZoneShift, zone_of_stress
 
 Array = NDArray[np.float64]
@@ -67,7 +66,7 @@ class ContactProblem:
         self.geometry, self.response = geometry, response
         self.operator = response.operator
         self.control, self.value, self.compliance = control, value, compliance
-        self.dt, self.origin = dt, origin
+        self.dt, self.origin, self._partly = dt, origin, response.partly
         self._base = -height - response.free
         self._base_y = self.operator.transform(self._base)
         self._base_force = np.cumsum(self.operator.unit * self._base_y)
@@ -99,8 +98,24 @@ class ContactProblem:
         force = self._base_force[m] if m >= 0 else 0.0
         if part > 0.0:
             stiffness = (1.0 - part) * stiffness + part * self.operator.stiffness[m + 1]
-            force = (1.0 - part) * force + part * self._base_force[m + 1]
+            force += self.operator.unit[m + 1] * self._bearing(m + 1, part)
         return float(stiffness), float(force)
+
+    def _bearing(self, node: int, share: float) -> float:
+        """``y`` of the node next to the edge per modulus, at no penetration."""
+        whole = float(self._base_y[node])
+        if self._partly is not None and self._partly.node == node:
+            return self._partly.bearing(share, whole)
+        return share * whole
+
+    def partial_contact(self, s: float) -> PartialContact | None:
+        """The node next to an adhesive edge at ``s``, unless that is the rim of the indenter."""
+        m = int(np.floor(s))
+        if self.geometry.zone is None or m < 0 or m >= self.geometry.last:
+            return None
+        share, unit = s - m, self.operator.unit[m + 1]
+        missing = float(self._base_y[m + 1]) - self._bearing(m + 1, share)
+        return PartialContact(m + 1, share, float(self.penetration(s) * (1.0 - share) + missing / unit))
 
     def intensity(self, node: int, s: float) -> float:
         """Indentation of the flat punch up to ``node`` with the same edge singularity; tension < 0."""
@@ -110,7 +125,7 @@ class ContactProblem:
         """``L^-1`` of the displacement imposed inside, cut at the edge; shape (floor(s) + 2,)."""
         m = int(np.floor(s))
         y = self.penetration(s) * self.operator.unit[: m + 2] + self._base_y[: m + 2]
-        y[m + 1] *= s - m
+        y[m + 1] = self.penetration(s) * self.operator.unit[m + 1] * (s - m) + self._bearing(m + 1, s - m)
         return y
 
     def forces(self, s: float) -> Array:

@@ -72,9 +72,9 @@ class SurfaceOperator:
         result += self._matrix[last:end, last] * y[last]
         return result
 
-    def factor(self, first: int, end: int) -> Array:
-        """Rows and columns ``first..end-1`` of ``L``."""
-        return np.tril(self._matrix[first:end, first:end])
+    def component(self, forces: Array, node: int) -> float:
+        """``(L^T f)_node``."""
+        return float(self._matrix[node:, node] @ forces[node:])
 
     def root(self) -> Array:
         """``L``; shape (n, n)."""

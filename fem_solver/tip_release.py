@@ -1,105 +1,96 @@
-"""Glassy energy release rate ``K^2/(2 Einf*)`` of the very tip, from forces and gaps of nodes beside it.
+"""Glassy energy release rate of the very tip, from the node in contact in part, and the heat that follows.
 
-At a fixed instant the half-space is elastic with its glassy modulus ``G``. With ``C = L L^T``, ``y = L^T
-f/G`` and ``e = L^-1 1`` (see ``surface``), ``y_i/e_i`` is the depth of the flat punch that would leave at
-node i the singularity that an edge there would have; such a punch of radius x sets free ``Einf* depth^2/(2 pi
-x)`` per area. The depths of a few nodes beside the edge are carried on to it by a straight line.
-
-A receding edge leaves the last nodes in contact the stress that belongs to the tip. Behind an advancing one
-the stress falls within a layer that may be thinner than an element; the opening ahead of it does not, and the
-depths of the nodes that come next, were they closed at once, follow from their gaps.
+At a fixed instant the half-space is elastic with its glassy modulus ``G``. In the components ``v = L^-1 u``,
+``y = L^T f`` of the surface (see ``surface``) component j belongs to the radii between two positions of the
+edge. As these are released, one after the other, they set free ``y_j^2/(2 G)`` of the part in contact; as
+they close, they take up as much of what the free part bears at once in contact.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.edge_geometry import EdgeGeometry
+from fem_solver.partial_release import PartlyHeld
 from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
 
-_NODES = 4
-"""Nodes of the straight line: two vertices and two mid-side nodes, over which their ripple cancels."""
+LARGEST_STEP = 1.0
+"""Elements that the edge passes in a step, up to which the rates at both ends tell what it sets free: steps
+are a quarter of one, and where it leaves in a jump the rate rises in between."""
+
 SLOW_EDGE = 1.0
-"""Elements that the edge passes within the shortest relaxation time, up to which it counts as slow: a node is
-then let go so slowly that this branch relaxes meanwhile."""
+"""Elements that the edge passes within the shortest relaxation time, up to which it counts as slow: what it
+leaves of a node then relaxes before the next strip joins it."""
 
 UNKNOWN_RELEASE = (math.nan, math.nan)
 """Of opening and of closing, where the tip is not known."""
 
 
-def release_of_opening(
-    operator: SurfaceOperator, geometry: EdgeGeometry, modulus: float, forces: Array, edge: float
-) -> float:
-    """Energy per area that the tip sets free as it opens.
+def release_of_tip(
+    partly: PartlyHeld, operator: SurfaceOperator, geometry: EdgeGeometry, modulus: float, forces: Array
+) -> tuple[float, float]:
+    """Energy per area that the tip sets free as it opens, and takes up as it closes.
 
     Parameters
     ----------
+    partly : PartlyHeld
+        The node in contact in part.
     operator : SurfaceOperator
+        Of the glassy solid.
     geometry : EdgeGeometry
     modulus : float
         Glassy shear modulus.
     forces : ndarray, shape (n,)
         Nodal forces, compressive positive.
-    edge : float
-        Edge position in nodes.
 
     Returns
     -------
-    float
-        NaN where there are too few nodes on that side.
+    tuple of float
     """
-    last = math.floor(edge)
-    first = last + 1 - _NODES
-    if first < 1 or last >= geometry.last:
-        return math.nan
-    factor = operator.factor(first, last + 2)
-    transformed = factor.T @ forces[first : last + 2] / modulus
-    return _at_edge(operator, geometry, modulus, first, transformed[:_NODES], edge)
+    node, share, unit = partly.contact.node, partly.contact.share, operator.unit[partly.contact.node]
+    mean = operator.component(forces, node)
+    held = mean + unit * partly.stress
+    covered = mean + modulus * unit * partly.contact.depth  # with the node in full contact at once
+    free = (covered - share * held) / (1.0 - share)
+    area = math.pi * (geometry.effective[node] ** 2 - geometry.effective[node - 1] ** 2)
+    return float(held**2 / (2.0 * modulus * area)), float(free**2 / (2.0 * modulus * area))
 
 
-def release_of_closing(
-    operator: SurfaceOperator, geometry: EdgeGeometry, modulus: float, forces: Array, gap: Array, edge: float
-) -> float:
-    """Energy per area that the tip takes up as it closes.
+def with_sharp_tip(columns: Mapping[str, Array]) -> Array:
+    """What the branches dissipate, with what a sharp tip makes them dissipate within the last element.
 
     Parameters
     ----------
-    operator, geometry, modulus, forces, edge
-        As of :func:`release_of_opening`.
-    gap : ndarray, shape (n,)
-        Opening between surface and indenter at the nodes.
+    columns : mapping of str to ndarray (n,)
+        Of the rows, with the ``volume_dissipation`` and the release rates of the tip, ``opening`` and
+        ``closing``.
 
     Returns
     -------
-    float
-        NaN where there are too few nodes on that side.
+    ndarray (n,)
+
+    Notes
+    -----
+    The volume integral follows the mean of each node, which is let go in the time that the edge takes to pass
+    it: of what relaxes closer to a sharp tip than an element it loses a share, of first order in the size of
+    the element. While the edge moves, the balance with a sharp edge takes its place: ``int F dD = dU + loss -
+    int K^2/(2 Einf*) dA``. While it is pinned, the volume integral lacks what relaxes between the parts of
+    the node next to it: what the indenter does and the interface sets free, beyond the work of the means.
     """
-    first = math.floor(edge) + 2  # the next node is in contact in part, and has relaxed as such
-    if first < 1 or first + _NODES > geometry.last:
-        return math.nan
-    nodes = slice(first - 1, first + _NODES)
-    factor = operator.factor(nodes.start, nodes.stop)
-    transformed = factor.T @ forces[nodes] / modulus - np.linalg.solve(factor, gap[nodes])
-    return _at_edge(operator, geometry, modulus, first, transformed[1:], edge)
-
-
-def _at_edge(
-    operator: SurfaceOperator,
-    geometry: EdgeGeometry,
-    modulus: float,
-    first: int,
-    transformed: Array,
-    edge: float,
-) -> float:
-    """Release rate at the edge, from the ``y`` of the nodes from the ``first`` on."""
-    depths = transformed / operator.unit[first : first + _NODES]
-    ends = geometry.effective[first - 1 : first + _NODES]
-    radius = geometry.radius(edge)
-    _, depth = np.polyfit(0.5 * (ends[1:] + ends[:-1]) - radius, depths, 1)
-    plane = modulus * operator.stiffness[0] / (2.0 * geometry.effective[0])
-    return float(plane * depth**2 / (2.0 * math.pi * radius))
+    grown = np.pi * np.diff(columns["contact_radius"] ** 2)
+    opening, closing = (0.5 * (columns[n][1:] + columns[n][:-1]) for n in ("opening", "closing"))
+    sharp = np.diff(columns["external_work"] - columns["stored_energy"])
+    sharp = sharp + np.where(grown > 0.0, closing, opening) * grown
+    moves = (grown != 0.0) & (np.diff(columns["time"]) > 0.0) & np.isfinite(sharp)
+    pinned = np.isfinite(sharp) & (grown == 0.0)
+    volume = np.diff(columns["volume_dissipation"])
+    held = np.diff(columns["dissipated_energy"] - columns["balance_residual"])
+    lost = np.where(moves, sharp, np.where(pinned, held, volume))
+    so_far = np.concatenate((columns["volume_dissipation"][:1], lost)).cumsum()
+    return np.maximum.accumulate(so_far)  # a step may miss by the error of its work; branches gain nothing

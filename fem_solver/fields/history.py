@@ -20,8 +20,9 @@ from fem_solver import forms
 from fem_solver.condensed import CondensedHistory
 from fem_solver.halfspace import HalfSpace
 from fem_solver.options import Options
+from fem_solver.prony import RelaxingField
 from fem_solver.quadrature import QuadratureHistory
-from fem_solver.quadrature_state import QuadratureState, RelaxingField
+from fem_solver.quadrature_state import QuadratureState
 
 Array = NDArray[np.float64]
 Form = Callable[[Array, Array], Array]

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from fem_solver import forms
 from fem_solver.fields.history import Form, SurfaceLog, VolumeLog, at_points, shear_form, volume_form
 from fem_solver.fields.modes import LossModes
-from fem_solver.quadrature_state import RelaxingField
+from fem_solver.prony import RelaxingField
 from fem_solver.setup import Setup
 
 Array = NDArray[np.float64]

@@ -154,12 +154,15 @@ class FollowingEdgeSearch:
         EdgeNotFound
         """
         surfaces, adhesion = self.setup.surfaces, self.setup.adhesion
-        radius, low, high = radii.expected, radii.low, min(radii.high, surfaces.reach)
+        low, high = radii.low, min(radii.high, surfaces.reach)
+        radius = min(radii.expected, high)
         far, stride = low == 0.0 or high == surfaces.reach, 0.0
         within, beyond = 0.0, math.inf  # radii at which the edge advances, and recedes
         for _ in range(_MOST_PLACES):
             found, ended = self._sought(radius, low, high, travel)
             reached, outwards = found.problem.geometry.radius(found.edge.s), _outwards(found)
+            if ended and outwards and high == surfaces.rim:  # held by the rim of the indenter
+                return replace(found, edge=EdgePosition(EdgeMotion.RESTING, found.edge.s))
             if found.in_equilibrium or ended:
                 return found
             work = adhesion.closing if outwards else adhesion.opening(math.inf)

@@ -62,6 +62,10 @@ class FollowingHistory:
         held = float(np.sum(self.solid.stored(state.components, state.branches)))
         return held + float(np.sum(state.unresolved) + np.sum(state.uneven))
 
+    def interface_energy(self, forces: Array, gap: Array) -> float:
+        """Energy of the interface, which holds the partly released node as a spring; shapes (n,)."""
+        return -0.5 * float(forces @ gap)
+
     def snapshot(self) -> FollowingState:
         """Serialisable state."""
         return self.state

@@ -19,6 +19,15 @@ _LEAST_SHARE = 1e-6
 """Share of a node's contact below which what it would have in full contact is that of one just covered."""
 
 
+@dataclass(frozen=True)
+class PartlyReleased:
+    """The node in contact in part where a step begins: its place in a range, share and ``v`` in contact."""
+
+    at: int
+    share: float
+    contact: float
+
+
 @dataclass
 class NodePassage:
     """Components of a range of nodes on their way through a step; sums up energies if asked to.
@@ -46,6 +55,47 @@ class NodePassage:
                 parts = (self.v[lossy], self.b[:, lossy], dt[lossy], reached[lossy])
                 self.dissipated += float(np.sum(self.solid.loss(*parts)))
         self.v, self.b = reached, after
+
+    def at_once(
+        self, dt: float, share: Array, imposed: Array, free: Array, partly: PartlyReleased | None
+    ) -> None:
+        """All nodes go linearly to their ends together, in no time or from nothing.
+
+        Parameters
+        ----------
+        dt : float
+            Length of the step.
+        share : ndarray, shape (m,)
+            Of each node, in contact at the end.
+        imposed, free : ndarray, shape (m,)
+            ``v`` in contact and without force.
+        partly : PartlyReleased, optional
+        """
+        reached = share * imposed + (1.0 - share) * free
+        top = int(np.count_nonzero(share == 1.0))
+        v, b = self.v[top : top + 1], self.b[:, top : top + 1]
+        if partly is not None:
+            at = partly.at
+            reached[at] = self._reached_in_part(partly, float(share[at]), float(imposed[at]))
+            if at == top:
+                v, b = np.array([partly.contact]), self.held[:, None]
+        self.held = self.solid.linear(v, b, dt, imposed[top : top + 1])
+        self.linear(np.full(len(self.v), dt), reached)
+
+    def _reached_in_part(self, partly: PartlyReleased, share: float, imposed: float) -> float:
+        """Mean of the node in contact in part after a change in no time.
+
+        Its radii in contact follow the indenter, the others stay; the edge releases the former or covers the
+        latter.
+        """
+        at, before, glassy = partly.at, partly.share, self.solid.shear.glassy
+        v, force = self.v[at], self.solid.force(self.v, self.b)[at]
+        contact = self.solid.force(np.array([partly.contact]), self.held[:, None])[0]
+        held = contact + glassy * (imposed - partly.contact)
+        if share <= before:
+            return float(v + (share * held - force) / glassy)
+        covered = (force + glassy * (imposed - v) - before * held) / (1.0 - before)
+        return float(v + (before * held + (share - before) * covered - force) / glassy)
 
     def creep(self, dt: Array, force: Array) -> None:
         """The force goes linearly to ``force``."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -81,6 +82,8 @@ class Placement:
         Least edge position, in nodes, around which the mesh resolves the process zone.
     stretch : float
         Contact radius of an edge in the fine strip over the radius of its node.
+    rim : float
+        Largest radius the indenter touches.
     """
 
     place: Any
@@ -94,6 +97,7 @@ class Placement:
     geometry: EdgeGeometry
     lowest: float
     stretch: float
+    rim: float
 
     @property
     def fine_intervals(self) -> int:
@@ -159,7 +163,8 @@ class Surfaces:
         self.zone: float = scene.adhesion.zone if scene.adhesion is not None else 0.0
         self._stress = scene.adhesion.stress if scene.adhesion is not None else None
         self.largest = float(meshes.largest)
-        self.reach = _MARGIN * self.largest
+        self.rim = scene.indenter.edge
+        self.reach = min(_MARGIN * self.largest, self.rim)
         self.stage_done: Callable[[], None] = lambda: None
 
     @property
@@ -186,8 +191,8 @@ class Surfaces:
         radii, root = scale * level.radii, np.sqrt(scale)
         height = self._scene.indenter.height(radii)
         low, high = (scale * end for end in level.strip)
-        effective, edge = scale * level.effective, self._scene.indenter.edge
-        geometry = EdgeGeometry(radii, effective, self.zone, high, edge, self._stress)
+        # the rim of a punch lies between two nodes; the search ends there
+        geometry = EdgeGeometry(radii, scale * level.effective, self.zone, high, math.inf, self._stress)
         return Placement(
             place=place,
             root=level.root,
@@ -200,6 +205,7 @@ class Surfaces:
             geometry=geometry,
             lowest=float(np.searchsorted(radii, low + self.zone)) if low > 0.0 else 2.0,
             stretch=level.stretch,
+            rim=self.rim,
         )
 
     def _level(self, level: int) -> UnscaledSurface:
@@ -211,7 +217,7 @@ class Surfaces:
     def _factorised(self, mesh: Any) -> UnscaledSurface:
         space = HalfSpace(mesh, self._form == "mixed", self._far_field)
         # a mesh is scaled down to half at most
-        reach = 2.0 * self.reach / self.zone
+        reach = 2.0 * _MARGIN * self.largest / self.zone
         count = int(np.searchsorted(space.radii, max(reach, _MARGIN * mesh.parameters.fine_to)))
         count = min(count + 1 - count % 2, len(space.radii))
         operator = SurfaceOperator(space.factorise(self._ratio).compliance(count)[0])

@@ -25,7 +25,7 @@ from contact_scene.segment import Control
 from fem_solver.edge_geometry import EdgeOrigin
 from fem_solver.following.closure import closure_integral, zone_at
 from fem_solver.following.components import Components
-from fem_solver.following.passage import NodePassage
+from fem_solver.following.passage import NodePassage, PartlyReleased
 from fem_solver.following.path import EdgePolynomial
 from fem_solver.following.placement import Placement
 from fem_solver.following.state import FollowingState
@@ -81,8 +81,7 @@ class FollowingProblem:
         self.evaluations = 0
         self._partly = int(np.floor(state.edge)) + 1 if state.edge >= 0.0 else None
         step = solid.shear.increment(dt)
-        self.modulus = step.modulus
-        start = -placement.profile - state.components
+        self.modulus, start = step.modulus, -placement.profile - state.components
         # in contact throughout, per unit of penetration and without it
         self._gain = step.gain[:, None]
         self._base = step.decay[:, None] * state.branches + self._gain * start
@@ -98,13 +97,7 @@ class FollowingProblem:
     @property
     def origin(self) -> EdgeOrigin | None:
         """Where the edge starts the step, at this place of the mesh; ``None`` without contact."""
-        state = self.state
-        if state.edge < 0.0:
-            return None
-        if not state.before:
-            return EdgeOrigin(state.edge, state.radius)
-        duration, radius = state.before[0]
-        return EdgeOrigin(state.edge, state.radius, (state.radius - radius) / duration, duration)
+        return self.state.origin
 
     def penetration(self, s: float) -> float:
         """Penetration at edge position ``s``."""
@@ -114,9 +107,10 @@ class FollowingProblem:
             return self.value
         if s < 0.0:  # no contact yet: the penetration at which the indenter first touches
             free = self.placement.displacement(self._free)
-            return float((self.placement.height + free).min())
+            return float((self.placement.height + free)[self.placement.radii <= self.placement.rim].min())
         first = self.state.penetration
-        second = first + max(float(self.placement.height[int(s) + 1]), _LEAST_CHANGE * abs(first))
+        change = max(float(self.placement.height[int(s) + 1]), _LEAST_CHANGE * abs(first))
+        second = first + (change or self.placement.scale)
         low, high = self._force_at(s, first), self._force_at(s, second)
         stiffness = (high - low) / (second - first)  # the force is linear in the penetration
         if self.control == "stage":  # X = D + F/k
@@ -152,14 +146,8 @@ class FollowingProblem:
         passage = NodePassage(self.solid, *start, accounts)
         share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
         if self.at_once:
-            held = penetration * unit - profile
-            top = slice(int(np.floor(s)) + 1 - low, int(np.floor(s)) + 2 - low)
-            if low + top.start == self._partly:
-                v, b = state.penetration * unit[top] - profile[top], state.held[:, None]
-            else:
-                v, b = passage.v[top], passage.b[:, top]
-            passage.held = self.solid.linear(v, b, self.dt, held[top])
-            passage.linear(np.full(high - low, self.dt), share * held + (1.0 - share) * self._free[nodes])
+            released = self._released_in_part(low, high)
+            passage.at_once(self.dt, share, penetration * unit - profile, self._free[nodes], released)
             return passage
         path = EdgePolynomial.through(state.radius, self.geometry.radius(s), self.dt, state.before)
         ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
@@ -175,6 +163,14 @@ class FollowingProblem:
         else:
             passage.cover(self.dt, share, at[:-1], at[1:], imposed, before)
         return passage
+
+    def _released_in_part(self, low: int, high: int) -> PartlyReleased | None:
+        """The node in contact in part at the begin, if it is one of ``low..high-1``."""
+        node, state = self._partly, self.state
+        if node is None or node >= high:
+            return None
+        contact = state.penetration * self.placement.unit[node] - self.placement.profile[node]
+        return PartlyReleased(node - low, float(state.edge - np.floor(state.edge)), float(contact))
 
     def arrival(self, s: float) -> tuple[Array, Array]:
         """Components and branch variables at the end of the step; shapes (n,) and (branches, n)."""
@@ -232,8 +228,9 @@ class FollowingProblem:
             return nodes
         low, high = self._changing(s)
         ends = min(low, int(here.lowest)), min(max(high, self.geometry.last), len(here.unit) - 1)
-        change = self.penetration(s) - state.penetration
-        return state.record.after(self.solid, self.dt, change).renewed(nodes, ends)
+        after = state.record.after(self.solid, self.dt, self.penetration(s) - state.penetration)
+        edge = float(np.interp(s, np.arange(len(here.positions)), here.positions))
+        return after.renewed(nodes, ends, edge)
 
     def forces(self, s: float) -> Array:
         """All nodal forces, compressive positive; shape (n,)."""

@@ -34,14 +34,17 @@ def sharp_rest(
         largest radius the mesh is made for.
     """
     reach = setup.surfaces.reach
-    excess = sharp_release_rates(problem, setup.plane_modulus) - work
     x = problem.placement.positions
+    excess = sharp_release_rates(problem, setup.plane_modulus) - work
+    excess[x > setup.surfaces.rim] = np.inf
     stable = (excess[:-1] < 0.0) & (excess[1:] >= 0.0)
     stable &= (x[:-1] > radius) if outwards else (x[1:] < radius)
     rests = np.flatnonzero(stable)
     if not rests.size:
         return reach if outwards else 0.0
     at = rests[0] if outwards else rests[-1]
+    if x[at + 1] > setup.surfaces.rim:
+        return setup.surfaces.rim
     share = excess[at] / (excess[at] - excess[at + 1])
     return float(min(x[at] + share * (x[at + 1] - x[at]), reach))
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_solver.edge_geometry import EdgeOrigin
 from fem_solver.following.components import Components
 from fem_solver.following.path import Row
 from fem_solver.following.placement import Placement
@@ -64,6 +65,16 @@ class FollowingState:
     unresolved: Array = field(default_factory=lambda: np.zeros(0))
     uneven: Array = field(default_factory=lambda: np.zeros(0))
     record: SurfaceRecord | None = None
+
+    @property
+    def origin(self) -> EdgeOrigin | None:
+        """Where the edge starts a step from here; ``None`` without contact."""
+        if self.edge < 0.0:
+            return None
+        if not self.before:
+            return EdgeOrigin(self.edge, self.radius)
+        duration, radius = self.before[0]
+        return EdgeOrigin(self.edge, self.radius, (self.radius - radius) / duration, duration)
 
     def rows_and_this(self, dt: float) -> tuple[Row, ...]:
         """The rows before the end of a step from here, through which the path of the next one goes."""

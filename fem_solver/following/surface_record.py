@@ -39,8 +39,11 @@ class SurfaceRecord:
     intensity: Array
     edge: int
 
-    def renewed(self, nodes: SurfaceRecord, range_of_nodes: tuple[int, int]) -> SurfaceRecord:
+    def renewed(self, nodes: SurfaceRecord, range_of_nodes: tuple[int, int], edge: float) -> SurfaceRecord:
         """The record with what the mesh knows in a range of its nodes, thinned elsewhere.
+
+        Points that the edge has passed are left out wherever they are: with wide elements there they may lie
+        short of the first node that has changed.
 
         Parameters
         ----------
@@ -48,6 +51,8 @@ class SurfaceRecord:
             The nodes of the mesh.
         range_of_nodes : tuple of int
             First and last node that replace what there is; the edge is between them.
+        edge : float
+            Where the edge is now.
 
         Returns
         -------
@@ -55,7 +60,9 @@ class SurfaceRecord:
         """
         first, last = range_of_nodes
         kept = slice(first, last + 1)
-        inner, outer = self.positions < nodes.positions[first], self.positions > nodes.positions[last]
+        held = np.arange(len(self.positions)) < self.edge
+        inner = held & (self.positions < min(nodes.positions[first], edge))
+        outer = ~held & (self.positions > nodes.positions[last])
         left = _thinned(self.positions[inner], self.intensity[:, inner])
         right = _thinned(self.positions[outer], self.intensity[:, outer])
         return SurfaceRecord(

@@ -126,13 +126,14 @@ class FiniteElements(Solver):
     def follows_edge(self, scene: Scene) -> bool:
         """Whether the mesh is fine around the edge only and moves with it, instead of along its whole path.
 
-        It takes a Poisson's ratio that does not change in time and an indenter without an edge of its own.
+        It takes a Poisson's ratio that does not change in time. An edge that leaves the rim of a punch
+        at once has no path.
         """
         relaxes_apart = scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
         if relaxes_apart or self.path == "quadrature" or not scene.is_adhesive or scene.adhesion is None:
             return False
         long = largest_contact_radius(scene) > FOLLOWED_BEYOND * scene.adhesion.zone
-        return long and not math.isfinite(scene.indenter.edge)
+        return long and (not math.isfinite(scene.indenter.edge) or peels(scene))
 
     def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
         """Forecast of a run, as of every solver; a mesh that follows the edge has its own constants."""
@@ -238,10 +239,7 @@ def mesh_for(
     if not scene.is_adhesive:
         sizes["margin"] = 1.0
 
-    # the edge of a punch holds the contact or loses it at once, unless it needs time to peel inwards
-    rated = scene.adhesion is not None and scene.adhesion.rate is not None
-    peels = scene.is_adhesive and (rated or bool(scene.material.spectrum[0].size))
-    smallest = 0.0 if edge is None or peels else edge
+    smallest = 0.0 if edge is None or peels(scene) else edge
 
     def fitted(count: int) -> meshes.MeshParameters:
         return meshes.fit(smallest, largest, zone, count, edge=edge, **sizes)
@@ -251,6 +249,12 @@ def mesh_for(
     except ValueError as error:
         raise SceneError("", f"no mesh for this scene: {error}", _advice(fitted, divisions)) from None
     return meshes.cached(parameters) if cached else meshes.half_space(parameters)
+
+
+def peels(scene: Scene) -> bool:
+    """Whether the contact edge takes time to leave the rim of a punch; otherwise it stays or goes at once."""
+    rated = scene.adhesion is not None and scene.adhesion.rate is not None
+    return scene.is_adhesive and (rated or bool(scene.material.spectrum[0].size))
 
 
 def _advice(fitted: Callable[[int], meshes.MeshParameters], refused: int) -> str:
