@@ -24,7 +24,7 @@ class Approach(Step):
     dwell : float
         Time for which penetration (or stage) stays.
     retract : float, optional
-        Speed of the retraction; default (0): ``rate``.
+        Speed of the retraction; default: ``rate``.
     to : float, optional
         Greatest penetration (or position of the stage) of the approach; a run that gets there without the
         force ends, and says so. Default: a bound before which the force is reached for certain, which the
@@ -38,14 +38,14 @@ class Approach(Step):
     force: float
     to: float | None = None
     dwell: float = 0.0
-    retract: float = 0.0
+    retract: float = math.nan
     away: float = math.nan
     kind: ClassVar[str] = "approach"
 
     def __post_init__(self) -> None:
         for key, check in (("rate", positive), ("force", finite), ("dwell", not_negative)):
             object.__setattr__(self, key, check(getattr(self, key), key))
-        retract = positive(self.retract, "retract") if self.retract != 0.0 else self.rate
+        retract = positive(self.retract, "retract") if self.retract == self.retract else self.rate
         object.__setattr__(self, "retract", retract)
         if self.away == self.away:
             object.__setattr__(self, "away", finite(self.away, "away"))

@@ -99,10 +99,11 @@ def on_line(trace: Trace, slope: float, tolerance: float = RECOVERED) -> float:
 
 
 def release_rate(trace: Trace, at: int, work: float, window: float = 0.005) -> float:
-    """``G = dg - dP/dA`` (Eq. enrelrate2) about row ``at``: the slope of the loss over the contact area.
+    """``G = dg - dP/dA`` (Eq. enrelrate2) about row ``at``: what is lost over a window of contact area.
 
-    A straight line through the rows whose area lies within ``window`` of the row's own, at least two on
-    either side; ``work`` where the area is constant.
+    The window ends between rows, and where the area turns or rests: the mean does not depend on how close the
+    rows are, of which a solver puts many where an edge sets out. At least two rows on either side are taken;
+    ``work`` where the area is constant.
 
     Parameters
     ----------
@@ -123,14 +124,17 @@ def release_rate(trace: Trace, at: int, work: float, window: float = 0.005) -> f
     touching = int(np.flatnonzero(area > 0.0)[-1])
     near = np.abs(area - area[at]) <= window * area[at]
     first, last = at, at
-    while first > 0 and (near[first - 1] or at - first < 2):
+    while first > 0 and (near[first] or at - first < 2):
         first -= 1
-    while last < touching and (near[last + 1] or last - at < 2):
+    while last < touching and (near[last] or last - at < 2):
         last += 1
-    rows = slice(first, last + 1)
-    if np.ptp(area[rows]) <= 1e-5 * area.max():
+    around, lost = area[first : last + 1], trace.dissipated_energy[first : last + 1]
+    if np.ptp(around) <= 1e-5 * area.max():
         return work
-    return work - float(np.polyfit(area[rows] - area[at], trace.dissipated_energy[rows], 1)[0])
+    rising_area = np.argsort(around, kind="stable")  # of equal areas the later row counts
+    ends = np.clip(area[at] * np.array([1.0 - window, 1.0 + window]), around.min(), around.max())
+    low, high = np.interp(ends, around[rising_area], lost[rising_area])
+    return work - float((high - low) / np.diff(ends)[0])
 
 
 def tension_row(trace: Trace) -> int:

@@ -119,9 +119,9 @@ def movement_distance(
     grid = _common_times(run.time, reference.time, spans)
     if grid.size < 2:
         return None
-    curve = RowCurve(reference.time, reference.columns()[column])
-    second = curve.within(grid)
-    apart = RowCurve(run.time, run.columns()[column]).within(grid) - second
+    turns = _load_step_ends(spans)
+    second = RowCurve(reference.time, reference.columns()[column], turns).within(grid)
+    apart = RowCurve(run.time, run.columns()[column], turns).within(grid) - second
     return _worst_window(grid, apart, second, spans)
 
 
@@ -153,7 +153,7 @@ def movement_interpolation_error(trace: Trace, spans: Array, column: str) -> flo
     grid = _common_times(trace.time, trace.time, spans)
     if grid.size < 2:
         return 0.0
-    curve = RowCurve(trace.time, trace.columns()[column])
+    curve = RowCurve(trace.time, trace.columns()[column], _load_step_ends(spans))
     worst = _worst_window(grid, curve.uncertainty(grid), curve.within(grid), spans, 0.0)
     return 0.0 if worst is None else worst.rms
 
@@ -170,6 +170,14 @@ def movement_bound(trace: Trace, spans: Array, column: str) -> float:
             longer = float(trace.time[-1] - trace.time[0]) / float(end - begin)
             largest = max(largest, float(np.sqrt(longer)) * size / moved)
     return largest
+
+
+def _load_step_ends(spans: Array) -> Array:
+    """Times at which load steps begin and end; cycles lie within one of them."""
+    begin, end = spans.T
+    within = (begin[1:] <= begin[:, None]) & (end[:, None] <= end[1:])
+    shorter = (end - begin)[:, None] < (end - begin)[1:]
+    return spans[~(within & shorter).any(axis=1)].ravel()
 
 
 def _worst_window(

@@ -21,8 +21,9 @@ POINTS = np.array([0.0, 0.5 - np.sqrt(3.0 / 28.0), 0.5, 0.5 + np.sqrt(3.0 / 28.0
 WEIGHTS = np.array([1.0 / 20.0, 49.0 / 180.0, 16.0 / 45.0, 49.0 / 180.0, 1.0 / 20.0])
 """Gauss-Lobatto points and weights on [0, 1], exact for the square of a cubic."""
 CORNER = 10.0
-"""A row is a corner if the second difference there is this many times those of both its neighbours: of a
-smooth curve on rows that resolve it they differ by the ratio of neighbouring steps, a factor of two or so."""
+"""A row is a corner if the slope changes there by this many times what it would with the curvature found at
+either neighbour up to the row: of a smooth curve on rows that resolve it the two differ by a factor of two or
+so, however different the steps on both sides are."""
 SHORTEST = 1e-12
 """Least distance of two rows, relative to the duration of the run, that is not a jump: round-off of times."""
 
@@ -37,9 +38,11 @@ class RowCurve:
     ----------
     time, value : ndarray, shape (n,)
         Rows, n >= 2; times never fall.
+    corners : ndarray, shape (m,), optional
+        Times at which the curve may turn, whether its rows tell it or not.
     """
 
-    def __init__(self, time: Array, value: Array) -> None:
+    def __init__(self, time: Array, value: Array, corners: Array | None = None) -> None:
         self.time, self.value = time, value
         self.step = np.diff(time)
         apart = self.step > SHORTEST * float(time[-1] - time[0])
@@ -47,6 +50,9 @@ class RowCurve:
         self.secant = np.diff(value) / np.where(apart, self.step, 1.0)
         self.secant[~apart] = 0.0
         self.smooth = _smooth(self.secant, self.step, apart, float(np.abs(value).max()))
+        if corners is not None:
+            least = SHORTEST * float(time[-1] - time[0])
+            self.smooth &= ~np.isclose(time[:, None], corners, rtol=0.0, atol=least).any(axis=1)
         harmonic, three_point = _inner_slopes(self.secant, self.step)
         self.slopes = _end_slopes(self.secant, self.step, self.smooth, harmonic)
         self.other_slopes = _end_slopes(self.secant, self.step, self.smooth, three_point)
@@ -93,12 +99,12 @@ def _smooth(secant: Array, step: Array, apart: NDArray[np.bool_], largest: float
     if step.size < 2:
         return smooth
     inner = apart[1:] & apart[:-1]
-    bend = np.abs(np.diff(secant)) / np.where(inner, 0.5 * (step[1:] + step[:-1]), 1.0)
-    bend[~inner] = 0.0
+    change = np.where(inner, np.abs(np.diff(secant)), 0.0)
     shortest = np.where(inner, np.minimum(step[1:], step[:-1]), 1.0)
-    certain = np.maximum(bend - 8.0 * np.finfo(float).eps * largest / shortest**2, 0.0)
-    beside = np.maximum(np.append(0.0, certain[:-1]), np.append(certain[1:], 0.0))
-    smooth[1:-1] = inner & (bend <= CORNER * beside)
+    certain = np.maximum(change - 8.0 * np.finfo(float).eps * largest / shortest, 0.0)
+    bend = certain / np.where(inner, 0.5 * (step[1:] + step[:-1]), 1.0)
+    before, after = np.append(0.0, bend[:-1]), np.append(bend[1:], 0.0)
+    smooth[1:-1] = inner & (change <= CORNER * 0.5 * (before * step[:-1] + after * step[1:]))
     return smooth
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,12 +25,12 @@ def coarsened(surface: Surface, deviation: float) -> Surface:
     """
     inside = _needed(surface.inside, surface.branches, deviation)
     outside = _needed(surface.outside, surface.units, deviation)
-    return Surface(
-        surface.penetration,
-        surface.inside[inside],
-        surface.branches[inside],
-        surface.outside[outside],
-        surface.units[outside],
+    return replace(
+        surface,
+        inside=surface.inside[inside],
+        branches=surface.branches[inside],
+        outside=surface.outside[outside],
+        units=surface.units[outside],
     )
 
 

@@ -12,7 +12,8 @@ from contact_scene import Segment
 from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import PenetrationPath, cubic, straight
 from validation.reference.tracking.step_history import RowExtrapolation
-from validation.reference.tracking.surface import Body, Surface, after_step, field_update
+from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface_step import after_step, field_update
 
 Array = NDArray[np.float64]
 
@@ -59,6 +60,7 @@ def balanced(
     path: EdgePath,
     fractions: Array,
     over_zones: bool = False,
+    with_tip_energy: bool = False,
 ) -> Surface:
     """The surface at the end of a step at which the force, or the stage ``D + F/k``, is ``target``.
 
@@ -83,6 +85,8 @@ def balanced(
         Moments at which nodes are left, as fractions of the step.
     over_zones : bool
         Whether the step may pass over process zones; the penetration is then a cubic, otherwise a parabola.
+    with_tip_energy : bool
+        Whether to compute the energy that the edge releases.
 
     Returns
     -------
@@ -97,9 +101,9 @@ def balanced(
             return state.edge_stress(body)
         return segment.present(state.penetration, state.force(body))
 
-    def trial(end: float) -> Surface:
+    def trial(end: float, with_tip_energy: bool = False) -> Surface:
         depth = _through_rows(duration, surface.penetration, end, depths, over_zones)
-        return after_step(surface, body, field_update(surface, body, depth), path, fractions)
+        return after_step(surface, body, field_update(surface, body, depth), path, fractions, with_tip_energy)
 
     wanted = target if path.start + path.travel > 0.0 or not by_force else 0.0
     one = trial(surface.penetration)
@@ -115,12 +119,14 @@ def balanced(
     if gained == 0.0:  # a force too small for its own round-off
         return two
     share = lacking / gained
+    balancing = one.penetration + share * (two.penetration - one.penetration)
     return Surface(
-        one.penetration + share * (two.penetration - one.penetration),
+        balancing,
         one.inside,
         one.branches + share * (two.branches - one.branches),
         one.outside,
         one.units + share * (two.units - one.units),
+        trial(balancing, True).tip_energy if with_tip_energy else 0.0,
     )
 
 

@@ -3,8 +3,9 @@
 A step of a fraction of a process zone takes a parabola: it passes few points, and where it passed them hardly
 matters. A step over many zones takes the polynomial through all rows of the history and its own end: what the
 closure sees at the end was left behind within the step, at times that follow from the path, and the condition
-there is one on the speed of the edge. With rows of equal spacing that speed is a backward differentiation
-formula, whose order is the number of rows.
+there is one on the speed of the edge. So it is, in steps of any length, where the edge takes up what its
+speed tells. With rows of equal spacing that speed is a backward differentiation formula, whose order is the
+number of rows.
 """
 
 from __future__ import annotations

@@ -7,6 +7,8 @@ a smooth extremum; a step of the data between two very close nodes still cannot 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,8 @@ STEP = 1e-4
 
 Array = NDArray[np.float64]
 
+_GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(4)  # exact for the square of a cubic
+_GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
 _ENDS, _NEXT = np.array([0, -1]), np.array([1, -2])  # the outer nodes and intervals, and the ones behind
 
 
@@ -128,3 +132,38 @@ def integral(x: Array, y: Array) -> Array:
     if y.ndim == 2:
         h = h[:, None]
     return (h * (0.5 * (y[1:] + y[:-1]) + h * (slope[:-1] - slope[1:]) / 12.0)).sum(axis=0)
+
+
+def integral_of(x: Array, y: Array, density: Callable[[Array, Array], Array]) -> float:
+    """Integral of ``density(y(x), x)`` along the cubic, from the first node to the last; exact for squares.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m,)
+        Nodes, strictly rising.
+    y : ndarray, shape (m,) or (m, n)
+        Values at the nodes.
+    density : callable(ndarray, shape (l,) or (l, n), ndarray, shape (l,)) -> ndarray, shape (l,)
+        Integrand, of values of the cubic and where they are.
+
+    Returns
+    -------
+    float
+    """
+    if len(x) == 1:
+        return 0.0
+    h = x[1:] - x[:-1]
+    slope = slopes(x, y)
+    total = 0.0
+    for share, weight in zip(_GAUSS, _WEIGHT, strict=True):
+        values = _within(y, slope, h if y.ndim == 1 else h[:, None], share)
+        total += weight * float((h * density(values, x[:-1] + share * h)).sum())
+    return total
+
+
+def _within(y: Array, slope: Array, h: Array, u: float) -> Array:
+    """Cubics of all intervals at the same fraction ``u`` of their lengths ``h``."""
+    first, rise, end, step = y[:-1], h * slope[:-1], h * slope[1:], y[1:] - y[:-1]
+    return np.asarray(
+        first + u * (rise + u * (3.0 * step - 2.0 * rise - end + u * (rise + end - 2.0 * step)))
+    )

@@ -1,49 +1,48 @@
-"""Energy spent in the interface by an edge that takes up another energy on opening than it gives on closing.
+"""Energy spent in the interface by an edge that takes up on opening what its speed tells.
 
-On opening the edge takes up ``w`` per area, which follows its speed; on closing it gives ``work_closing``
-back. Along a step ``w`` is the mean of its values at the ends, both known from the closure integral there.
+On opening the edge takes up ``w`` per area, on closing it gives ``work_closing`` back. The closure integral
+at an opening edge is ``w``. As an edge departs, ``w`` rises with the root of its speed or the like, steeply
+over the area, but both are smooth in time: the integral over the area is taken along cubics in time. At
+fixed time an edge takes up the most its law allows, or, where that has no bound, what is released.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from contact_scene import Adhesion
+from validation.reference.tracking.row_integrals import integrals
+
+Array = NDArray[np.float64]
 
 
-@dataclass
-class InterfaceWork:
-    """Energy spent so far, and where the edge was at the last row: time, radius, closure integral."""
+def interface_work(adhesion: Adhesion, time: Array, area: Array, closure: Array, ends: list[int]) -> Array:
+    """Energy spent between rows.
 
-    spent: float = 0.0
-    time: float = 0.0
-    radius: float = 0.0
-    closure: float = 0.0
-    started: bool = False
+    Parameters
+    ----------
+    adhesion : Adhesion
+    time, area, closure : ndarray, shape (l,)
+        Time, contact area, and closure integral at the rows, 0 without contact.
+    ends : list of int
+        Rows at which smooth stretches end and begin.
 
-    def advance(self, adhesion: Adhesion, time: float, radius: float, closure: float) -> None:
-        """Go on to the next row.
+    Returns
+    -------
+    ndarray, shape (l - 1,)
+    """
+    taken = taken_at(adhesion, closure)
+    grown = np.diff(area)
+    opened = integrals(time, taken, area, ends)
+    at_once = adhesion.opening(math.inf)
+    jump = at_once if math.isfinite(at_once) else 0.5 * (taken[1:] + taken[:-1])
+    opened = np.where(np.diff(time) > 0.0, opened, jump * grown)
+    return -np.where(grown > 0.0, adhesion.closing * grown, opened)
 
-        Parameters
-        ----------
-        adhesion : Adhesion
-        time, radius : float
-            There.
-        closure : float
-            The closure integral there, 0 without contact.
-        """
-        if self.started:
-            area = math.pi * (self.radius - radius) * (self.radius + radius)
-            self.spent += area * (adhesion.closing if area < 0.0 else self._opening(adhesion, time, closure))
-        self.time, self.radius, self.closure, self.started = time, radius, closure, True
 
-    def _opening(self, adhesion: Adhesion, time: float, closure: float) -> float:
-        """Mean energy per area between the last row and the next."""
-        if adhesion.rate is None:
-            return adhesion.work
-        before = max(self.closure, adhesion.work)
-        at_once = adhesion.opening(math.inf)
-        if time == self.time:
-            return at_once if math.isfinite(at_once) else before
-        return 0.5 * (min(before, at_once) + min(max(closure, adhesion.work), at_once))
+def taken_at(adhesion: Adhesion, closure: Array) -> Array:
+    """What an opening edge takes up where the closure integral is ``closure``; ``work`` at rest."""
+    return np.clip(closure, adhesion.work, adhesion.opening(math.inf))

@@ -47,6 +47,11 @@ class Griffith:
         """Distance from the edge beyond which no field enters the condition."""
         return self.adhesion.zone if self.adhesion.stress is None else math.inf
 
+    @property
+    def rated(self) -> bool:
+        """Whether an opening edge takes up what its speed tells."""
+        return self.adhesion.rate is not None
+
     def zone_at(self, surface: Surface, body: Body) -> float:
         """Length of the process zone; at fixed stress at most the contact radius."""
         adhesion = self.adhesion
@@ -86,6 +91,7 @@ class NoTension:
     zone_length: ClassVar[float] = 0.0
     reach: ClassVar[float] = 0.0
     smallest_radius: ClassVar[float] = 0.0
+    rated: ClassVar[bool] = False
 
     def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:
         """Residual at an edge that has just moved to its present radius, at any velocity."""

@@ -69,7 +69,9 @@ def _passing(
     end = problem.candidate(state.time + h, trial.surface_at(h, radius))
     row = (end.time, radius, end.force, end.surface.penetration)
     estimator = problem.step_error(state, trial.segment, end)
-    deviation = estimator.along_edge(row)
+    deviation = max(
+        estimator.along_edge(row), estimator.of_load(row, problem.load_rate(state, trial.segment))
+    )
     if problem.rated:  # nothing limits the speed but the time in which it changes
         deviation = max(deviation, estimator.in_time(row))
     change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))

@@ -74,7 +74,7 @@ class FrontProblem:
     @property
     def rated(self) -> bool:
         """Whether an opening edge takes up what its speed tells."""
-        return isinstance(self.condition, Griffith) and self.condition.adhesion.rate is not None
+        return self.condition.rated
 
     @property
     def irreversible(self) -> Griffith | None:
@@ -121,6 +121,11 @@ class FrontProblem:
             self.longest_travel(state.surface.radius),
             over_zones,
         )
+
+    def load_rate(self, state: FrontState, segment: Segment) -> float:
+        """Rate of the load, relative to its largest value so far or expected."""
+        scale = segment.present(state.largest_depth, state.largest_force)
+        return segment.rate(state.time) / scale if scale > 0.0 else 0.0
 
     def candidate(self, time: float, surface: Surface, intervals: int = 0) -> FrontCandidate:
         """A candidate with its force."""

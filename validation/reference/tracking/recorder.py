@@ -11,22 +11,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.tracking import hermite
 from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.energy import stored_energy
-from validation.reference.tracking.interface_work import InterfaceWork
+from validation.reference.tracking.interface_work import interface_work
 from validation.reference.tracking.law import Griffith
+from validation.reference.tracking.row_integrals import integrals
 from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
 
-_GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(3)
-_GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
 LEAST_AREA_CHANGE = 1e-6
 """Change of the contact area, relative to the largest area, below which no energy release rate is formed."""
 LEAST_DISTANCE = 1e-9
@@ -40,15 +37,21 @@ EXTRA_COLUMNS = (
 """Columns beside those of every solver."""
 DEPTH = 1
 """Column of the penetration in interpolated values, which lack the time."""
+ROW = ("time", "penetration", "force", "radius", "stored", "edge stress", "closure", "tip")
+"""What a recorded row holds."""
 FORCE_OF_ROW, RADIUS_OF_ROW = 2, 3
 """Places of force and radius in a recorded row."""
+SEPARATION = 6
+"""Place of the separation energy in the rows of the trace, of the closure integral in recorded ones."""
 
 
 @dataclass
 class RecordedRows:
-    """Rows of a run (time, penetration, force, radius, stored energy, edge stress, separation energy).
+    """Rows of a run.
 
-    The separation energy is followed by ``interface`` where it depends on the speed of the edge.
+    Time, penetration, force, radius, stored energy, edge stress, closure integral (where the edge takes up
+    what its speed tells, otherwise 0), tip energy. The last is a sum over steps, found within each: there the
+    edge may come into another field.
 
     ``kinks``: rows at which rates jump. ``interpolated``: rows to be added by interpolation, as the step they
     lie in, their time, and the penetration if it is prescribed.
@@ -57,7 +60,7 @@ class RecordedRows:
     rows: list[tuple[float, ...]] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
     interpolated: list[tuple[int, float, float | None]] = field(default_factory=list)
-    interface: InterfaceWork = field(default_factory=InterfaceWork)
+    tip_energy: float = 0.0
 
 
 @dataclass
@@ -74,11 +77,21 @@ class Recorder:
         radius = surface.radius
         stress = surface.edge_stress(self.body) if radius > 0.0 else 0.0
         energy = stored_energy(surface, self.body)
-        interface = self.recorded.interface
-        if self.irreversible is not None:
-            closure = self.irreversible.closure(surface, self.body) if radius > 0.0 else 0.0
-            interface.advance(self.irreversible.adhesion, time, radius, closure)
-        self.recorded.rows.append((time, surface.penetration, force, radius, energy, stress, interface.spent))
+        rated = radius > 0.0 and self.irreversible is not None and self.irreversible.rated
+        closure = self.irreversible.closure(surface, self.body) if rated and self.irreversible else 0.0
+        self.recorded.tip_energy += surface.tip_energy
+        self.recorded.rows.append(
+            (
+                time,
+                surface.penetration,
+                force,
+                radius,
+                energy,
+                stress,
+                closure,
+                self.recorded.tip_energy,
+            )
+        )
 
     def interpolate(self, time: float, depth: float | None, back: int) -> None:
         """Add a row by interpolation, in the ``back``-th step from the last.
@@ -101,9 +114,9 @@ class Recorder:
             last = float(self.recorded.rows[max(len(self.recorded.rows) - 3, 0)][0])
             rows = rows[: int(np.searchsorted(rows[:, 0], last, side="right"))]
             ends = [*(end for end in ends if end < len(rows) - 1), len(rows) - 1]
-        time, depth, force, radius, energy, stress, spent = rows.T
+        time, depth, force, radius, energy, stress, spent, tip = rows.T
         area = math.pi * radius**2
-        external = _accumulated(_work(time, force, depth, ends))[: len(time)]
+        external = _accumulated(integrals(time, force, depth, ends))[: len(time)]
         stored = energy - energy[:1]
         if self.irreversible is None:
             spent = -self.work * (area - area[:1])
@@ -111,8 +124,7 @@ class Recorder:
             grown = np.diff(area)
             per_area = np.where(grown > 0.0, self.irreversible.adhesion.closing, self.work)
             spent = _accumulated(-per_area * grown)[: len(time)]
-        tip = self._tip(stress, radius)
-        branch = np.where(np.diff(time) > 0.0, np.diff(external - stored) + tip, 0.0)  # dashpots take time
+        branch = np.where(np.diff(time) > 0.0, np.diff(external - stored + tip), 0.0)  # dashpots take time
         intensity = np.where(
             radius > 0.0, -stress / np.sqrt(math.pi * np.where(radius > 0.0, radius, 1.0)), 0.0
         )
@@ -132,11 +144,15 @@ class Recorder:
 
     def _dense(self) -> tuple[Array, list[int]]:
         """All rows with the interpolated ones, and the rows at which smooth stretches end."""
-        rows = np.array(self.recorded.rows).reshape(-1, 7)
+        rows = np.array(self.recorded.rows).reshape(-1, len(ROW))
         stands = np.diff(rows[:, 0]) <= 0.0
         turns = np.flatnonzero(stands[1:] != stands[:-1]) + 1
         given = np.array([0, *self.recorded.kinks, max(len(rows) - 1, 0)], dtype=int)
         ends = np.unique(np.concatenate((given, turns)))
+        if self.irreversible is not None and self.irreversible.rated:
+            area, closure = math.pi * rows[:, RADIUS_OF_ROW] ** 2, rows[:, SEPARATION]
+            parts = interface_work(self.irreversible.adhesion, rows[:, 0], area, closure, ends.tolist())
+            rows[:, SEPARATION] = _accumulated(parts)[: len(rows)]
         if not self.recorded.interpolated:
             return rows, ends.tolist()
         inner = sorted(self.recorded.interpolated, key=lambda entry: entry[:2])
@@ -152,14 +168,6 @@ class Recorder:
         extra[known, DEPTH] = [entry[2] for entry in inner if entry[2] is not None]
         return np.insert(rows, index + 1, extra, axis=0), (ends + index.searchsorted(ends)).tolist()
 
-    def _tip(self, stress: Array, radius: Array) -> Array:
-        """``int q(a)^2/Einf* da`` between rows; where the edge sets out to advance, it is glassy at once."""
-        change = np.diff(radius)
-        advances = change > 0.0
-        sets_out = advances & ~np.concatenate(([False], advances[:-1]))[: len(advances)]
-        before = np.where(sets_out, stress[1:], stress[:-1])
-        return np.asarray(0.5 * (before**2 + stress[1:] ** 2) * change / self.body.rheology.glassy)
-
     def _release_rate(self, area: Array, potential: Array) -> Array:
         """``(dU - F dD)/dA``; the work of adhesion, its value in equilibrium, before anything has moved."""
         rate = np.full_like(area, self.work)
@@ -171,24 +179,6 @@ class Recorder:
         each = np.divide(np.diff(potential), step, out=np.zeros_like(step), where=moves)
         rate[1:] = np.where(last >= 0, each[last], self.work)
         return rate
-
-
-def _work(time: Array, force: Array, depth: Array, ends: list[int]) -> Array:
-    """``int F dD`` between rows, both cubics between ``ends``: in time, across a jump in its parts."""
-    parts = 0.5 * (force[1:] + force[:-1]) * np.diff(depth)
-    for first, last in pairwise(ends):
-        if last - first < 3:
-            continue
-        rows = slice(first, last + 1)
-        t, f, d = time[rows], force[rows], depth[rows]
-        if t[0] == t[-1]:
-            t = np.arange(len(f), dtype=float)
-        h = np.diff(t)
-        f_slope, d_slope = hermite.slopes(t, f), hermite.slopes(t, d)
-        at = t[:-1, None] + h[:, None] * _GAUSS
-        speed = hermite.rate(t, d, d_slope, at)
-        parts[first:last] = h * ((hermite.evaluate(t, f, f_slope, at) * speed) @ _WEIGHT)
-    return parts
 
 
 def _accumulated(parts: Array) -> Array:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from contact_scene import Segment
+from validation.reference.tracking.collapse import collapse_at_once
 from validation.reference.tracking.law import NoTension
 from validation.reference.tracking.limit_points import approach_zero_radius, prescribed_travel
 from validation.reference.tracking.problem import LONG_ZONE, FrontProblem
@@ -58,6 +59,9 @@ def trial_step(
     """
     a0 = state.surface.radius
     left, tick = stop - state.time, 4.0 * math.ulp(state.time)
+    if problem.rated and (passed := collapse_at_once(problem, state, segment)):
+        end = problem.candidate(state.time, passed[-1])
+        return StepOutcome(candidates=(end,), equilibria=passed[:-1], below_zone=True)
     h = _duration(problem, state, segment, left, tick)
     if isinstance(problem.condition, NoTension) and a0 > 0.0:
         vanishing = _vanishing_contact(problem, state, segment, h, left)
@@ -138,7 +142,9 @@ def _step_error(
     deviation, smooth = estimator.in_time(row), True
     near_limit = not problem.rated and 0.0 < edge.steepness * problem.condition.zone_length < FLAT_RESIDUAL
     if deviation > 1.0 and near_limit and state.history.continues_monotonically(row, RADIUS):
-        along = estimator.along_edge(row)
+        along = max(
+            estimator.along_edge(row), estimator.of_load(row, problem.load_rate(state, trial.segment))
+        )
         deviation, smooth = min(deviation, along), deviation <= along
     allowed = rows.linear if trial.segment.linear else rows.curved
     return deviation, estimator.intervals(row, allowed) if smooth else 1

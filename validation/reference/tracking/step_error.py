@@ -33,6 +33,11 @@ TRAVEL_SHARE = 300.0
 travel instead of the radius: an edge that sets out needs its speed, not its place, in good time."""
 LEAST_ZONES = 0.1
 """Least travel for that, in process zones: below it an edge is at rest."""
+LOAD_FACTOR = 30.0
+"""Extrapolation error allowed in the load at which an edge arrives that is judged over the radius, relative,
+over the allowed deviation to the power of 3/2: it is of third order in the step, the deviation of second. A
+tenth of a deviation by default: the speed changes by a factor there within a few steps, all of whose errors
+shift the loss of contact to the same side."""
 MOST_INTERVALS = 32
 """Most intervals into which interpolated rows divide one step."""
 
@@ -70,6 +75,14 @@ class StepErrorEstimator:
     def along_edge(self, row: HistoryRow) -> float:
         """Deviation of a step to ``row`` from a straight line over the radius; 0 if the edge has reversed."""
         return self._chord(row, RADIUS) / self.deviation
+
+    def of_load(self, row: HistoryRow, rate: float) -> float:
+        """Deviation of the load at which the edge arrives, from its extrapolation over the radius.
+
+        Near a limit point the edge takes most of its time on little of its way: a step that is straight
+        there says nothing of when it ends. ``rate``: of the load, relative to its largest value.
+        """
+        return self.history.time_missed(row) * abs(rate) / (LOAD_FACTOR * self.deviation**1.5)
 
     def intervals(self, row: HistoryRow, allowed: float) -> int:
         """Number of intervals in which a step is straight within ``allowed`` deviations."""

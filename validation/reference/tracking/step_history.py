@@ -85,6 +85,15 @@ class StepHistory:
             tuple(row[column] for row in reversed(self.rows)),
         )
 
+    def time_missed(self, row: HistoryRow) -> float:
+        """Distance in time of ``row`` from the parabola of the time over the radius; 0 if the edge turned."""
+        if not self.continues_monotonically(row, RADIUS):
+            return 0.0
+        last = self.rows[-3:][::-1]
+        radii = tuple(earlier[RADIUS] - last[0][RADIUS] for earlier in last)
+        times = RowExtrapolation(radii, tuple(earlier[TIME] - last[0][TIME] for earlier in last))
+        return abs(row[TIME] - last[0][TIME] - times.value_after(row[RADIUS] - last[0][RADIUS]))
+
     def rate_of_radius(self) -> float:
         """Rate of the radius at the last row."""
         return self._rate(RADIUS)

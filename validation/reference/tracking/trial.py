@@ -16,13 +16,8 @@ from validation.reference.tracking.node_placement import NodePlacement
 from validation.reference.tracking.penetration_path import PenetrationPath
 from validation.reference.tracking.root import bracketed, rising_root
 from validation.reference.tracking.step_history import RowExtrapolation
-from validation.reference.tracking.surface import (
-    Body,
-    FieldUpdate,
-    Surface,
-    after_step,
-    field_update,
-)
+from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface_step import FieldUpdate, after_step, field_update
 
 Array = NDArray[np.float64]
 
@@ -94,7 +89,10 @@ class Trial:
     _updates: dict[float, FieldUpdate] = field(default_factory=dict)
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
-        """The surface when the edge is at ``radius``; if not ``whole``, only the fields near the edge."""
+        """The surface when the edge is at ``radius``; if not ``whole``, only the fields near the edge.
+
+        The whole one knows the energy that the edge released on its way.
+        """
         return self._surface_along(self._edge_path(duration, radius), duration, whole)
 
     def _surface_along(self, path: EdgePath, duration: float, whole: bool) -> Surface:
@@ -112,6 +110,7 @@ class Trial:
                 path,
                 fractions,
                 self.over_zones,
+                whole,
             )
         update = self._updates.get(duration)
         if update is None:
@@ -120,10 +119,11 @@ class Trial:
         if not whole:
             reach = self.condition.reach
             start = start.near(min(radius, start.radius) - reach, max(radius, start.radius) + reach)
-        return after_step(start, self.body, update, path, fractions)
+        return after_step(start, self.body, update, path, fractions, whole)
 
     def _edge_path(self, duration: float, radius: float) -> EdgePath:
-        path = polynomial_path if self.over_zones else parabolic_path
+        follows_speed = self.over_zones or self.condition.rated
+        path = polynomial_path if follows_speed else parabolic_path
         return path(self.radii, duration, self.surface.radius, radius)
 
     def _node_fractions(self, duration: float, travel: float) -> Array:
