@@ -224,6 +224,14 @@ def test_work_of_a_loop_is_of_third_order_or_better():
     assert errors[0] < 0.2 * abs(straight / (np.pi * np.sin(0.7)) - 1.0)
 
 
+def test_work_where_an_edge_rests_at_every_turn():
+    """Over its own way alone force and penetration are not smooth there, over time they are."""
+    time = np.linspace(0.0, 6.0 * np.pi, 91)
+    edge = np.tanh(4.0 * np.sin(time))
+    found = external_work(time, np.sin(time), np.cos(time + 0.3), [], edge)[-1]
+    assert_allclose(found, 3.0 * np.pi * np.cos(0.3), rtol=2e-3)
+
+
 def test_work_up_to_a_limit_point_is_as_exact():
     """There force and penetration are roots of the time that is left, and smooth in the place of the edge."""
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import bem, front
-from support.paper_scenes import scene
+from support.paper_scenes import ZONE, scene
 
 from bem_solver.creep import Chain
 from bem_solver.history import NodalVariables
@@ -21,6 +21,7 @@ from contact_scene import (
     Branch,
     Hold,
     Loading,
+    Machine,
     Material,
     Oscillate,
     PowerLaw,
@@ -160,3 +161,21 @@ def test_an_edge_that_a_row_leaves_just_beyond_its_old_place_recedes_past_it(sto
     exact = front(question, 10).contact_radius
     assert abs(radius[-1] - exact[-1]) < 0.02 * np.ptp(exact)
     assert radius.max() < exact.max() + 0.05 * np.ptp(exact)
+
+
+@pytest.mark.parametrize(("depth", "way"), [(0.0, -1.0), (0.05, 1.0)])
+def test_a_row_lies_where_the_zone_has_left_the_place_of_rest(depth, way):
+    """The speed of the edge jumps there: to fifteen times what it was, after a quick pull."""
+    start = 0.03 if way < 0.0 else 0.01
+    trace = bem(scene(Ramp(depth, 10.0), start="relaxed", at=start), resolution=4)
+    travel = way * (trace.contact_radius - trace.contact_radius[0]) / ZONE
+    assert np.abs(travel - 1.0).min() < 2e-4
+
+
+def test_an_edge_does_not_turn_where_the_residual_hardly_rises():
+    """In a slow retraction the residual is nearly flat before the least stage: no false root beyond."""
+    rubber = Material(0.75e6, 0.5, (Branch(2.25e6, 1.0),))
+    loading = Loading("relaxed", 2e-5, (Ramp(-1e-4, 1e-12),), Machine(150.0))
+    question = Scene(rubber, Sphere(1e-3), loading, Adhesion(0.5, 1.3e-5))
+    radius = bem(question, resolution=4).contact_radius
+    assert np.diff(radius).max() < 1e-6 * 1.3e-5

@@ -215,6 +215,16 @@ def test_creep_under_a_dead_load_and_a_growing_one():
     assert_allclose(growing.contact_radius, exact, rtol=2e-3)
 
 
+def test_a_stiff_glass_that_creeps_under_a_force_is_lee_radoks():
+    """What a step misses of displacements at the edge, a glass twenty times as stiff makes large."""
+    glass = Material(0.75, 0.5, (Branch(14.25, 1.0),))
+    force = 4.0 / 3.0 * 20.0 * 0.005**1.5
+    trace = bem(scene(Force(force, 40.0), at=0.005, adhesion=None, material=glass))
+    depth = (0.75 * force * (1.0 - 0.95 * np.exp(-trace.time / 20.0))) ** (2.0 / 3.0)
+    assert_allclose(trace.penetration, depth, rtol=1e-3)
+    assert_allclose(trace.contact_radius, np.sqrt(trace.penetration), rtol=1e-3)
+
+
 @pytest.mark.slow
 def test_dwell_strengthens_the_pull_off():
     """Pressed longer, the contact has grown wider and relaxed: it holds more."""

@@ -75,6 +75,26 @@ def test_slow_approach_and_fast_retraction():
     assert trace.counters.steps < 600
 
 
+def test_limit_point_of_a_very_short_zone():
+    """A share of the zone is less than rounding there: a run that looked for it so closely did not end."""
+    scene = replace(retraction(2e-8), loading=Loading("relaxed", 0.032, (Ramp(-0.5, 1.0),)))
+    trace = solve(scene, Options(6))
+    assert trace.outcome.kind == "detached"
+    assert_allclose(trace.time[-1], 0.00794907, rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_steps_of_an_edge_before_layers_of_three_branches():
+    """Over four decades of time; an uneven speed of the fast edge took 1072 steps."""
+    branches = (Branch(3.0, 0.01), Branch(2.5, 1.0), Branch(1.25, 100.0))
+    loading = Loading("jump-in", 0.0, (Ramp(0.032, 0.02), Ramp(-0.5, 0.02)))
+    scene = replace(retraction(2e-6), material=Material(0.75, 0.3, branches), loading=loading)
+    trace = solve(scene, Options(12))
+    assert trace.outcome.kind == "detached"
+    assert_allclose(trace.time[-1], 3.12573, rtol=1e-4)
+    assert trace.counters.steps < 850
+
+
 @pytest.mark.slow
 def test_delayed_detachment_over_zones():
     """Time by front tracking: the penetration bends within a step, and the edge runs away."""
@@ -182,6 +202,17 @@ def test_outer_fall_of_a_sphere():
     later = fall.towards(ContactSurface.under(annuli, 1.0, np.full(60, 0.2)))
     assert_allclose(later(x, 0.0), fall(x, 0.5), rtol=1e-14)
     assert_allclose(later(tip, 1.0), 0.4 / np.pi * np.sqrt(2.0 * tip), rtol=1e-3)
+
+
+def test_outer_fall_between_its_readings():
+    """Closer than straight lines between them by an order: what it misses is an uneven speed of the edge."""
+    readings = np.geomspace(1e-6, 1.0, 6 * 32 + 1)
+    between = np.geomspace(1e-5, 0.1, 3000)
+    first, last = (lambda x: 1.0 + np.sin(np.log(x))), (lambda x: np.cos(np.log(x)))
+    fall = OuterFall(readings, first(readings), last(readings))
+    for share in (0.0, 0.25, 1.0):
+        exact = (1.0 - share) * first(between) + share * last(between)
+        assert_allclose(fall(between, share) / np.sqrt(between), exact, atol=1e-4)
 
 
 @pytest.mark.parametrize("path", PATHS)

@@ -1,15 +1,25 @@
 """Options, the steps they lead to, and progress."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support.paper_scenes import ELASTIC, ONE, PULL, cycle, scene
+from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
 from bem_solver.step_control import AcceptedSteps
-from contact_scene import Force, Hold, Oscillate, Ramp, SceneError, Sweep, Table
+from contact_scene import Adhesion, Force, Hold, Machine, Oscillate, PowerRate, Ramp, SceneError, Sweep, Table
 
 COARSE = Options(resolution=6)
+
+
+def test_small_oscillation_of_a_relaxed_contact():
+    """One cycle, by front tracking; the penetration bends within steps as long as the branch's time."""
+    trace = solve(scene(Oscillate(0.001, 0.3, 2.0 * np.pi / 0.3), start="relaxed", at=0.02), COARSE)
+    assert_allclose(trace.force[-1], 2.9691511e-3, rtol=6e-4)
+    assert_allclose(trace.external_work[-1], 2.9101638e-6, rtol=1.5e-3)
+    assert len(trace) < 50
 
 
 @pytest.mark.parametrize(
@@ -126,3 +136,17 @@ def test_a_step_as_long_as_the_last_looks_back_over_the_last_alone(rounded):
     for row in ((0.0, 1.0, 0.0), (0.1, 1.1, 0.1), (0.2, 1.3, 0.4)):
         steps.add(*row)
     assert_allclose(steps.rates(0.1 * rounded), (2.0, 3.0), rtol=1e-12)
+
+
+def test_a_closing_edge_knows_no_rate():
+    """Its steps are those without the law, which concerns opening edges."""
+    counters, forces = [], []
+    for rate in (None, PowerRate(0.01, 0.4)):
+        sticky = Adhesion(WORK, ZONE, work_closing=0.6 * WORK, rate=rate)
+        asked = scene(Ramp(0.035, 0.01), Hold(2.0), start="relaxed", at=0.02, adhesion=sticky)
+        asked = replace(asked, loading=replace(asked.loading, machine=Machine(0.8)))
+        trace = solve(asked, Options(resolution=4))
+        counters.append(trace.counters)
+        forces.append(trace.force)
+    assert counters[0] == counters[1]
+    assert np.array_equal(*forces)

@@ -80,6 +80,15 @@ def test_corners_and_jumps_are_not_rounded():
     )
 
 
+def test_a_corner_between_long_and_short_steps_is_not_rounded():
+    """Beyond it the curve bends on a scale that the long steps before it know nothing of."""
+    short = 0.01 * np.cumsum(1.3 ** np.arange(12.0))
+    t = np.concatenate((np.arange(4.0), 3.0 + short))
+    force = np.minimum(t, 3.0) - 0.4 * (1.0 - np.exp(-np.maximum(t - 3.0, 0.0) / 0.2))
+    assert RowCurve(t, force).at(2.5) == pytest.approx(2.5, abs=1e-12)
+    assert RowCurve(t[-1] - t[::-1], force[::-1]).at(t[-1] - 2.5) == pytest.approx(2.5, abs=1e-12)
+
+
 def test_no_curve_leaves_the_range_of_its_two_rows():
     rng = np.random.default_rng(5)
     for _ in range(50):
@@ -156,3 +165,18 @@ def test_the_state_in_which_a_load_step_begins_is_that_of_the_run():
     base = run([0.0, 1.0, 2.0, 3.5, 4.5], [1.0, 1.0, 3.0, 9.0, 8.0], penetration=[0.0, 0.25, 0.5, 2.0, 2.0])
     spans = [(0.0, 4.5), (0.0, 1.0), (1.0, 2.0), (2.0, 3.5), (3.5, 4.5)]
     assert windows(loading, base) == pytest.approx(np.array(spans))
+
+
+def test_a_curve_turns_where_a_load_step_begins_even_if_the_rows_before_are_sparse():
+    """A hold in long steps, then a ramp in short ones: their ratio hides the corner."""
+
+    def force(t):
+        past = np.maximum(t - 10.0, 0.0)
+        return 1e-4 * (10.0 - np.minimum(t, 10.0)) - 0.4 * past + 1.5 * past**2
+
+    sparse = np.concatenate([np.linspace(0.0, 10.0, 65), 10.0 + 0.005 * np.arange(1, 17)])
+    dense = np.concatenate([np.linspace(0.0, 10.0, 641), 10.0 + 5e-5 * np.arange(1, 1601)])
+    end = np.nextafter(10.0, 0.0)  # of the step, to round-off
+    spans = np.array([[0.0, end], [end, 10.08]])
+    moved = movement_distance(run(sparse, force(sparse)), run(dense, force(dense)), spans)
+    assert moved.rms < 1e-5

@@ -21,6 +21,7 @@ from contact_scene import (
 from contact_scene.errors import SceneError
 from validation.reference import Options, solve
 from validation.reference.finite_zone import FiniteZone
+from validation.stability.random_scenes import random_scene
 
 COARSE = Options(resolution=4)
 
@@ -70,3 +71,16 @@ def test_what_overflows_is_out_of_range() -> None:
     pressed = Scene(stiff, PowerLaw(2.0, 1e55), Loading("relaxed", 0.0, (Force(1e60, 1.0),)))
     trace = solve(pressed, COARSE)
     assert all(np.isfinite(column).all() for column in trace.columns().values())
+
+
+def test_collapse_of_a_rated_edge_within_the_rounding_of_time() -> None:
+    """An unlimited law of a small power: the speed is the ninth power of the drive, too fast for any step."""
+    question = random_scene(3369).scene
+    assert question.adhesion is not None
+    assert question.adhesion.rate is not None
+    trace = solve(question)
+    assert trace.outcome.kind is OutcomeKind.BELOW_ZONE, trace.outcome
+    at_once = np.flatnonzero(np.diff(trace.time) == 0.0)
+    assert at_once[-1] == trace.time.size - 2
+    assert trace.contact_radius[at_once[0]] > 0.05 * trace.contact_radius.max()
+    assert trace.counters.rejected_steps < 50  # it rejected a thousand and went on

@@ -33,7 +33,7 @@ from validation.measure.observables import observe
 from validation.reference import Options, solve, steady_crack
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
-from validation.reference.tracking import edge_path, problem, surface
+from validation.reference.tracking import edge_path, problem, surface_step
 
 SLOW = pytest.mark.slow
 DEFAULT_ERROR = 1e-5
@@ -294,7 +294,7 @@ def test_a_path_of_lower_order_is_seen(monkeypatch) -> None:  # type: ignore[no-
 @SLOW
 def test_a_forgotten_wake_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
     """What was released in earlier steps no longer recovers."""
-    update = surface.field_update
+    update = surface_step.field_update
 
     def forgetful(*given):  # type: ignore[no-untyped-def]
         found = update(*given)

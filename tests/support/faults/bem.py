@@ -188,8 +188,20 @@ def _(true):
 
 @fault("the stage taken for the indenter", "trial:evaluate", ("spring-elastic",))
 def _(true):
-    def evaluate(problem, state, duration, edge, control, value):
+    def evaluate(problem, state, duration, edge, control, value, earlier=None):
         rigid = "penetration" if control == "stage" else control
-        return true(problem, state, duration, edge, rigid, value)
+        return true(problem, state, duration, edge, rigid, value, earlier)
 
     return evaluate
+
+
+@fault("an earlier row's stage taken for its penetration", "step:TrialStep._earlier", ("spring-approach",))
+def _(true):
+    def earlier(self, duration):
+        row = true(self, duration)
+        if row is None or self.interval.control != "stage":
+            return row
+        deflection = self.problem.scene.loading.compliance * self.state.accepted.rows[-2][2]
+        return replace(row, penetration=row.penetration + deflection)
+
+    return earlier

@@ -79,7 +79,7 @@ def _(true):
     return lambda self, branches, strain: true(self, 0.0 * branches, strain)
 
 
-@fault("internal variables in contact not advanced", "surface:field_update")
+@fault("internal variables in contact not advanced", "surface_step:field_update")
 def _(true):
     def update(*given):
         found = true(*given)
@@ -118,7 +118,7 @@ def _(true):
     return lambda edge, zone, *given: true(edge, zone + 1e-6, *given)
 
 
-@fault("internal variables by the trapezoidal rule", "surface:field_update", ("punch-programme",))
+@fault("internal variables by the trapezoidal rule", "surface_step:field_update", ("punch-programme",))
 def _(true):
     def update(surface, body, depth):
         found, y = true(surface, body, depth), 0.5 * depth.duration / body.rheology.times
@@ -127,7 +127,9 @@ def _(true):
     return update
 
 
-@fault("free surface recovers 3 % too slowly", "surface:field_update", ("repressed-profile", "cycle-v0.02"))
+@fault(
+    "free surface recovers 3 % too slowly", "surface_step:field_update", ("repressed-profile", "cycle-v0.02")
+)
 def _(true):
     def update(*given):
         found = true(*given)

@@ -1,0 +1,83 @@
+"""The mesh that follows the edge: steps farther than its fine strip, and the rim of a punch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact_scene import Adhesion, Branch, Cone, FlatPunch, Force, Loading, Material, Ramp, Scene
+from fem_solver.following.surface_record import SurfaceRecord
+from validation.solvers.finite_elements import FiniteElements, peels
+
+TWO = Material(0.3, 0.49, (Branch(2.0, 0.05), Branch(1.0, 5.0)))
+PRESSED = Loading("jump-in", 10.0, (Ramp(20.0, 1.0), Ramp(-200.0, 20.0)))
+CONE = Scene(TWO, Cone(75.0), PRESSED, Adhesion(0.1, 0.05))
+CONE_PULL_OFF = 387.3240
+"""Of ``CONE``, by front tracking."""
+ONE = Material(1.0, 0.49, (Branch(4.0, 0.3),))
+AWAY, BACK = Ramp(-0.1, 0.02), Ramp(1e-3, 0.02)
+PUNCH = Scene(
+    ONE, FlatPunch(1.0), Loading("relaxed", 1e-3, (AWAY, BACK, Ramp(-1.0, 0.02))), Adhesion(1e-3, 1e-3)
+)
+PUNCH_PULL_OFF, PUNCH_LOOP = 0.3933058, 0.04073106
+"""Of ``PUNCH``, by front tracking."""
+
+
+def record(positions: list[float], edge: int) -> SurfaceRecord:
+    """Points with an intensity that is their number."""
+    return SurfaceRecord(np.array(positions), np.arange(len(positions))[None, :].astype(float), edge)
+
+
+def test_points_that_an_advancing_edge_has_passed_leave_the_record():
+    """The node released in part lies short of the first wide element's node, and is neither held nor free."""
+    known = record([1.0, 2.0, 3.0, 3.1, 3.2, 4.0, 9.0], edge=3)
+    nodes = SurfaceRecord(np.array([0.0, 2.5, 5.0, 7.0, 7.1, 7.2]), np.full((1, 6), 50.0), 5)
+    found = known.renewed(nodes, (2, 5), edge=7.15)
+    assert found.positions.tolist() == [1.0, 2.0, 3.0, 5.0, 7.0, 7.1, 7.2, 9.0]
+    assert found.intensity[0].tolist() == [0.0, 1.0, 2.0, 50.0, 50.0, 50.0, 50.0, 6.0]
+    assert found.positions[: found.edge].max() < 7.15 < found.positions[found.edge]
+
+
+def test_points_that_a_receding_edge_has_passed_leave_the_record():
+    known = record([1.0, 2.0, 3.0, 3.1, 3.2, 4.0, 9.0], edge=4)
+    nodes = SurfaceRecord(np.array([0.0, 1.5, 2.4, 3.15, 6.0, 8.0]), np.full((1, 6), 50.0), 2)
+    found = known.renewed(nodes, (2, 4), edge=1.9)
+    assert found.positions.tolist() == [1.0, 2.4, 3.15, 6.0, 9.0]
+    assert found.edge == 1
+
+
+@pytest.mark.slow
+def test_a_cone_pressed_in_slowly_and_pulled_off_at_once():
+    """Steps of the approach pass over more than the fine strip, and leave a smooth surface all the same."""
+    trace = FiniteElements().solve(CONE, 4)
+    assert -trace.force.min() == pytest.approx(CONE_PULL_OFF, rel=4e-3)
+
+
+def test_the_mesh_follows_an_edge_that_peels_from_the_rim():
+    solver, elastic = FiniteElements(), replace(PUNCH, material=Material(1.0, 0.49))
+    assert peels(PUNCH)
+    assert solver.follows_edge(PUNCH)
+    assert not peels(elastic)
+    assert not solver.follows_edge(elastic)
+
+
+@pytest.mark.parametrize("control", ["penetration", "force"])
+def test_contact_with_a_punch_rests_at_the_rim_and_returns_to_it(control):
+    steps = (AWAY, BACK) if control == "penetration" else (Force(-0.24, 3.0), Force(0.05, 3.0))
+    trace = FiniteElements().solve(replace(PUNCH, loading=Loading("relaxed", 0.0, steps)), 4)
+    assert trace.outcome.finished
+    assert trace.contact_radius.max() == trace.contact_radius[0] == pytest.approx(1.0, rel=1e-12)
+    assert trace.contact_radius.min() < 1.0 - 0.2 * 1e-3
+    assert trace.contact_radius[-1] == trace.contact_radius[0]
+    assert np.isfinite(trace.force).all()
+
+
+@pytest.mark.slow
+def test_pull_off_of_a_punch_with_a_short_zone():
+    """A zone of a thousandth of the radius, for which a mesh that is fine inside takes 26 GB."""
+    trace = FiniteElements().solve(PUNCH)
+    assert -trace.force.min() == pytest.approx(PUNCH_PULL_OFF, rel=3e-3)
+    assert trace.external_work[-1] == pytest.approx(PUNCH_LOOP, rel=3e-3)
+    assert trace.counters.steps < 400
