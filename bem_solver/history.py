@@ -174,6 +174,14 @@ class SurfaceHistory:
         turning = () if self.turning is None else (self.turning,)
         return tuple(kink for kink in (*self.kinks, *turning) if kink not in edge)
 
+    def rested_at(self, edge: float) -> float | None:
+        """Radius from which an edge sets out if it advances now, or has set out and is still near."""
+        if edge <= 0.0:
+            return None
+        if self.direction > 0:
+            return None if self.turning is None else min(self.turning, edge)
+        return edge if self.farthest is None else min(self.farthest, edge)
+
     @property
     def radius(self) -> Array:
         """All nodes, rising, the edge once."""

@@ -35,6 +35,9 @@ _LOAD_WEIGHT_AT_LIMIT = 16.0
 there, the largest tension of the run; an eighth of the departure understates how far a row may miss it."""
 _SCALE_OF_FIRST_LOAD = 0.01
 """Part of the load to be expected in an interval against which a load that starts from zero is measured."""
+_SHARE_OF_TIP_FORCE = 0.1
+"""Part of the force of a tip without load, the flat punch's at the work of adhesion, against which a load is
+measured at least: near zero it is the difference of two such forces, and no rounder than they are."""
 _RATED_WEIGHT = 5.0
 """Weight of the departure from a straight line relative to the length the edge is resolved on against that
 relative to its travel, where the speed counts, of an opening edge: it may then change its speed by a sixth in
@@ -104,6 +107,8 @@ def _departures(
     softer = problem.scene.loading.compliance * stiffness if interval.control == "stage" else 0.0
     force = interval.span * (1.0 if interval.control == "force" else stiffness / (1.0 + softer))
     scale = max(start.state.largest_force, abs(trial.surface.force), _SCALE_OF_FIRST_LOAD * force)
+    tip = math.sqrt(8.0 * math.pi * problem.work * problem.chain.relaxed * contact.edge**3)
+    scale = max(scale, _SHARE_OF_TIP_FORCE * tip)
     load = trial.surface.force
     if interval.control == "force":
         load = trial.motion.new_penetration

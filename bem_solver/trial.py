@@ -207,22 +207,22 @@ def _zone(problem: Problem, surface: ContactSurface) -> float:
 def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge: float) -> EdgeKinks | None:
     """Where an edge has rested, or turns in this step, inside the new edge.
 
-    Older ones are read where the history holds them. Beyond an edge that turns now, what is covered first has
-    relaxed for the whole step, as the root does; what is covered later has not, and is left out.
+    Older ones are read where the history holds them. Beyond an edge that turns now, or has just turned, what
+    is covered first has relaxed for the whole step, as the root does; what is covered later has not, and is
+    left out.
     """
     history = state.history
     if not problem.viscoelastic or edge <= 0.0:
         return None
     longest = 0.25 * problem.length_at(edge)
-    radii = history.kinks if history.turning is None else (*history.kinks, history.turning)
-    kinks = EdgeKinks.within(radii, min(edge, state.edge), longest)
-    if not history.direction <= 0 < state.edge < edge:
-        return kinks
+    rested = history.rested_at(state.edge)
+    if rested is None or edge <= state.edge:
+        radii = history.kinks if history.turning is None else (*history.kinks, history.turning)
+        return EdgeKinks.within(radii, min(edge, state.edge), longest)
     still = 0.1 * float(problem.chain.relaxation[0])
-    turning = state.edge if history.farthest is None else min(history.farthest, state.edge)
-    reach = min(longest, (edge - turning) * still / (still + duration))
+    reach = max(state.edge - rested, min(longest, (edge - rested) * still / (still + duration)))
     none = EdgeKinks(np.empty(0), np.empty(0))
-    return (kinks or none).and_at(turning, reach)
+    return (EdgeKinks.within(history.kinks, rested, longest) or none).and_at(rested, reach)
 
 
 def _closure(

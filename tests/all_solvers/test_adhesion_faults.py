@@ -32,7 +32,7 @@ def longer_by(factor):
 
 
 FAULTS = [
-    Fault("reference", "speed twice too large", f"{TRACKING}.edge_path:ParabolicPath.end_slope",
+    Fault("reference", "speed twice too large", f"{TRACKING}.edge_path:PolynomialPath.end_slope",
           times(2.0), RATED),
     Fault("reference", "energy taken up a tenth too large", f"{TRACKING}.interface_work:taken_at",
           times(1.1), RATED),

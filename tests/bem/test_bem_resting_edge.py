@@ -3,7 +3,7 @@
 Errors are relative to what the radius does in the run, not to the radius.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -179,3 +179,22 @@ def test_an_edge_does_not_turn_where_the_residual_hardly_rises():
     question = Scene(rubber, Sphere(1e-3), loading, Adhesion(0.5, 1.3e-5))
     radius = bem(question, resolution=4).contact_radius
     assert np.diff(radius).max() < 1e-6 * 1.3e-5
+
+
+@pytest.mark.parametrize("resolution", [12, 16, 24])
+def test_press_after_rest_near_zero_force(resolution: int):
+    """Set off a hair beyond the place of rest: the root was read on that hair, steps rejected without end."""
+    moduli, times = (1.138, 0.242, 0.0671, 0.684, 0.356, 0.00435), (17.2, 5.22, 1.14, 9.51, 0.527, 0.0132)
+    material = Material(1.0, 0.0, tuple(map(Branch, moduli, times)))
+    steps = (Hold(0.96827786), Ramp(0.02204, 0.55))
+    question = Scene(
+        material, PowerLaw(1.463, 0.2107), Loading("relaxed", 0.00884, steps), Adhesion(1.69e-4, 0.0382)
+    )
+    trace = bem(question, resolution=resolution)
+    assert trace.outcome.kind == "completed"
+    assert trace.counters.rejected_steps < 20
+    at_once = bem(
+        replace(question, loading=replace(question.loading, steps=steps[1:])), resolution=resolution
+    )
+    assert_allclose(trace.contact_radius[-1], at_once.contact_radius[-1], rtol=1e-4)
+    assert_allclose(trace.force[-1], at_once.force[-1], rtol=5e-4)

@@ -142,9 +142,7 @@ def _step_error(
     deviation, smooth = estimator.in_time(row), True
     near_limit = not problem.rated and 0.0 < edge.steepness * problem.condition.zone_length < FLAT_RESIDUAL
     if deviation > 1.0 and near_limit and state.history.continues_monotonically(row, RADIUS):
-        along = max(
-            estimator.along_edge(row), estimator.of_load(row, problem.load_rate(state, trial.segment))
-        )
+        along = estimator.along_edge(row)
         deviation, smooth = min(deviation, along), deviation <= along
     allowed = rows.linear if trial.segment.linear else rows.curved
     return deviation, estimator.intervals(row, allowed) if smooth else 1
