@@ -93,10 +93,7 @@ def tip_release(chain: Chain, surface: ContactSurface, gap: Array, distances: Ar
 def release_jumps(history: SurfaceHistory, motion: Motion) -> tuple[float, ...]:
     """Radii at which the release of the tip jumps: where an edge has rested, and where it turns now."""
     turns = history.direction * (motion.new_edge - motion.edge) < 0.0
-    rests = (motion.edge,) if turns else ()
-    if history.turning is not None and history.turning != motion.edge:
-        rests = (*rests, history.turning)
-    return (*history.inner.kinks, *history.outer.kinks[1:], *rests)
+    return (*history.past_kinks, motion.edge) if turns else history.past_kinks
 
 
 def energy_of_tip(

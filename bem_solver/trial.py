@@ -39,7 +39,7 @@ class TrialContact:
     """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes.
 
     ``points`` are the collocation radii inside its edge at the start of the step; ``zone`` is the length of
-    the process zone, and ``tip_gap`` (2,) the gap outside the edge at the ``tip_distances``, with adhesion.
+    the process zone, and ``tip_gap`` (2,) the gap outside the edge at ``tip_distance`` (2,), with adhesion.
     """
 
     motion: Motion
@@ -49,6 +49,7 @@ class TrialContact:
     closure: float
     zone: float = 0.0
     tip_gap: Array | None = None
+    tip_distance: Array | None = None
 
 
 def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> Array:
@@ -186,14 +187,15 @@ def _adhesive_contact(
     """The contact after a motion, and by how much it misses the closure."""
     problem.counters.closure_evaluations += 1
     zone = _zone(problem, surface)
-    closure, tip_gap = _closure(problem, state, motion, surface, zone)
+    distance = tip_distances(problem, state.history, motion, zone)
+    closure, gap = _closure(problem, state, motion, surface, zone, distance)
     if surface.kappa > 0.0:
         closure = -abs(closure)
     if problem.irreversible is None:
-        return TrialContact(motion, surface, points, closure - problem.work, closure, zone, tip_gap)
+        return TrialContact(motion, surface, points, closure - problem.work, closure, zone, gap, distance)
     velocity = end_velocity(state.edge, motion.new_edge, motion.duration, state.last_step)
     excess = closure / energy_taken(problem.irreversible, velocity) - 1.0
-    return TrialContact(motion, surface, points, excess * problem.work, closure, zone, tip_gap)
+    return TrialContact(motion, surface, points, excess * problem.work, closure, zone, gap, distance)
 
 
 def _zone(problem: Problem, surface: ContactSurface) -> float:
@@ -217,8 +219,7 @@ def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge
     longest = 0.25 * problem.length_at(edge)
     rested = history.rested_at(state.edge)
     if rested is None or edge <= state.edge:
-        radii = history.kinks if history.turning is None else (*history.kinks, history.turning)
-        return EdgeKinks.within(radii, min(edge, state.edge), longest)
+        return EdgeKinks.within(history.past_kinks, min(edge, state.edge), longest)
     still = 0.1 * float(problem.chain.relaxation[0])
     reach = max(state.edge - rested, min(longest, (edge - rested) * still / (still + duration)))
     none = EdgeKinks(np.empty(0), np.empty(0))
@@ -226,12 +227,17 @@ def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge
 
 
 def _closure(
-    problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface, zone: float
+    problem: Problem,
+    state: HalfSpaceState,
+    motion: Motion,
+    surface: ContactSurface,
+    zone: float,
+    tip_distance: Array,
 ) -> tuple[float, Array]:
     """``I``, the punches at kinks integrated from their own edges on, and the gap at the tip."""
     rule, edge, kinks = problem.rule, surface.edge, surface.kinks
     inner, count = rule.inside(zone, edge), len(rule.distance)
-    offsets = np.concatenate((inner, zone - tip_distances(problem, state.history, motion, zone)))
+    offsets = np.concatenate((inner, zone - tip_distance))
     if kinks is None or surface.strengths is None:
         gap = gap_outside(problem, state, motion, surface, edge + zone - offsets)
         return rule.integral(surface.tension(inner), gap[:count], zone, edge), gap[count:]

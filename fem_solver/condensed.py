@@ -113,7 +113,17 @@ class CondensedHistory:
         return Response(self.operator, step.modulus, free, released)
 
     def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:
-        """Accept the step that ends with these surface forces, and with an adhesive edge there."""
+        """Accept the step that ends with these surface forces, and with an adhesive edge there.
+
+        Parameters
+        ----------
+        dt : float
+            Length of the step.
+        forces : ndarray, shape (n,)
+            Nodal forces at its end, compressive positive.
+        contact : PartialContact, optional
+            The node next to the edge then.
+        """
         step: Increment = self.shear.increment(dt)
         old = self.state
         image = (forces - step.memory(old.branches, old.image)) / step.modulus

@@ -59,7 +59,20 @@ class SeriesModulus:
     def advanced(
         self, dt: float, parts: tuple[RelaxingField, ...], depth: float
     ) -> tuple[RelaxingField, ...]:
-        """State at the end of a step that ends at a depth."""
+        """State at the end of a step that ends at a depth.
+
+        Parameters
+        ----------
+        dt : float
+            Length of the step.
+        parts : tuple of RelaxingField
+            State of each modulus at its begin.
+        depth : float
+
+        Returns
+        -------
+        tuple of RelaxingField
+        """
         stress = self.modulus(dt) * (depth + self.memory_depth(dt, parts))
         return tuple(
             part.advanced(dt, (stress - part.memory(dt)) / part.modulus.increment(dt).modulus)

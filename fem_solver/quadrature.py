@@ -115,7 +115,17 @@ class QuadratureHistory:
         return Response(operator, past.modulus, surface, released)
 
     def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:
-        """Accept the step that ends with these surface forces, and with an adhesive edge there."""
+        """Accept the step that ends with these surface forces, and with an adhesive edge there.
+
+        Parameters
+        ----------
+        dt : float
+            Length of the step.
+        forces : ndarray, shape (count,)
+            Nodal forces at its end, compressive positive.
+        contact : PartialContact, optional
+            The node next to the edge then.
+        """
         past, old = self._prepare(dt), self.state
         modulus = past.modulus
         factor, _ = self._operator(past.ratio)

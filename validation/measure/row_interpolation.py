@@ -45,13 +45,13 @@ class RowCurve:
     def __init__(self, time: Array, value: Array, corners: Array | None = None) -> None:
         self.time, self.value = time, value
         self.step = np.diff(time)
-        apart = self.step > SHORTEST * float(time[-1] - time[0])
+        least = SHORTEST * float(time[-1] - time[0])
+        apart = self.step > least
         self.step = np.where(apart, self.step, 0.0)
         self.secant = np.diff(value) / np.where(apart, self.step, 1.0)
         self.secant[~apart] = 0.0
         self.smooth = _smooth(self.secant, self.step, apart, float(np.abs(value).max()))
         if corners is not None:
-            least = SHORTEST * float(time[-1] - time[0])
             self.smooth &= ~np.isclose(time[:, None], corners, rtol=0.0, atol=least).any(axis=1)
         harmonic, three_point = _inner_slopes(self.secant, self.step)
         self.slopes = _end_slopes(self.secant, self.step, self.smooth, harmonic)

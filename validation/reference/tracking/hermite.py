@@ -90,10 +90,7 @@ def evaluate(x: Array, y: Array, slope: Array, at: Array) -> Array:
     u = np.minimum(np.maximum((at - left) / h, 0.0), 1.0)
     if y.ndim == 2:
         h, u = h[:, None], u[:, None]
-    first, last, rise = y[i], y[i + 1], h * slope[i]
-    step = last - first
-    end = h * slope[i + 1]
-    return first + u * (rise + u * (3.0 * step - 2.0 * rise - end + u * (rise + end - 2.0 * step)))
+    return _cubic(y[i], y[i + 1], h * slope[i], h * slope[i + 1], u)
 
 
 def rate(x: Array, y: Array, slope: Array, at: Array) -> Array:
@@ -153,17 +150,15 @@ def integral_of(x: Array, y: Array, density: Callable[[Array, Array], Array]) ->
     if len(x) == 1:
         return 0.0
     h = x[1:] - x[:-1]
-    slope = slopes(x, y)
+    slope, wide = slopes(x, y), h if y.ndim == 1 else h[:, None]
     total = 0.0
     for share, weight in zip(_GAUSS, _WEIGHT, strict=True):
-        values = _within(y, slope, h if y.ndim == 1 else h[:, None], share)
+        values = _cubic(y[:-1], y[1:], wide * slope[:-1], wide * slope[1:], share)
         total += weight * float((h * density(values, x[:-1] + share * h)).sum())
     return total
 
 
-def _within(y: Array, slope: Array, h: Array, u: float) -> Array:
-    """Cubics of all intervals at the same fraction ``u`` of their lengths ``h``."""
-    first, rise, end, step = y[:-1], h * slope[:-1], h * slope[1:], y[1:] - y[:-1]
-    return np.asarray(
-        first + u * (rise + u * (3.0 * step - 2.0 * rise - end + u * (rise + end - 2.0 * step)))
-    )
+def _cubic(first: Array, last: Array, rise: Array, end: Array, u: Array | float) -> Array:
+    """Cubics at fractions ``u`` of their intervals, from values and slopes times lengths at both ends."""
+    step = last - first
+    return first + u * (rise + u * (3.0 * step - 2.0 * rise - end + u * (rise + end - 2.0 * step)))

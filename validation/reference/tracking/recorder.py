@@ -77,8 +77,9 @@ class Recorder:
         radius = surface.radius
         stress = surface.edge_stress(self.body) if radius > 0.0 else 0.0
         energy = stored_energy(surface, self.body)
-        rated = radius > 0.0 and self.irreversible is not None and self.irreversible.rated
-        closure = self.irreversible.closure(surface, self.body) if rated and self.irreversible else 0.0
+        law, closure = self.irreversible, 0.0
+        if law is not None and law.rated and radius > 0.0:
+            closure = law.closure(surface, self.body)
         self.recorded.tip_energy += surface.tip_energy
         self.recorded.rows.append(
             (
