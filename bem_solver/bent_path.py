@@ -3,8 +3,10 @@
 What the closure sees at the end of such a step was left behind within it, at times that follow from the path,
 and the condition there is one on the speed of the edge. The path is the parabola through the edge at the
 last two rows and at the end of the step: with rows of equal spacing its speed there is the second-order
-backward differentiation formula. Times count from the end of the step backwards, because what matters happens
-just before it: ``g`` is the share of the step still to come.
+backward differentiation formula. That of a receding edge is the cubic through one more row, of third order;
+the closure of an advancing one hardly depends on its speed, so that the unevenness of more rows would come
+back magnified. Times count from the end of the step backwards, because what matters happens just before it:
+``g`` is the share of the step still to come.
 """
 
 from __future__ import annotations
@@ -29,22 +31,33 @@ _RULES = {
     )
 }
 """Quadratures over a step by its length, in retardation times, up to which they are exact to 1e-6."""
+_NEWTON_STEPS = 4
+"""For the share at which a cubic path passes a radius, from that of a parabola close to it."""
 _FORGOTTEN = 36.0
 """Time, in retardation times, after which nothing is left of a lag: ``exp(-36)`` is rounding."""
 
 
 @dataclass(frozen=True)
 class EarlierRow:
-    """The row before the last: its time before the last, its penetration, and its edge.
+    """The row before the last: its time before the last, its penetration, its edge and ``v`` there.
 
-    ``fall`` is that of the load outside the last. Both are None where the edge keeps to a straight line, and
-    only the penetration is a parabola.
+    ``fall`` is that of the load outside the last row, ``further`` time before the last and edge of the row
+    before this one, where the path is a cubic. All but the first two are None where the edge keeps to a
+    straight line, and only the penetration is a parabola.
     """
 
     time: float
     penetration: float
     edge: float | None = None
+    edge_load: float | None = None
     fall: OuterFall | None = None
+    further: tuple[float, float] | None = None
+
+
+def _root_of_parabola(first: float, second: float, value: Array) -> Array:
+    """Root near ``value/first`` of ``first x + second x**2 = value``, or where that comes nearest."""
+    root = np.sqrt(np.maximum(first**2 + 4.0 * second * value, 0.0))
+    return 2.0 * value / (first + np.copysign(root, first))
 
 
 def parabola_bend(earlier: tuple[float, float], value: float, duration: float, end: float) -> float:
@@ -70,11 +83,16 @@ def parabola_bend(earlier: tuple[float, float], value: float, duration: float, e
 
 @dataclass(frozen=True)
 class BentPath:
-    """``a(g) = end - travel g - bend g (1 - g)`` for a share ``g`` of the step still to come."""
+    """``a(g) = end - travel g - bend g (1 - g) - twist g (1 - g) (reach - g)``, share ``g`` still to come.
+
+    The cubic part is zero at both ends of the step and at the row before, ``reach`` steps back.
+    """
 
     end: float
     travel: float
     bend: float
+    twist: float = 0.0
+    reach: float = 1.0
 
     @classmethod
     def straight(cls, edge: float, end: float) -> BentPath:
@@ -82,13 +100,22 @@ class BentPath:
         return cls(end, end - edge, 0.0)
 
     @classmethod
-    def through(cls, before: tuple[float, float], edge: float, duration: float, end: float) -> BentPath:
-        """The parabola through an earlier row and both ends of a step.
+    def through(
+        cls,
+        before: tuple[float, float],
+        edge: float,
+        duration: float,
+        end: float,
+        further: tuple[float, float] | None = None,
+    ) -> BentPath:
+        """The parabola, or the cubic, through earlier rows and both ends of a step.
 
         Parameters
         ----------
         before, edge, duration, end
             The four of :func:`parabola_bend`, its value being the edge.
+        further : tuple of float, optional
+            Time from one more row, the earliest, to the start of the step, and the edge there.
 
         Returns
         -------
@@ -96,21 +123,41 @@ class BentPath:
         """
         travel = end - edge
         limit = _LARGEST_BEND * abs(travel)
-        return cls(end, travel, min(max(parabola_bend(before, edge, duration, end), -limit), limit))
+        bend = min(max(parabola_bend(before, edge, duration, end), -limit), limit)
+        if further is None:
+            return cls(end, travel, bend)
+        reach, share = 1.0 + before[0] / duration, -further[0] / duration
+        missed = further[1] - (edge + travel * share + bend * share * (share - 1.0))
+        twist = missed / (share * (share - 1.0) * (share + reach - 1.0))
+        limit = max(limit - abs(bend), 0.0) / reach
+        return cls(end, travel, bend, min(max(twist, -limit), limit), reach)
 
     def edge(self, left: Array) -> Array:
         """Edge with a share of the step still to come."""
-        return self.end - left * (self.travel + self.bend * (1.0 - left))
+        bend = self.bend if self.twist == 0.0 else self.bend + self.twist * (self.reach - left)
+        return self.end - left * (self.travel + bend * (1.0 - left))
 
     def left(self, radius: Array) -> Array:
-        """Share of the step still to come when the edge passes a radius; beyond [0, 1] continued.
+        """Share of the step still to come when the edge passes a radius.
 
-        Where the parabola does not reach the radius, the share at which it comes nearest.
+        Beyond [0, 1] continued by the parabola that follows the path at that end; where it does not reach the
+        radius, the share at which it comes nearest.
         """
-        speed = self.travel + self.bend
         distance = self.end - radius
-        root = np.sqrt(np.maximum(speed**2 - 4.0 * self.bend * distance, 0.0))
-        return 2.0 * distance / (speed + np.copysign(root, speed))
+        if self.twist == 0.0:
+            return _root_of_parabola(self.travel + self.bend, -self.bend, distance)
+        first = self.travel + self.bend + self.twist * self.reach
+        second = -self.bend - self.twist * (1.0 + self.reach)
+        at_start = first + 2.0 * second + 3.0 * self.twist
+        early = 1.0 + _root_of_parabola(at_start, second + 3.0 * self.twist, distance - self.travel)
+        late = _root_of_parabola(first, second, distance)
+        part = distance / self.travel
+        share = np.clip(np.where(part > 0.5, early, late), 0.0, 1.0)
+        for _ in range(_NEWTON_STEPS):
+            missed = share * (first + share * (second + share * self.twist)) - distance
+            slope = first + share * (2.0 * second + 3.0 * share * self.twist)
+            share = np.clip(share - missed / slope, 0.0, 1.0)
+        return np.where(part <= 0.0, late, np.where(part >= 1.0, early, share))
 
     def distance(self, radius: Array, left: Array) -> Array:
         """``|r - a|`` with a share of the step still to come."""

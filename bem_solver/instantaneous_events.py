@@ -141,7 +141,7 @@ def lift_off(start: StepStart) -> tuple[HalfSpaceState, Energies]:
     Its area is extrapolated to zero linearly; the surface outside keeps its history.
     """
     problem, state, interval = start.problem, start.state, start.interval
-    (before, wide, _), (now, narrow, _) = state.accepted.rows[-2:]
+    (before, wide, *_), (now, narrow, *_) = state.accepted.rows[-2:]
     ahead = narrow**2 * (now - before) / (wide**2 - narrow**2) if wide > narrow else 0.0
     end, contact = min(now + ahead, interval.length), state.contact
     penetration = contact.penetration if interval.control == "force" else interval.prescribed(end)

@@ -27,7 +27,8 @@ class Motion:
 
     ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step.
     ``path`` is that of an edge whose speed is not constant, and ``fall`` then takes the place of the square
-    root, or both None;
+    root, or both None; ``edge_load_bend`` is ``c`` in the load at the edge of such a path after a share s of
+    the step, ``... + c s (s - 1)``.
     ``earlier`` a row (time before the start, penetration) through which the penetration is a parabola, where
     it is prescribed its value within the step (time negative), or None where it is linear.
     ``innermost`` (1 point) the state of a point inside the edge throughout the step. It is given
@@ -44,6 +45,7 @@ class Motion:
     path: BentPath | None = None
     fall: OuterFall | None = None
     earlier: tuple[float, float] | None = None
+    edge_load_bend: float = 0.0
 
     @cached_property
     def bend(self) -> float:
@@ -64,7 +66,7 @@ class Motion:
         return 1.0 - after, after
 
     def lags_of_fall(self, chain: Chain, radius: Array, begin: Array, end: Array) -> Array:
-        """Scaled lags of the edge's own part of ``v`` along the path, beyond those of an even change.
+        """Scaled lags of ``v`` along the path, the load at the edge less its fall, beyond an even change.
 
         Parameters
         ----------
@@ -86,7 +88,11 @@ class Motion:
 
         y = self.duration / chain.retardation
         even = chain.spread((begin - end)[:, None] * y)
-        return -chain.lag_rate * path.recent_change(of, radius, y, begin, end, even)
+        change = -path.recent_change(of, radius, y, begin, end, even)
+        if self.edge_load_bend != 0.0:
+            share = (begin - end)[:, None]
+            change += self.edge_load_bend * share**2 * chain.spread_bent(share * y)
+        return chain.lag_rate * change
 
     def penetration_at(self, share: Array) -> Array:
         """Penetration after a share of the step."""

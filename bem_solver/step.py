@@ -278,7 +278,7 @@ class TrialStep(StepStart):
         return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, earlier, midway)
 
     def _earlier(self, duration: float) -> EarlierRow | None:
-        """The row before the last, with adhesion where the step takes the edge far enough for a parabola.
+        """The row before the last, with adhesion where the step takes the edge far enough for a curved path.
 
         Over less its path is straight: the condition at the end of the step is then one on the place of the
         edge, and a parabola through earlier rows carries their errors on. Not so the penetration under a
@@ -287,15 +287,19 @@ class TrialStep(StepStart):
         rows, interval, edge = self.state.accepted.rows, self.interval, self.state.contact.edge
         if interval.jump or len(rows) < 2 or not self.problem.viscoelastic:
             return None
-        (before, earlier_edge, load), (now, last_edge, _) = rows[-2:]
-        penetration = load if interval.control == "force" else interval.prescribed(before)
+        before, last = rows[-2:]
+        time = last.parameter - before.parameter
+        penetration = before.load if interval.control == "force" else interval.prescribed(before.parameter)
         if interval.control == "stage":
-            penetration -= self.problem.scene.loading.compliance * load
-        travel = abs(last_edge - earlier_edge) / (now - before) * duration
+            penetration -= self.problem.scene.loading.compliance * before.load
+        travel = abs(last.edge - before.edge) / time * duration
         if self.problem.curves and travel >= least_bent_travel(self, edge):
-            return EarlierRow(now - before, penetration, earlier_edge, self._fall)
+            further = None
+            if len(rows) > 2 and last.edge < before.edge < rows[-3].edge:
+                further = last.parameter - rows[-3].parameter, rows[-3].edge
+            return EarlierRow(time, penetration, before.edge, before.edge_load, self._fall, further)
         creeps = interval.control == "force" or not self.problem.curves
-        return EarlierRow(now - before, penetration) if creeps else None
+        return EarlierRow(time, penetration) if creeps else None
 
     @cached_property
     def _fall(self) -> OuterFall:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import NamedTuple
 
 _SAFETY = 0.9
 """Share of the step that the error model predicts to just meet the tolerance."""
@@ -25,44 +26,37 @@ _MEMORY = 64
 """Accepted states that rates may reach back over."""
 
 
+class AcceptedRow(NamedTuple):
+    """Of an accepted state: parameter of its interval, edge, and load (force or penetration, the free one).
+
+    ``edge_load`` is ``v`` at the edge.
+    """
+
+    parameter: float
+    edge: float
+    load: float
+    edge_load: float = 0.0
+
+
 @dataclass
 class AcceptedSteps:
-    """Accepted states of an interval: parameter, edge, and the load (force or penetration, the free one)."""
+    """Accepted states of an interval."""
 
-    rows: list[tuple[float, float, float]] = field(default_factory=list)
+    rows: list[AcceptedRow] = field(default_factory=list)
 
-    def add(self, parameter: float, edge: float, load: float) -> None:
-        """Add an accepted state.
-
-        Parameters
-        ----------
-        parameter : float
-            Of the loading interval.
-        edge : float
-            Contact radius.
-        load : float
-            Force or penetration, the free one.
-        """
-        self.rows.append((parameter, edge, load))
+    def add(self, row: AcceptedRow) -> None:
+        """Add an accepted state."""
+        self.rows.append(row)
         del self.rows[:-_MEMORY]
 
-    def start(self, parameter: float, edge: float, load: float) -> None:
-        """Begin after a kink or an instability, before which rates mean nothing.
-
-        Parameters
-        ----------
-        parameter : float
-            Of the loading interval.
-        edge : float
-            Contact radius.
-        load : float
-            Force or penetration, the free one.
-        """
-        self.rows = [(parameter, edge, load)]
+    def start(self, row: AcceptedRow) -> None:
+        """Begin after a kink or an instability, before which rates mean nothing."""
+        self.rows = [row]
 
     def continue_in_next_interval(self) -> None:
         """Count parameters from the last accepted state."""
-        self.rows = [(row[0] - self.rows[-1][0], row[1], row[2]) for row in self.rows]
+        now = self.rows[-1].parameter
+        self.rows = [row._replace(parameter=row.parameter - now) for row in self.rows]
 
     @property
     def curved(self) -> bool:
@@ -77,9 +71,10 @@ class AcceptedSteps:
         if len(self.rows) < 2:
             return 0.0, 0.0
         now, least = self.rows[-1], (1.0 - _SLIVER) * step
-        base = next((row for row in reversed(self.rows[:-1]) if now[0] - row[0] >= least), self.rows[0])
-        span = now[0] - base[0]
-        return (now[1] - base[1]) / span, (now[2] - base[2]) / span
+        earlier = (row for row in reversed(self.rows[:-1]) if now.parameter - row.parameter >= least)
+        base = next(earlier, self.rows[0])
+        span = now.parameter - base.parameter
+        return (now.edge - base.edge) / span, (now.load - base.load) / span
 
     def edge_after(self, step: float) -> float:
         """Edge a step ahead, extrapolated by the parabola through the last three states.
@@ -87,14 +82,14 @@ class AcceptedSteps:
         Before a limit point by that of the parameter over the edge.
         """
         if len(self.rows) < 3:
-            return self.rows[-1][1] + self.rates(step)[0] * step
+            return self.rows[-1].edge + self.rates(step)[0] * step
         way = self.way_to_limit_point()
         if 0.0 < way < math.inf:
             share = 2.0 * step / (way * self._delay()[0])  # of the parameter left until there
             if share <= 1.0:
                 travel = way * share / (1.0 + math.sqrt(1.0 - share))
-                return self.rows[-1][1] + math.copysign(travel, self.rows[-1][1] - self.rows[-2][1])
-        (t0, a0, _), (t1, a1, _), (t2, a2, _) = self.rows[-3:]
+                return self.rows[-1].edge + math.copysign(travel, self.rows[-1].edge - self.rows[-2].edge)
+        (t0, a0, *_), (t1, a1, *_), (t2, a2, *_) = self.rows[-3:]
         late, early = (a2 - a1) / (t2 - t1), (a1 - a0) / (t1 - t0)
         return a2 + step * (late + (t2 - t1 + step) * (late - early) / (t2 - t0))
 
@@ -106,7 +101,7 @@ class AcceptedSteps:
         """
         if len(self.rows) < 4:
             return math.inf, math.inf
-        steps = [(t1 - t0, a1 - a0) for (t0, a0, _), (t1, a1, _) in pairwise(self.rows[-4:])]
+        steps = [(t1 - t0, a1 - a0) for (t0, a0, *_), (t1, a1, *_) in pairwise(self.rows[-4:])]
         travels = [travel for _, travel in steps]
         if not (min(travels) > 0.0 or max(travels) < 0.0):
             return math.inf, math.inf
@@ -143,7 +138,7 @@ class AcceptedSteps:
         """
         if len(self.rows) < 3:
             return math.inf
-        (t0, _, f0), (t1, _, f1), (t2, _, f2) = self.rows[-3:]
+        (t0, _, f0, _), (t1, _, f1, _), (t2, _, f2, _) = self.rows[-3:]
         late, early = (f2 - f1) / (t2 - t1), (f1 - f0) / (t1 - t0)
         curvature = (late - early) / (t2 - t0)
         if curvature == 0.0:
@@ -151,7 +146,7 @@ class AcceptedSteps:
         turn = -0.5 * (late / curvature + t2 - t1)
         if len(self.rows) == 3:
             return turn
-        before, _, first = self.rows[-4]
+        before, _, first, _ = self.rows[-4]
         third = (curvature - (early - (f0 - first) / (t0 - before)) / (t1 - before)) / (t2 - before)
         sides = (t2 - t1, t2 - t0)
         for _ in range(_NEWTON_STEPS):

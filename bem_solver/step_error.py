@@ -8,26 +8,23 @@ from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.options import DEFAULT_RESOLUTION
 from bem_solver.run_state import StepStart
-from bem_solver.step_control import departure_from_line
+from bem_solver.step_control import AcceptedRow, departure_from_line
 from bem_solver.trial import TrialContact
 
 _BENT_SHARE_OF_ZONE = 0.04
 """Travel of a step, in process zones, from which on its path is a parabola through another row and it is
 judged by that: a quarter of the longest step within a zone at the default resolution, and at finer ones that
 quarter, too. Below it an edge sets out or turns, and earlier rows tell little; steady steps are longer."""
-_SHARE_OF_TRAVEL, _SHARE_WITHIN_ZONE = 1.0, 2.0
-"""Errors of extrapolating the edge over process zones and within one, in step tolerances of its travel, that
-are allowed: the speed of the edge, on which the closure depends, is then met to about as much. Within a zone
-the closure depends on the place of the edge, too."""
+_SHARE_OF_TRAVEL = 2.0
+"""Error of extrapolating the edge that is allowed, in step tolerances of its travel: the speed of the edge,
+on which the closure depends, is then met to less than half as much. Within a zone the closure depends on
+the place of the edge, too."""
 _LEAST_SHARE_OF_ZONE = 0.5
 """Least travel for that, in process zones: the closure sees no less of the path than about as much."""
 _LEAST_SHARE_OF_RADIUS = 1e-3
 """Least travel for that of an edge that passes over zones, in contact radii: an edge that misses its place by
 that part of a tolerance changes the force by three times as much. The annuli it passes leave it uneven by
 millionths of the radius, and no shorter step is more even."""
-_SHARE_OF_FREE_TRAVEL = 0.5
-"""The same under a controlled force: no prescribed penetration holds the edge back there, and the errors of
-its speed add up to one of the time at which contact is lost."""
 _LOAD_WEIGHT = 4.0
 """Weight of the departure of the load from a straight line against that of the edge in the step error."""
 _LOAD_WEIGHT_AT_LIMIT = 16.0
@@ -49,6 +46,11 @@ _LEAST_RATED_TRAVEL = 1e-4
 def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
     """The quantity that is not prescribed: penetration under a controlled force, otherwise the force."""
     return contact.penetration if interval.control == "force" else contact.surface.force
+
+
+def accepted_row(parameter: float, interval: LoadingInterval, contact: HalfSpaceState) -> AcceptedRow:
+    """What a committed state adds to the accepted ones."""
+    return AcceptedRow(parameter, contact.edge, free_load(interval, contact), contact.surface.edge_load)
 
 
 def least_bent_travel(start: StepStart, edge: float) -> float:
@@ -136,8 +138,5 @@ def _departure_from_path(start: StepStart, edge: float, step: float) -> float:
         travel, _LEAST_SHARE_OF_RADIUS * edge if passed else _LEAST_SHARE_OF_ZONE * start.problem.zone
     )
     missed = abs(edge - start.state.accepted.edge_after(step))
-    share = _SHARE_OF_TRAVEL if start.problem.over_zones(start.state.contact.edge) else _SHARE_WITHIN_ZONE
-    if start.interval.control == "force":
-        share = _SHARE_OF_FREE_TRAVEL
-    allowed = min(share * travel, start.problem.longest_travel(edge))
+    allowed = min(_SHARE_OF_TRAVEL * travel, start.problem.longest_travel(edge))
     return missed / allowed if allowed > 0.0 else math.inf

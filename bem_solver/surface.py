@@ -128,6 +128,11 @@ class ContactSurface:
             value = value + self.kinks.displacement(radius) @ self.strengths
         return value
 
+    @property
+    def edge_load(self) -> float:
+        """``v`` at the edge."""
+        return float(self.outside(np.array([self.edge]))[0])
+
     def root_strength(self, reach: float) -> float:
         """B in ``v = v(a) - B sqrt(x) - C x`` at distance x outside the edge.
 

@@ -6,7 +6,7 @@ displacement positive downwards, force and pressure positive in compression; rad
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,12 @@ from bem_solver.cohesive_zone import zone_at
 from bem_solver.edge_energy import end_velocity, energy_taken
 from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.kinks import EdgeKinks
+from bem_solver.load_control import LoadControl
 from bem_solver.motion import Motion, SurfacePoints
 from bem_solver.outer_fall import OuterFall
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import advanced, displacement_outside, load_inside
+from bem_solver.surface_points import advanced, displacement_outside
 from bem_solver.tip_release import tip_distances
 
 Array = NDArray[np.float64]
@@ -50,15 +51,6 @@ class TrialContact:
     zone: float = 0.0
     tip_gap: Array | None = None
     tip_distance: Array | None = None
-
-
-def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> Array:
-    """``v`` at radii inside the new edge."""
-    wanted = motion.new_penetration - points.height
-    if not problem.viscoelastic:
-        return problem.chain.relaxed * wanted
-    problem.counters.history_updates += 1
-    return load_inside(problem.chain, advanced(problem.chain, points, motion, None), wanted)
 
 
 def evaluate(
@@ -98,14 +90,8 @@ def evaluate(
     kinks = _kinks_inside(problem, state, duration, edge)
     radii = edge * problem.annuli.radii
     points = points_at(problem, state, radii if kinks is None else np.append(radii, kinks.readings))
-    load_control = _LoadControl(problem, state, points, kinks, control, value)
-    motion, surface = load_control.satisfied(_motion(problem, state, duration, edge, earlier, midway))
-    problem.counters.linear_solves += 1
-    if motion.fall is not None:
-        motion = replace(motion, fall=motion.fall.towards(surface))
-        if edge > state.edge:  # what has been covered depends on the fall at the end
-            motion, surface = load_control.satisfied(motion)
-            problem.counters.linear_solves += 1
+    motion = _motion(problem, state, duration, edge, earlier, midway)
+    motion, surface = LoadControl(problem, state, points, kinks, control, value, earlier).satisfied(motion)
     if problem.work == 0.0:
         return TrialContact(motion, surface, points, -surface.kappa, 0.0)
     return _adhesive_contact(problem, state, motion, surface, points)
@@ -128,7 +114,7 @@ def _motion(
         row = row or (earlier.time, earlier.penetration)
     if earlier is not None and earlier.edge is not None and duration > 0.0:
         if edge != state.edge:
-            path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge)
+            path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge, earlier.further)
             fall = earlier.fall
     elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)
@@ -141,44 +127,6 @@ def _motion(
             innermost = points_at(problem, state, np.array([inside]))
     depth = state.penetration
     return Motion(duration, state.edge, edge, depth, depth, singular, innermost, path, fall, row)
-
-
-@dataclass(frozen=True)
-class _LoadControl:
-    """The prescribed quantity of a step: ``control`` has ``value`` at its end.
-
-    ``points`` are the collocation radii inside the new edge, and behind them the readings of ``kinks``.
-    """
-
-    problem: Problem
-    state: HalfSpaceState
-    points: SurfacePoints
-    kinks: EdgeKinks | None
-    control: str
-    value: float
-
-    def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
-        """Motion with the penetration, and surface, that the control asks for."""
-        if self.control == "penetration":
-            motion = replace(motion, new_penetration=self.value)
-            return motion, self._surface(motion)
-        # everything is affine in the new penetration
-        start = self.state.penetration
-        step = max(abs(start), 1e-3 * motion.new_edge)
-        first = replace(motion, new_penetration=start)
-        one, two = self._surface(first), self._surface(replace(first, new_penetration=start + step))
-        lacking, gained = self.value - one.force, two.force - one.force
-        if self.control == "stage":  # D + F/k
-            compliance = self.problem.scene.loading.compliance
-            lacking = self.value - (first.new_penetration + compliance * one.force)
-            gained = step + compliance * gained
-        share = lacking / gained
-        return replace(first, new_penetration=start + share * step), one.towards(two, share)
-
-    def _surface(self, motion: Motion) -> ContactSurface:
-        """The surface after a motion whose penetration is known."""
-        load = _required_load(self.problem, self.points, motion)
-        return ContactSurface.under(self.problem.annuli, motion.new_edge, load, self.kinks)
 
 
 def _adhesive_contact(

@@ -124,8 +124,8 @@ def largest_tension(trace):
 def test_observed_order_when_annuli_and_steps_are_refined_together(rate, of_tension, scatter):
     """Two-sided: an order far above the scheme's would be chance.
 
-    The tension scatters from level to level, so that its order shows at the coarse levels alone; at the fine
-    ones its error is no larger than the scatter.
+    The tension scatters from level to level, so that its order shows over the coarse levels alone; from the
+    default on its error is no larger than the scatter.
     """
     fine = front(cycle(rate), 40)
     exact = largest_tension(fine), observe(fine).loop_energy
@@ -140,9 +140,8 @@ def test_observed_order_when_annuli_and_steps_are_refined_together(rate, of_tens
         first, last = levels[0], levels[-1]
         assert 1.8 <= observed_order([errors[first], errors[last]], last / first) < 2.5, errors
         assert abs(errors[24]) < 5e-5
-    for errors in (loops, pulls) if rate == 0.02 else (loops,):
-        assert 1.8 <= observed_order([errors[6], errors[12]]) < 2.5, errors
-    assert 1.8 <= observed_order([loops[12], loops[24]]) < 2.5, loops
+    for coarse, fine in ((6, 12), (12, 24)):
+        assert 1.8 <= observed_order([loops[coarse], loops[fine]]) < 2.5, loops
     assert max(abs(pulls[n]) for n in (12, 24)) < scatter, pulls
 
 
@@ -164,8 +163,8 @@ def test_work_is_triangular_solves_after_one_factorisation(rate):
     counters = trace.counters
     assert counters.factorisations == 1
     assert counters.steps == len(trace) - 1
-    advancing = counters.linear_solves - counters.closure_evaluations  # there the load is solved for twice
-    assert 0 <= advancing < 0.5 * counters.closure_evaluations
+    advancing = counters.linear_solves - counters.closure_evaluations  # there the load is solved for thrice
+    assert 0 <= advancing < counters.closure_evaluations
     assert counters.linear_solves < 8 * (counters.steps + counters.rejected_steps)
     assert counters.rejected_steps < 0.2 * counters.steps
     assert counters.steps < 500

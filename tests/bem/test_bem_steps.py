@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
-from bem_solver.step_control import AcceptedSteps
+from bem_solver.step_control import AcceptedRow, AcceptedSteps
 from contact_scene import Adhesion, Force, Hold, Machine, Oscillate, PowerRate, Ramp, SceneError, Sweep, Table
 
 COARSE = Options(resolution=6)
@@ -134,7 +134,7 @@ def test_a_step_as_long_as_the_last_looks_back_over_the_last_alone(rounded):
     """Otherwise the next step, a tenth longer or shorter, hangs on the last bit of the clock."""
     steps = AcceptedSteps()
     for row in ((0.0, 1.0, 0.0), (0.1, 1.1, 0.1), (0.2, 1.3, 0.4)):
-        steps.add(*row)
+        steps.add(AcceptedRow(*row))
     assert_allclose(steps.rates(0.1 * rounded), (2.0, 3.0), rtol=1e-12)
 
 
