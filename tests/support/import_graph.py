@@ -5,9 +5,12 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 COMPUTED = "a computed module name"
+IMPORTING = ("import_module", "__import__")
+"""Functions that import what they are told."""
 
 
 @dataclass(frozen=True)
@@ -16,6 +19,11 @@ class Source:
 
     text: str
     is_package: bool = False
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        """The parsed text."""
+        return ast.parse(self.text)
 
 
 @dataclass(frozen=True)
@@ -59,7 +67,8 @@ def imports(module: str, source: Source, modules: Iterable[str] = ()) -> list[Im
             target, name = f"{target}.{name}", ""
         found.append(Import(module, target, name, getattr(node, "lineno", 0), deferred))
 
-    for node, deferred in _walk(ast.parse(source.text), False):
+    computed = any(name in source.text for name in IMPORTING)
+    for node, deferred in _walk(source.tree, False, computed):
         match node:
             case ast.Import():
                 for alias in node.names:
@@ -67,25 +76,26 @@ def imports(module: str, source: Source, modules: Iterable[str] = ()) -> list[Im
             case ast.ImportFrom():
                 for alias in node.names:
                     add(node, _absolute(node, package), alias.name, deferred)
-            case ast.Call() if _called(node) in ("import_module", "__import__"):
+            case ast.Call() if _called(node) in IMPORTING:
                 first = node.args[0] if node.args else None
                 literal = isinstance(first, ast.Constant) and isinstance(first.value, str)
                 add(node, first.value if literal else COMPUTED, "", deferred)  # type: ignore[union-attr]
     return found
 
 
-def _walk(node: ast.AST, deferred: bool) -> Iterator[tuple[ast.AST, bool]]:
-    """Every node below, with whether a bare import of the module leaves it out."""
+def _walk(node: ast.AST, deferred: bool, expressions: bool) -> Iterator[tuple[ast.AST, bool]]:
+    """Every statement below, with whether a bare import of the module leaves it out; expressions if asked."""
     yield node, deferred
     if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
         for child in node.body:
-            yield from _walk(child, True)
+            yield from _walk(child, True, expressions)
         for child in node.orelse:
-            yield from _walk(child, deferred)
+            yield from _walk(child, deferred, expressions)
         return
     inside = deferred or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
     for child in ast.iter_child_nodes(node):
-        yield from _walk(child, inside)
+        if expressions or not isinstance(child, ast.expr):
+            yield from _walk(child, inside, expressions)
 
 
 def _absolute(node: ast.ImportFrom, package: str) -> str:

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import ast
 import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -37,7 +36,7 @@ class Reach:
         self.modules = {
             name
             for name, source in sources.items()
-            if not name.endswith("__main__") and len(ast.parse(source.text).body) > 1
+            if not name.endswith("__main__") and len(source.tree.body) > 1
         }
         self.tests = {path.relative_to(root).as_posix(): path for path in (root / "tests").rglob("test_*.py")}
         support = {
@@ -50,6 +49,7 @@ class Reach:
             source = Source(path.read_text(encoding="utf-8"))
             self._edges[name] = self._named(imports(name, source, known)) & known
         self.distances = {name: self._distances(name) for name in self.tests}
+        self._sizes = {test: sum(d == 1 for d in found.values()) for test, found in self.distances.items()}
 
     def _named(self, found: Iterable[Import]) -> set[str]:
         """The imported modules; a name that a package passes on counts for the module it is from."""
@@ -82,7 +82,7 @@ class Reach:
         def rank(test: str) -> tuple:
             distance = self.distances[test][module]
             named = len(words & set(Path(test).stem.split("_"))) / len(words)
-            size = sum(d == 1 for d in self.distances[test].values())
+            size = self._sizes[test]
             stranger = Path(test).parent.name != group
             if distance == 1 or (distance == 2 and not stranger and named > 0.5):
                 return -named if named > 0.5 else 0.0, 1, stranger, size, test
@@ -90,7 +90,7 @@ class Reach:
 
         reaching = [t for t in self.tests if module in self.distances[t] and "benchmark" not in t]
         ranked = sorted(rank(test) for test in reaching)
-        return [test for *_, test in ranked if rank(test)[:2] <= (0.0, ranked[0][1])][:MOST]
+        return [test for *order, test in ranked if tuple(order[:2]) <= (0.0, ranked[0][1])][:MOST]
 
 
 def written(reach: Reach) -> str:
