@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from markupsafe import escape
 from support.synthetic_traces import follow, half_ellipse, profile, trace
+from support.unlaid_figures import without_layout
 
 from contact_scene import OutcomeKind
 from validation.cases import Case, load
@@ -241,7 +242,8 @@ def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("claims")
     environment = {"python": "3", "processor": "none"}
     report = Report("paper", [], environment, 1.0, claims=claims)
-    write(report, folder)
+    with without_layout():
+        write(report, folder)
     return report, folder
 
 

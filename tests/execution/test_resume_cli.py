@@ -9,11 +9,13 @@ import signal
 import subprocess
 import sys
 import time
+from functools import cache
 from pathlib import Path
 
 import pytest
 from support.interruptible_command import VERSION
 from support.spring_solver import SCENE, FunctionSolver, spring
+from support.unlaid_figures import without_layout
 
 from contact_scene import read_columns
 from crosscontact.cli import main
@@ -31,6 +33,13 @@ def _version(monkeypatch):
     monkeypatch.setattr(fingerprints, "version", lambda: VERSION)
 
 
+@pytest.fixture(autouse=True)
+def _plain_figures():
+    """What reports are written here is compared by its numbers and the names of its files."""
+    with without_layout():
+        yield
+
+
 @pytest.fixture(scope="module")
 def scene_file(tmp_path_factory):
     file = tmp_path_factory.mktemp("scene") / "small.toml"
@@ -40,8 +49,9 @@ def scene_file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def uninterrupted(scene_file, tmp_path_factory):
-    """Folder of the whole run, by solver."""
+    """Folder of the whole run, by solver; each is solved once."""
 
+    @cache
     def solve(solver: str) -> Path:
         out = tmp_path_factory.mktemp(solver)
         assert main(arguments(scene_file, solver, out)) == 0

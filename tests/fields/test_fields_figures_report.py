@@ -14,6 +14,7 @@ from support.browser import CHROMIUM, measure_page
 from support.spring_solver import SCENE as SMALL
 from support.spring_solver import fake, named
 from support.synthetic_fields import SCENE, states, surfaces, trace
+from support.unlaid_figures import without_layout
 
 from crosscontact import registry
 from crosscontact.cli import main
@@ -51,7 +52,7 @@ def section():
     """The section on a made-up run; what VTK would draw is left blank, figures are saved small."""
     run = dataclasses.replace(trace(), profiles=tuple(surfaces((1.0, 2.0, 3.0, 4.0, 5.0, 6.0))))
     rows = key_moments(trace(), SCENE)
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, without_layout():
         patch.setattr(rendering, "picture", lambda fill, size: np.full((size[1], size[0], 3), 200, np.uint8))
         patch.setattr(cycle_fields, "png", lambda drawn: small_png(drawn.get_size_inches()))
         patch.setattr(animation, "DOTS", 10)
@@ -71,7 +72,8 @@ def test_section_holds_strips_edge_body_and_film(section, monkeypatch):
         assert picture.data.startswith(b"GIF89a" if picture.name.endswith(".gif") else b"\x89PNG")
     assert section.images[1].caption == "Key moments: stress σzz (force/length²)"
     monkeypatch.setattr(export, "png", lambda drawn: b"")
-    part = fields.section(section)
+    with without_layout():
+        part = fields.section(section)
     text = html.text(Document("", (), (part,)))
     assert text.count("<img ") == len(names)
     assert text.count("<svg ") == 1  # Fig. 3, drawn in the page itself

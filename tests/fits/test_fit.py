@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.recorded import GUESS, MODULUS, elastic_scene, hertz_curve, settings_of
+from support.unlaid_figures import without_layout
 
 import crosscontact as cc
 from contact_scene import (
@@ -66,7 +67,8 @@ def test_a_fit_in_python_prints_no_number_without_its_error(elastic, tmp_path):
     assert found["material.modulus"].low < found["material.modulus"].value
     with pytest.raises(SceneError, match="no parameter"):
         found["adhesion.work"]
-    found.save(tmp_path)
+    with without_layout():
+        found.save(tmp_path)
     data = json.loads((tmp_path / "fit.json").read_text())
     assert all("deviation" in one for one in data["parameters"])
     assert data["goodness"]["degrees"] > 100

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as tree
 
 import pytest
 from support import scripted_solver as fakes
+from support.unlaid_figures import without_layout
 
 import crosscontact.commands.stability as command
 from crosscontact.cli import main
@@ -101,7 +102,8 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
 
     monkeypatch.setattr(command.runner, "run", faked)
     out = tmp_path / "out"
-    assert main(["stability", "--jobs", "1", "--solver", "bem", "--out", str(out)]) == 1
+    with without_layout():
+        assert main(["stability", "--jobs", "1", "--solver", "bem", "--out", str(out)]) == 1
     told = capsys.readouterr()
     assert "failed: made up: wrong: bem: SILENTLY WRONG" in told.err
     assert "2/2 made up: wrong: bem" in told.err
@@ -122,7 +124,8 @@ def test_the_full_report_has_the_matrix_and_fails_with_it(tmp_path, monkeypatch,
     asked = []
     monkeypatch.setattr("crosscontact.commands.report.build", lambda *given: empty)
     monkeypatch.setattr(command, "compute", lambda jobs, store: asked.append(jobs) or MATRIX)
-    assert main(["report", "--suite", "full", "--jobs", "2", "--out", str(tmp_path / "full")]) == 1
+    with without_layout():
+        assert main(["report", "--suite", "full", "--jobs", "2", "--out", str(tmp_path / "full")]) == 1
     assert asked == [2]
     assert "failed: stability: bem: faults: contrast: found 1" in capsys.readouterr().err
     for name in ("index.html", "summary.md", "report.json", "junit.xml"):
