@@ -138,7 +138,7 @@ def test_an_adhesionless_fit_agrees_with_a_ting_model_fit():
 @pytest.mark.parametrize("stiffness", [None, 0.05])
 def test_a_curve_of_an_approach_to_a_force_turns_where_hertz_has_that_force(stiffness):
     level, rate, dwell = 2e-3, 0.02, 0.3
-    steps = (Ramp(1.0, rate, until_force=level), Hold(dwell), Ramp(-0.1, rate))
+    steps = (Ramp(1.0, rate, until_force=level), Hold(dwell), Ramp(-0.02, rate))
     truth = Scene(Material(0.75, 0.5), Sphere(1.0), Loading("jump-in", 0.0, steps))
     curve = synthetic(truth, 0.0, 0.01, contact_point=0.003, stiffness=stiffness, resolution=4)
     depth = (0.75 * level) ** (2.0 / 3.0)
