@@ -111,7 +111,7 @@ def test_a_rough_profile_gives_back_no_more_than_it_got(shift: float) -> None:
     assert 0.35 * effort < trace.dissipated_energy[-1] < 0.37 * effort
 
 
-@pytest.mark.parametrize("resolution", [8, 32])
+@pytest.mark.parametrize("resolution", [8, pytest.param(32, marks=pytest.mark.slow)])
 def test_an_edge_almost_at_rest_stays_where_it_is(resolution: int) -> None:
     """Its tiny steps leave nodes in a crowd; slopes of what lies beyond must not be taken from them."""
     heights = (

@@ -86,12 +86,21 @@ def test_pulling_at_nothing(depth: float, step) -> None:  # type: ignore[no-unty
     assert not trace.force.any()
 
 
-@pytest.mark.parametrize("force", [0.0, 1e-80])
+@pytest.mark.parametrize("force", [0.0, pytest.param(1e-80, marks=pytest.mark.slow)])
 def test_no_force_to_speak_of(force: float) -> None:
     trace = solve(_scene((Force(force, 1.0),), -0.005, material=RUBBER), COARSE)
     assert trace.outcome.finished
     assert np.abs(trace.force).max() <= 1e-20
     assert not trace.contact_radius.any()
+
+
+@pytest.mark.parametrize("force", [1e-80, 1e-40])
+def test_no_force_to_speak_of_on_an_elastic_half_space(force: float) -> None:
+    """Without the search for the last contact, which takes seconds on a viscoelastic one."""
+    trace = solve(_scene((Force(force, 1.0),), -0.005), COARSE)
+    assert trace.outcome.finished
+    assert np.abs(trace.force).max() <= 1e-20
+    assert trace.contact_radius.max() < 1e-12
 
 
 def test_a_punch_lands_and_lifts_off_with_all_of_its_face() -> None:
