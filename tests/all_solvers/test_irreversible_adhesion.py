@@ -195,13 +195,19 @@ def test_the_papers_discretisation_refuses_what_it_leaves_out(key, adhesion):
         bem_solver.solve(scene([Ramp(0.01, 1e-3)], adhesion), bem_solver.Options(annuli="uniform"))
 
 
-@pytest.mark.parametrize("solver", ["bem", "fem"])
+HYSTERESIS, RATED = Adhesion(WORK, ZONE, CLOSING), Adhesion(WORK, ZONE, None, RATES["power"])
+
+
 @pytest.mark.parametrize(
-    "adhesion",
-    [Adhesion(WORK, ZONE, work_closing=CLOSING), Adhesion(WORK, ZONE, rate=RATES["power"])],
-    ids=["hysteresis", "rate"],
+    ("adhesion", "solver"),
+    [
+        pytest.param(RATED, "bem", id="rate-bem"),
+        pytest.param(HYSTERESIS, "fem", id="hysteresis-fem"),
+        pytest.param(RATED, "fem", id="rate-fem", marks=pytest.mark.slow),
+        pytest.param(HYSTERESIS, "bem", id="hysteresis-bem", marks=pytest.mark.slow),
+    ],
 )
-def test_contact_is_lost_on_a_spring(solver, adhesion):
+def test_contact_is_lost_on_a_spring(adhesion, solver):
     asked = scene([Ramp(-0.2, 1e-2)], adhesion, start=0.01)
     asked = replace(asked, loading=replace(asked.loading, machine=Machine(0.2)))
     trace, expected = SOLVERS[solver].solve(asked, 5), SOLVERS["reference"].solve(asked, 5)

@@ -227,7 +227,7 @@ def test_copies_in_other_units_agree(name):
     assert differences_in_units(SOLVERS[name], asked, copy, units) == []
 
 
-@pytest.mark.parametrize("share", [0.1, 1.0])
+@pytest.mark.parametrize("share", [0.1, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_slow_approach_on_a_spring_while_the_half_space_relaxes(share):
     """Stage and penetration are two things: a step that takes one for the other loses its way slowly."""
     material = Material(0.75, 0.5, (Branch(1.5, 1.0),))

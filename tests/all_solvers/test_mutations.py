@@ -37,9 +37,13 @@ SCENES = ("relaxed-equilibrium", "elastic-relaxed", "cycle-v0.02", "adhesionless
 NOTICEABLE = 0.01
 CHEAP = "punch-programme"
 TABLES = [*altered_scenes.FAULTS, *altered_answers.FAULTS]
+CHEAP_TABLES = [fault for fault in TABLES if fault.scenes == (CHEAP,)][::3]
 QUICKLY = [fault for fault in shared.FAULTS if fault.scenes == (CHEAP,)]
-QUICKLY += [fault for fault in TABLES if fault.scenes == (CHEAP,)][::3]
-"""Faults that a check value of the cheapest scene has to show by default; the slow tests try all."""
+QUICKLY += [
+    *CHEAP_TABLES[::2],
+    *(pytest.param(fault, marks=pytest.mark.slow) for fault in CHEAP_TABLES[1::2]),
+]
+"""Faults that a check value of the cheapest scene has to show, most of them by default."""
 TIME_FACTOR = 10.0  # limit of a run with a fault, times the processor time of the true solver ...
 LEAST_LIMIT = 10.0  # ... and at least so many seconds
 TABLE = Path(__file__).parents[2] / "out" / "faults.md"
@@ -66,8 +70,7 @@ class Detection:
 @pytest.fixture(scope="module")
 def findings(request, tmp_path_factory):
     """Findings to come, by fault: all that were asked for are examined side by side. The table at the end."""
-    chosen = [item.callspec.params for item in request.session.items if hasattr(item, "callspec")]
-    asked = [parameters["fault"] for parameters in chosen if "fault" in parameters]
+    asked = [i.callspec.params["fault"] for i in request.session.items if "findings" in i.fixturenames]
     keys = {fault.key for fault in asked}
     wanted = dict.fromkeys(name for fault in FAULTS if fault.key in keys for name in fault.scenes or SCENES)
     todo = [(name, solver) for name in wanted for solver in solvers.SOLVERS]

@@ -57,8 +57,10 @@ LONG = [
     for case in SCENES
     if (name, case) not in QUICK and (name, case) != ("fem", "hold")  # ten times as long as all others
 ]
+DEFAULT = [("reference", "hold"), ("bem", "oscillation")]  # either scene once, by either solver
 pairs = pytest.mark.parametrize(
-    ("name", "case"), [*QUICK, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in LONG)]
+    ("name", "case"),
+    [pytest.param(*pair, marks=[] if pair in DEFAULT else [pytest.mark.slow]) for pair in (*QUICK, *LONG)],
 )
 KERNELS = ({"OPENBLAS_CORETYPE": "Haswell"}, {"OPENBLAS_NUM_THREADS": "2"})
 ELSEWHERE = """

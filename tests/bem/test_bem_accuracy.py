@@ -127,7 +127,7 @@ def test_observed_order_when_annuli_and_steps_are_refined_together(rate, of_tens
     The tension scatters from level to level, so that its order shows over the coarse levels alone; from the
     default on its error is no larger than the scatter.
     """
-    fine = front(cycle(rate), 40)
+    fine = front(cycle(rate), 20)
     exact = largest_tension(fine), observe(fine).loop_energy
     pulls, loops = {}, {}
     for resolution in (4, 6, 12, 24):
