@@ -16,6 +16,7 @@ from scipy.interpolate import PchipInterpolator
 from fem_solver.following.components import Components
 
 Array = NDArray[np.float64]
+Selection = slice | NDArray[np.bool_]
 
 _STRAIGHT = 1e-4
 """Deviation from a line between its neighbours below which a point is dropped, relative to the largest
@@ -59,16 +60,25 @@ class SurfaceRecord:
         SurfaceRecord
         """
         first, last = range_of_nodes
-        kept = slice(first, last + 1)
         held = np.arange(len(self.positions)) < self.edge
         inner = held & (self.positions < min(nodes.positions[first], edge))
         outer = ~held & (self.positions > nodes.positions[last])
-        left = _thinned(self.positions[inner], self.intensity[:, inner])
-        right = _thinned(self.positions[outer], self.intensity[:, outer])
+        within, beyond = slice(first, nodes.edge), slice(nodes.edge, last + 1)
+        left = _thinned(*self._joined(inner, nodes, within), int(inner.sum()))
+        # mirrored: the points that may go come first
+        x, values = nodes._joined(beyond, self, outer)
+        right = _thinned(-x[::-1], values[:, ::-1], int(outer.sum()))
         return SurfaceRecord(
-            np.concatenate([left[0], nodes.positions[kept], right[0]]),
-            np.hstack([left[1], nodes.intensity[:, kept], right[1]]),
-            len(left[0]) + nodes.edge - first,
+            np.concatenate([left[0], -right[0][::-1]]),
+            np.hstack([left[1], right[1][:, ::-1]]),
+            len(left[0]),
+        )
+
+    def _joined(self, own: Selection, other: SurfaceRecord, others: Selection) -> tuple[Array, Array]:
+        """Positions and intensities of points of two records, those of this one first."""
+        return (
+            np.concatenate([self.positions[own], other.positions[others]]),
+            np.hstack([self.intensity[:, own], other.intensity[:, others]]),
         )
 
     def after(self, solid: Components, dt: float, change: float) -> SurfaceRecord:
@@ -142,14 +152,41 @@ def averaged(x: Array, values: Array, bounds: Array) -> Array:
     return np.asarray(np.diff(total, axis=1) / np.diff(bounds))
 
 
-def _thinned(x: Array, values: Array) -> tuple[Array, Array]:
-    """Every second point dropped where all rows are straight."""
-    if x.size < 5:
+def _thinned(x: Array, values: Array, count: int) -> tuple[Array, Array]:
+    """Every second of the first points dropped where neither a line nor the interpolation misses it.
+
+    The interpolation takes its slopes from the intervals beside a point. Where one of them is far longer than
+    the other, points on a line alone would not keep it on that line.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m,)
+        Rising.
+    values : ndarray, shape (rows, m)
+    count : int
+        Number of points that may be dropped.
+
+    Returns
+    -------
+    x, values : ndarray
+    """
+    middle = np.arange(1, min(count, len(x) - 1), 2)
+    if not middle.size:
         return x, values
-    middle = np.arange(1, len(x) - 1, 2)
     share = (x[middle] - x[middle - 1]) / (x[middle + 1] - x[middle - 1])
     line = (1.0 - share) * values[:, middle - 1] + share * values[:, middle + 1]
-    largest = np.abs(values).max(axis=1, keepdims=True)
+    allowed = _STRAIGHT * np.abs(values).max(axis=1, keepdims=True)
+    dropped = middle[(np.abs(values[:, middle] - line) <= allowed).all(axis=0)]
     kept = np.ones(len(x), dtype=bool)
-    kept[middle] = (np.abs(values[:, middle] - line) > _STRAIGHT * largest).any(axis=0)
+    while dropped.size:
+        kept[dropped] = False
+        at = np.concatenate(
+            [0.5 * (x[dropped - 1] + x[dropped]), x[dropped], 0.5 * (x[dropped] + x[dropped + 1])]
+        )
+        missed = np.abs(interpolated(x[kept], values[:, kept], at) - interpolated(x, values, at)) > allowed
+        needed = missed.any(axis=0).reshape(3, -1).any(axis=0)
+        kept[dropped[needed]] = True
+        if not needed.any():
+            break
+        dropped = dropped[~needed]
     return x[kept], values[:, kept]

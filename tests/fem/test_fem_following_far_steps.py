@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact_scene import Adhesion, Branch, Cone, FlatPunch, Force, Loading, Material, Ramp, Scene
-from fem_solver.following.surface_record import SurfaceRecord
+from contact_scene import Adhesion, Branch, Cone, FlatPunch, Force, Loading, Material, Oscillate, Ramp, Scene
+from fem_solver.following.surface_record import SurfaceRecord, interpolated
 from validation.solvers.finite_elements import FiniteElements, peels
 
 TWO = Material(0.3, 0.49, (Branch(2.0, 0.05), Branch(1.0, 5.0)))
@@ -23,6 +23,16 @@ PUNCH = Scene(
 )
 PUNCH_PULL_OFF, PUNCH_LOOP = 0.3933058, 0.04073106
 """Of ``PUNCH``, by front tracking."""
+
+DEPTH, SWING, FREQUENCY = 0.0114, 1e-3, 100.0
+DENTED = Scene(
+    Material(1.0, 0.0, (Branch(9.0, 1.0),)),
+    Cone(83.0),
+    Loading("relaxed", DEPTH, (Oscillate(-SWING, FREQUENCY, 1.6 * np.pi / FREQUENCY),)),
+    Adhesion(5e-6, 2e-4),
+)
+"""A cone that has rested is lifted and pressed back in far less than the relaxation time: the surface keeps
+the dent, along which the edge goes over two thirds of the radius and back."""
 
 
 def record(positions: list[float], edge: int) -> SurfaceRecord:
@@ -46,6 +56,38 @@ def test_points_that_a_receding_edge_has_passed_leave_the_record():
     found = known.renewed(nodes, (2, 4), edge=1.9)
     assert found.positions.tolist() == [1.0, 2.4, 3.15, 6.0, 9.0]
     assert found.edge == 1
+
+
+@pytest.mark.parametrize("free", [True, False])
+def test_the_record_is_read_the_same_after_it_has_been_thinned(free):
+    """Straight on both sides of where an edge has rested, from where the points are close together."""
+    rest = 0.067 - np.geomspace(0.045, 1e-6, 300)
+    outer = np.concatenate([rest, 0.067 + np.geomspace(1e-6, 0.08, 40)])
+    values = np.interp(outer, [0.0, 0.067, 0.2], [0.1, 0.03, 0.02])
+    strip = np.linspace(0.0215, 0.0219, 200)
+    at, here = np.linspace(0.0225, 0.14, 2000), np.interp(strip, [0.0, 0.067], [0.1, 0.03])
+    sign = 1.0 if free else -1.0  # in contact all is mirrored
+    nodes = SurfaceRecord(np.sort(sign * strip), here[None, :: int(sign)], 0 if free else strip.size)
+    positions, ends = np.sort(sign * outer), (0, strip.size - 1)
+    known = SurfaceRecord(positions, values[None, :: int(sign)], 0 if free else outer.size)
+    for _ in range(20):
+        known = known.renewed(nodes, ends, edge=-np.inf if free else np.inf)
+    read = interpolated(known.positions, known.intensity, sign * at)[0]
+    expected = np.interp(at, outer, values)
+    assert np.abs(read - expected).max() < 3e-4 * values.max()
+    assert known.positions.size < strip.size + 60
+
+
+def test_an_edge_returns_over_what_it_has_just_left():
+    """The dent keeps its form: at the same penetration the edge is where it was before."""
+    trace = FiniteElements().solve(DENTED, 4)
+    turn = int(trace.contact_radius.argmin())
+    depth = np.linspace(trace.penetration[turn] + 0.01 * SWING, trace.penetration[-1], 12)
+    before, after = slice(turn, None, -1), slice(turn, None)
+    left, covered = (np.interp(depth, trace.penetration[s], trace.contact_radius[s]) for s in (before, after))
+    assert trace.contact_radius[turn] < 0.34 * trace.contact_radius[0]
+    assert np.abs(covered - left).max() < 3.0 * DENTED.adhesion.zone
+    assert not trace.events
 
 
 @pytest.mark.slow
