@@ -98,6 +98,11 @@ class Adhesion:
             return self.zone
         return math.pi * intensity_squared / (8.0 * self.stress**2)
 
+    @property
+    def closing_zone(self) -> float:
+        """Length at rest of the zone of a closing edge: at fixed stress it goes with the energy."""
+        return self.zone if self.stress is None or self.reversible else self.zone * (self.closing / self.work)
+
     def at_rest_on(self, plane_modulus: float) -> Adhesion:
         """The same with the zone it has at rest on an elastic body, ``pi E* work/(4 s^2)``."""
         if self.stress is None:

@@ -23,7 +23,7 @@ _NODE_TOLERANCE = 1e-10
 _STRIDE, _NARROW_STRIDE = 0.25, 2.0**-12
 """First stride of a search, in node spacings: the usual one, and that next to the last root."""
 _WIDEST_STRIDE = 0.5
-"""Widest stride of a search, in process zones: the closure, a mean over a zone, hardly turns within it."""
+"""Widest stride of a search, in shortest zones: the closure, a mean over a zone, hardly turns within it."""
 NO_CONTACT = -1.0
 """Edge position at which no node is in contact."""
 
@@ -87,7 +87,7 @@ class AdhesiveEdge:
         self.lowest = 2.0
         within = geometry.radii[: geometry.last + 1]
         spacing = float(np.median(np.diff(within))) if len(within) > 1 else math.inf
-        self.widest = max(_WIDEST_STRIDE * (geometry.zone or 0.0) / spacing, _STRIDE)
+        self.widest = max(_WIDEST_STRIDE * (geometry.shortest or 0.0) / spacing, _STRIDE)
 
     def taken(self, problem: ContactProblem, s: float) -> float:
         """Energy per area that the edge takes up on its way to ``s``."""

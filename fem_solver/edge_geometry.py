@@ -64,6 +64,10 @@ class EdgeGeometry:
         Largest radius the indenter touches.
     stress : float, optional
         Cohesive stress of a process zone whose length follows from it.
+    shortest : float, optional
+        Shortest length of the zone at rest, that of a closing edge; default ``zone``.
+    margin : float, optional
+        Distance that an edge keeps from ``reach``; default ``zone``, to which the closure looks.
     """
 
     def __init__(
@@ -74,12 +78,15 @@ class EdgeGeometry:
         reach: float,
         edge: float,
         stress: float | None = None,
+        shortest: float | None = None,
+        margin: float | None = None,
     ) -> None:
         self.radii, self.zone, self.stress = radii, zone, stress
+        self.shortest = zone if shortest is None else shortest
         self.effective = np.where(radii < edge * (1.0 - 1e-9), effective, np.minimum(effective, edge))
         count = len(radii)
         within = int(np.searchsorted(radii, edge * (1.0 + 1e-9))) - 1
-        span = reach - (zone or 0.0)
+        span = reach - (zone or 0.0 if margin is None else margin)
         on_mesh = int(np.searchsorted(radii, span * (1.0 + 1e-9))) - 1
         self.capped = within <= on_mesh
         self.last = min(within, on_mesh, count - 2)

@@ -68,7 +68,7 @@ def zone_of_stress(
     stress : float
         Cohesive stress.
     at_rest : float
-        Length at rest.
+        Shortest length at rest.
 
     Returns
     -------

@@ -163,17 +163,17 @@ class ContactProblem:
     def zone(self, s: float) -> float:
         """Length of the process zone; at fixed stress at most the radius, without contact that at rest."""
         geometry = self.geometry
-        if geometry.stress is None or geometry.zone is None or s < 0.0:
+        if geometry.stress is None or geometry.shortest is None or s < 0.0:
             return geometry.zone or 0.0
-        return self._zone(s, self.transformed(s), geometry.stress, geometry.zone)
+        return self._zone(s, self.transformed(s), geometry.stress, geometry.shortest)
 
     def _shift(self, s: float, y: Array) -> ZoneShift:
         geometry = self.geometry
-        if geometry.shift is None or geometry.zone is None:
+        if geometry.shift is None or geometry.shortest is None:
             raise AssertionError("no closure without adhesion")
         if geometry.stress is None:
             return geometry.shift
-        return ZoneShift(geometry.radii, self._zone(s, y, geometry.stress, geometry.zone))
+        return ZoneShift(geometry.radii, self._zone(s, y, geometry.stress, geometry.shortest))
 
     def _zone(self, s: float, y: Array, stress: float, at_rest: float) -> float:
         def forces(first: int) -> Array:

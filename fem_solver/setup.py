@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 
 _MARGIN = 1.2
 """Radius up to which surface nodes enter the surface compliance, relative to that the mesh is made for."""
+_MARGIN_OF_STRESS = 2.05
+"""The same for a zone of fixed stress: it may be as long as its contact, and the closure looks as far."""
 _TRAVEL_SHARE = 0.01
 """Edge travel per step without adhesion, relative to the radius the mesh is made for."""
 
@@ -130,7 +132,8 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     space = HalfSpace(mesh, options.form == "mixed", options.far_field)
     stage_done()
     reach = float(mesh.parameters.fine_to)
-    count = _node_count(space.radii, _MARGIN * reach)
+    stress = scene.adhesion.stress if scene.adhesion is not None else None
+    count = _node_count(space.radii, (_MARGIN if stress is None else _MARGIN_OF_STRESS) * reach)
     history: CondensedHistory | QuadratureHistory
     if material.alike if options.path == "auto" else options.path == "condensed":
         factor = space.factorise(material.ratio)
@@ -147,8 +150,8 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
     # contact radii are those of the glassy response, in which the edge moves
     effective = glassy.effective_radii(material.unit_plane_modulus)
-    stress = scene.adhesion.stress if scene.adhesion is not None else None
-    geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge, stress)
+    shortest = scene.adhesion.closing_zone if zone is not None and scene.adhesion is not None else None
+    geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge, stress, shortest)
     law: EdgeLaw
     if scene.adhesion is not None and zone is not None:
         law = edge_law(geometry, scene.adhesion)

@@ -73,11 +73,12 @@ def zone_at(placement: Placement, solid: Components, s: float, v: Array, b: Arra
         At fixed stress at most the contact radius; without contact that at rest.
     """
     geometry, end = placement.geometry, int(np.floor(s)) + 2
-    if geometry.stress is None or geometry.zone is None or s < 0.0:
+    if geometry.stress is None or geometry.shortest is None or s < 0.0:
         return geometry.zone or 0.0
 
     def forces(first: int) -> Array:
         return placement.forces(solid.force(v[first:end], b[:, first:end]), first)
 
     edge = geometry.radius(s) / placement.stretch  # as the nodes measure it
-    return zone_of_stress(geometry.radii[:end], forces, edge, geometry.stress, geometry.zone)
+    length = zone_of_stress(geometry.radii[:end], forces, edge, geometry.stress, geometry.shortest)
+    return length if length < edge else geometry.radius(s)

@@ -24,6 +24,8 @@ _PLACES = 32
 """Places whose surface is kept; the least recently used one is dropped."""
 _MARGIN = 1.2
 """Radius up to which surface nodes enter the compliance, relative to the largest contact radius."""
+_MARGIN_OF_STRESS = 2.05
+"""The same for a zone of fixed stress: it may be as long as its contact, and the closure looks as far."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,8 @@ class Surfaces:
     scene : Scene
     meshes : object
         With ``place(radius)``, ``scale(place)``, ``mesh(level)``, ``largest``, and places that have a
-        ``level``.
+        ``level``. The one at the axis is not scaled but by the length that an edge keeps from the ends of the
+        fine strip: the process zone, or less.
     ratio : float
         ``G/K``.
     plane_modulus : float
@@ -161,6 +164,8 @@ class Surfaces:
         self._levels: dict[int, UnscaledSurface] = {}
         self._placements: OrderedDict[Any, Placement] = OrderedDict()
         self.zone: float = scene.adhesion.zone if scene.adhesion is not None else 0.0
+        self._shortest = scene.adhesion.closing_zone if scene.adhesion is not None else 0.0
+        self._unit = float(meshes.scale(meshes.place(0.0)))
         self._stress = scene.adhesion.stress if scene.adhesion is not None else None
         self.largest = float(meshes.largest)
         self.rim = scene.indenter.edge
@@ -192,7 +197,8 @@ class Surfaces:
         height = self._scene.indenter.height(radii)
         low, high = (scale * end for end in level.strip)
         # the rim of a punch lies between two nodes; the search ends there
-        geometry = EdgeGeometry(radii, scale * level.effective, self.zone, high, math.inf, self._stress)
+        sizes = self.zone, high, math.inf, self._stress, self._shortest, self._unit
+        geometry = EdgeGeometry(radii, scale * level.effective, *sizes)
         return Placement(
             place=place,
             root=level.root,
@@ -203,7 +209,7 @@ class Surfaces:
             height=height,
             profile=root * dtrtrs(level.root, height, lower=1)[0],
             geometry=geometry,
-            lowest=float(np.searchsorted(radii, low + self.zone)) if low > 0.0 else 2.0,
+            lowest=float(np.searchsorted(radii, low + self._unit)) if low > 0.0 else 2.0,
             stretch=level.stretch,
             rim=self.rim,
         )
@@ -217,7 +223,8 @@ class Surfaces:
     def _factorised(self, mesh: Any) -> UnscaledSurface:
         space = HalfSpace(mesh, self._form == "mixed", self._far_field)
         # a mesh is scaled down to half at most
-        reach = 2.0 * _MARGIN * self.largest / self.zone
+        margin = _MARGIN if self._stress is None else _MARGIN_OF_STRESS
+        reach = 2.0 * margin * self.largest / self._unit
         count = int(np.searchsorted(space.radii, max(reach, _MARGIN * mesh.parameters.fine_to)))
         count = min(count + 1 - count % 2, len(space.radii))
         operator = SurfaceOperator(space.factorise(self._ratio).compliance(count)[0])

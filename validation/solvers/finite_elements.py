@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, ClassVar, Literal
 
 import meshes
-from contact_scene import Scene, SceneError, Trace
+from contact_scene import Adhesion, Scene, SceneError, Trace
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver, specified
 from validation.solvers.contact_range import largest_contact_radius
 from validation.solvers.cost import Cost, CostModel, forecast, scene_work
@@ -38,7 +38,8 @@ FOLLOWING_COST = CostModel(
 )
 """Where the mesh follows the edge; unknowns are the halvings of the radius down to the process zone."""
 LEAST_DIVISIONS = 4
-"""Smallest resolution that a user may choose; coarser meshes serve estimates of the error alone."""
+"""Smallest resolution that a user may choose; coarser meshes serve estimates of the error alone. The zone of
+a closing edge then has an element at least: with less the edge closes in steps, behind where it should be."""
 GRADING = 0.2
 """Growth of the element size with the distance from the contact edge, where none is specified."""
 
@@ -116,7 +117,7 @@ class FiniteElements(Solver):
         sizes = self.grading, self.domain_ratio, self.cached_mesh
         mesh = (edge_meshes if self.follows_edge(scene) else mesh_for)(scene, resolution, *sizes)
         own = Options(
-            self.step_resolution or resolution,
+            self.step_resolution or (resolution and divisions_of_zone(scene, resolution)),
             path=self.path,
             far_field=self.far_field,
             **options.of_solver,
@@ -132,7 +133,7 @@ class FiniteElements(Solver):
         relaxes_apart = scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
         if relaxes_apart or self.path == "quadrature" or not scene.is_adhesive or scene.adhesion is None:
             return False
-        long = largest_contact_radius(scene) > FOLLOWED_BEYOND * scene.adhesion.zone
+        long = largest_contact_radius(scene) > FOLLOWED_BEYOND * resolved_length(scene.adhesion)
         return long and (not math.isfinite(scene.indenter.edge) or peels(scene))
 
     def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
@@ -141,10 +142,11 @@ class FiniteElements(Solver):
             follows = self.follows_edge(scene)
         except SceneError:  # the scene never touches
             follows = False
+        divisions = resolution or self.default_resolution(scene)
         if not follows:
-            return super().expected_cost(scene, resolution)
-        work, divisions = scene_work(scene), resolution or self.default_resolution(scene)
-        halvings = math.log2(max(work.radius_in_zones, 2.0))
+            return super().expected_cost(scene, divisions_of_zone(scene, divisions))
+        work, finer = scene_work(scene), divisions_of_zone(scene, divisions) / divisions
+        halvings = math.log2(max(finer * work.radius_in_zones, 2.0))
         return forecast(FOLLOWING_COST, work, divisions, halvings)
 
     def load(self) -> None:
@@ -194,7 +196,7 @@ def edge_meshes(
         )
     largest, divisions = largest_contact_radius(scene), resolution or DIVISIONS
     return meshes.EdgeMeshes(
-        scene.adhesion.zone, divisions, largest, grading or GRADING, domain_ratio, cached
+        resolved_length(scene.adhesion), divisions, largest, grading or GRADING, domain_ratio, cached
     )
 
 
@@ -231,12 +233,12 @@ def mesh_for(
     """
     largest = largest_contact_radius(scene)
     edge = scene.indenter.edge if math.isfinite(scene.indenter.edge) else None
+    sizes = {"grading": grading or GRADING, **specified(domain_ratio=domain_ratio)}
     if scene.adhesion is not None and scene.is_adhesive:
-        zone, divisions = scene.adhesion.zone, resolution or DIVISIONS
+        zone, divisions = resolved_length(scene.adhesion), resolution or DIVISIONS
+        sizes["margin"] = 2.0 * scene.adhesion.zone / zone
     else:
         zone, divisions = 0.02 * largest, resolution or ADHESIONLESS_DIVISIONS
-    sizes = {"grading": grading or GRADING, **specified(domain_ratio=domain_ratio)}
-    if not scene.is_adhesive:
         sizes["margin"] = 1.0
 
     smallest = 0.0 if edge is None or peels(scene) else edge
@@ -249,6 +251,18 @@ def mesh_for(
     except ValueError as error:
         raise SceneError("", f"no mesh for this scene: {error}", _advice(fitted, divisions)) from None
     return meshes.cached(parameters) if cached else meshes.half_space(parameters)
+
+
+def resolved_length(adhesion: Adhesion) -> float:
+    """Length that the resolution divides: the process zone, or less where that of a closing edge is short."""
+    return min(adhesion.zone, LEAST_DIVISIONS * adhesion.closing_zone)
+
+
+def divisions_of_zone(scene: Scene, resolution: int) -> int:
+    """Elements in a process zone at rest; without adhesion the resolution."""
+    if scene.adhesion is None or not scene.is_adhesive:
+        return resolution
+    return round(resolution * scene.adhesion.zone / resolved_length(scene.adhesion))
 
 
 def peels(scene: Scene) -> bool:
