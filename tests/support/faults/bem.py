@@ -50,7 +50,7 @@ def _(true):
     return lambda self, material, euler=False: true(self, material, True)
 
 
-@fault("internal variables one step late", "trial:_required_load")
+@fault("internal variables one step late", "load_control:_required_load")
 def _(true):
     def required_load(problem, points, motion):
         wanted = motion.new_penetration - points.height
