@@ -19,6 +19,9 @@ _SHARE_OF_TRAVEL = 2.0
 """Error of extrapolating the edge that is allowed, in step tolerances of its travel: the speed of the edge,
 on which the closure depends, is then met to less than half as much. Within a zone the closure depends on
 the place of the edge, too."""
+_SHARE_OF_FREE_TRAVEL = 0.5
+"""The same within a zone under a controlled force: no prescribed penetration holds the edge back there, and
+the errors of its speed add up to one of the time at which contact is lost."""
 _LEAST_SHARE_OF_ZONE = 0.5
 """Least travel for that, in process zones: the closure sees no less of the path than about as much."""
 _LEAST_SHARE_OF_RADIUS = 1e-3
@@ -138,5 +141,7 @@ def _departure_from_path(start: StepStart, edge: float, step: float) -> float:
         travel, _LEAST_SHARE_OF_RADIUS * edge if passed else _LEAST_SHARE_OF_ZONE * start.problem.zone
     )
     missed = abs(edge - start.state.accepted.edge_after(step))
-    allowed = min(_SHARE_OF_TRAVEL * travel, start.problem.longest_travel(edge))
+    free = start.interval.control == "force" and not start.problem.over_zones(start.state.contact.edge)
+    share = _SHARE_OF_FREE_TRAVEL if free else _SHARE_OF_TRAVEL
+    allowed = min(share * travel, start.problem.longest_travel(edge))
     return missed / allowed if allowed > 0.0 else math.inf
