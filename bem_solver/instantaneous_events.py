@@ -5,6 +5,8 @@ Penetration positive downwards, force positive in compression.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from scipy.optimize import brentq
@@ -13,7 +15,7 @@ from bem_solver.edge_energy import energy_spent
 from bem_solver.energy import Energies
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.history import SurfaceHistory
-from bem_solver.root_search import rising_root
+from bem_solver.root_search import HasResidual, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.start import contact_scale, equilibrium
 from bem_solver.surface import ContactSurface
@@ -28,6 +30,8 @@ _FIRST_CONTACT_STEP = 1e-6
 """First step into contact, relative to the interval: positive beyond rounding, too short for the history."""
 _SCAN_RATIO = 1.02
 """Ratio of neighbouring contact radii in the search for the next stable one."""
+_STRIDE = 4
+"""Such ratios passed at once where the residual is nowhere near zero."""
 _ZERO_RESIDUAL = 1e-9
 """Residual, relative to the work of adhesion or the mean pressure, below which it may be rounding."""
 _SMALLEST_CONTACT, _LARGEST_CONTACT = 1e-3, 1e3
@@ -106,24 +110,76 @@ def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
     # Start outside the interval already searched, to avoid an endless loop.
     searched = start.smallest_travel
     edge = contact.edge - searched if receding else min(contact.edge + searched, limit)
-    ratio = 1.0 / _SCAN_RATIO if receding else _SCAN_RATIO
     smallest = max(_SMALLEST_CONTACT * settings.scale, problem.zone)  # shorter than the zone: no contact
-    while smallest < edge < _LARGEST_CONTACT * settings.scale and (receding or edge < limit):
-        nearer, edge = edge, min(edge * ratio, limit)
-        reached = trial(edge)
-        stable = reached.residual < -rounding if receding else reached.residual > rounding
-        if not stable and edge < limit:
-            continue
-        if stable:
-            low, high = min(edge, nearer), max(edge, nearer)
-            accuracy = EDGE_ACCURACY * settings.tolerance * problem.length_at(edge)
-            reached = rising_root(trial, edge, 0.0, low, high, accuracy).trial
+    end = smallest if receding else min(_LARGEST_CONTACT * settings.scale, limit)
+    way_ahead = edge > end if receding else edge < end
+    rests = [rest + beyond for rest in contact.history.past_kinks for beyond in (0.0, problem.zone)]
+    found = first_stable(trial, edge, end, rounding, rests) if way_ahead else None
+    if found is not None or (way_ahead and end == limit):
+        if found is None:
+            reached = trial(limit)
+        else:
+            low, high = sorted(found)
+            accuracy = EDGE_ACCURACY * settings.tolerance * problem.length_at(high if receding else low)
+            reached = rising_root(trial, found[1], 0.0, low, high, accuracy).trial
         far = abs(reached.motion.new_edge - contact.edge) > reach
         return EdgeJump(parameter, reached, _STEP_AFTER_EVENT * interval.length, far)
     if receding:
         reason = f"no stable contact at {interval.control} {load:.6g}"
         return Outcome(OutcomeKind.DETACHED, reason, contact.time)
     return Outcome(OutcomeKind.OUT_OF_RANGE, "the contact spreads without bound", contact.time)
+
+
+def first_stable(
+    trial: Callable[[float], HasResidual], edge: float, end: float, rounding: float, rests: Sequence[float]
+) -> tuple[float, float] | None:
+    """Two radii between which the contact becomes stable first on the way of an unstable edge.
+
+    Parameters
+    ----------
+    trial : callable
+        Contact of a radius, with its ``residual``.
+    edge, end : float
+        Where the way begins and ends.
+    rounding : float
+        Residual that counts as zero.
+    rests : sequence of float
+        Radii about which the residual may have a dip of its own: nothing is passed at once there.
+
+    Returns
+    -------
+    tuple of float or None
+        The nearer one, and one at which it is stable.
+    """
+    way = 1.0 if end > edge else -1.0
+    count = math.ceil(abs(math.log(end / edge)) / math.log(_SCAN_RATIO))
+    radii = [edge * _SCAN_RATIO ** (way * n) for n in range(count)] + [end]
+    known: dict[int, float] = {}
+
+    def excess(n: int) -> float:
+        """How strongly the edge is driven on; negative where it is stable."""
+        if n not in known:
+            known[n] = -way * trial(radii[n]).residual
+        return known[n]
+
+    def stable_within(first: int, last: int) -> tuple[float, float] | None:
+        for n in range(first + 1, last + 1):
+            if excess(n) < -rounding:
+                return radii[n - 1], radii[n]
+        return None
+
+    for first in range(0, count, _STRIDE):
+        last, before = min(first + _STRIDE, count), first - _STRIDE
+        # where it bends by as much as is left, it may fall to zero between
+        bent = before < 1 or abs(excess(before) - 2.0 * excess(first) + excess(last)) >= min(
+            excess(before), excess(first), excess(last)
+        )
+        low, high = sorted((radii[max(before, 0)], radii[last]))
+        if bent or any(low <= rest <= high for rest in rests):
+            found = stable_within(max(before, 0), last)
+            if found is not None:
+                return found
+    return None
 
 
 def contact_lost(start: StepStart) -> bool:
