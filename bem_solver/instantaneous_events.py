@@ -20,7 +20,7 @@ from bem_solver.run_state import StepStart
 from bem_solver.start import contact_scale, equilibrium
 from bem_solver.surface import ContactSurface
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
-from contact_scene import Outcome, OutcomeKind
+from contact_scene import Outcome, OutcomeKind, TabulatedProfile
 
 LARGEST_TRAVEL_SHARE = 4096.0
 """Bound on widening the travel limit where time cannot resolve its passage; beyond it motion is unstable."""
@@ -113,8 +113,10 @@ def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
     smallest = max(_SMALLEST_CONTACT * settings.scale, problem.zone)  # shorter than the zone: no contact
     end = smallest if receding else min(_LARGEST_CONTACT * settings.scale, limit)
     way_ahead = edge > end if receding else edge < end
-    rests = [rest + beyond for rest in contact.history.past_kinks for beyond in (0.0, problem.zone)]
-    found = first_stable(trial, edge, end, rounding, rests) if way_ahead else None
+    places = [rest + beyond for rest in contact.history.past_kinks for beyond in (0.0, problem.zone)]
+    if isinstance(problem.scene.indenter, TabulatedProfile):
+        places += problem.scene.indenter.radii
+    found = first_stable(trial, edge, end, rounding, places) if way_ahead else None
     if found is not None or (way_ahead and end == limit):
         if found is None:
             reached = trial(limit)
@@ -131,7 +133,7 @@ def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
 
 
 def first_stable(
-    trial: Callable[[float], HasResidual], edge: float, end: float, rounding: float, rests: Sequence[float]
+    trial: Callable[[float], HasResidual], edge: float, end: float, rounding: float, places: Sequence[float]
 ) -> tuple[float, float] | None:
     """Two radii between which the contact becomes stable first on the way of an unstable edge.
 
@@ -143,8 +145,9 @@ def first_stable(
         Where the way begins and ends.
     rounding : float
         Residual that counts as zero.
-    rests : sequence of float
-        Radii about which the residual may have a dip of its own: nothing is passed at once there.
+    places : sequence of float
+        Radii about which the residual may have a dip of its own, where the edge has rested or the profile
+        bends: nothing is passed at once there.
 
     Returns
     -------
@@ -175,7 +178,7 @@ def first_stable(
             excess(before), excess(first), excess(last)
         )
         low, high = sorted((radii[max(before, 0)], radii[last]))
-        if bent or any(low <= rest <= high for rest in rests):
+        if bent or any(low <= place <= high for place in places):
             found = stable_within(max(before, 0), last)
             if found is not None:
                 return found
