@@ -7,6 +7,7 @@ what one solve on the unit annuli gives. Signs: see ``kernel``.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,7 +129,7 @@ class ContactSurface:
             value = value + self.kinks.displacement(radius) @ self.strengths
         return value
 
-    @property
+    @cached_property
     def edge_load(self) -> float:
         """``v`` at the edge."""
         return float(self.outside(np.array([self.edge]))[0])

@@ -15,8 +15,17 @@ from fem_solver.process_zone import ZoneShift
 
 Array = NDArray[np.float64]
 
+SURFACE_MARGIN = 1.2
+"""Radius up to which surface nodes enter the compliance, relative to the largest contact radius."""
+_MARGIN_OF_STRESS = 2.05
+"""The same for a zone of fixed stress: it may be as long as its contact, and the closure looks as far."""
 _LEAST_SPEED = 0.01
 """Speed at the end of a step, relative to its mean, that the formula is not allowed to fall below."""
+
+
+def surface_margin(stress: float | None) -> float:
+    """Margin of the surface nodes for a process zone of this cohesive stress, or of a given length."""
+    return SURFACE_MARGIN if stress is None else _MARGIN_OF_STRESS
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from contact_scene import Scene, SceneError, UnsupportedScene
 from fem_solver.condensed import CondensedHistory
 from fem_solver.cost import run_cost
 from fem_solver.edge import AdhesionlessEdge, EdgeLaw
-from fem_solver.edge_geometry import EdgeGeometry
+from fem_solver.edge_geometry import SURFACE_MARGIN, EdgeGeometry, surface_margin
 from fem_solver.halfspace import Factorisation, HalfSpace
 from fem_solver.irreversible_edge import edge_law
 from fem_solver.moduli import Moduli, moduli
@@ -25,10 +25,6 @@ from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
 
-_MARGIN = 1.2
-"""Radius up to which surface nodes enter the surface compliance, relative to that the mesh is made for."""
-_MARGIN_OF_STRESS = 2.05
-"""The same for a zone of fixed stress: it may be as long as its contact, and the closure looks as far."""
 _TRAVEL_SHARE = 0.01
 """Edge travel per step without adhesion, relative to the radius the mesh is made for."""
 
@@ -133,7 +129,7 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     stage_done()
     reach = float(mesh.parameters.fine_to)
     stress = scene.adhesion.stress if scene.adhesion is not None else None
-    count = _node_count(space.radii, (_MARGIN if stress is None else _MARGIN_OF_STRESS) * reach)
+    count = _node_count(space.radii, surface_margin(stress) * reach)
     history: CondensedHistory | QuadratureHistory
     if material.alike if options.path == "auto" else options.path == "condensed":
         factor = space.factorise(material.ratio)
@@ -189,7 +185,7 @@ def _check_memory(mesh: Any, branches: int, apart: bool) -> None:
         return
     installed = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     radii = mesh.points[0][mesh.points[1] == 0.0]
-    intervals = int(np.count_nonzero(radii <= _MARGIN * float(mesh.parameters.fine_to))) - 1
+    intervals = int(np.count_nonzero(radii <= SURFACE_MARGIN * float(mesh.parameters.fine_to))) - 1
     needed = run_cost(intervals, mesh.points.shape[1], branches, apart).bytes_of_setup
     if needed > installed:
         problem = f"takes about {1e-9 * needed:.3g} GB of memory, {1e-9 * installed:.3g} GB are installed"

@@ -14,7 +14,7 @@ from scipy.linalg.blas import dtrmv
 from scipy.linalg.lapack import dtrtrs
 
 from contact_scene import Scene
-from fem_solver.edge_geometry import EdgeGeometry
+from fem_solver.edge_geometry import SURFACE_MARGIN, EdgeGeometry, surface_margin
 from fem_solver.halfspace import HalfSpace
 from fem_solver.surface import SurfaceOperator
 
@@ -22,10 +22,6 @@ Array = NDArray[np.float64]
 
 _PLACES = 32
 """Places whose surface is kept; the least recently used one is dropped."""
-_MARGIN = 1.2
-"""Radius up to which surface nodes enter the compliance, relative to the largest contact radius."""
-_MARGIN_OF_STRESS = 2.05
-"""The same for a zone of fixed stress: it may be as long as its contact, and the closure looks as far."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +165,7 @@ class Surfaces:
         self._stress = scene.adhesion.stress if scene.adhesion is not None else None
         self.largest = float(meshes.largest)
         self.rim = scene.indenter.edge
-        self.reach = min(_MARGIN * self.largest, self.rim)
+        self.reach = min(SURFACE_MARGIN * self.largest, self.rim)
         self.stage_done: Callable[[], None] = lambda: None
 
     @property
@@ -223,9 +219,8 @@ class Surfaces:
     def _factorised(self, mesh: Any) -> UnscaledSurface:
         space = HalfSpace(mesh, self._form == "mixed", self._far_field)
         # a mesh is scaled down to half at most
-        margin = _MARGIN if self._stress is None else _MARGIN_OF_STRESS
-        reach = 2.0 * margin * self.largest / self._unit
-        count = int(np.searchsorted(space.radii, max(reach, _MARGIN * mesh.parameters.fine_to)))
+        reach = 2.0 * surface_margin(self._stress) * self.largest / self._unit
+        count = int(np.searchsorted(space.radii, max(reach, SURFACE_MARGIN * mesh.parameters.fine_to)))
         count = min(count + 1 - count % 2, len(space.radii))
         operator = SurfaceOperator(space.factorise(self._ratio).compliance(count)[0])
         return UnscaledSurface(
