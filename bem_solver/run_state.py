@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from bem_solver.energy import Energies
 from bem_solver.half_space_state import HalfSpaceState
@@ -38,16 +39,27 @@ class StepSettings:
     scale: float
 
 
+class RejectedStep(NamedTuple):
+    """A step from the committed state that was rejected: its length, and how far the edge went in it.
+
+    ``load_error`` is that of the load alone, in tolerances; infinite where the step had no candidate.
+    """
+
+    step: float
+    travel: float
+    load_error: float = math.inf
+
+
 @dataclass
 class GradedState:
     """Serialisable state of a run on graded annuli.
 
     ``contact`` and ``energies`` are the committed state, ``record`` the rows, events and profiles so far. In
     the present loading interval (``begun``) the run has reached ``parameter``, with the ``accepted`` states
-    from which rates are extrapolated; from there steps were ``rejected``, with their length and the travel of
-    the edge. ``step`` is the step to try next before it is limited, ``travel_share`` the share of the travel
-    limit of the edge in force, ``slope`` the derivative of the residual with the edge expected in the next
-    step (0: unknown), ``last_slope`` that in the last accepted one.
+    from which rates are extrapolated; from there steps were ``rejected``. ``step`` is the step to try next
+    before it is limited, ``travel_share`` the share of the travel limit of the edge in force, ``slope`` the
+    derivative of the residual with the edge expected in the next step (0: unknown), ``last_slope`` that in
+    the last accepted one.
     """
 
     contact: HalfSpaceState
@@ -58,7 +70,7 @@ class GradedState:
     largest_tension: float = 0.0
     begun: bool = False
     parameter: float = 0.0
-    rejected: list[tuple[float, float]] = field(default_factory=list)
+    rejected: list[RejectedStep] = field(default_factory=list)
     accepted: AcceptedSteps = field(default_factory=AcceptedSteps)
     step: float = 0.0
     travel_share: float = 1.0

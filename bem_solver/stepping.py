@@ -25,7 +25,7 @@ from bem_solver.instantaneous_events import (
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.problem import Problem
 from bem_solver.profiles import surface_profile
-from bem_solver.run_state import GradedState, StepSettings, StepStart
+from bem_solver.run_state import GradedState, RejectedStep, StepSettings, StepStart
 from bem_solver.state_update import updated_state
 from bem_solver.step import (
     Candidate,
@@ -138,7 +138,7 @@ class GradedRun:
         if state.contact.edge == 0.0:
             return self._after_event(without_contact(start), interval, report)
         state.step, step = limited_step(start)
-        if state.parameter + step <= state.parameter:
+        if step < math.ulp(state.parameter):
             reason = "the step fell below rounding"
             return Outcome(OutcomeKind.STEP_UNDERFLOW, reason, state.contact.time)
         trial_step = TrialStep(problem, self.settings, state, interval, step)
@@ -152,8 +152,8 @@ class GradedRun:
             problem.counters.rejected_steps += 1
             state.step = 0.25 * taken
             return None
-        leaps = result.error > 1.0 and self._passes_an_annulus(taken, travel)
-        leaps = leaps and load_error(start, result.trial, taken) <= 1.0
+        of_load = load_error(start, result.trial, taken) if result.error > 1.0 else 0.0
+        leaps = result.error > 1.0 and self._leaps(RejectedStep(taken, travel, of_load), interval)
         at_once = leaps or taken <= _SLIGHTLY_LONGER * start.shortest_step
         if result.error > 1.0 and not at_once:
             problem.counters.rejected_steps += 1
@@ -162,7 +162,7 @@ class GradedRun:
                 self._speed_jumps(interval)
                 at_jump = None
             if at_jump is None or at_jump.error > 1.0:
-                state.rejected.append((taken, travel))
+                state.rejected.append(RejectedStep(taken, travel, of_load))
                 state.step = shrunk(taken, result.error, 2 if len(state.accepted.rows) > 1 else 1)
                 return None
             result = at_jump
@@ -182,12 +182,25 @@ class GradedRun:
         fills = candidate.trial.zone >= candidate.trial.motion.new_edge
         return fills and taken > _ZONE_END_SHARE * interval.length
 
-    def _passes_an_annulus(self, step: float, travel: float) -> bool:
-        """Whether shorter steps do not shorten the travel: the edge passes an annulus at once."""
+    def _leaps(self, now: RejectedStep, interval: LoadingInterval) -> bool:
+        """Whether the edge passes an annulus at once: shorter steps do not shorten its travel.
+
+        Nor, where the load misses its line, do they mend that, though nothing relaxes in them.
+        """
         length = self.problem.length_at(self.state.contact.edge)
-        far = travel > 10.0 * EDGE_ACCURACY * self.settings.tolerance * length
-        return far and any(
-            step < 0.5 * longer and travel > 0.7 * before for longer, before in self.state.rejected
+        if now.travel <= 10.0 * EDGE_ACCURACY * self.settings.tolerance * length:
+            return False
+        as_far = [
+            before
+            for before in self.state.rejected
+            if now.step < 0.5 * before.step and now.travel > 0.7 * before.travel
+        ]
+        if now.load_error <= 1.0:
+            return bool(as_far)
+        longest = math.inf if interval.jump else self.problem.chain.relaxation.min(initial=math.inf)
+        return any(
+            now.step < 0.25 * before.step <= 0.25 * longest and now.load_error > 0.7 * before.load_error
+            for before in as_far
         )
 
     def _accept(
@@ -251,7 +264,7 @@ class GradedRun:
                 reach = state.travel_share * start.problem.longest_travel(state.contact.edge)
                 if reach > smallest * self.settings.divisions and step > 1e-12 * interval.length:
                     state.travel_share *= 0.5
-                    state.rejected.append((step, failed.travel))
+                    state.rejected.append(RejectedStep(step, failed.travel))
                     state.step = shrunk(step, math.inf)
                     return None
         event = unstable_motion(start, failed.receding)

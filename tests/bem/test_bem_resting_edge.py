@@ -19,6 +19,7 @@ from bem_solver.surface_points import advanced, load_inside, pressed
 from contact_scene import (
     Adhesion,
     Branch,
+    Cone,
     Hold,
     Loading,
     Machine,
@@ -198,3 +199,22 @@ def test_press_after_rest_near_zero_force(resolution: int):
     )
     assert_allclose(trace.contact_radius[-1], at_once.contact_radius[-1], rtol=1e-4)
     assert_allclose(trace.force[-1], at_once.force[-1], rtol=5e-4)
+
+
+@pytest.mark.parametrize("tolerance", [5.6e-4, pytest.param(2.8e-4, marks=pytest.mark.slow)])
+def test_turn_over_an_annulus(tolerance: float):
+    """An edge that turns back over an annulus at once takes the load along: no shorter step mends that.
+
+    It closes slowly, and what it has covered last is stiff within less than an annulus: at the turn that opens
+    at fixed time. With a close tolerance the run ended there, or tried steps for ever.
+    """
+    material = Material(1.0, 0.0, (Branch(3.48, 0.00214),))
+    adhesion = Adhesion(4.483889e-3, 0.0153136)
+    question = Scene(
+        material, Cone(74.784), Loading("jump-in", 0.01590656, (Ramp(0.01396, 3.8674e-3),)), adhesion
+    )
+    trace = bem(question, resolution=12, tolerance=tolerance, max_steps=1000)
+    assert trace.outcome.kind == "completed"
+    assert trace.contact_radius.max() > trace.contact_radius[-1] + 2e-3  # it has turned
+    usual = bem(question, resolution=12)
+    assert_allclose(trace.contact_radius[-1], usual.contact_radius[-1], atol=1e-4)
