@@ -205,8 +205,8 @@ def test_press_after_rest_near_zero_force(resolution: int):
 def test_turn_over_an_annulus(tolerance: float):
     """An edge that turns back over an annulus at once takes the load along: no shorter step mends that.
 
-    It closes slowly, and what it has covered last is stiff within less than an annulus: at the turn that opens
-    at fixed time. With a close tolerance the run ended there, or tried steps for ever.
+    It closes slowly, and what it has covered last is stiff within less than an annulus: at the turn that
+    opens at fixed time. With a close tolerance the run ended there, or tried steps for ever.
     """
     material = Material(1.0, 0.0, (Branch(3.48, 0.00214),))
     adhesion = Adhesion(4.483889e-3, 0.0153136)

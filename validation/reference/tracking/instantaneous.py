@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 from contact_scene import Segment
 from validation.reference.tracking.law import Griffith, NoTension
@@ -66,13 +67,13 @@ def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> Ste
         radius = equilibrium_radius(problem, state, trial, begin, finer)
         return None if radius is None else trial.surface_at(0.0, radius)
 
-    rows, last, lost = _equilibria(equilibrium, start, _shares(0.0, 1.0, begins, False))
+    rows, last, lost = _equilibria(equilibrium, start, _shares(0.0, 1.0, begins, False), not begins)
     if rows and begins and last == 1.0:  # contact begins on the way: the parts are refined from there on
         first = 0.0 if force_controlled else _first_contact(equilibrium, start)
         rows, last, lost = _equilibria(equilibrium, start, _shares(first, 1.0, True, False))
     elif last < 1.0:
         last, farthest = _last_contact(equilibrium, rows[-1] if rows else start, last, lost)
-        rows, _, _ = _equilibria(equilibrium, start, _shares(0.0, last, begins, True)[:-1])
+        rows, _, _ = _equilibria(equilibrium, start, _shares(0.0, last, begins, True)[:-1], True)
         rows.append(farthest)
         shortest = problem.condition.smallest_radius
         if rows and rows[-1].radius - shortest < AT_SMALLEST_RADIUS * shortest:
@@ -116,18 +117,52 @@ def _shares(first: float, last: float, begins: bool, ends: bool) -> list[float]:
 
 
 def _equilibria(
-    equilibrium: Equilibrium, start: Surface, shares: list[float]
+    equilibrium: Equilibrium, start: Surface, shares: list[float], contact: bool = False
 ) -> tuple[list[Surface], float, float]:
-    """Equilibria at the shares as far as there is contact, the last such share and the one after."""
+    """Equilibria at the shares as far as there is contact, the last such share and the one after.
+
+    With ``contact`` from the start on, rows before and after the largest unstable motion are among them.
+    """
     rows: list[Surface] = []
     last = 0.0
+    lost = None
     for share in shares:
         surface = equilibrium(share, rows[-1].radius if rows else start.radius)
         if surface is None:
-            return rows, last, share
+            lost = share
+            break
         rows.append(surface)
         last = share
-    return rows, last, last
+    if contact and rows:
+        rows = _around_unstable_motion(equilibrium, [start, *rows], [0.0, *shares])[1:]
+    return rows, last, last if lost is None else lost
+
+
+def _around_unstable_motion(
+    equilibrium: Equilibrium, rows: list[Surface], shares: list[float]
+) -> list[Surface]:
+    """The rows at shares of a jump, with those on both sides of an unstable motion among them.
+
+    It may be in the part in which the edge goes farther than in both beside it. The load is constant in an
+    unstable motion: a chord over that part would count the work of one that moves evenly with the load.
+    """
+    travel = [abs(late.radius - early.radius) for early, late in pairwise(rows)]
+    farthest = max(range(len(travel)), key=travel.__getitem__)
+    if travel[farthest] <= sum(travel[max(farthest - 1, 0) : farthest + 2]) - travel[farthest]:
+        return rows
+    before, after = rows[farthest], rows[farthest + 1]
+    low, high = shares[farthest], shares[farthest + 1]
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        surface = equilibrium(middle, before.radius)
+        if surface is None:
+            return rows
+        if abs(surface.radius - before.radius) < abs(after.radius - surface.radius):
+            low, before = middle, surface
+        else:
+            high, after = middle, surface
+    unstable = abs(after.radius - before.radius) > 0.5 * travel[farthest]
+    return [*rows[: farthest + 1], before, after, *rows[farthest + 1 :]] if unstable else rows
 
 
 def _last_contact(
