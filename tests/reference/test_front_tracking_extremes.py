@@ -84,3 +84,16 @@ def test_collapse_of_a_rated_edge_within_the_rounding_of_time() -> None:
     assert at_once[-1] == trace.time.size - 2
     assert trace.contact_radius[at_once[0]] > 0.05 * trace.contact_radius.max()
     assert trace.counters.rejected_steps < 50  # it rejected a thousand and went on
+
+
+def test_a_limited_law_has_limit_points() -> None:
+    """Beyond its bound no speed balances the edge: contact is lost at fixed time, as by the others."""
+    question = random_scene(6056).scene
+    assert question.adhesion is not None
+    assert question.adhesion.rate is not None
+    assert np.isfinite(question.adhesion.opening(np.inf))
+    trace = solve(question)
+    assert trace.outcome.kind is OutcomeKind.DETACHED, trace.outcome
+    assert trace.events[-1].kind == "pull-off"
+    assert trace.events[-1].contact_radius == pytest.approx(0.05622, rel=5e-3)  # 13 zones: bem has the same
+    assert trace.events[-1].contact_radius > 10.0 * question.adhesion.zone

@@ -1,7 +1,8 @@
 """The end of a contact whose edge takes up more the faster it opens, but runs away all the same.
 
-No such edge moves at fixed time: a law without an upper bound gives every driving force a finite speed. That
-speed is a high power of the force, and a collapse may take less time than floating point can tell from none.
+No edge with a law without an upper bound moves at fixed time: every driving force gives it a finite speed.
+That speed is a high power of the force, and a collapse may take less time than floating point can tell from
+none. A law with an upper bound has limit points beyond it, as without a law.
 """
 
 from __future__ import annotations
@@ -49,6 +50,8 @@ def collapse_at_once(problem: FrontProblem, state: FrontState, segment: Segment)
     tick = math.ulp(state.time)
     if not isinstance(condition, Griffith) or surface.radius <= condition.smallest_radius:
         return ()
+    if math.isfinite(condition.adhesion.opening(math.inf)):
+        return ()  # beyond that the edge moves at fixed time, and contact is lost all at once
     if len(rows) > 1 and rows[-1][TIME] - rows[-2][TIME] > RECENT_TICKS * tick:
         return ()
     speed = opening_speed(condition.adhesion, condition.closure(surface, problem.body))
