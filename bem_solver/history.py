@@ -8,6 +8,7 @@ through their neighbours says the same to the stated tolerance.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -17,6 +18,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_LOG_RATIO_BEYOND = 0.05
+"""Ratio of the distances of the first nodes outside, less one: as far apart as nodes are kept later."""
 _MOST_KINKS = 8
 """Kinks represented at once; the oldest are dropped."""
 
@@ -267,6 +270,16 @@ def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:
     inside = edge * annuli_radii
     inside = inside[inside >= edge - reach]
     return np.concatenate((inside, [edge], 2.0 * edge - inside))
+
+
+def nodes_beyond(edge: float, length: float, farthest: float) -> Array:
+    """Radii from ``length`` outside the edge to ``farthest``, at distances from it in equal ratios.
+
+    In ratios of the radius the first interval would be many process zones wide where these are short, and the
+    surface in it, a root of the distance near the edge, one cubic.
+    """
+    count = math.ceil(math.log((farthest - edge) / length) / _LOG_RATIO_BEYOND)
+    return edge + np.geomspace(length, farthest - edge, count + 1)
 
 
 def midpoints_of_wide_intervals(radius: Array, spacing: Array) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, initial_energies
 from bem_solver.half_space_state import HalfSpaceState, points_at
-from bem_solver.history import SurfaceHistory, distinct
+from bem_solver.history import SurfaceHistory, distinct, nodes_beyond
 from bem_solver.motion import Motion
 from bem_solver.problem import Problem
 from bem_solver.root_search import rising_root
@@ -160,7 +160,7 @@ def _start_history(
     near = edge * radii
     mirrored = 2.0 * edge - near[near > edge - problem.length]
     facing = edge + problem.length * (np.arange(1.0, _FACING + 1.0) / _FACING) ** 2
-    far = (edge + problem.length) * np.geomspace(1.0, 200.0, 160)
+    far = nodes_beyond(edge, problem.length, 200.0 * (edge + problem.length))
     smallest = 0.5 * edge * (1.0 - radii[-1])
     radius = distinct(np.concatenate(([0.0], near, [edge], mirrored, facing, far)), (edge,), smallest)
     load = surface.outside(np.maximum(radius, edge))
