@@ -1,11 +1,11 @@
 """Path of the edge during one step, as a polynomial in the fraction ``f`` of its duration.
 
 A step of a fraction of a process zone takes a parabola: it passes few points, and where it passed them hardly
-matters. A step over many zones takes the polynomial through all rows of the history and its own end: what the
-closure sees at the end was left behind within the step, at times that follow from the path, and the condition
-there is one on the speed of the edge. So it is, in steps of any length, where the edge takes up what its
-speed tells. With rows of equal spacing that speed is a backward differentiation formula, whose order is the
-number of rows.
+matters. Towards a limit point the parabola is that of the time over the radius. A step over many zones takes
+the polynomial through all rows of the history and its own end: what the closure sees at the end was left
+behind within the step, at times that follow from the path, and the condition there is one on the speed of the
+edge. So it is, in steps of any length, where the edge takes up what its speed tells. With rows of equal
+spacing that speed is a backward differentiation formula, whose order is the number of rows.
 """
 
 from __future__ import annotations
@@ -85,6 +85,33 @@ class ParabolicPath:
 
 
 @dataclass(frozen=True)
+class PathOverRadius:
+    """The time is a parabola of the radius: ``f = s + bend s (s - 1)`` at ``s = (a - a0)/travel``.
+
+    So it is towards a limit point, which the edge passes with infinite speed.
+    """
+
+    start: float
+    travel: float
+    bend: float
+
+    def __call__(self, fraction: Array) -> Array:
+        return self.start + self.travel * ParabolicPath(0.0, 1.0, self.bend).passing(fraction)
+
+    @property
+    def end_slope(self) -> float:
+        """Derivative with respect to the fraction at the end of the step."""
+        return self.travel / (1.0 + self.bend)
+
+    def passing(self, x: Array) -> Array:
+        """Fraction at which the edge passes ``x``."""
+        if self.travel == 0.0:
+            return np.zeros_like(x)
+        share = np.minimum(np.maximum((x - self.start) / self.travel, 0.0), 1.0)
+        return share + self.bend * share * (share - 1.0)
+
+
+@dataclass(frozen=True)
 class PolynomialPath:
     """``a0 + travel f + f (f - 1) (c0 + c1 f + c2 f^2 ...)``; ``bends = (c0, c1, ...)``."""
 
@@ -138,6 +165,26 @@ def parabolic_path(rows: RowExtrapolation, duration: float, start: float, radius
     limit = LARGEST_BEND * abs(travel)
     bend = 0.5 * rows.curvature(duration, radius) * duration**2
     return ParabolicPath(start, travel, min(max(bend, -limit), limit))
+
+
+def path_over_radius(rows: RowExtrapolation, duration: float, start: float, radius: float) -> PathOverRadius:
+    """Parabola of the time over the radius, with the curvature of the rows before.
+
+    Parameters
+    ----------
+    rows : RowExtrapolation
+        Time over the radius at the rows before, both from the last.
+    duration : float
+    start, radius : float
+        Radius at both ends of the step.
+
+    Returns
+    -------
+    PathOverRadius
+    """
+    travel = radius - start
+    bend = 0.5 * rows.curvature(travel, duration) * travel**2 / duration if duration > 0.0 else 0.0
+    return PathOverRadius(start, travel, min(max(bend, -LARGEST_BEND), LARGEST_BEND))
 
 
 def polynomial_path(

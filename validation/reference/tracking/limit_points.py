@@ -1,22 +1,25 @@
 """Steps of prescribed distance, towards and at limit points, where the time step is no measure.
 
 If the edge would travel too far, its travel is prescribed and the time is the unknown: loss of contact and
-snaps are approached in distance, where nothing is singular. Where not even a short step is stable the edge
-is unstable.
+snaps are approached in distance, where nothing is singular. A step with a limit point on its way ends there.
+Where not even a short step is stable the edge is unstable.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from contact_scene import Event, Segment
 from validation.reference.tracking.instantaneous import unstable_edge
 from validation.reference.tracking.law import Griffith
+from validation.reference.tracking.limit_point_search import LimitPointSearch, Point, expected_limit_point
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.rounding import rounded_length
 from validation.reference.tracking.state import FrontState
+from validation.reference.tracking.step_error import REJECTED_ABOVE
 from validation.reference.tracking.step_history import FORCE, RADIUS
-from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, StepOutcome
+from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, FrontCandidate, StepOutcome
 from validation.reference.tracking.trial import Trial
 
 AT_LIMIT_POINT = 1e-4
@@ -26,7 +29,12 @@ STABILITY_PROBE = 1e-2
 
 
 def prescribed_travel(
-    problem: FrontProblem, state: FrontState, trial: Trial, radius: float, longest: float
+    problem: FrontProblem,
+    state: FrontState,
+    trial: Trial,
+    radius: float,
+    longest: float,
+    allowed: float,
 ) -> StepOutcome:
     """Step of an edge that would pass ``radius`` within ``longest``: find the time at which it does.
 
@@ -40,49 +48,152 @@ def prescribed_travel(
         Radius at the end of the step.
     longest : float
         Longest duration of the step.
+    allowed : float
+        Deviations by which rows may leave a straight line.
 
     Returns
     -------
     StepOutcome
     """
     a0 = state.surface.radius
+    if not problem.rated and not trial.over_zones:
+        trial = replace(trial, arrivals=state.history.time_over_radius())
     if radius == a0:
         return StepOutcome(longest, rejected=True, below_zone=a0 <= problem.condition.smallest_radius)
     extremum = state.history.distance_to_extremum(FORCE, RADIUS) / (radius - a0)
     if trial.segment.control != "force" and 0.1 < extremum < 1.0 and radius > 0.0:
         radius = a0 + rounded_length(extremum) * (radius - a0)
     h = trial.duration_to_radius(radius, longest)
+    probe = radius + STABILITY_PROBE * (radius - a0)
     if h is not None and h > 0.0:
-        probe = radius + STABILITY_PROBE * (radius - a0)
         onwards = trial.residual(h, probe) if probe > problem.condition.smallest_radius else 0.0
         if onwards * (radius - a0) >= 0.0:
-            return _passing(problem, state, trial, radius, h, longest)
+            return _passing(problem, state, trial, radius, h, longest, allowed)
+    if not problem.rated:
+        onto = _onto_limit_point(problem, state, trial, radius if h is None else probe, longest, allowed)
+        if onto is not None:
+            return onto
     if abs(radius - a0) > AT_LIMIT_POINT * problem.longest_travel(a0):
         return StepOutcome(longest, rejected=True, travel=0.5 * abs(radius - a0))
     return _at_limit_point(problem, state, trial, radius, longest)
 
 
 def _passing(
-    problem: FrontProblem, state: FrontState, trial: Trial, radius: float, h: float, longest: float
+    problem: FrontProblem,
+    state: FrontState,
+    trial: Trial,
+    radius: float,
+    h: float,
+    longest: float,
+    allowed: float,
 ) -> StepOutcome:
     """The edge is at ``radius`` after ``h`` and moves on: accepted if the step is straight enough."""
     end = problem.candidate(state.time + h, trial.surface_at(h, radius))
-    row = (end.time, radius, end.force, end.surface.penetration)
+    deviation = _deviation(problem, state, trial, end)
+    travel = _next_travel(problem, state, radius, deviation)
+    if deviation > REJECTED_ABOVE and radius > 0.0:
+        return StepOutcome(longest, rejected=True, travel=travel)
+    lost = NO_STABLE_CONTACT if radius == 0.0 else ""
+    below_zone = 0.0 < radius == problem.condition.smallest_radius
+    travelled = radius - state.surface.radius
+    points = [(travelled, h), *_points(state)]
+    ahead = expected_limit_point(points, travelled, math.copysign(math.inf, travelled))
+    if ahead is not None:
+        end = _over_radius(problem, state, trial, end, abs(ahead[0] - travelled), allowed)
+    return StepOutcome(1.5 * h, (end,), travel=travel, detachment=lost, below_zone=below_zone)
+
+
+def _deviation(problem: FrontProblem, state: FrontState, trial: Trial, end: FrontCandidate) -> float:
+    """Error of a step of prescribed distance, in allowed deviations."""
+    row = (end.time, end.surface.radius, end.force, end.surface.penetration)
     estimator = problem.step_error(state, trial.segment, end)
     deviation = max(
         estimator.along_edge(row), estimator.of_load(row, problem.load_rate(state, trial.segment))
     )
     if problem.rated:  # nothing limits the speed but the time in which it changes
         deviation = max(deviation, estimator.in_time(row))
+    return deviation
+
+
+def _next_travel(problem: FrontProblem, state: FrontState, radius: float, deviation: float) -> float:
+    """Largest travel of the next step, after one to ``radius`` of that deviation."""
     change = min(2.0, 0.95 / math.sqrt(max(deviation, 1e-6)))
     longest_travel = problem.longest_travel(state.surface.radius)
     travel = rounded_length(max(change, 0.2) * abs(radius - state.surface.radius), longest_travel)
-    travel = min(longest_travel, travel)
-    if deviation > 2.0 and radius > 0.0:
-        return StepOutcome(longest, rejected=True, travel=travel)
-    lost = NO_STABLE_CONTACT if radius == 0.0 else ""
-    below_zone = 0.0 < radius == problem.condition.smallest_radius
-    return StepOutcome(1.5 * h, (end,), travel=travel, detachment=lost, below_zone=below_zone)
+    return min(longest_travel, travel)
+
+
+def _onto_limit_point(
+    problem: FrontProblem,
+    state: FrontState,
+    trial: Trial,
+    far: float,
+    longest: float,
+    allowed: float,
+) -> StepOutcome | None:
+    """Step onto a limit point before ``far``; ``None`` without such a point.
+
+    Rejected if its place is too far from that which the rows before show.
+    """
+    a0, points = state.surface.radius, _points(state)
+    expected = expected_limit_point(points, 0.0, 2.0 * (far - a0))
+    nearest = AT_LIMIT_POINT * problem.longest_travel(a0)
+    found = LimitPointSearch(trial, points, far - a0, longest).find(nearest)
+    if found is None:
+        return None
+    distance, h = found
+    if expected is None:
+        return StepOutcome(longest, rejected=True, travel=0.5 * abs(distance))
+    end = problem.candidate(state.time + h, trial.surface_at(h, a0 + distance))
+    place = problem.step_error(state, trial.segment, end).of_place(expected[0] - distance)
+    deviation = max(_deviation(problem, state, trial, end), place)
+    if deviation > REJECTED_ABOVE:
+        travel = _next_travel(problem, state, a0 + distance, deviation)
+        return StepOutcome(longest, rejected=True, travel=min(0.5 * abs(distance), travel))
+    end = _over_radius(problem, state, trial, end, 0.0, allowed)
+    return StepOutcome(candidates=(end,), unstable=math.copysign(1.0, distance))
+
+
+def _points(state: FrontState) -> list[Point]:
+    """Distance and duration to the last rows, the present one first."""
+    rows = state.history.time_over_radius()
+    return list(zip(rows.times, rows.values, strict=True))
+
+
+def _over_radius(
+    problem: FrontProblem,
+    state: FrontState,
+    trial: Trial,
+    end: FrontCandidate,
+    left: float,
+    allowed: float,
+) -> FrontCandidate:
+    """A candidate with interpolated rows over the radius, ``left`` before a limit point."""
+    row = (end.time, end.surface.radius, end.force, end.surface.penetration)
+    estimator = problem.step_error(state, trial.segment, end)
+    intervals = estimator.intervals_before_limit_point(row, left, allowed)
+    return replace(end, intervals=intervals, to_limit_point=left)
+
+
+def leave_limit_point(problem: FrontProblem, state: FrontState, segment: Segment) -> StepOutcome:
+    """The unstable motion from a limit point that the last step ended at.
+
+    Parameters
+    ----------
+    problem, state : FrontProblem, FrontState
+        Present state.
+    segment : Segment
+        Load step.
+
+    Returns
+    -------
+    StepOutcome
+    """
+    end = unstable_edge(problem, state, problem.trial(state, segment), state.unstable > 0.0)
+    travel = problem.longest_travel(state.surface.radius)
+    if end is None:
+        return StepOutcome(travel=travel, detachment=NO_STABLE_CONTACT)
+    return StepOutcome(candidates=(end,), travel=travel, event=_jump_event(problem, state, end))
 
 
 def _at_limit_point(
@@ -101,11 +212,16 @@ def _at_limit_point(
             return StepOutcome(max(0.25 * longest, tick), (end,), True, travel)
         late = problem.candidate(state.time + longest, trial.surface_at(longest, a0))
         return StepOutcome(longest, (end, late), True, travel)
-    event = None
-    if abs(end.surface.radius - a0) > travel and isinstance(problem.condition, Griffith):
-        kind = "snap-in" if outward else "pull-off"
-        event = Event(kind, state.time, state.surface.penetration, state.force, a0)
-    return StepOutcome(longest, (end,), True, travel, event=event)
+    return StepOutcome(longest, (end,), True, travel, event=_jump_event(problem, state, end))
+
+
+def _jump_event(problem: FrontProblem, state: FrontState, end: FrontCandidate) -> Event | None:
+    """The event that an unstable motion of the edge is, if it is longer than a step."""
+    a0, radius = state.surface.radius, end.surface.radius
+    if abs(radius - a0) <= problem.longest_travel(a0) or not isinstance(problem.condition, Griffith):
+        return None
+    kind = "snap-in" if radius > a0 else "pull-off"
+    return Event(kind, state.time, state.surface.penetration, state.force, a0)
 
 
 def _runs_outward(problem: FrontProblem, state: FrontState, trial: Trial, radius: float) -> bool:
@@ -125,7 +241,7 @@ def _runs_outward(problem: FrontProblem, state: FrontState, trial: Trial, radius
 
 
 def approach_zero_radius(
-    problem: FrontProblem, state: FrontState, segment: Segment, longest: float
+    problem: FrontProblem, state: FrontState, segment: Segment, longest: float, allowed: float
 ) -> StepOutcome:
     """Without adhesion the contact shrinks to a point as the force goes to zero.
 
@@ -137,6 +253,8 @@ def approach_zero_radius(
         Load under force control.
     longest : float
         Duration within which the force becomes zero.
+    allowed : float
+        Deviations by which rows may leave a straight line.
 
     Returns
     -------
@@ -147,6 +265,6 @@ def approach_zero_radius(
     trial = problem.trial(state, segment)
     a0 = state.surface.radius
     if a0 > state.travel:
-        return prescribed_travel(problem, state, trial, a0 - state.travel, h)
+        return prescribed_travel(problem, state, trial, a0 - state.travel, h, allowed)
     end = problem.candidate(state.time + h, trial.surface_at(h, 0.0))
     return StepOutcome(h, (end,), detachment=NO_STABLE_CONTACT)

@@ -53,13 +53,15 @@ class RecordedRows:
     what its speed tells, otherwise 0), tip energy. The last is a sum over steps, found within each: there the
     edge may come into another field.
 
-    ``kinks``: rows at which rates jump. ``interpolated``: rows to be added by interpolation, as the step they
-    lie in, their time, and the penetration if it is prescribed.
+    ``kinks``: rows at which rates jump. ``over_radius``: rows at the end of steps that are smooth over the
+    radius. ``interpolated``: rows to be added by interpolation, as the step they lie in, their time, the
+    penetration if it is prescribed, and the radius in a step that is smooth over it.
     """
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
-    interpolated: list[tuple[int, float, float | None]] = field(default_factory=list)
+    over_radius: list[int] = field(default_factory=list)
+    interpolated: list[tuple[int, float, float | None, float | None]] = field(default_factory=list)
     tip_energy: float = 0.0
 
 
@@ -94,12 +96,17 @@ class Recorder:
             )
         )
 
-    def interpolate(self, time: float, depth: float | None, back: int) -> None:
+    def interpolate(self, time: float, depth: float | None, back: int, radius: float | None = None) -> None:
         """Add a row by interpolation, in the ``back``-th step from the last.
 
-        ``depth`` is the penetration there if it is prescribed.
+        ``depth`` is the penetration there if it is prescribed, ``radius`` the radius in a step that is smooth
+        over it.
         """
-        self.recorded.interpolated.append((len(self.recorded.rows) - 1 - back, time, depth))
+        self.recorded.interpolated.append((len(self.recorded.rows) - 1 - back, time, depth, radius))
+
+    def over_radius(self) -> None:
+        """The step to the last row is smooth over the radius, not in time."""
+        self.recorded.over_radius.append(len(self.recorded.rows) - 1)
 
     def kink(self) -> None:
         """Rates jump at the last row."""
@@ -110,14 +117,23 @@ class Recorder:
         0 without contact), ``energy_release_rate`` (between a row and the one before; repeated where the
         area hardly changed), ``branch_dissipation`` and ``separation_energy``. If not ``whole``, without the
         last two steps: their interpolated rows depend on later steps."""
-        rows, ends = self._dense()
+        rows, ends, over_radius = self._dense()
         if not whole:
             last = float(self.recorded.rows[max(len(self.recorded.rows) - 3, 0)][0])
             rows = rows[: int(np.searchsorted(rows[:, 0], last, side="right"))]
             ends = [*(end for end in ends if end < len(rows) - 1), len(rows) - 1]
         time, depth, force, radius, energy, stress, spent, tip = rows.T
         area = math.pi * radius**2
-        external = _accumulated(integrals(time, force, depth, ends))[: len(time)]
+        work = integrals(time, force, depth, ends)
+        for first, last in over_radius:
+            if last < len(time):
+                begin = stretch_over_radius(time, radius, first, max(end for end in ends if end <= first))
+                each = slice(begin, last + 1)
+                over = integrals(
+                    np.abs(radius[each] - radius[begin]), force[each], depth[each], [0, last - begin]
+                )
+                work[first:last] = over[first - begin :]
+        external = _accumulated(work)[: len(time)]
         stored = energy - energy[:1]
         if self.irreversible is None:
             spent = -self.work * (area - area[:1])
@@ -143,8 +159,9 @@ class Recorder:
             "separation_energy": spent,
         }
 
-    def _dense(self) -> tuple[Array, list[int]]:
-        """All rows with the interpolated ones, and the rows at which smooth stretches end."""
+    def _dense(self) -> tuple[Array, list[int], list[tuple[int, int]]]:
+        """All rows with the interpolated ones, the rows at which smooth stretches end, and the first and last
+        rows of steps that are smooth over the radius."""
         rows = np.array(self.recorded.rows).reshape(-1, len(ROW))
         stands = np.diff(rows[:, 0]) <= 0.0
         turns = np.flatnonzero(stands[1:] != stands[:-1]) + 1
@@ -154,8 +171,9 @@ class Recorder:
             area, closure = math.pi * rows[:, RADIUS_OF_ROW] ** 2, rows[:, SEPARATION]
             parts = interface_work(self.irreversible.adhesion, rows[:, 0], area, closure, ends.tolist())
             rows[:, SEPARATION] = _accumulated(parts)[: len(rows)]
+        last_rows = np.array(self.recorded.over_radius, dtype=int)
         if not self.recorded.interpolated:
-            return rows, ends.tolist()
+            return rows, ends.tolist(), list(zip(last_rows - 1, last_rows, strict=True))
         inner = sorted(self.recorded.interpolated, key=lambda entry: entry[:2])
         index = np.array([entry[0] for entry in inner])
         times = np.array([entry[1] for entry in inner])
@@ -165,9 +183,19 @@ class Recorder:
         inner = [entry for entry, is_one in zip(inner, distinct, strict=True) if is_one]
         index, times = index[distinct], times[distinct]
         extra = np.column_stack((times, cubics(rows[:, 0], rows[:, 1:], ends, index, times)))
+        for each, (step, _, _, radius) in enumerate(inner):
+            if radius is not None:
+                begin = stretch_over_radius(rows[:, 0], rows[:, RADIUS_OF_ROW], step, ends[ends <= step][-1])
+                near = rows[begin : step + 2]
+                x = np.abs(near[:, RADIUS_OF_ROW] - near[0, RADIUS_OF_ROW])
+                at = np.array([abs(radius - near[0, RADIUS_OF_ROW])])
+                whole = np.array([0, len(near) - 1])
+                extra[each, 1:] = cubics(x, near[:, 1:], whole, np.array([len(near) - 2]), at)[0]
         known = np.array([entry[2] is not None for entry in inner], dtype=bool)
         extra[known, DEPTH] = [entry[2] for entry in inner if entry[2] is not None]
-        return np.insert(rows, index + 1, extra, axis=0), (ends + index.searchsorted(ends)).tolist()
+        first_rows, last_rows, ends = (at + index.searchsorted(at) for at in (last_rows - 1, last_rows, ends))
+        pairs = list(zip(first_rows.tolist(), last_rows.tolist(), strict=True))
+        return np.insert(rows, index + 1, extra, axis=0), ends.tolist(), pairs
 
     def _release_rate(self, area: Array, potential: Array) -> Array:
         """``(dU - F dD)/dA``; the work of adhesion, its value in equilibrium, before anything has moved."""
@@ -180,6 +208,29 @@ class Recorder:
         each = np.divide(np.diff(potential), step, out=np.zeros_like(step), where=moves)
         rate[1:] = np.where(last >= 0, each[last], self.work)
         return rate
+
+
+def stretch_over_radius(time: Array, radius: Array, row: int, first: int) -> int:
+    """The row from which the radius moves on in one direction to the row after ``row``, three before at most.
+
+    Parameters
+    ----------
+    time, radius : ndarray, shape (l,)
+        Rows.
+    row : int
+        Row before which earlier ones are looked for.
+    first : int
+        Row before which there is none: rates jump there.
+
+    Returns
+    -------
+    int
+    """
+    direction = radius[row + 1] - radius[row]
+    begin = row
+    while begin > max(first, row - 3) and (radius[begin] - radius[begin - 1]) * direction > 0.0:
+        begin -= 1
+    return begin
 
 
 def _accumulated(parts: Array) -> Array:

@@ -14,7 +14,7 @@ from validation.reference.tracking.profiles import surface_profile
 from validation.reference.tracking.recorder import Recorder
 from validation.reference.tracking.root import bracketed
 from validation.reference.tracking.state import FrontState
-from validation.reference.tracking.step_history import FORCE, TIME
+from validation.reference.tracking.step_history import FORCE, RADIUS, TIME
 from validation.reference.tracking.step_outcome import FrontCandidate
 
 COARSEN_EVERY = 12
@@ -67,9 +67,16 @@ class StateCommitter:
             surface = coarsened(surface, allowed * min(COARSENING_SQUARED * allowed, COARSENING_SHARE))
         before = state.time
         state.time, state.surface, state.force = float(candidate.time), surface, float(candidate.force)
+        radius = state.history.rows[-1][RADIUS] if state.history.rows else surface.radius
         self.add_row()
-        if segment is not None and candidate.intervals > 0:
+        if candidate.to_limit_point is not None:
+            self.recorder.over_radius()
+        if segment is None or candidate.intervals == 0:
+            return
+        if candidate.to_limit_point is None:
             self._interpolate(segment, before, candidate.intervals)
+        else:
+            self._interpolate_over_radius(segment, radius, candidate.intervals, candidate.to_limit_point)
 
     def _interpolate(self, segment: Segment, before: float, intervals: int) -> None:
         """Rows that divide the last step into intervals, and rows at an extremum of the force before it."""
@@ -80,6 +87,19 @@ class StateCommitter:
         if segment.control != "force":
             self._add_turning_point(segment, before)
         self.add_extremum(segment, 2)
+
+    def _interpolate_over_radius(self, segment: Segment, before: float, intervals: int, left: float) -> None:
+        """Rows that divide the last step evenly in the root of the distance to a limit point."""
+        radius, now = self.state.surface.radius, self.state.time
+        first, last = math.sqrt(abs(radius - before) + left), math.sqrt(left)
+        times = self.state.history.time_over_radius()
+        if left == 0.0:
+            times = times.over_square()
+        for part in range(1, intervals):
+            distance = (first + (last - first) * part / intervals) ** 2 - left
+            distance = math.copysign(distance, before - radius)
+            at = now + times.value_after(distance) * (distance**2 if left == 0.0 else 1.0)
+            self.recorder.interpolate(at, self._prescribed_depth(segment, at), 1, radius + distance)
 
     def _add_turning_point(self, segment: Segment, before: float) -> None:
         """A row in the last step where the prescribed penetration, or stage, turns."""

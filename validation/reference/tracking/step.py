@@ -8,18 +8,21 @@ from dataclasses import dataclass
 from contact_scene import Segment
 from validation.reference.tracking.collapse import collapse_at_once
 from validation.reference.tracking.law import NoTension
-from validation.reference.tracking.limit_points import approach_zero_radius, prescribed_travel
+from validation.reference.tracking.limit_points import (
+    approach_zero_radius,
+    leave_limit_point,
+    prescribed_travel,
+)
 from validation.reference.tracking.problem import LONG_ZONE, FrontProblem
 from validation.reference.tracking.rounding import rounded_length
 from validation.reference.tracking.state import FrontState
+from validation.reference.tracking.step_error import REJECTED_ABOVE
 from validation.reference.tracking.step_history import FORCE, RADIUS
 from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, FrontCandidate, StepOutcome
 from validation.reference.tracking.trial import EdgeSearch, Trial
 
 FLAT_RESIDUAL = 0.2
 """Rise of the edge residual over one process zone below which a limit point may be near."""
-REJECTED_ABOVE = 2.0
-"""Step error, in allowed deviations, above which a step is rejected."""
 FORCE_NOISE = 1e-10
 """Change of the force, in largest forces, that may be rounding: far above it, far below any deviation."""
 VANISHING_FORCE = 1e-3
@@ -35,6 +38,10 @@ class RowTolerances:
 
     linear: float
     curved: float
+
+    def allowed(self, segment: Segment) -> float:
+        """Deviation allowed under the load of a segment."""
+        return self.linear if segment.linear else self.curved
 
 
 def trial_step(
@@ -62,9 +69,11 @@ def trial_step(
     if problem.rated and (passed := collapse_at_once(problem, state, segment)):
         end = problem.candidate(state.time, passed[-1])
         return StepOutcome(candidates=(end,), equilibria=passed[:-1], below_zone=True)
+    if state.unstable != 0.0:
+        return leave_limit_point(problem, state, segment)
     h = _duration(problem, state, segment, left, tick)
     if isinstance(problem.condition, NoTension) and a0 > 0.0:
-        vanishing = _vanishing_contact(problem, state, segment, h, left)
+        vanishing = _vanishing_contact(problem, state, segment, h, left, rows.allowed(segment))
         if vanishing is not None:
             return vanishing
     guess = state.history.extrapolation(RADIUS).value_after(h)
@@ -78,7 +87,7 @@ def trial_step(
             end = problem.candidate(state.time + departure, trial.surface_at(departure, a0))
             return StepOutcome(candidates=(end,), first_contact=True, kink=True)
     if not edge.stable:
-        return prescribed_travel(problem, state, trial, edge.radius, h)
+        return prescribed_travel(problem, state, trial, edge.radius, h, rows.allowed(segment))
     end = problem.candidate(state.time + h, trial.surface_at(h, edge.radius))
     deviation, intervals = _step_error(problem, state, trial, end, edge, rows)
     if deviation > REJECTED_ABOVE:
@@ -112,19 +121,19 @@ def _duration(problem: FrontProblem, state: FrontState, segment: Segment, left: 
 
 
 def _vanishing_contact(
-    problem: FrontProblem, state: FrontState, segment: Segment, h: float, left: float
+    problem: FrontProblem, state: FrontState, segment: Segment, h: float, left: float, allowed: float
 ) -> StepOutcome | None:
     """Step of a contact without adhesion that is about to vanish; ``None`` if it is not."""
     if segment.control == "force":
         if segment.value(state.time + h) <= 0.0:
-            return approach_zero_radius(problem, state, segment, h)
+            return approach_zero_radius(problem, state, segment, h, allowed)
     elif state.history.rate_of_radius() < 0.0 and (
         state.surface.radius <= problem.largest_travel
         or state.force <= VANISHING_FORCE * problem.fineness.deviation * state.largest_force
     ):
         trial = problem.trial(state, segment)
         if trial.residual(left, 0.0) > 0.0:
-            return prescribed_travel(problem, state, trial, 0.0, left)
+            return prescribed_travel(problem, state, trial, 0.0, left, allowed)
     return None
 
 
@@ -144,8 +153,7 @@ def _step_error(
     if deviation > 1.0 and near_limit and state.history.continues_monotonically(row, RADIUS):
         along = estimator.along_edge(row)
         deviation, smooth = min(deviation, along), deviation <= along
-    allowed = rows.linear if trial.segment.linear else rows.curved
-    return deviation, estimator.intervals(row, allowed) if smooth else 1
+    return deviation, estimator.intervals(row, rows.allowed(trial.segment)) if smooth else 1
 
 
 def _first_duration(problem: FrontProblem, state: FrontState, segment: Segment, left: float) -> float:

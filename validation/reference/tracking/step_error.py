@@ -31,6 +31,8 @@ CHORD_SHARE = 50.0
 TRAVEL_SHARE = 300.0
 """Extrapolation error allowed in the radius after a step over process zones, in allowed deviations of the
 travel instead of the radius: an edge that sets out needs its speed, not its place, in good time."""
+REJECTED_ABOVE = 2.0
+"""Step error, in allowed deviations, above which a step is rejected."""
 LEAST_ZONES = 0.1
 """Least travel for that, in process zones: below it an edge is at rest."""
 LOAD_FACTOR = 30.0
@@ -84,10 +86,30 @@ class StepErrorEstimator:
         """
         return self.history.time_missed(row) * abs(rate) / (LOAD_FACTOR * self.deviation**1.5)
 
+    def of_place(self, missed: float) -> float:
+        """Deviation of the radius at a limit point by ``missed`` from its extrapolation."""
+        return abs(missed) / (RADIUS_SHARE * self.scales[RADIUS] * self.deviation)
+
     def intervals(self, row: HistoryRow, allowed: float) -> int:
         """Number of intervals in which a step is straight within ``allowed`` deviations."""
         bent = self._chord(row, TIME)
         return min(math.ceil(math.sqrt(bent / (allowed * self.deviation))), MOST_INTERVALS) or 1
+
+    def intervals_before_limit_point(self, row: HistoryRow, left: float, allowed: float) -> int:
+        """The same for a step over the radius that ends ``left`` before a limit point.
+
+        At a distance ``s`` from it the time goes as ``s^2``. A chord over ``ds`` is off by ``ds^2/(8 s)``: by
+        the same everywhere if chords are even in the root of ``s``.
+        """
+        before = self.history.rows[-1]
+        travel = abs(row[RADIUS] - before[RADIUS])
+        bent = travel / self.scales[RADIUS] if self.scales[RADIUS] > 0.0 else 0.0
+        for column in self.columns:
+            if self.scales[column] > 0.0:
+                bent = max(bent, abs(row[column] - before[column]) / self.scales[column])
+        roots = math.sqrt(1.0 + left / travel) - math.sqrt(left / travel)
+        count = math.ceil(roots * math.sqrt(0.5 * bent / (allowed * self.deviation)))
+        return min(max(count, 1), MOST_INTERVALS)
 
     def _chord(self, row: HistoryRow, along: int) -> float:
         chord = self.history.chord_deviation(row, along)

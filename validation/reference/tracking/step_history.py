@@ -20,7 +20,10 @@ HistoryRow = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class RowExtrapolation:
-    """A quantity at the last rows, newest first; ``times`` count from the newest and are not positive."""
+    """A quantity at the last rows, newest first; ``times`` count from the newest and are not positive.
+
+    The time itself may be the quantity; ``times`` are then distances in radius, of one sign.
+    """
 
     times: tuple[float, ...] = (0.0,)
     values: tuple[float, ...] = (0.0,)
@@ -36,6 +39,12 @@ class RowExtrapolation:
         for time, difference in zip(self.times[-2::-1], differences[-2::-1], strict=True):
             value = difference + value * (duration - time)
         return value
+
+    def over_square(self) -> RowExtrapolation:
+        """Quotient by the square of ``times``, of a quantity that is zero and extreme at the newest row."""
+        earlier = self.times[1:]
+        quotients = tuple(value / time**2 for time, value in zip(earlier, self.values[1:], strict=True))
+        return RowExtrapolation(earlier or (0.0,), quotients or (0.0,))
 
     def curvature(self, duration: float, end: float) -> float:
         """Second derivative in the middle of a step to ``end``, by the polynomial through it and three rows.
@@ -93,6 +102,17 @@ class StepHistory:
         radii = tuple(earlier[RADIUS] - last[0][RADIUS] for earlier in last)
         times = RowExtrapolation(radii, tuple(earlier[TIME] - last[0][TIME] for earlier in last))
         return abs(row[TIME] - last[0][TIME] - times.value_after(row[RADIUS] - last[0][RADIUS]))
+
+    def time_over_radius(self) -> RowExtrapolation:
+        """Time over the radius, both from the last row, by the rows since the edge last turned."""
+        now, distances, times = self.rows[-1], [0.0], [0.0]
+        for row in reversed(self.rows[:-1]):
+            distance = row[RADIUS] - now[RADIUS]
+            if (distance - distances[-1]) * (self.rows[-2][RADIUS] - now[RADIUS]) <= 0.0:
+                break
+            distances.append(distance)
+            times.append(row[TIME] - now[TIME])
+        return RowExtrapolation(tuple(distances), tuple(times))
 
     def rate_of_radius(self) -> float:
         """Rate of the radius at the last row."""

@@ -14,12 +14,15 @@ class FrontCandidate:
 
     ``intervals``: number of intervals into which interpolated rows divide the step, 0 for a step that is not
     interpolated at all.
+    ``to_limit_point``: distance that is left to the limit point ahead, if the step is smooth over the radius
+    rather than in time.
     """
 
     time: float
     surface: Surface
     force: float
     intervals: int = 0
+    to_limit_point: float | None = None
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ class StepOutcome:
         Why contact is lost after the last candidate; empty if it is not.
     below_zone : bool
         Whether the contact has shrunk to its process zone at the last candidate, and goes on to shrink.
+    unstable : float
+        Direction in which the edge runs from the limit point that it has reached; otherwise 0.
     """
 
     proposal: float | None = None
@@ -62,6 +67,7 @@ class StepOutcome:
     first_contact: bool = False
     detachment: str = ""
     below_zone: bool = False
+    unstable: float = 0.0
 
 
 NO_STABLE_CONTACT = "no stable contact is left"

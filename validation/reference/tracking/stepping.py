@@ -207,7 +207,7 @@ class FrontStepper:
             self.recorder.add(state.time, surface, surface.force(self.problem.body))
         for candidate in outcome.candidates:
             self.committer.commit(candidate, segment)
-        state.proposal = outcome.proposal
+        state.proposal, state.unstable = outcome.proposal, outcome.unstable
         state.travel = state.travel if outcome.travel is None else outcome.travel
         state.steepness = state.steepness if outcome.steepness is None else outcome.steepness
         if outcome.event is not None:

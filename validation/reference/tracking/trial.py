@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from contact_scene import Counters, Segment
 from validation.reference.tracking.control import balanced, prescribed_penetration
-from validation.reference.tracking.edge_path import EdgePath, parabolic_path, polynomial_path
+from validation.reference.tracking.edge_path import (
+    EdgePath,
+    parabolic_path,
+    path_over_radius,
+    polynomial_path,
+)
 from validation.reference.tracking.law import EdgeCondition
 from validation.reference.tracking.node_placement import NodePlacement
 from validation.reference.tracking.penetration_path import PenetrationPath
@@ -72,6 +77,9 @@ class Trial:
         Distance of the nodes that an unstable edge leaves behind.
     over_zones : bool
         Whether the step may pass over process zones; its path is then the polynomial through all rows.
+    arrivals : RowExtrapolation or None
+        Time over the radius at the rows before, if the path is a parabola over the radius: towards a limit
+        point.
     """
 
     body: Body
@@ -86,6 +94,7 @@ class Trial:
     largest_radius: float
     spacing: float
     over_zones: bool = False
+    arrivals: RowExtrapolation | None = None
     _updates: dict[float, FieldUpdate] = field(default_factory=dict)
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
@@ -122,6 +131,8 @@ class Trial:
         return after_step(start, self.body, update, path, fractions, whole)
 
     def _edge_path(self, duration: float, radius: float) -> EdgePath:
+        if self.arrivals is not None:
+            return path_over_radius(self.arrivals, duration, self.surface.radius, radius)
         follows_speed = self.over_zones or self.condition.rated
         path = polynomial_path if follows_speed else parabolic_path
         return path(self.radii, duration, self.surface.radius, radius)
