@@ -36,22 +36,30 @@ def slopes(x: Array, y: Array) -> Array:
     bound = 3.0 * np.abs(secant)
     bound = np.minimum(bound[:-1], bound[1:])
     middle = left + (right - left) * (h[:-1] / (h[:-1] + h[1:]))
-    result[1:-1] = np.minimum(np.maximum(middle, -bound), bound)
+    np.minimum(np.maximum(middle, -bound), bound, out=result[1:-1])
     # At the ends, and beside a step, the slope is that of the node's own side.
-    nodes, near, far = _ENDS, _ENDS, _NEXT
     steps = beside_steps(widths)
-    if len(steps):
-        on_left = widths[steps] < widths[steps - 1]
-        nodes = np.concatenate((nodes, steps))
-        near = np.concatenate((near % len(h), np.where(on_left, steps - 1, steps)))
-        far = np.concatenate((far % len(h), np.where(on_left, steps - 2, steps + 1)))
-        far = np.where((far >= 0) & (far < len(h)), far, near)
-        far = np.where(widths[far] > STEP * widths[near], far, near)
-    own = secant[near]
-    one_sided = own + (own - secant[far]) * (h[near] / (h[near] + h[far]))
-    bound = 3.0 * np.abs(own)
-    result[nodes] = np.minimum(np.maximum(one_sided, -bound), bound)
+    if not len(steps):
+        result[0] = _one_sided(secant[0], secant[1], float(widths[0]), float(widths[1]))
+        result[-1] = _one_sided(secant[-1], secant[-2], float(widths[-1]), float(widths[-2]))
+        return result
+    on_left = widths[steps] < widths[steps - 1]
+    nodes = np.concatenate((_ENDS, steps))
+    near = np.concatenate((_ENDS % len(h), np.where(on_left, steps - 1, steps)))
+    far = np.concatenate((_NEXT % len(h), np.where(on_left, steps - 2, steps + 1)))
+    far = np.where((far >= 0) & (far < len(h)), far, near)
+    far = np.where(widths[far] > STEP * widths[near], far, near)
+    result[nodes] = _one_sided(secant[near], secant[far], h[near], h[far])
     return result
+
+
+def _one_sided(own: Array, next_one: Array, h: Array | float, next_h: Array | float) -> Array:
+    """Limited slope at the outer end of an interval, from its difference quotient and that of the next."""
+    slope = own + (own - next_one) * (h / (h + next_h))
+    bound = 3.0 * abs(own)
+    if isinstance(own, float):
+        return min(max(slope, -bound), bound)
+    return np.minimum(np.maximum(slope, -bound), bound)
 
 
 def beside_steps(widths: Array) -> NDArray[np.intp]:

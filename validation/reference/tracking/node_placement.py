@@ -17,8 +17,9 @@ FREE_GRADING = 1.2
 speed, which follows from these nodes, is off by."""
 STEEPEST = 0.1
 """Least of that factor: with few divisions, as a coarse tolerance asks for, it would not be positive."""
-LAYER_FRACTION = 0.15
-"""First node before the end of a step, in shortest relaxation times."""
+LAYER_ERROR = 1.0 / 40.0
+"""Error of interpolation in a relaxing layer over the cube of the distance of its nodes from the edge, in
+relaxation times: a cubic with a one-sided slope at ``exp(-s)``. It stays below the deviation of a step."""
 ZONE_FRACTION = 0.1
 """Last node of a step over many process zones before its end, in process zones."""
 CLOSURE_REACH = 4.0
@@ -48,6 +49,8 @@ class NodePlacement:
         Process zone; 0 without adhesion.
     divisions : float
         Steps per process zone.
+    deviation : float
+        Relative deviation allowed in a step.
     over_zones : bool
         Whether the step may pass over several process zones; its nodes then reach down to a part of a zone.
     free : bool
@@ -58,6 +61,7 @@ class NodePlacement:
     travel: float
     zone_length: float
     divisions: float
+    deviation: float
     over_zones: bool = False
     free: bool = False
 
@@ -68,7 +72,7 @@ class NodePlacement:
         grading = FREE_GRADING if self.over_zones and self.free else GRADING
         ratio = max(1.0 - grading / self.divisions, STEEPEST)
         smallest = max(
-            LAYER_FRACTION * self.shortest / duration,
+            (self.deviation / LAYER_ERROR) ** (1.0 / 3.0) * self.shortest / duration,
             THINNEST_LAYER * self.zone_length / self.travel,
             CLOSEST_MOMENT,
         )

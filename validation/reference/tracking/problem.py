@@ -113,6 +113,7 @@ class FrontProblem:
                 travel,
                 self.condition.zone_length,
                 self.fineness.divisions,
+                self.fineness.deviation,
                 over_zones,
                 segment.control == "force",
             ),
