@@ -27,6 +27,7 @@ _GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT  # two points of equal wei
 _POWERS = np.vander(_GAUSS, increasing=True)
 # _REST[j, l]: integral from Gauss point j to the end of the panel of the l-th Lagrange polynomial
 _REST = ((1.0 - _GAUSS[:, None] ** np.arange(1, 3)) / np.arange(1, 3)) @ np.linalg.inv(_POWERS)
+_REST_SHARES = _REST / _WEIGHT
 
 _LATTICE = np.linspace(0.0, 1.0, 11)  # panels where nodes are few
 _DEGREE = 6
@@ -116,7 +117,11 @@ def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: T
     if zone > LONGEST * radius:
         return _signed(*short_contact_integral(stress, opening, x, y, radius, zone), zone)
     breaks = np.concatenate(
-        (zone * _LATTICE, x[(x > start) & (x < radius)] - start, y[y < radius + zone] - radius)
+        (
+            zone * _LATTICE,
+            x[x.searchsorted(start, side="right") : -1] - start,
+            y[: y.searchsorted(radius + zone)] - radius,
+        )
     )
     breaks.sort()
     width = breaks[1:] - breaks[:-1]
@@ -124,23 +129,21 @@ def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: T
     weight = width * _WEIGHT[:, None]
     behind, ahead = start + s, radius + s
     q, d = stress(behind), opening(ahead)
-    main = 0.5 * np.pi * float((weight * d * q / np.sqrt(ahead * behind)).sum())
+    weighted, loads = weight * d, weight * q
+    main = 0.5 * np.pi * float(np.vdot(weighted, q / np.sqrt(ahead * behind)))
 
-    weighted = weight * d
     powers = np.empty((_DEGREE, *s.shape))
     powers[0], powers[1] = 1.0, s / zone
     for degree in range(2, _DEGREE):
         np.multiply(powers[degree - 1], powers[1], out=powers[degree])
-    moments = (q * weight) * powers
-    panel = moments[:, 0] + moments[:, 1]
-    later = panel.sum(axis=1)[:, None] - panel.cumsum(axis=1)
-    inner = np.empty_like(moments)
-    for point, (first, second) in enumerate(_REST / _WEIGHT):
-        inner[:, point] = later + first * moments[:, 0] + second * moments[:, 1]
+    moments = loads * powers
+    before = (moments[:, 0] + moments[:, 1]).cumsum(axis=1)
+    inner = _REST_SHARES @ moments
+    inner += (before[:, -1:] - before)[:, None]
     pairs = inner.reshape(_DEGREE, -1) @ (weighted * powers).reshape(_DEGREE, -1).T
-    total = main + float((kernel_slope(start, zone) * pairs).sum())
+    total = main + float(np.vdot(kernel_slope(start, zone), pairs))
 
-    return _signed(total, float((weight * q).sum()), float(weighted.sum()), zone)
+    return _signed(total, float(loads.sum()), float(weighted.sum()), zone)
 
 
 def _signed(total: float, load: float, openings: float, zone: float) -> float:

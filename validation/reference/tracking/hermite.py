@@ -26,6 +26,9 @@ def slopes(x: Array, y: Array) -> Array:
     """Limited slopes at the nodes ``x`` (m,), strictly rising; ``y`` has shape (m,) or (m, n)."""
     if len(x) == 1:
         return np.zeros_like(y)
+    if y.ndim == 2 and y.shape[1] == 1:
+        column: Array = slopes(x, y[:, 0])[:, None]
+        return column
     widths = x[1:] - x[:-1]
     h = widths if y.ndim == 1 else widths[:, None]
     secant = (y[1:] - y[:-1]) / h
@@ -33,15 +36,21 @@ def slopes(x: Array, y: Array) -> Array:
         return np.concatenate((secant, secant))
     result = np.empty_like(y)
     left, right = secant[:-1], secant[1:]
-    bound = 3.0 * np.abs(secant)
+    bound = np.abs(secant)
+    bound *= 3.0
     bound = np.minimum(bound[:-1], bound[1:])
-    middle = left + (right - left) * (h[:-1] / (h[:-1] + h[1:]))
+    middle = right - left
+    middle *= h[:-1] / (h[:-1] + h[1:])
+    middle += left
     np.minimum(np.maximum(middle, -bound), bound, out=result[1:-1])
     # At the ends, and beside a step, the slope is that of the node's own side.
     steps = beside_steps(widths)
-    if not len(steps):
-        result[0] = _one_sided(secant[0], secant[1], float(widths[0]), float(widths[1]))
-        result[-1] = _one_sided(secant[-1], secant[-2], float(widths[-1]), float(widths[-2]))
+    if y.ndim == 1 and not len(steps):
+        for end, behind in ((0, 1), (-1, -2)):
+            last, width = float(secant[end]), float(widths[end])
+            share = width / (width + float(widths[behind]))
+            limit = 3.0 * abs(last)
+            result[end] = min(max(last + (last - float(secant[behind])) * share, -limit), limit)
         return result
     on_left = widths[steps] < widths[steps - 1]
     nodes = np.concatenate((_ENDS, steps))
@@ -49,17 +58,11 @@ def slopes(x: Array, y: Array) -> Array:
     far = np.concatenate((_NEXT % len(h), np.where(on_left, steps - 2, steps + 1)))
     far = np.where((far >= 0) & (far < len(h)), far, near)
     far = np.where(widths[far] > STEP * widths[near], far, near)
-    result[nodes] = _one_sided(secant[near], secant[far], h[near], h[far])
+    own = secant[near]
+    one_sided = own + (own - secant[far]) * (h[near] / (h[near] + h[far]))
+    bound = 3.0 * np.abs(own)
+    result[nodes] = np.minimum(np.maximum(one_sided, -bound), bound)
     return result
-
-
-def _one_sided(own: Array, next_one: Array, h: Array | float, next_h: Array | float) -> Array:
-    """Limited slope at the outer end of an interval, from its difference quotient and that of the next."""
-    slope = own + (own - next_one) * (h / (h + next_h))
-    bound = 3.0 * abs(own)
-    if isinstance(own, float):
-        return min(max(slope, -bound), bound)
-    return np.minimum(np.maximum(slope, -bound), bound)
 
 
 def beside_steps(widths: Array) -> NDArray[np.intp]:
@@ -93,12 +96,14 @@ def evaluate(x: Array, y: Array, slope: Array, at: Array) -> Array:
     if len(x) == 1:
         return np.broadcast_to(y[0], at.shape + y.shape[1:]).copy()
     i = x[1:-1].searchsorted(at, side="right")
-    left = x[i]
-    h = x[i + 1] - left
+    after = i + 1
+    left = x.take(i)
+    h = x.take(after) - left
     u = np.minimum(np.maximum((at - left) / h, 0.0), 1.0)
     if y.ndim == 2:
         h, u = h[:, None], u[:, None]
-    return _cubic(y[i], y[i + 1], h * slope[i], h * slope[i + 1], u)
+    first, last = y.take(i, axis=0), y.take(after, axis=0)
+    return _cubic(first, last, h * slope.take(i, axis=0), h * slope.take(after, axis=0), u)
 
 
 def rate(x: Array, y: Array, slope: Array, at: Array) -> Array:
@@ -159,11 +164,11 @@ def integral_of(x: Array, y: Array, density: Callable[[Array, Array], Array]) ->
         return 0.0
     h = x[1:] - x[:-1]
     slope, wide = slopes(x, y), h if y.ndim == 1 else h[:, None]
-    total = 0.0
-    for share, weight in zip(_GAUSS, _WEIGHT, strict=True):
-        values = _cubic(y[:-1], y[1:], wide * slope[:-1], wide * slope[1:], share)
-        total += weight * float((h * density(values, x[:-1] + share * h)).sum())
-    return total
+    shares = _GAUSS.reshape(-1, *(1,) * y.ndim)
+    values = _cubic(y[:-1], y[1:], wide * slope[:-1], wide * slope[1:], shares)
+    at = (x[:-1] + _GAUSS[:, None] * h).ravel()
+    weighted = (_WEIGHT[:, None] * h).ravel()
+    return float((weighted * density(values.reshape(len(at), *y.shape[1:]), at)).sum())
 
 
 def _cubic(first: Array, last: Array, rise: Array, end: Array, u: Array | float) -> Array:
