@@ -13,6 +13,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from validation.reference.tracking.root import rising_root
+from validation.reference.tracking.rounding import rounded_length
 from validation.reference.tracking.trial import Trial
 
 MOST_POINTS = 4
@@ -78,16 +79,15 @@ class LimitPointSearch:
     _rise: float = field(default=0.0, init=False)
     _known: dict[Point, float] = field(default_factory=dict, init=False)
 
-    def find(self, nearest: float) -> Point | None:
+    def find(self, nearest: float, close: float) -> Point | None:
         """Distance and duration of the limit point.
-
-        The search ends where the edge at the next place is in equilibrium at the duration of the last: over
-        the radius the residual is flat there.
 
         Parameters
         ----------
         nearest : float
             Distance below which it is not looked for.
+        close : float
+            Distance of two places below which they are one; the error of the duration goes as its square.
 
         Returns
         -------
@@ -100,11 +100,13 @@ class LimitPointSearch:
                 return None
             self.points.sort(key=lambda point: abs(point[0] - best[0]))
             expected = expected_limit_point(self.points, low, high)
-            place, guess = expected or (0.5 * (low + high), 0.0)
-            if place in (low, high, best[0]):
+            wider = low if abs(best[0] - low) > abs(high - best[0]) else high
+            place, guess = expected or (0.5 * (best[0] + wider), 0.0)
+            place = rounded_length(place, nearest)
+            if place in (low, high):
                 return None
-            if best[1] > 0.0 and abs(self._driving(best[1], place)) <= self.trial.condition.tolerance:
-                return place, best[1]
+            if best[1] > 0.0 and abs(place - best[0]) <= close:
+                return best
             duration = self._arrival(place, best[1] or guess)
             if duration is None:
                 high = place

@@ -24,6 +24,8 @@ from validation.reference.tracking.trial import Trial
 
 AT_LIMIT_POINT = 1e-4
 """Travel, in largest travels, below which a limit point counts as reached if the step is not stable."""
+PLACE_SHARE = 0.01
+"""Accuracy to which a limit point is located, in deviations of the radius allowed in a step."""
 STABILITY_PROBE = 1e-2
 """Distance beyond the end of a step, in its travel, at which the edge must still be driven on."""
 
@@ -138,7 +140,8 @@ def _onto_limit_point(
     a0, points = state.surface.radius, _points(state)
     expected = expected_limit_point(points, 0.0, 2.0 * (far - a0))
     nearest = AT_LIMIT_POINT * problem.longest_travel(a0)
-    found = LimitPointSearch(trial, points, far - a0, longest).find(nearest)
+    close = PLACE_SHARE * problem.fineness.deviation * state.largest_radius
+    found = LimitPointSearch(trial, points, far - a0, longest).find(nearest, close)
     if found is None:
         return None
     distance, h = found

@@ -127,7 +127,7 @@ class Recorder:
         work = integrals(time, force, depth, ends)
         for first, last in over_radius:
             if last < len(time):
-                begin = stretch_over_radius(time, radius, first, max(end for end in ends if end <= first))
+                begin = stretch_over_radius(radius, first, max(end for end in ends if end <= first))
                 each = slice(begin, last + 1)
                 over = integrals(
                     np.abs(radius[each] - radius[begin]), force[each], depth[each], [0, last - begin]
@@ -185,7 +185,7 @@ class Recorder:
         extra = np.column_stack((times, cubics(rows[:, 0], rows[:, 1:], ends, index, times)))
         for each, (step, _, _, radius) in enumerate(inner):
             if radius is not None:
-                begin = stretch_over_radius(rows[:, 0], rows[:, RADIUS_OF_ROW], step, ends[ends <= step][-1])
+                begin = stretch_over_radius(rows[:, RADIUS_OF_ROW], step, ends[ends <= step][-1])
                 near = rows[begin : step + 2]
                 x = np.abs(near[:, RADIUS_OF_ROW] - near[0, RADIUS_OF_ROW])
                 at = np.array([abs(radius - near[0, RADIUS_OF_ROW])])
@@ -210,13 +210,13 @@ class Recorder:
         return rate
 
 
-def stretch_over_radius(time: Array, radius: Array, row: int, first: int) -> int:
+def stretch_over_radius(radius: Array, row: int, first: int) -> int:
     """The row from which the radius moves on in one direction to the row after ``row``, three before at most.
 
     Parameters
     ----------
-    time, radius : ndarray, shape (l,)
-        Rows.
+    radius : ndarray, shape (l,)
+        Of the rows.
     row : int
         Row before which earlier ones are looked for.
     first : int

@@ -32,6 +32,8 @@ class FrontState:
         Radius after that displacement.
     steepness : float
         Slope of the residual over the radius at the last step, 0 if unknown.
+    steepening : float
+        Rate of that slope, 0 if unknown.
     unstable : float
         Direction in which the edge runs from the limit point that it has reached; otherwise 0.
     rejected_before : int
@@ -50,6 +52,7 @@ class FrontState:
     last_displacement: float = 0.0
     unstable: float = 0.0
     steepness: float = 0.0
+    steepening: float = 0.0
     rejected_before: int = 0
     history: StepHistory = field(default_factory=StepHistory)
     counters: Counters = field(default_factory=Counters)

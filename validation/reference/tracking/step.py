@@ -80,7 +80,8 @@ def trial_step(
     trial = problem.trial(state, segment, abs(guess - a0))
     reach = state.travel if a0 > 0.0 else state.largest_radius  # the radius of a new contact grows at once
     lowest = max(a0 - state.travel, problem.condition.smallest_radius)
-    edge = trial.stable_edge(h, guess, lowest, min(a0 + reach, problem.edge_radius), state.steepness)
+    steepness = max(state.steepness + state.steepening * h, 0.0)
+    edge = trial.stable_edge(h, guess, lowest, min(a0 + reach, problem.edge_radius), steepness)
     if edge.radius != a0 and state.history.rate_of_radius() == 0.0:
         departure = trial.departure_time(h)
         if departure is not None and departure > tick:
@@ -99,6 +100,7 @@ def trial_step(
         (FrontCandidate(end.time if h < left else stop, end.surface, end.force, intervals),),
         travel=min(problem.longest_travel(edge.radius), 2.0 * state.travel),
         steepness=edge.steepness,
+        steepening=(edge.steepness - state.steepness) / h if state.steepness * edge.steepness > 0.0 else 0.0,
         detachment=NO_STABLE_CONTACT if edge.radius == 0.0 < a0 else "",
     )
 

@@ -41,6 +41,8 @@ class StepOutcome:
         New limit of the travel of the edge; ``None``: as before.
     steepness : float or None
         Slope of the residual over the radius; ``None``: as before.
+    steepening : float
+        Rate of that slope; ``None``: as before.
     equilibria : tuple of Surface
         Rows at the present time before the candidate, recorded without being steps.
     event : Event or None
@@ -61,6 +63,7 @@ class StepOutcome:
     rejected: bool = False
     travel: float | None = None
     steepness: float | None = None
+    steepening: float | None = None
     equilibria: tuple[Surface, ...] = ()
     event: Event | None = None
     kink: bool = False

@@ -208,6 +208,7 @@ class FrontStepper:
         for candidate in outcome.candidates:
             self.committer.commit(candidate, segment)
         state.proposal, state.unstable = outcome.proposal, outcome.unstable
+        state.steepening = state.steepening if outcome.steepening is None else outcome.steepening
         state.travel = state.travel if outcome.travel is None else outcome.travel
         state.steepness = state.steepness if outcome.steepness is None else outcome.steepness
         if outcome.event is not None:
