@@ -44,10 +44,14 @@ class StepFailure(Enum):
 
 @dataclass(frozen=True)
 class FailedStep:
-    """A trial step without candidate; ``travel`` is how far the edge would have moved."""
+    """A trial step without candidate; ``travel`` is how far the edge would have moved.
+
+    ``way`` is the distance of the edge from where it will run away, as far as the trials tell.
+    """
 
     failure: StepFailure
     receding: bool
+    way: float = math.inf
     travel: float = 0.0
 
 
@@ -205,7 +209,8 @@ class TrialStep(StepStart):
             return known[share].residual
 
         if (residual(0.0) > 0.0) == (beyond.residual > 0.0):
-            return FailedStep(StepFailure.BEYOND_TRAVEL_LIMIT, receding)
+            way = self._way_to_limit_point(edge, residual(0.0))
+            return FailedStep(StepFailure.BEYOND_TRAVEL_LIMIT, receding, way)
         share = brentq(residual, 0.0, 1.0, xtol=1e-300, rtol=accuracy)
         parameter = start + share * self.step
         if share * self.step < self.shortest_step:  # within rounding of the time it goes at least so far
@@ -217,8 +222,27 @@ class TrialStep(StepStart):
         inward = self._trial(parameter, edge - 0.01 * reach)
         if inward.residual > trial.residual:
             travel = abs(beyond.motion.new_edge - self.state.contact.edge)
-            return FailedStep(StepFailure.UNSTABLE, receding, travel)
+            way = self._way_to_limit_point(edge, residual(0.0))
+            return FailedStep(StepFailure.UNSTABLE, receding, way, travel)
         return Candidate(parameter, trial, error_at_limit(self, trial, parameter - start), root.slope)
+
+    def _way_to_limit_point(self, far: float, residual: float) -> float:
+        """Distance of the edge from where it will run away; zero if it is within the smallest travel.
+
+        At the load of the start the residual vanishes at the stable edge and, on the other side of the limit
+        point and nearly as far from it, at an unstable one: by the parabola through the stable edge, a place
+        near to it, and ``far`` with its ``residual``, half the distance between them.
+        """
+        edge = self.state.contact.edge
+        reach, near = abs(far - edge), 2.0 * self.smallest_travel
+        if reach <= near:
+            return math.inf
+        sign = math.copysign(1.0, far - edge)
+        drop = sign * self._trial(self.state.parameter, edge + sign * near).residual / near
+        if drop <= 0.0:
+            return 0.0
+        bend = (drop - sign * residual / reach) / (reach - near)
+        return 0.5 * (near + drop / bend) if bend > 0.0 else math.inf
 
     def _expected_edge(self) -> float:
         """Edge to start the search from: extrapolated, but the present one if the parabola turns round.

@@ -17,7 +17,7 @@ _LARGEST_REDUCTION, _LARGEST_GROWTH = 0.2, 2.0
 """Bounds on the ratio of successive steps."""
 _SLIVER = 1e-9
 """Part of a step by which it may differ from another by rounding, and still is as long."""
-_SHARE_OF_WAY = 0.7
+SHARE_OF_WAY = 0.7
 """Share of the way of the edge to a limit point taken in one step: a tenth of the time is left after it, and
 the place of that point is then known ten times as well."""
 _NEWTON_STEPS = 3
@@ -128,7 +128,7 @@ class AcceptedSteps:
         delay, bend = self._delay()
         if way <= least:
             return way * delay  # twice the step to the limit point
-        travel = min(travel, _SHARE_OF_WAY * way)
+        travel = min(travel, SHARE_OF_WAY * way)
         return travel * (delay + bend * travel)
 
     def until_load_turns(self) -> float:

@@ -34,7 +34,7 @@ from bem_solver.step import (
     TrialStep,
     limited_step,
 )
-from bem_solver.step_control import grown, shrunk
+from bem_solver.step_control import SHARE_OF_WAY, grown, shrunk
 from bem_solver.step_error import accepted_row, load_error
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 from bem_solver.trigger import to_level
@@ -247,7 +247,9 @@ class GradedRun:
         """Change travel limit or step, or let the edge move unstably; an outcome if the run ends with it."""
         state, interval = self.state, start.interval
         smallest = start.smallest_travel
-        at_limit_point = state.accepted.way_to_limit_point() < smallest
+        at_limit_point = min(state.accepted.way_to_limit_point(), failed.way) < smallest
+        longest = start.problem.longest_travel(state.contact.edge) / self.settings.divisions
+        closer = min(0.5 * state.travel_share, SHARE_OF_WAY * failed.way / longest)
         match failed.failure:
             case _ if at_limit_point:
                 pass
@@ -256,14 +258,13 @@ class GradedRun:
                 if state.travel_share <= LARGEST_TRAVEL_SHARE:
                     return None
             case StepFailure.BEYOND_TRAVEL_LIMIT:
-                longest = start.problem.longest_travel(state.contact.edge) / self.settings.divisions
                 if smallest / longest < state.travel_share <= LARGEST_TRAVEL_SHARE:
-                    state.travel_share *= 0.5
+                    state.travel_share = closer
                     return None
             case StepFailure.UNSTABLE:
                 reach = state.travel_share * start.problem.longest_travel(state.contact.edge)
                 if reach > smallest * self.settings.divisions and step > 1e-12 * interval.length:
-                    state.travel_share *= 0.5
+                    state.travel_share = closer
                     state.rejected.append(RejectedStep(step, failed.travel))
                     state.step = shrunk(step, math.inf)
                     return None
