@@ -250,7 +250,7 @@ class TrialStep(StepStart):
         Behind a receding edge of a stiff glass the residual of covered points is rounding, with false roots.
         """
         accepted, edge = self.state.accepted, self.state.contact.edge
-        expected = accepted.edge_after(self.step)
+        expected = accepted.expected_edge(self.step)
         if (expected - edge) * accepted.rates(0.0)[0] >= 0.0:
             return expected
         return min(max(expected, edge - self.accuracy), edge + self.accuracy)

@@ -40,18 +40,29 @@ class AcceptedRow(NamedTuple):
 
 @dataclass
 class AcceptedSteps:
-    """Accepted states of an interval."""
+    """Accepted states of an interval.
+
+    The extrapolation of the edge to the last of them has ``missed`` it by so much, over a ``travel``; both
+    zero where there were too few.
+    """
 
     rows: list[AcceptedRow] = field(default_factory=list)
+    missed: float = 0.0
+    travel: float = 0.0
 
     def add(self, row: AcceptedRow) -> None:
         """Add an accepted state."""
+        self.missed = self.travel = 0.0
+        if self.curved:
+            last = self.rows[-1]
+            self.missed = row.edge - self.edge_after(row.parameter - last.parameter)
+            self.travel = row.edge - last.edge
         self.rows.append(row)
         del self.rows[:-_MEMORY]
 
     def start(self, row: AcceptedRow) -> None:
         """Begin after a kink or an instability, before which rates mean nothing."""
-        self.rows = [row]
+        self.rows, self.missed, self.travel = [row], 0.0, 0.0
 
     def continue_in_next_interval(self) -> None:
         """Count parameters from the last accepted state."""
@@ -92,6 +103,17 @@ class AcceptedSteps:
         (t0, a0, *_), (t1, a1, *_), (t2, a2, *_) = self.rows[-3:]
         late, early = (a2 - a1) / (t2 - t1), (a1 - a0) / (t1 - t0)
         return a2 + step * (late + (t2 - t1 + step) * (late - early) / (t2 - t0))
+
+    def expected_edge(self, step: float) -> float:
+        """Edge a step ahead, to begin a search with: extrapolated, and as far beside that as the last was.
+
+        What a parabola misses grows with the cube of the travel.
+        """
+        edge = self.edge_after(step)
+        if self.travel == 0.0:
+            return edge
+        share = min(abs((edge - self.rows[-1].edge) / self.travel), _LARGEST_GROWTH)
+        return edge + share**3 * self.missed
 
     def _delay(self) -> tuple[float, float]:
         """Parameter per travel of the edge at the last state, and half its change with the travel.
