@@ -152,11 +152,11 @@ class BentPath:
         early = 1.0 + _root_of_parabola(at_start, second + 3.0 * self.twist, distance - self.travel)
         late = _root_of_parabola(first, second, distance)
         part = distance / self.travel
-        share = np.clip(np.where(part > 0.5, early, late), 0.0, 1.0)
+        share = np.minimum(np.maximum(np.where(part > 0.5, early, late), 0.0), 1.0)
         for _ in range(_NEWTON_STEPS):
             missed = share * (first + share * (second + share * self.twist)) - distance
             slope = first + share * (2.0 * second + 3.0 * share * self.twist)
-            share = np.clip(share - missed / slope, 0.0, 1.0)
+            share = np.minimum(np.maximum(share - missed / slope, 0.0), 1.0)
         return np.where(part <= 0.0, late, np.where(part >= 1.0, early, share))
 
     def distance(self, radius: Array, left: Array) -> Array:
@@ -207,10 +207,9 @@ class BentPath:
         reach = far - near
         z = near[..., None] + reach[..., None] * points
         left = passage[..., None] + away[..., None] * z * z
-        values = fall(self.distance(radius[..., None], left), left)
-        values *= z * np.exp(y[:, None] * (end[..., None] - left))
-        lagging = 2.0 * y * reach * (values @ weights)
-        ends = np.concatenate((begin, end), axis=1)
-        at_ends = fall(self.distance(radius, ends), ends)
+        when = np.concatenate((left.reshape(len(left), -1), begin, end), axis=1)
+        values = fall(self.distance(radius, when), when)
+        within = values[:, :-2].reshape(left.shape) * (z * np.exp(y[:, None] * (end[..., None] - left)))
+        lagging = 2.0 * y * reach * (within @ weights)
         left_of_begin = np.exp(y * (end - begin)) - even
-        return (1.0 - even) * at_ends[:, 1:] - left_of_begin * at_ends[:, :1] - lagging
+        return (1.0 - even) * values[:, -1:] - left_of_begin * values[:, -2:-1] - lagging

@@ -8,7 +8,7 @@ the logarithm of the distance, from far below the process zone to far beyond the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -44,6 +44,8 @@ _CUBIC = np.array(
 class OuterFall:
     """B at both ends of a step, ``start`` and ``end`` (n,), at ``distance`` (n,) in equal ratios.
 
+    ``entries`` are those of the table at the start.
+
     In between it is linear in time; with the fall of the start alone the residual of a long step of an
     advancing edge has a second, false root.
     """
@@ -51,6 +53,12 @@ class OuterFall:
     distance: Array
     start: Array
     end: Array
+    entries: Array
+
+    @classmethod
+    def between(cls, distance: Array, start: Array, end: Array) -> OuterFall:
+        """The fall of given readings."""
+        return cls(distance, start, end, _entries(start))
 
     @classmethod
     def outside(cls, surface: ContactSurface, zone: float) -> OuterFall:
@@ -59,11 +67,11 @@ class OuterFall:
         count = int(_PER_DECADE * np.log10(far / near))
         distance = near * (far / near) ** (np.arange(count) / count)
         strength = _strength(surface, distance)
-        return cls(distance, strength, strength)
+        return cls.between(distance, strength, strength)
 
     def towards(self, surface: ContactSurface) -> OuterFall:
         """The same start, and the fall outside another contact at the end."""
-        return OuterFall(self.distance, self.start, _strength(surface, self.distance))
+        return replace(self, end=_strength(surface, self.distance))
 
     @cached_property
     def _per_ratio(self) -> float:
@@ -73,8 +81,8 @@ class OuterFall:
     @cached_property
     def _table(self) -> Array:
         """B at the start and to the next entry (2, entries); if it changes within the step, by how much."""
-        rows = [self.start] if self.end is self.start else [self.start, self.end - self.start]
-        return np.stack([part for row in map(_entries, rows) for part in (row[:-1], np.diff(row))])
+        rows = [self.entries] if self.end is self.start else [self.entries, _entries(self.end - self.start)]
+        return np.array([part for row in rows for part in (row[:-1], row[1:] - row[:-1])])
 
     def __call__(self, distance: Array, share: Array) -> Array:
         """``v(a) - v(a + x)`` at distances >= 0, after shares of the step; arguments broadcast."""
@@ -92,7 +100,7 @@ class OuterFall:
 def _entries(readings: Array) -> Array:
     """Values at the entries of the table, the last reading among them; B is constant beyond both ends."""
     padded = np.concatenate((readings[:1], readings, readings[-1:]))
-    between = np.lib.stride_tricks.sliding_window_view(padded, 4) @ _CUBIC
+    between = np.array((padded[:-3], padded[1:-2], padded[2:-1], padded[3:])).T @ _CUBIC
     return np.append(between.ravel(), readings[-1])
 
 

@@ -256,7 +256,7 @@ def test_outer_fall_between_its_readings():
     readings = np.geomspace(1e-6, 1.0, 6 * 32 + 1)
     between = np.geomspace(1e-5, 0.1, 3000)
     first, last = (lambda x: 1.0 + np.sin(np.log(x))), (lambda x: np.cos(np.log(x)))
-    fall = OuterFall(readings, first(readings), last(readings))
+    fall = OuterFall.between(readings, first(readings), last(readings))
     for share in (0.0, 0.25, 1.0):
         exact = (1.0 - share) * first(between) + share * last(between)
         assert_allclose(fall(between, share) / np.sqrt(between), exact, atol=1e-4)
