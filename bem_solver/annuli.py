@@ -140,6 +140,11 @@ class Annuli:
         samples[-1] = 4.0 * last - 6.0 * second + 4.0 * third - fourth
         return _divided_differences(samples)
 
+    def at_edge(self, field: Array, kappa: float) -> float:
+        """Surface displacement at the edge: :meth:`outside` for the ratio 1, two samples into the last cubic."""
+        value, slope, second, _ = field[:, -1].tolist()
+        return float(kappa + value + 2.0 * (slope + second))
+
     def outside(self, field: Array, kappa: float, ratio: Array) -> Array:
         """Surface displacement outside the contact.
 

@@ -203,7 +203,8 @@ class BentPath:
         away = np.where(before, -1.0, 1.0)
         near = np.sqrt(np.maximum(away * (np.where(before, first, end) - passage), 0.0))
         far = np.sqrt(np.maximum(away * (np.where(before, end, first) - passage), 0.0))
-        points, weights = next(rule for longest, rule in _RULES.items() if y.max() <= longest)
+        length = float(y.max())
+        points, weights = next(rule for longest, rule in _RULES.items() if length <= longest)
         reach = far - near
         z = near[..., None] + reach[..., None] * points
         left = passage[..., None] + away[..., None] * z * z

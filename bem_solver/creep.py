@@ -53,6 +53,8 @@ class Chain:
         ``Q``; lags = Q @ stresses (both scaled).
     compliances : ndarray (K,)
         ``J_k``, plane.
+    share_in_creep : ndarray (K,)
+        ``J_k`` over what has crept, the glassy part included, once branch k has.
     """
 
     def __init__(self, material: Material, backward_euler: bool = False) -> None:
@@ -66,6 +68,7 @@ class Chain:
         self.retardation = retardation
         self.compliances = plane * compliances
         self.stress_scale = np.sqrt(moduli / plane * times)
+        self.share_in_creep = self.compliances / (1.0 / self.glassy + np.cumsum(self.compliances))
         self.lag_scale = np.sqrt(self.compliances * self.retardation)
         self.lag_rate = self.lag_scale / self.retardation
         self.rotation = np.outer(self.lag_scale, self.stress_scale) / distances
@@ -85,9 +88,10 @@ class Chain:
         """As :meth:`spread`, of the increments of ``s (s - 1)`` over a share s of the step (sum 0)."""
         if self.backward_euler:
             return np.zeros_like(y)
-        small = y / 6.0 - y**2 / 12.0 + y**3 / 40.0 - y**4 / 180.0
+        small = y * (1.0 / 6.0 - y * (1.0 / 12.0 - y * (1.0 / 40.0 - y / 180.0)))
         safe = np.maximum(y, 0.01)
-        return np.where(y < 0.02, small, phi(safe) - 2.0 * (phi(safe) - np.exp(-safe)) / safe)
+        even = phi(safe)
+        return np.where(y < 0.02, small, even - 2.0 * (even - np.exp(-safe)) / safe)
 
     def spread_to_edge(self, y: Array) -> Array:
         """As :meth:`spread`, the increment following ``-sqrt(distance)`` to an edge arriving at the end."""

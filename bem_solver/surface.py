@@ -132,7 +132,12 @@ class ContactSurface:
     @cached_property
     def edge_load(self) -> float:
         """``v`` at the edge."""
-        return float(self.outside(np.array([self.edge]))[0])
+        if self.edge == 0.0:
+            return 0.0
+        load = self.annuli.at_edge(self.field, self.kappa)
+        if self.kinks is not None and self.strengths is not None:
+            load += float(self.kinks.displacement(np.array([self.edge]))[0] @ self.strengths)
+        return load
 
     def root_strength(self, reach: float) -> float:
         """B in ``v = v(a) - B sqrt(x) - C x`` at distance x outside the edge.

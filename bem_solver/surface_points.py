@@ -113,7 +113,9 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     return pressed(chain, lags @ chain.rotation, pushed, left * motion.duration, bent)
 
 
-def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -> Array:
+def released(
+    chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array, share: Array, left: Array
+) -> Array:
     """Variables of points that the receding edge passes, without :func:`along_path`.
 
     Parameters
@@ -123,12 +125,13 @@ def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     motion : Motion
     new_load : ndarray (m,)
         ``v`` at the end.
+    share, left : ndarray (m,)
+        Of the step, before and after the edge passes each.
 
     Returns
     -------
     ndarray (m, K)
     """
-    share, left = motion.passing(points.radius)
     leaving = motion.penetration_at(share) - points.height
     rise, bent = leaving - points.displacement, motion.bend * share**2 if motion.bend != 0.0 else 0.0
     at_release = pressed(chain, points.variables, rise, share * motion.duration, bent)
@@ -228,13 +231,16 @@ def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     if new_load is None:
         return result
     leaves = inside_before & ~inside_after
+    begin = np.ones(len(points))
     if leaves.any():
-        result[leaves] = released(chain, points[leaves], motion, new_load[leaves])
+        some = points[leaves]
+        share, left = motion.passing(some.radius)
+        result[leaves] = released(chain, some, motion, new_load[leaves], share, left)
+        begin[leaves] = left
     out = ~inside_before & ~inside_after
     if out.any():
         result[out] = free(chain, points[out], motion, new_load[out])
     if motion.path is not None:
         outside = ~inside_after
-        begin = np.where(leaves, motion.passing(points.radius)[1], 1.0)[outside]
-        result[outside] += along_path(chain, points[outside], motion, begin)
+        result[outside] += along_path(chain, points[outside], motion, begin[outside])
     return result

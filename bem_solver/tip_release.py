@@ -62,8 +62,7 @@ def tip_distances(problem: Problem, history: SurfaceHistory, motion: Motion, zon
     """
     chain, outermost = problem.chain, motion.new_edge * (1.0 - problem.annuli.radii[-1])
     y = motion.duration / chain.retardation
-    share = chain.compliances / (1.0 / chain.glassy + np.cumsum(chain.compliances))
-    lagging = float((share * np.minimum(y, 1.0 / np.maximum(y, 1.0))).max(initial=0.0))
+    lagging = float((chain.share_in_creep * np.minimum(y, 1.0 / np.maximum(y, 1.0))).max(initial=0.0))
     distance = _BRANCH_TRAVELS * lagging * abs(motion.new_edge - motion.edge)
     way = min((abs(motion.new_edge - rest) for rest in release_jumps(history, motion)), default=math.inf)
     nearest = max(min(_NEAREST * zone, _SHARE_OF_WAY * way), _RESOLVED * outermost)
