@@ -67,6 +67,8 @@ class Annuli:
     ----------
     borders : ndarray (M + 1,), radii, areas : ndarray (M,)
         Annulus borders, collocation radii and areas.
+    outermost : float
+        Distance of the last collocation radius from the edge.
     matrix : ndarray (M, M)
         Displacement at the collocation radii under unit pressure on each annulus.
     """
@@ -78,6 +80,7 @@ class Annuli:
         middle = 0.5 * (angle[1:] + angle[:-1]) if grading == 1.0 else self._angle(numbers[:-1] + 0.5)
         self.borders = np.sin(angle)
         self.radii = np.sin(middle)
+        self.outermost = 1.0 - float(self.radii[-1])
         self.areas = np.pi * np.diff(self.borders**2)
         self.matrix = annulus_influence(self.radii, self.borders)
         self._factors, self._pivots, info = dgetrf(self.matrix)

@@ -13,9 +13,10 @@ from contact_scene import Adhesion, Counters, Scene
 _LONG_TRAVEL = 0.1
 """Part of the contact radius of which a step over zones takes the same fraction, at most: what acts at the
 edge then changes little within it, and the loading mostly asks for shorter ones."""
-_ZONES_OF_LONG_TRAVEL = 2.0
+_ZONES_RECEDING, _ZONES_ADVANCING = 2.0, 4.0
 """Process zones of which it takes the same fraction, at least, where its path is a parabola: half a zone
-at the coarsest resolution, from where on errors fall with its square."""
+at the coarsest resolution, from where on errors fall with its square, and twice as much for an advancing
+edge, whose closure hardly depends on its speed."""
 LONG_ZONE = 0.02
 """Process zone over contact radius below which a step may pass over process zones, and the field inside the
 contact varies over its radius rather than over zones."""
@@ -62,11 +63,11 @@ class Problem:
         """
         return self.zone if self.work > 0.0 and self.viscoelastic else 0.25 * edge
 
-    def longest_travel(self, edge: float) -> float:
+    def longest_travel(self, edge: float, advancing: bool) -> float:
         """Length of which the edge at radius ``edge`` may pass a fraction in one step."""
         if not self.curves:
             return self.length_at(edge)
-        zones = _ZONES_OF_LONG_TRAVEL * self.zone
+        zones = (_ZONES_ADVANCING if advancing else _ZONES_RECEDING) * self.zone
         return max(zones, _LONG_TRAVEL * edge) if self.over_zones(edge) else zones
 
     def relaxes_within(self, duration: float) -> bool:

@@ -107,6 +107,11 @@ class StepStart:
             return 0.0
         return _ROUNDINGS_OF_TIME * math.ulp(self.interval.time(self.interval.length))
 
+    def reach(self, advancing: bool) -> float:
+        """Travel limit of the edge in one step."""
+        longest = self.problem.longest_travel(self.state.contact.edge, advancing)
+        return self.state.travel_share * longest / self.settings.divisions
+
     @property
     def smallest_travel(self) -> float:
         """Travel at constant load from which on an edge moves unstably; limit points are located to it.
@@ -116,6 +121,6 @@ class StepStart:
         edge, divisions = self.state.contact.edge, self.settings.divisions
         limit = longest = self.problem.length_at(edge) / divisions
         if self.problem.over_zones(edge):
-            longest = self.problem.longest_travel(edge) / divisions
+            longest = self.problem.longest_travel(edge, advancing=False) / divisions
         least, most = _SMALLEST_TRAVEL_SHARES
         return min(max(_ROUNDING_AT_FOLD * edge, least * limit), most * longest)

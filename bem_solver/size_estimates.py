@@ -19,7 +19,7 @@ FEWEST_ANNULI, MOST_ANNULI = 16, 4000
 """Bounds on the number of annuli: interpolation at the edge needs the first, a dense matrix the second."""
 _ANNULI_OF_ESTIMATE = 24
 """Annuli of the elastic contacts from which the largest radius is estimated, to about a percent."""
-_FINER_AT_EDGE = 4.0
+_FINER_AT_EDGE = 8.0
 """By how much graded annuli are finer at the edge than the resolution asks of the process zone: it costs a
 few annuli, and the relaxing layer behind a slowly advancing edge errs by the square of that step."""
 _SMALLEST_GRADING = 1e-5

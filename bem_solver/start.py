@@ -161,7 +161,7 @@ def _start_history(
     mirrored = 2.0 * edge - near[near > edge - problem.length]
     facing = edge + problem.length * (np.arange(1.0, _FACING + 1.0) / _FACING) ** 2
     far = nodes_beyond(edge, problem.length, 200.0 * (edge + problem.length))
-    smallest = 0.5 * edge * (1.0 - radii[-1])
+    smallest = 0.5 * edge * problem.annuli.outermost
     radius = distinct(np.concatenate(([0.0], near, [edge], mirrored, facing, far)), (edge,), smallest)
     load = surface.outside(np.maximum(radius, edge))
     if relaxed:

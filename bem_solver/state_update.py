@@ -165,7 +165,7 @@ def _new_history(
 ) -> SurfaceHistory:
     chain, edge, radii = problem.chain, motion.new_edge, problem.annuli.radii
     reach = max(abs(edge - motion.edge), 0.25 * length)
-    smallest = 0.5 * edge * (1.0 - radii[-1])
+    smallest = 0.5 * edge * problem.annuli.outermost
     wanted = graded_nodes(radii, edge, reach)
     if len(state.history.outer.radius) == 0:  # first contact: nothing beyond it yet
         wanted = np.concatenate((wanted, [0.0], (edge + length) * np.geomspace(1.0, 1e6, 240)))

@@ -77,9 +77,9 @@ def limited_step(start: StepStart) -> tuple[float, float]:
     and without leaving a sliver before the end of the interval.
     """
     state, interval, settings = start.state, start.interval, start.settings
-    limit = 0.9 * state.travel_share * start.problem.longest_travel(state.contact.edge) / settings.divisions
+    advancing = state.accepted.rates(0.0)[0] > 0.0
     limited, parameter = state.step, state.parameter
-    limited = _step_within(start, limited, limit)
+    limited = _step_within(start, limited, 0.9 * start.reach(advancing))
     left = interval.length - parameter
     limited = min(limited, left)
     while (departure := interval.departure_from_chord(parameter, limited) / settings.tolerance) > 1.0:
@@ -146,8 +146,8 @@ class TrialStep(StepStart):
         """The candidate, or why there is none."""
         problem, state, step = self.problem, self.state, self.step
         edge, limit = state.contact.edge, problem.scene.indenter.edge
-        reach = state.travel_share * problem.longest_travel(edge) / self.settings.divisions
-        low, high = max(edge - reach, 0.25 * edge, problem.zone), min(edge + reach, limit)
+        low = max(edge - self.reach(advancing=False), 0.25 * edge, problem.zone)
+        high = min(edge + self.reach(advancing=True), limit)
         if edge == limit:
             resting = self._in_full_contact()
             if resting is not None:
@@ -166,7 +166,7 @@ class TrialStep(StepStart):
         if root.position == "converged" or (root.position == "above" and high == limit):
             return Candidate(self.end, root.trial, step_error(self, root.trial, step), root.slope)
         receding = root.position == "below"
-        return self._to_travel_limit(receding, low if receding else high, reach, root)
+        return self._to_travel_limit(receding, low if receding else high, root)
 
     def to_speed_jump(self, candidate: Candidate) -> Candidate | None:
         """A shorter step than a candidate's, to the first radius on its way at which its speed may jump.
@@ -184,9 +184,8 @@ class TrialStep(StepStart):
             return replace(candidate, parameter=self.state.parameter, error=0.0, speed_jumps=True)
         step = replace(self, step=candidate.parameter - self.state.parameter)
         beyond = step._trial(candidate.parameter, radius)
-        reach = self.state.travel_share * problem.longest_travel(edge) / self.settings.divisions
         root = RootSearchResult("converged", radius, beyond, 0.0)
-        result = step._to_travel_limit(new_edge < edge, radius, reach, root)
+        result = step._to_travel_limit(new_edge < edge, radius, root)
         return replace(result, speed_jumps=True) if isinstance(result, Candidate) else None
 
     def _root(self, guess: float, low: float, high: float) -> RootSearchResult[TrialContact]:
@@ -196,7 +195,7 @@ class TrialStep(StepStart):
         return rising_root(lambda at: self._trial(self.end, at), guess, slope, low, high, accuracy, residual)
 
     def _to_travel_limit(
-        self, receding: bool, edge: float, reach: float, root: RootSearchResult[TrialContact]
+        self, receding: bool, edge: float, root: RootSearchResult[TrialContact]
     ) -> Candidate | FailedStep:
         """The shorter step that takes the edge to its travel limit ``edge``, if it is stable there."""
         start, beyond = self.state.parameter, root.trial
@@ -219,7 +218,7 @@ class TrialStep(StepStart):
         if parameter <= start:
             return FailedStep(StepFailure.UNRESOLVED, receding)
         trial = known[share]
-        inward = self._trial(parameter, edge - 0.01 * reach)
+        inward = self._trial(parameter, edge - 0.01 * self.reach(not receding))
         if inward.residual > trial.residual:
             travel = abs(beyond.motion.new_edge - self.state.contact.edge)
             way = self._way_to_limit_point(edge, residual(0.0))
@@ -248,9 +247,14 @@ class TrialStep(StepStart):
         """Edge to start the search from: extrapolated, but the present one if the parabola turns round.
 
         Behind a receding edge of a stiff glass the residual of covered points is rounding, with false roots.
+        Nor is it known within the outermost annulus, where an edge at rest would find them.
         """
         accepted, edge = self.state.accepted, self.state.contact.edge
-        expected = accepted.expected_edge(self.step)
+        expected = accepted.edge_after(self.step)
+        if abs(expected - edge) < self.problem.annuli.outermost * edge:
+            return edge
+        if abs(expected - edge) >= least_bent_travel(self, edge):
+            expected = accepted.expected_edge(self.step)
         if (expected - edge) * accepted.rates(0.0)[0] >= 0.0:
             return expected
         return min(max(expected, edge - self.accuracy), edge + self.accuracy)

@@ -143,5 +143,6 @@ def _departure_from_path(start: StepStart, edge: float, step: float) -> float:
     missed = abs(edge - start.state.accepted.edge_after(step))
     free = start.interval.control == "force" and not start.problem.over_zones(start.state.contact.edge)
     share = _SHARE_OF_FREE_TRAVEL if free else _SHARE_OF_TRAVEL
-    allowed = min(share * travel, start.problem.longest_travel(edge))
+    advancing = edge > start.state.contact.edge
+    allowed = min(share * travel, start.problem.longest_travel(edge, advancing))
     return missed / allowed if allowed > 0.0 else math.inf

@@ -248,8 +248,8 @@ class GradedRun:
         state, interval = self.state, start.interval
         smallest = start.smallest_travel
         at_limit_point = min(state.accepted.way_to_limit_point(), failed.way) < smallest
-        longest = start.problem.longest_travel(state.contact.edge) / self.settings.divisions
-        closer = min(0.5 * state.travel_share, SHARE_OF_WAY * failed.way / longest)
+        reach = start.reach(not failed.receding)
+        closer = state.travel_share * min(0.5, SHARE_OF_WAY * failed.way / reach)
         match failed.failure:
             case _ if at_limit_point:
                 pass
@@ -258,12 +258,11 @@ class GradedRun:
                 if state.travel_share <= LARGEST_TRAVEL_SHARE:
                     return None
             case StepFailure.BEYOND_TRAVEL_LIMIT:
-                if smallest / longest < state.travel_share <= LARGEST_TRAVEL_SHARE:
+                if smallest < reach and state.travel_share <= LARGEST_TRAVEL_SHARE:
                     state.travel_share = closer
                     return None
             case StepFailure.UNSTABLE:
-                reach = state.travel_share * start.problem.longest_travel(state.contact.edge)
-                if reach > smallest * self.settings.divisions and step > 1e-12 * interval.length:
+                if smallest < reach and step > 1e-12 * interval.length:
                     state.travel_share = closer
                     state.rejected.append(RejectedStep(step, failed.travel))
                     state.step = shrunk(step, math.inf)

@@ -60,7 +60,7 @@ def tip_distances(problem: Problem, history: SurfaceHistory, motion: Motion, zon
     edge's last travel is only as good as the path assumed in the step: over what the edge travels in the
     branch's time, in proportion to its share in what has crept until then, and less in a shorter step.
     """
-    chain, outermost = problem.chain, motion.new_edge * (1.0 - problem.annuli.radii[-1])
+    chain, outermost = problem.chain, motion.new_edge * problem.annuli.outermost
     y = motion.duration / chain.retardation
     lagging = float((chain.share_in_creep * np.minimum(y, 1.0 / np.maximum(y, 1.0))).max(initial=0.0))
     distance = _BRANCH_TRAVELS * lagging * abs(motion.new_edge - motion.edge)

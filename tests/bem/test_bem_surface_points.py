@@ -52,7 +52,10 @@ def test_edge_leaving_at_the_start_is_the_limit_of_having_been_outside():
     motion = Motion(0.3, 0.2, 0.19, 0.01, 0.005, singular=0.05)
     load = points.load - 0.002
     assert_allclose(
-        released(CHAIN, points, motion, load), free(CHAIN, points, motion, load), rtol=1e-9, atol=1e-14
+        released(CHAIN, points, motion, load, *motion.passing(points.radius)),
+        free(CHAIN, points, motion, load),
+        rtol=1e-9,
+        atol=1e-14,
     )
 
 
@@ -60,7 +63,13 @@ def test_edge_passing_at_the_very_end_or_start_is_the_limit_of_staying_inside():
     points = points_inside(np.array([0.19]), 0.01)
     motion = Motion(0.3, 0.2, 0.19, 0.01, 0.005)
     stayed = pressed(CHAIN, points.variables, np.array([-0.005]), 0.3)
-    loose = released(CHAIN, points, motion, load_inside(CHAIN, stayed, 0.005 - points.height))
+    loose = released(
+        CHAIN,
+        points,
+        motion,
+        load_inside(CHAIN, stayed, 0.005 - points.height),
+        *motion.passing(points.radius),
+    )
     assert_allclose(loose, stayed, rtol=1e-12)
 
 
@@ -88,7 +97,10 @@ def test_released_half_way_is_pressed_then_free():
     )
     second = Motion(0.2, 0.195, 0.19, 0.008, 0.006, singular=0.03)
     assert_allclose(
-        released(CHAIN, points, motion, load), free(CHAIN, at_release, second, load), rtol=1e-9, atol=1e-15
+        released(CHAIN, points, motion, load, *motion.passing(points.radius)),
+        free(CHAIN, at_release, second, load),
+        rtol=1e-9,
+        atol=1e-15,
     )
 
 
@@ -130,7 +142,9 @@ def test_every_point_gets_its_case():
             elif end > start:
                 expected = covered(CHAIN, alone, motion)
             else:
-                expected = released(CHAIN, alone, motion, load[index : index + 1])
+                expected = released(
+                    CHAIN, alone, motion, load[index : index + 1], *motion.passing(alone.radius)
+                )
             assert_allclose(together[index], expected[0], rtol=1e-12)
 
 
