@@ -144,7 +144,7 @@ class Annuli:
         return _divided_differences(samples)
 
     def at_edge(self, field: Array, kappa: float) -> float:
-        """Surface displacement at the edge: :meth:`outside` for the ratio 1, two samples into the last cubic."""
+        """Surface displacement at the edge: two samples into the last cubic of ``field``."""
         value, slope, second, _ = field[:, -1].tolist()
         return float(kappa + value + 2.0 * (slope + second))
 

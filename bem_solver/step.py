@@ -98,7 +98,7 @@ def _step_within(start: StepStart, step: float, limit: float) -> float:
     if start.problem.work == 0.0:  # no limit point ahead
         speed = abs(accepted.rates(step)[0])
         return limit / speed if speed * step > limit else step
-    step = min(step, accepted.step_of_travel(limit, start.smallest_travel))
+    step = min(step, accepted.step_of_travel(limit))
     for _ in range(_TRAVEL_ITERATIONS):
         linear = abs(accepted.rates(step)[0]) * step
         travel = max(linear, abs(accepted.edge_after(step) - edge))
@@ -251,7 +251,7 @@ class TrialStep(StepStart):
         """
         accepted, edge = self.state.accepted, self.state.contact.edge
         expected = accepted.edge_after(self.step)
-        if abs(expected - edge) < self.problem.annuli.outermost * edge:
+        if abs(expected - edge) < self.accuracy:
             return edge
         if abs(expected - edge) >= least_bent_travel(self, edge):
             expected = accepted.expected_edge(self.step)

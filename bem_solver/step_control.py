@@ -43,10 +43,11 @@ class AcceptedSteps:
     """Accepted states of an interval.
 
     The extrapolation of the edge to the last of them has ``missed`` it by so much, over a ``travel``; both
-    zero where there were too few.
+    zero where there were too few. Travels below ``least`` may be no more than the inaccuracy of the edge.
     """
 
     rows: list[AcceptedRow] = field(default_factory=list)
+    least: float = 0.0
     missed: float = 0.0
     travel: float = 0.0
 
@@ -119,13 +120,13 @@ class AcceptedSteps:
         """Parameter per travel of the edge at the last state, and half its change with the travel.
 
         By the parabola of the parameter over the edge, which is smooth where the edge runs away; both
-        infinite unless the edge has run ever faster over the last four states.
+        infinite unless the edge has run ever faster over the last four states, and farther than the least.
         """
         if len(self.rows) < 4:
             return math.inf, math.inf
         steps = [(t1 - t0, a1 - a0) for (t0, a0, *_), (t1, a1, *_) in pairwise(self.rows[-4:])]
         travels = [travel for _, travel in steps]
-        if not (min(travels) > 0.0 or max(travels) < 0.0):
+        if not (min(travels) > 0.0 or max(travels) < 0.0) or max(map(abs, travels)) < self.least:
             return math.inf, math.inf
         first, early, late = (step / abs(travel) for step, travel in steps)
         if not first > early > late:
@@ -138,17 +139,17 @@ class AcceptedSteps:
         delay, bend = self._delay()
         return max(delay, 0.0) / (-2.0 * bend) if bend < 0.0 else math.inf
 
-    def step_of_travel(self, travel: float, least: float) -> float:
+    def step_of_travel(self, travel: float) -> float:
         """Step in which an edge that runs ever faster travels so far; infinite for any other edge.
 
         With a limit point ahead, no farther than a share of the way to it; over it, for a trial that shows
-        whether it is there, if the way is no longer than ``least``.
+        whether it is there, if the way is no longer than the least travel.
         """
         way = self.way_to_limit_point()
         if not 0.0 < way < math.inf:
             return math.inf
         delay, bend = self._delay()
-        if way <= least:
+        if way <= self.least:
             return way * delay  # twice the step to the limit point
         travel = min(travel, SHARE_OF_WAY * way)
         return travel * (delay + bend * travel)

@@ -137,6 +137,7 @@ class GradedRun:
         start = StepStart(problem, self.settings, state, interval)
         if state.contact.edge == 0.0:
             return self._after_event(without_contact(start), interval, report)
+        state.accepted.least = start.smallest_travel
         state.step, step = limited_step(start)
         if step < math.ulp(state.parameter):
             reason = "the step fell below rounding"

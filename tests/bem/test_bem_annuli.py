@@ -53,6 +53,7 @@ def test_sphere_pulled_or_not(depth):
     assert_allclose(surface.pressure(x) * root, exact * root, atol=1e-4)
     assert_allclose(surface.pressure(np.array([1.0, 1.5])), 0.0)
     assert_allclose(surface.outside(OUTSIDE), exact_outside(OUTSIDE, depth), atol=3e-6)
+    assert_allclose(surface.edge_load, surface.outside(np.array([1.0]))[0], rtol=1e-14)
     distance = np.array([1e-6, 1e-3, 0.1])
     assert_allclose(surface.tension(distance), -surface.pressure(1.0 - distance), rtol=1e-9)
 

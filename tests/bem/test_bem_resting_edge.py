@@ -182,9 +182,12 @@ def test_an_edge_does_not_turn_where_the_residual_hardly_rises():
     assert np.diff(radius).max() < 1e-6 * 1.3e-5
 
 
-@pytest.mark.parametrize("resolution", [12, 16, pytest.param(24, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("resolution", [12, 13, pytest.param(24, marks=pytest.mark.slow)])
 def test_press_after_rest_near_zero_force(resolution: int):
-    """Set off a hair beyond the place of rest: the root was read on that hair, steps rejected without end."""
+    """Set off a hair beyond the place of rest: the root was read on that hair, steps rejected without end.
+
+    In the rest the edge found a false root within the outermost annulus, at some resolutions.
+    """
     moduli, times = (1.138, 0.242, 0.0671, 0.684, 0.356, 0.00435), (17.2, 5.22, 1.14, 9.51, 0.527, 0.0132)
     material = Material(1.0, 0.0, tuple(map(Branch, moduli, times)))
     steps = (Hold(0.96827786), Ramp(0.02204, 0.55))
@@ -194,6 +197,7 @@ def test_press_after_rest_near_zero_force(resolution: int):
     trace = bem(question, resolution=resolution)
     assert trace.outcome.kind == "completed"
     assert trace.counters.rejected_steps < 20
+    assert np.ptp(trace.contact_radius[trace.time < 0.968]) < 1e-5 * 0.0382
     at_once = bem(
         replace(question, loading=replace(question.loading, steps=steps[1:])), resolution=resolution
     )

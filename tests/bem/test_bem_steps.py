@@ -138,6 +138,36 @@ def test_a_step_as_long_as_the_last_looks_back_over_the_last_alone(rounded):
     assert_allclose(steps.rates(0.1 * rounded), (2.0, 3.0), rtol=1e-12)
 
 
+def test_a_cubic_path_is_expected_where_it_goes():
+    """After equal steps; a parabola misses it by the same amount every time."""
+    steps = AcceptedSteps()
+    for share in np.linspace(0.0, 0.4, 5):
+        steps.add(AcceptedRow(share, 1.0 + 0.01 * share**3, 0.0))
+    assert_allclose(steps.edge_after(0.1), 1.00125 - 6e-5, rtol=1e-12)
+    travel = 0.00125 - 0.00064 - 6e-5
+    missed = 6e-5 * (travel / (0.00064 - 0.00027)) ** 3
+    assert_allclose(steps.expected_edge(0.1), steps.edge_after(0.1) + missed, rtol=1e-12)
+    steps.start(AcceptedRow(0.5, 2.0, 0.0))
+    assert steps.expected_edge(0.1) == 2.0
+
+
+@pytest.mark.parametrize(("rate", "most"), [(0.002, 10), (0.02, 6)])
+def test_a_limit_point_takes_few_trials(rate, most):
+    """A step that fails tells how far it is; halved time and again, steps failed twice as often."""
+    trace = solve(cycle(rate), Options(resolution=4))
+    assert trace.outcome.kind == "detached"
+    assert 0 < trace.counters.rejected_steps <= most
+
+
+def test_an_advancing_edge_passes_twice_as_far():
+    """Where nothing but the travel limit keeps steps short."""
+    trace = solve(cycle(0.02), Options(resolution=6))
+    top = int(np.argmax(trace.penetration))
+    travels = np.abs(np.diff(trace.contact_radius)) / ZONE
+    assert 0.5 < travels[:top].max() <= 4.0 / 6.0 + 1e-9
+    assert 0.25 < travels[top:].max() <= 2.0 / 6.0 + 1e-9
+
+
 def test_a_closing_edge_knows_no_rate():
     """Its steps are those without the law, which concerns opening edges."""
     counters, forces = [], []
