@@ -19,9 +19,9 @@ from bem_solver.step_control import AcceptedSteps
 
 _SMALLEST_TRAVEL_SHARES = 1.0 / 64.0, 1.0 / 16.0
 """Shares of the travel limit: an edge that passes even this at constant load moves unstably."""
-_ROUNDING_AT_FOLD = 1e-5
+_ROUNDING_AT_FOLD = 3e-5
 """Contact radius, relative, to which a limit point is told from rounding: there the edge moves by the root of
-what the load does, of which 1e-10 is lost in the sums over annuli and states."""
+what the load does, of which up to 1e-9 is lost in the sums over annuli and states."""
 _ROUNDINGS_OF_TIME = 4.0
 """Shortest step of a rated edge, in roundings of the time: what happens within it cannot be told apart."""
 

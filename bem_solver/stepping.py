@@ -140,6 +140,9 @@ class GradedRun:
         state.accepted.least = start.smallest_travel
         state.step, step = limited_step(start)
         if step < math.ulp(state.parameter):
+            if math.isfinite(state.accepted.way_to_limit_point()):  # no time resolves the rest of it
+                receding = state.accepted.rates(0.0)[0] < 0.0
+                return self._after_limit_point(start, receding, report)
             reason = "the step fell below rounding"
             return Outcome(OutcomeKind.STEP_UNDERFLOW, reason, state.contact.time)
         trial_step = TrialStep(problem, self.settings, state, interval, step)
@@ -268,14 +271,21 @@ class GradedRun:
                     state.rejected.append(RejectedStep(step, failed.travel))
                     state.step = shrunk(step, math.inf)
                     return None
-        event = unstable_motion(start, failed.receding)
+        return self._after_limit_point(start, failed.receding, report)
+
+    def _after_limit_point(
+        self, start: StepStart, receding: bool, report: Callable[[float], None]
+    ) -> Outcome | None:
+        """Let the edge move unstably; an outcome if the run ends with it."""
+        state = self.state
+        event = unstable_motion(start, receding)
         if isinstance(event, Outcome) or event.event:
-            state.record.event("pull-off" if failed.receding else "snap-in", state.contact)
+            state.record.event("pull-off" if receding else "snap-in", state.contact)
         lost = isinstance(event, Outcome) and event.kind is OutcomeKind.DETACHED
         if lost and self.problem.scene.loading.compliance > 0.0:
             state.contact, state.energies = released(start)
             state.record.row(self.problem.chain, state.contact, state.energies)
-        return self._after_event(event, interval, report)
+        return self._after_event(event, start.interval, report)
 
     def _after_event(
         self,
