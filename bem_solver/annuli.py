@@ -127,6 +127,10 @@ class Annuli:
         """``q_j = p sqrt(1 - x^2)`` at the collocation angles, edge pattern taken out by the punch, (M,)."""
         return self._per_pressure * pressure
 
+    def pressure(self, density: Array) -> Array:
+        """Pressures (M,) of a density, inverse of :meth:`density`."""
+        return density / self._per_pressure
+
     def edge_strength(self, density: Array) -> float:
         """``kappa = pi q(edge)``: displacement of the flat punch with the same edge singularity."""
         return float(np.pi * (self._edge_fit @ density[:-4:-1]))

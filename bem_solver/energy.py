@@ -109,30 +109,26 @@ def work_increment(
     chain : Chain
     before, after : ContactSurface
         Around the step.
-    variables : ndarray (M, K)
-        Internal variables at the annuli of ``after``, after the step.
-    load_before : ndarray (M,)
-        ``v`` at these annuli before the step.
-    variables_before : ndarray (M, K)
+    variables : ndarray (M + 3 k, K)
+        Internal variables at the annuli of ``after`` and at the readings of its kinks, after the step.
+    load_before : ndarray (M + 3 k,)
+        ``v`` there before the step.
+    variables_before : ndarray (M + 3 k, K)
         Internal variables there before the step.
 
     Returns
     -------
     WorkIncrement
     """
-    annuli = after.annuli
-    forces = after.edge * annuli.areas * after.scaled
-    work = float(forces @ (annuli.matrix @ after.scaled))
-
-    def lag_work(at: Array) -> Array:
-        return forces @ ((at @ chain.rotation.T) * chain.lag_scale)
-
+    lags, lags_before = (at @ chain.rotation.T * chain.lag_scale for at in (variables, variables_before))
+    works = after.work_on(np.column_stack((load_before, lags, lags_before)))
+    work, lag_work, lag_across = after.load_work, works[1 : 1 + len(chain)], works[1 + len(chain) :]
     intensity = 0.5 * (before.stress_intensity**2 + after.stress_intensity**2)
     return WorkIncrement(
         work,
-        chain.compliances * work - lag_work(variables),
-        float(forces @ load_before),
-        lag_work(variables_before),
+        chain.compliances * work - lag_work,
+        float(works[0]),
+        lag_across,
         intensity * np.pi * abs(after.edge**2 - before.edge**2),
     )
 

@@ -72,6 +72,18 @@ class EdgeKinks:
         """``v`` of unit punches (k,) at radii (m,), shape (m, k)."""
         return (2.0 / np.pi) * np.arcsin(self.radius / np.maximum(radius[:, None], self.radius))
 
+    def volumes(self, borders: Array) -> Array:
+        """Integrals (m, k) of ``v`` of unit punches over annuli with these borders (m + 1,)."""
+        far = np.maximum(borders[:, None], self.radius)
+        beyond = far**2 * np.arcsin(self.radius / far) + self.radius * np.sqrt(far**2 - self.radius**2)
+        within = np.minimum(borders[:, None], self.radius) ** 2 - self.radius**2
+        return np.diff(np.pi * within + 2.0 * beyond, axis=0)
+
+    @property
+    def works(self) -> Array:
+        """Work (k, k) of each unit punch on the displacement of each: the wider one's is even there."""
+        return 2.0 * np.minimum(self.radius[:, None], self.radius)
+
     def tension(self, index: int, inside: Array) -> Array:
         """Normal stress (tension positive) of the unit punch ``index`` at distances inside its own edge."""
         return -1.0 / (np.pi * np.sqrt(inside * (2.0 * self.radius[index] - inside)))

@@ -129,6 +129,49 @@ class ContactSurface:
             value = value + self.kinks.displacement(radius) @ self.strengths
         return value
 
+    def work_on(self, displacement: Array) -> Array:
+        """``int p g`` over the contact.
+
+        Parameters
+        ----------
+        displacement : ndarray (M + 3 k, n)
+            Fields g at the collocation radii, then at the readings of the kinks.
+
+        Returns
+        -------
+        ndarray (n,)
+
+        Notes
+        -----
+        No annuli resolve the root of g at a kink, let alone the inverse root of p: their punches are taken
+        out of both. What a punch does on the rest of g is, the operator being symmetric, what the pressure
+        under that rest does on the punch's displacement, and that on an annulus is known.
+        """
+        annuli, kinks, strengths = self.annuli, self.kinks, self.strengths
+        if kinks is None or strengths is None:
+            return self.edge * annuli.areas * self.scaled @ displacement
+        at, roots = displacement[: annuli.count], kinks.strengths(displacement[annuli.count :])
+        rest = at - kinks.displacement(self.edge * annuli.radii) @ roots
+        return self._work_on_parts(kinks, strengths, rest, annuli.solve(rest), roots)
+
+    @property
+    def load_work(self) -> float:
+        """``int p v`` over the contact."""
+        annuli, kinks, strengths = self.annuli, self.kinks, self.strengths
+        if kinks is None or strengths is None:
+            return float(self.edge * annuli.areas * self.scaled @ (annuli.matrix @ self.scaled))
+        rest = annuli.pressure(self.density)
+        return float(self._work_on_parts(kinks, strengths, annuli.matrix @ rest, rest, strengths))
+
+    def _work_on_parts(
+        self, kinks: EdgeKinks, strengths: Array, rest: Array, scaled: Array, roots: Array
+    ) -> Array:
+        """``int p g``: rest of g (M, ...), scaled pressure (M, ...) that makes it, and punches (k, ...)."""
+        annuli, smooth = self.annuli, self.annuli.pressure(self.density)
+        volumes = kinks.volumes(self.edge * annuli.borders).T / self.edge
+        work = self.edge * annuli.areas * smooth @ rest + strengths @ (volumes @ scaled)
+        return work + (volumes @ smooth + strengths @ kinks.works) @ roots
+
     @cached_property
     def edge_load(self) -> float:
         """``v`` at the edge."""

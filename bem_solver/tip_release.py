@@ -24,22 +24,25 @@ from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
 
-_DISTANCES = np.array([1.0, 4.0])
-"""Distances outside the edge from which the root of the gap at the tip is read, in the nearer one."""
+_DISTANCES = np.array([1.0, 2.0, 4.0])
+"""Distances outside the edge from which the root of the gap at the tip is read, in the nearest one."""
 _NEAREST, _FARTHEST = 1.0 / 64.0, 0.25
-"""Bounds on the nearer one, in process zones."""
+"""Bounds on the nearest one, in process zones."""
+_TELLS_ROOTS_APART = 0.25
+"""Distance of the next place of rest ahead, in the nearest one, below which its root and that of the tip are
+read as one."""
 _SHARE_OF_WAY = 0.25
 """Upper bound on the first of them, in distances of the edge from where it has turned or rested: what is left
 of the gap from there falls off over that distance."""
 _RESOLVED = 32.0
 """Lower bound on it, in distances of the outermost collocation radius from the edge."""
 _BRANCH_TRAVELS = 16.0
-"""The nearer one, in distances the edge travels while a branch lags: there the root of a steady edge is read
+"""The nearest one, in distances the edge travels while a branch lags: there the root of a steady edge is read
 to some 0.2 %; nearer, the error grows as one over the distance."""
 
 
 def tip_distances(problem: Problem, history: SurfaceHistory, motion: Motion, zone: float) -> Array:
-    """Distances (2,) outside the edge at which the gap at the tip is read after a step.
+    """Distances (3,) outside the edge at which the gap at the tip is read after a step.
 
     Parameters
     ----------
@@ -52,7 +55,7 @@ def tip_distances(problem: Problem, history: SurfaceHistory, motion: Motion, zon
 
     Returns
     -------
-    ndarray (2,)
+    ndarray (3,)
 
     Notes
     -----
@@ -69,23 +72,34 @@ def tip_distances(problem: Problem, history: SurfaceHistory, motion: Motion, zon
     return min(max(distance, nearest), _FARTHEST * zone) * _DISTANCES
 
 
-def tip_release(chain: Chain, surface: ContactSurface, gap: Array, distances: Array) -> tuple[float, float]:
+def tip_release(
+    chain: Chain, surface: ContactSurface, gap: Array, distances: Array, ahead: float = math.inf
+) -> tuple[float, float]:
     """Glassy energy release rate of the tip, were it to open and to close.
 
     Parameters
     ----------
     chain : Chain
     surface : ContactSurface
-    gap, distances : ndarray (2,)
+    gap, distances : ndarray (3,)
         Gap outside the edge, and how far outside.
+    ahead : float
+        Distance of the next place ahead where an edge has rested: another root begins there.
 
     Returns
     -------
     opening, closing : float
         An energy per area.
     """
-    near, far = gap.tolist()
-    root = (8.0 * near - far) / (6.0 * math.sqrt(float(distances[0])))
+    nearest = float(distances[0])
+    if _TELLS_ROOTS_APART * nearest <= ahead < distances[-1]:
+        beyond = np.sqrt(np.maximum(distances - ahead, 0.0) / nearest)
+        share = distances / nearest
+        roots = np.linalg.solve(np.array((np.sqrt(share), share**1.5, beyond)).T, gap)
+        root = max(float(roots[0]), 0.0) / math.sqrt(nearest)
+    else:
+        near, _, far = gap.tolist()
+        root = (8.0 * near - far) / (6.0 * math.sqrt(nearest))
     return 0.5 * surface.stress_intensity**2 / chain.glassy, root**2 * chain.glassy * np.pi / 16.0
 
 
@@ -93,6 +107,17 @@ def release_jumps(history: SurfaceHistory, motion: Motion) -> tuple[float, ...]:
     """Radii at which the release of the tip jumps: where an edge has rested, and where it turns now."""
     turns = history.direction * (motion.new_edge - motion.edge) < 0.0
     return (*history.past_kinks, motion.edge) if turns else history.past_kinks
+
+
+def next_jump(jumps: tuple[float, ...], edge: float) -> float:
+    """Distance from the edge of the next place ahead where its release jumps."""
+    return min((jump - edge for jump in jumps if jump > edge), default=math.inf)
+
+
+def jumps_as_read(jumps: tuple[float, ...], edge: float, distances: Array) -> tuple[float, ...]:
+    """Places where the release jumps, one that its reading cannot tell from the edge being there."""
+    reach = _TELLS_ROOTS_APART * float(distances[0])
+    return tuple(edge if edge < jump < edge + reach else jump for jump in jumps)
 
 
 def energy_of_tip(

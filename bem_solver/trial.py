@@ -40,7 +40,7 @@ class TrialContact:
     """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes.
 
     ``points`` are the collocation radii inside its edge at the start of the step; ``zone`` is the length of
-    the process zone, and ``tip_gap`` (2,) the gap outside the edge at ``tip_distance`` (2,), with adhesion.
+    the process zone, and ``tip_gap`` (3,) the gap outside the edge at ``tip_distance`` (3,), with adhesion.
     """
 
     motion: Motion
@@ -195,7 +195,8 @@ def _closure(
     offsets = np.concatenate((offsets, (depth[near, None] + own).ravel()))
     gap = gap_outside(problem, state, motion, surface, edge + zone - offsets)
     value = rule.integral(surface.tension(inner), gap[:count], zone, edge)
-    tip_gap, gaps = gap[count : count + 2], gap[count + 2 :].reshape(own.shape)
+    count_tip = count + len(tip_distance)
+    tip_gap, gaps = gap[count:count_tip], gap[count_tip:].reshape(own.shape)
     for index, distance, facing in zip(near.tolist(), own, gaps, strict=True):
         tension = surface.strengths[index] * kinks.tension(index, distance)
         value += (min(zone, edge) - depth[index]) * (rule.weight @ (tension * facing)) / (2.0 * zone)

@@ -7,10 +7,12 @@ from scipy.integrate import quad
 from support.bem_runs import bem, front
 from support.paper_scenes import ONE, scene
 
+from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, WorkIncrement, updated_energies
 from bem_solver.motion import Motion
-from bem_solver.tip_release import energy_of_tip
+from bem_solver.surface import ContactSurface
+from bem_solver.tip_release import energy_of_tip, jumps_as_read, next_jump, tip_release
 from contact_scene import Adhesion, Branch, Cone, FlatPunch, Force, Hold, Loading, Material, Ramp, Scene
 
 
@@ -54,20 +56,32 @@ def test_release_of_the_tip_jumps_where_the_edge_has_rested():
 
 
 @pytest.mark.parametrize(
-    ("steps", "within"),
-    [((0.036, 0.03), 0.005), ((0.03, 0.036), 0.12)],
-    ids=["opens last", "closes last"],
+    ("resolution", "within"), [(6, 0.06), (8, 0.025), (10, 0.015), (12, 0.008), (16, 0.005)]
 )
-def test_heat_of_the_branches_of_an_edge_that_turns(steps, within):
-    """The tip's release changes a hundredfold where the edge turns and where it passes its place of rest.
-
-    Closing last, it is off by -10, 1 and 7 % at resolutions 8, 12 and 24: a third of what the tip releases.
-    """
+@pytest.mark.parametrize("steps", [(0.036, 0.03), (0.03, 0.036)], ids=["opens last", "closes last"])
+def test_heat_of_the_branches_of_an_edge_that_turns(steps, resolution, within):
+    """The tip's release changes a hundredfold where the edge turns and where it passes its place of rest."""
     two = Material(0.75, 0.5, (Branch(2.0, 1e-3), Branch(9.0, 100.0)))
     question = scene(*(Ramp(to, 0.01) for to in steps), start="relaxed", at=0.032, material=two)
-    mine, other = bem(question, resolution=12), front(question, 10)
+    mine, other = bem(question, resolution=resolution), front(question, 10)
     expected = other.extra["branch_dissipation"][-1]
     assert_allclose(mine.extra["branch_dissipation"][-1], expected, rtol=within)
+
+
+@pytest.mark.parametrize("ahead", [0.3, 1.5, 3.0, np.inf])
+def test_release_of_the_tip_is_read_beside_the_root_of_a_place_of_rest(ahead):
+    """``g = sqrt(d) + 0.1 d^(3/2) + 10 sqrt(d - ahead)``: the tip's root is the first."""
+    chain, surface, distances = Chain(ONE), ContactSurface.free(Annuli(8)), np.array([1.0, 2.0, 4.0])
+    gap = np.sqrt(distances) + 0.1 * distances**1.5 + 10.0 * np.sqrt(np.maximum(distances - ahead, 0.0))
+    closing = tip_release(chain, surface, gap, distances, ahead)[1]
+    assert_allclose(closing, chain.glassy * np.pi / 16.0, rtol=1e-9)
+
+
+def test_a_place_of_rest_too_near_to_be_told_from_the_edge_counts_as_reached():
+    distances = np.array([0.1, 0.2, 0.4])
+    assert jumps_as_read((0.9, 1.01, 1.1), 1.0, distances) == (0.9, 1.0, 1.1)
+    assert_allclose(next_jump((0.9, 1.01, 1.1), 1.0), 0.01)
+    assert next_jump((0.9,), 1.0) == np.inf
 
 
 def test_the_first_step_of_a_glassy_contact_follows_its_force():
