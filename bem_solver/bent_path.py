@@ -35,6 +35,8 @@ _NEWTON_STEPS = 4
 """For the share at which a cubic path passes a radius, from that of a parabola close to it."""
 _FORGOTTEN = 36.0
 """Time, in retardation times, after which nothing is left of a lag: ``exp(-36)`` is rounding."""
+_SMALLEST = float(np.finfo(float).tiny)
+"""Keeps the quotient of two zeros a number: no way is left to integrate over."""
 
 
 @dataclass(frozen=True)
@@ -201,13 +203,16 @@ class BentPath:
         passage = self.left(radius)
         before = passage >= 0.5 * (begin + end)  # the passage lies before, not after
         away = np.where(before, -1.0, 1.0)
-        near = np.sqrt(np.maximum(away * (np.where(before, first, end) - passage), 0.0))
-        far = np.sqrt(np.maximum(away * (np.where(before, end, first) - passage), 0.0))
+        nearest = np.where(before, np.minimum(first, passage), np.maximum(end, passage))
+        near = np.sqrt(away * (nearest - passage))
         length = float(y.max())
         points, weights = next(rule for longest, rule in _RULES.items() if length <= longest)
-        reach = far - near
-        z = near[..., None] + reach[..., None] * points
-        left = passage[..., None] + away[..., None] * z * z
+        # from the nearest share, not from the passage: an edge that hardly moves passes 1e16 steps away
+        ways = np.maximum(away * (np.where(before, end, first) - nearest), 0.0)
+        reach = ways / np.maximum(near + np.sqrt(near**2 + ways), _SMALLEST)
+        beyond = reach[..., None] * points
+        z = near[..., None] + beyond
+        left = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)
         when = np.concatenate((left.reshape(len(left), -1), begin, end), axis=1)
         values = fall(self.distance(radius, when), when)
         within = values[:, :-2].reshape(left.shape) * (z * np.exp(y[:, None] * (end[..., None] - left)))

@@ -262,6 +262,17 @@ def test_outer_fall_between_its_readings():
         assert_allclose(fall(between, share) / np.sqrt(between), exact, atol=1e-4)
 
 
+@pytest.mark.parametrize("bend", [-0.99, 0.0, 0.99])
+@pytest.mark.parametrize("y", [1e-2, 1.0, 100.0])
+def test_recent_change_outside_an_edge_that_moves_by_rounding(bend, y):
+    """Its passage of a radius lies 1e16 steps away; a load that falls evenly has ``(1 - exp(-y))/y``."""
+    for travel in (5e-17, -5e-17):
+        path = BentPath(1.0, travel, bend * travel)
+        radius = np.array([1.0 + 1e-9, 1.5, 200.0])
+        change = path.recent_change(lambda _, left: -left, radius, np.array([y]), np.ones(3), np.zeros(3))
+        assert_allclose(change[:, 0], -np.expm1(-y) / y, rtol=1e-6)
+
+
 @pytest.mark.parametrize("path", PATHS)
 @pytest.mark.parametrize("y", [1e-2, 1.0, 100.0])
 def test_recent_change_of_a_root(path, y):
