@@ -56,16 +56,24 @@ def test_release_of_the_tip_jumps_where_the_edge_has_rested():
 
 
 @pytest.mark.parametrize(
-    ("resolution", "within"), [(6, 0.06), (8, 0.025), (10, 0.015), (12, 0.008), (16, 0.005)]
+    ("resolution", "within"),
+    [
+        (6, 0.06),
+        (8, 0.025),
+        (12, 0.008),
+        *(pytest.param(*row, marks=pytest.mark.slow) for row in ((10, 0.015), (16, 0.005))),
+    ],
 )
-@pytest.mark.parametrize("steps", [(0.036, 0.03), (0.03, 0.036)], ids=["opens last", "closes last"])
-def test_heat_of_the_branches_of_an_edge_that_turns(steps, resolution, within):
+@pytest.mark.parametrize(
+    ("steps", "most"), [((0.036, 0.03), 0.005), ((0.03, 0.036), 1.0)], ids=["opens last", "closes last"]
+)
+def test_heat_of_the_branches_of_an_edge_that_turns(steps, most, resolution, within):
     """The tip's release changes a hundredfold where the edge turns and where it passes its place of rest."""
     two = Material(0.75, 0.5, (Branch(2.0, 1e-3), Branch(9.0, 100.0)))
     question = scene(*(Ramp(to, 0.01) for to in steps), start="relaxed", at=0.032, material=two)
     mine, other = bem(question, resolution=resolution), front(question, 10)
     expected = other.extra["branch_dissipation"][-1]
-    assert_allclose(mine.extra["branch_dissipation"][-1], expected, rtol=within)
+    assert_allclose(mine.extra["branch_dissipation"][-1], expected, rtol=min(within, most))
 
 
 @pytest.mark.parametrize("ahead", [0.3, 1.5, 3.0, np.inf])
