@@ -27,6 +27,8 @@ _MISSED_TENSION = 0.1
 """Tension that rows may miss of its largest value, relative to the allowed error of the force."""
 _ZONE_END_SHARE = 1e-4
 """Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
+_FIRST_TRAVEL = 0.0625
+"""Travel of a rated edge in the step in which it sets off, relative to that allowed per step."""
 _EVENT_TRAVEL = 4.0
 """An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
 _DEVIATION_PER_TOLERANCE = 10.0
@@ -53,6 +55,9 @@ class SteppedStates(AcceptedStates):
             candidate = self.trial_step(segment, interval.dt, interval.next_time)
             error = max(deviation, candidate.error)
             if self._first_step_was_too_long(candidate, interval):
+                continue
+            if self._sets_off_too_far(candidate.contact, interval):
+                self._reject(interval)
                 continue
             if self._overshoots_its_zone(candidate.contact, interval):
                 self._reject(interval)
@@ -149,6 +154,16 @@ class SteppedStates(AcceptedStates):
             return 0.0
         largest = deviation_from_tangent(segment, interval.time, interval.next_time)
         return largest / (_DEVIATION_PER_TOLERANCE * self.estimator.tolerance * span)
+
+    def _sets_off_too_far(self, contact: ContactCandidate, interval: DyadicInterval) -> bool:
+        """Whether an edge at rest, whose energy follows its speed, sets off in a step and goes far in it.
+
+        The formula of the speed would count the rest that is part of the step.
+        """
+        if not self._has_rate or self.state.rate != 0.0 or interval.shortest or not contact.in_equilibrium:
+            return False
+        gone = self.state.radius - self.solver.radius(contact)
+        return gone > _FIRST_TRAVEL * self.setup.travel
 
     def _overshoots_its_zone(self, contact: ContactCandidate, interval: DyadicInterval) -> bool:
         """Whether a zone of fixed stress comes to fill its contact within a step that is not yet short."""
