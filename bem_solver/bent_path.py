@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bem_solver.creep import SMALLEST
 from bem_solver.outer_fall import OuterFall
 
 Array = NDArray[np.float64]
@@ -35,8 +36,6 @@ _NEWTON_STEPS = 4
 """For the share at which a cubic path passes a radius, from that of a parabola close to it."""
 _FORGOTTEN = 36.0
 """Time, in retardation times, after which nothing is left of a lag: ``exp(-36)`` is rounding."""
-_SMALLEST = float(np.finfo(float).tiny)
-"""Keeps the quotient of two zeros a number: no way is left to integrate over."""
 
 
 @dataclass(frozen=True)
@@ -209,7 +208,7 @@ class BentPath:
         points, weights = next(rule for longest, rule in _RULES.items() if length <= longest)
         # from the nearest share, not from the passage: an edge that hardly moves passes 1e16 steps away
         ways = np.maximum(away * (np.where(before, end, first) - nearest), 0.0)
-        reach = ways / np.maximum(near + np.sqrt(near**2 + ways), _SMALLEST)
+        reach = ways / np.maximum(near + np.sqrt(near**2 + ways), SMALLEST)
         beyond = reach[..., None] * points
         z = near[..., None] + beyond
         left = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)

@@ -26,13 +26,13 @@ from contact_scene import Material
 
 Array = NDArray[np.float64]
 
-_SMALLEST = 1e-300
+SMALLEST = 1e-300
 """Stands for zero in quotients whose limit there is 1 to rounding."""
 
 
 def phi(y: Array) -> Array:
     """``(1 - exp(-y))/y``, the average of ``exp(-y x)`` over 0 <= x <= 1; phi(0) = 1."""
-    positive = np.maximum(y, _SMALLEST)
+    positive = np.maximum(y, SMALLEST)
     return -np.expm1(-positive) / positive
 
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_LOG_RATIO_BEYOND = 0.05
-"""Ratio of the distances of the first nodes outside, less one: as far apart as nodes are kept later."""
+NODES_APART = 0.05
+"""How far apart nodes are, as a part of their distance from the edge, where that is several zones."""
 _MOST_KINKS = 8
 """Kinks represented at once; the oldest are dropped."""
 
@@ -278,7 +278,7 @@ def nodes_beyond(edge: float, length: float, farthest: float) -> Array:
     In ratios of the radius the first interval would be many process zones wide where these are short, and the
     surface in it, a root of the distance near the edge, one cubic.
     """
-    count = math.ceil(math.log((farthest - edge) / length) / _LOG_RATIO_BEYOND)
+    count = math.ceil(math.log((farthest - edge) / length) / NODES_APART)
     return edge + np.geomspace(length, farthest - edge, count + 1)
 
 

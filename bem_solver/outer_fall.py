@@ -44,10 +44,8 @@ _CUBIC = np.array(
 class OuterFall:
     """B at both ends of a step, ``start`` and ``end`` (n,), at ``distance`` (n,) in equal ratios.
 
-    ``entries`` are those of the table at the start.
-
     In between it is linear in time; with the fall of the start alone the residual of a long step of an
-    advancing edge has a second, false root.
+    advancing edge has a second, false root. ``entries`` are those of the table at the start.
     """
 
     distance: Array

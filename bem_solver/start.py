@@ -139,9 +139,7 @@ def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energie
         raise zone_too_long(trial.zone, surface.edge)
     history = _start_history(problem, surface, penetration, relaxed)
     state = HalfSpaceState(0.0, penetration, surface, history, trial.closure)
-    forces = surface.edge * problem.annuli.areas * surface.scaled
-    load_work = float(forces @ (problem.annuli.matrix @ surface.scaled))
-    energies = initial_energies(problem.chain, load_work, relaxed)
+    energies = initial_energies(problem.chain, surface.load_work, relaxed)
     if problem.work > 0.0 and problem.viscoelastic:
         opening = 0.5 * surface.stress_intensity**2 / problem.chain.glassy
         stiffer = material.glassy_modulus / material.modulus if relaxed else 1.0  # than what opened the gap

@@ -12,6 +12,7 @@ from bem_solver.edge_energy import EdgeStep, energy_spent
 from bem_solver.energy import Energies, updated_energies, work_increment
 from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import (
+    NODES_APART,
     NodalVariables,
     SurfaceHistory,
     distinct,
@@ -89,7 +90,7 @@ def spacing(radius: Array, edge: float, length: float, divisions: int) -> Array:
     ndarray (n,)
     """
     beyond = np.maximum(np.abs(radius - edge) - 2.0 * length, 0.0)
-    return length / divisions + 0.05 * beyond
+    return length / divisions + NODES_APART * beyond
 
 
 def updated_state(

@@ -247,7 +247,8 @@ class TrialStep(StepStart):
         """Edge to start the search from: extrapolated, but the present one if the parabola turns round.
 
         Behind a receding edge of a stiff glass the residual of covered points is rounding, with false roots.
-        Nor is it known within the outermost annulus, where an edge at rest would find them.
+        Nor is it known within the outermost annulus: an edge expected nearer than its accuracy is sought
+        where it stands, or at rest it would find them.
         """
         accepted, edge = self.state.accepted, self.state.contact.edge
         expected = accepted.edge_after(self.step)

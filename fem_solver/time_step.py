@@ -56,10 +56,8 @@ class SteppedStates(AcceptedStates):
             error = max(deviation, candidate.error)
             if self._first_step_was_too_long(candidate, interval):
                 continue
-            if self._sets_off_too_far(candidate.contact, interval):
-                self._reject(interval)
-                continue
-            if self._overshoots_its_zone(candidate.contact, interval):
+            contact = candidate.contact
+            if self._sets_off_too_far(contact, interval) or self._overshoots_its_zone(contact, interval):
                 self._reject(interval)
                 continue
             if error > _REJECT and not interval.shortest:
@@ -71,7 +69,7 @@ class SteppedStates(AcceptedStates):
                 continue
             if peak is None or not self._divide_last_step(peak, interval):
                 break
-        contact, slopes = candidate.contact, candidate.slopes
+        slopes = candidate.slopes
         if segment.trigger is not None:
             at_level = step_to_level(self, segment, segment.trigger, interval.dt, contact)
             if at_level is not None:

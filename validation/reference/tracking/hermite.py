@@ -45,7 +45,7 @@ def slopes(x: Array, y: Array) -> Array:
     np.minimum(np.maximum(middle, -bound), bound, out=result[1:-1])
     # At the ends, and beside a step, the slope is that of the node's own side.
     steps = beside_steps(widths)
-    if y.ndim == 1 and not len(steps):
+    if y.ndim == 1 and not len(steps):  # the usual case: an eighth of a run is saved without arrays of two
         for end, behind in ((0, 1), (-1, -2)):
             last, width = float(secant[end]), float(widths[end])
             share = width / (width + float(widths[behind]))

@@ -107,13 +107,12 @@ def _passing(
 
 def _deviation(problem: FrontProblem, state: FrontState, trial: Trial, end: FrontCandidate) -> float:
     """Error of a step of prescribed distance, in allowed deviations."""
-    row = (end.time, end.surface.radius, end.force, end.surface.penetration)
     estimator = problem.step_error(state, trial.segment, end)
     deviation = max(
-        estimator.along_edge(row), estimator.of_load(row, problem.load_rate(state, trial.segment))
+        estimator.along_edge(end.row), estimator.of_load(end.row, problem.load_rate(state, trial.segment))
     )
     if problem.rated:  # nothing limits the speed but the time in which it changes
-        deviation = max(deviation, estimator.in_time(row))
+        deviation = max(deviation, estimator.in_time(end.row))
     return deviation
 
 
@@ -172,9 +171,8 @@ def _over_radius(
     allowed: float,
 ) -> FrontCandidate:
     """A candidate with interpolated rows over the radius, ``left`` before a limit point."""
-    row = (end.time, end.surface.radius, end.force, end.surface.penetration)
     estimator = problem.step_error(state, trial.segment, end)
-    intervals = estimator.intervals_before_limit_point(row, left, allowed)
+    intervals = estimator.intervals_before_limit_point(end.row, left, allowed)
     return replace(end, intervals=intervals, to_limit_point=left)
 
 

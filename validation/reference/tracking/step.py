@@ -148,7 +148,7 @@ def _step_error(
     rows: RowTolerances,
 ) -> tuple[float, int]:
     """Step error in allowed deviations, and the number of intervals for interpolated rows."""
-    row = (end.time, end.surface.radius, end.force, end.surface.penetration)
+    row = end.row
     estimator = problem.step_error(state, trial.segment, end)
     deviation, smooth = estimator.in_time(row), True
     near_limit = not problem.rated and 0.0 < edge.steepness * problem.condition.zone_length < FLAT_RESIDUAL

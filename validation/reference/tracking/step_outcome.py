@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from contact_scene import Event
+from validation.reference.tracking.step_history import HistoryRow
 from validation.reference.tracking.surface import Surface
 
 
@@ -24,6 +25,11 @@ class FrontCandidate:
     intervals: int = 0
     to_limit_point: float | None = None
 
+    @property
+    def row(self) -> HistoryRow:
+        """What the history keeps of it."""
+        return self.time, self.surface.radius, self.force, self.surface.penetration
+
 
 @dataclass(frozen=True)
 class StepOutcome:
@@ -41,7 +47,7 @@ class StepOutcome:
         New limit of the travel of the edge; ``None``: as before.
     steepness : float or None
         Slope of the residual over the radius; ``None``: as before.
-    steepening : float
+    steepening : float or None
         Rate of that slope; ``None``: as before.
     equilibria : tuple of Surface
         Rows at the present time before the candidate, recorded without being steps.
