@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact_scene import Scene
+from contact_scene.trace import Array
 from validation.cases import load
 from validation.claims import elastic, oscillations, release, surface
 from validation.claims.evidence import (
@@ -201,11 +202,19 @@ def oscillation(figure: Figure, evidence: Evidence) -> None:
         label = rf"$\tilde{{\omega}}$ = {frequency}"
         depth, force = columns["penetration"], columns["force"]
         axes.plot(depth, force, color=colour, linewidth=0.4, alpha=0.4, rasterized=True)
-        lowest = np.flatnonzero((force[1:-1] < force[:-2]) & (force[1:-1] <= force[2:])) + 1
+        lowest = _lowest_of_cycles(force, np.floor(columns["time"] * float(frequency) / (2.0 * np.pi)))
         axes.plot(depth[lowest], force[lowest], color=colour, linestyle="--", linewidth=2.2, label=label)
     columns = of_trace(evidence.trace("retraction-steady"), load("retraction-steady").scene).columns
     axes.plot(columns["penetration"], columns["force"], color=INK, linewidth=1.3, label="steady")
     axes.set(xlabel=DEPTH, ylabel=FORCE)
+
+
+def _lowest_of_cycles(force: Array, cycle: Array) -> list[int]:
+    """Row of the lowest local minimum of the force in each cycle: roundings make others beside it."""
+    minima = np.flatnonzero((force[1:-1] < force[:-2]) & (force[1:-1] <= force[2:])) + 1
+    by_force = minima[np.argsort(force[minima], kind="stable")]
+    _, first = np.unique(cycle[by_force], return_index=True)
+    return by_force[first].tolist()
 
 
 def release_rates(figure: Figure, evidence: Evidence) -> None:
