@@ -40,17 +40,18 @@ _FORGOTTEN = 36.0
 
 @dataclass(frozen=True)
 class EarlierRow:
-    """The row before the last: its time before the last, its penetration, its edge and ``v`` there.
+    """The row before the last: its time before the last, its penetration, its edge, ``v`` there and ahead.
 
-    ``fall`` is that of the load outside the last row, ``further`` time before the last and edge of the row
-    before this one, where the path is a cubic. All but the first two are None where the edge keeps to a
-    straight line, and only the penetration is a parabola.
+    The last three are None without adhesion. ``fall`` is that of the load outside the last row, ``further``
+    time before the last and edge of the row before this one, where the path is a cubic: None where the edge
+    keeps to a straight line.
     """
 
     time: float
     penetration: float
     edge: float | None = None
     edge_load: float | None = None
+    load_ahead: float | None = None
     fall: OuterFall | None = None
     further: tuple[float, float] | None = None
 

@@ -33,7 +33,7 @@ class LoadControl:
     """``control`` has ``value`` at the end of the step.
 
     ``points`` are the collocation radii inside the new edge, and behind them the readings of ``kinks``;
-    ``earlier`` is the row before the last, where the edge has a curved path.
+    ``earlier`` is the row before the last, where the edge or its load has a curved path.
     """
 
     problem: Problem
@@ -47,10 +47,12 @@ class LoadControl:
     def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration and the end that belong to the control, and its surface."""
         motion, surface = self._controlled(motion)
-        if motion.fall is None:
+        if motion.fall is None and (self.earlier is None or self.earlier.edge is None):
             return motion, surface
         motion = self._ending(motion, surface)
-        return self._settled(motion, surface) if motion.new_edge > motion.edge else (motion, surface)
+        if motion.new_edge <= motion.edge:
+            return motion, surface
+        return self._controlled(motion) if motion.fall is None else self._settled(motion, surface)
 
     def _settled(self, motion: Motion, surface: ContactSurface) -> tuple[Motion, ContactSurface]:
         """Motion and surface of an advancing edge.
@@ -70,13 +72,23 @@ class LoadControl:
         return self._ending(replace(three, new_penetration=penetration), surface), surface
 
     def _ending(self, motion: Motion, surface: ContactSurface) -> Motion:
-        """The motion along a path whose end is that of a surface."""
-        bend, earlier = 0.0, self.earlier
-        if earlier is not None and earlier.edge_load is not None:
-            before = earlier.time, earlier.edge_load
-            bend = parabola_bend(before, self.state.surface.edge_load, motion.duration, surface.edge_load)
+        """The motion whose end is that of a surface."""
         fall = None if motion.fall is None else motion.fall.towards(surface)
-        return replace(motion, fall=fall, edge_load_bend=bend)
+        return replace(motion, fall=fall, load_bend=self._load_bend(motion, surface))
+
+    def _load_bend(self, motion: Motion, surface: ContactSurface) -> float:
+        """``c`` of the load through the earlier row: at the edge of a curved path, or ahead of another."""
+        earlier, start = self.earlier, self.state.surface
+        if earlier is None or (motion.path is not None and earlier.fall is None):
+            return 0.0
+        if earlier.fall is not None and earlier.edge_load is not None:
+            before, value, end = earlier.edge_load, start.edge_load, surface.edge_load
+        elif earlier.load_ahead is not None:
+            ahead = self.problem.ahead
+            before, value, end = earlier.load_ahead, start.load_ahead(ahead), surface.load_ahead(ahead)
+        else:
+            return 0.0
+        return parabola_bend((earlier.time, before), value, motion.duration, end)
 
     def _controlled(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration, and surface, that the control asks for."""

@@ -27,8 +27,8 @@ class Motion:
 
     ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step.
     ``path`` is that of an edge whose speed is not constant, and ``fall`` then takes the place of the square
-    root, or both None; ``edge_load_bend`` is ``c`` in the load at the edge of such a path after a share s of
-    the step, ``... + c s (s - 1)``.
+    root, or both None; ``load_bend`` is ``c`` in the load at the edge of a path, or ahead of any
+    other edge, after a share s of the step: ``... + c s (s - 1)``.
     ``earlier`` a row (time before the start, penetration) through which the penetration is a parabola, where
     it is prescribed its value within the step (time negative), or None where it is linear.
     ``innermost`` (1 point) the state of a point inside the edge throughout the step. It is given
@@ -45,7 +45,7 @@ class Motion:
     path: BentPath | None = None
     fall: OuterFall | None = None
     earlier: tuple[float, float] | None = None
-    edge_load_bend: float = 0.0
+    load_bend: float = 0.0
 
     @cached_property
     def bend(self) -> float:
@@ -89,10 +89,14 @@ class Motion:
         y = self.duration / chain.retardation
         even = chain.spread((begin - end)[:, None] * y)
         change = -path.recent_change(of, radius, y, begin, end, even)
-        if self.edge_load_bend != 0.0:
-            share = (begin - end)[:, None]
-            change += self.edge_load_bend * share**2 * chain.spread_bent(share * y)
-        return chain.lag_rate * change
+        return chain.lag_rate * change + self.lags_of_bend(chain, begin - end)
+
+    def lags_of_bend(self, chain: Chain, share: Array) -> Array | float:
+        """Scaled lags of the load near the edge, beyond an even change, over a share (m,) of the step."""
+        if self.load_bend == 0.0:
+            return 0.0
+        y = share[:, None] * self.duration / chain.retardation
+        return chain.lag_rate * self.load_bend * share[:, None] ** 2 * chain.spread_bent(y)
 
     def penetration_at(self, share: Array) -> Array:
         """Penetration after a share of the step."""

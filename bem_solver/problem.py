@@ -17,6 +17,10 @@ _ZONES_RECEDING, _ZONES_ADVANCING = 2.0, 4.0
 """Process zones of which it takes the same fraction, at least, where its path is a parabola: half a zone
 at the coarsest resolution, from where on errors fall with its square, and twice as much for an advancing
 edge, whose closure hardly depends on its speed."""
+_AHEAD = 0.25
+"""Distance of the point whose load stands for that outside an edge that hardly moves, in process zones: the
+layer at the edge itself changes at once where the edge turns. From a twentieth to the whole zone all is
+alike."""
 LONG_ZONE = 0.02
 """Process zone over contact radius below which a step may pass over process zones, and the field inside the
 contact varies over its radius rather than over zones."""
@@ -69,6 +73,11 @@ class Problem:
             return self.length_at(edge)
         zones = (_ZONES_ADVANCING if advancing else _ZONES_RECEDING) * self.zone
         return max(zones, _LONG_TRAVEL * edge) if self.over_zones(edge) else zones
+
+    @property
+    def ahead(self) -> float:
+        """Distance outside the edge at which the load there is read."""
+        return _AHEAD * self.zone
 
     def relaxes_within(self, duration: float) -> bool:
         """Whether a step is long against a branch: points it covers then feel the whole fall of the load."""

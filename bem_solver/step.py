@@ -18,7 +18,7 @@ from bem_solver.kinks import speed_jump_between
 from bem_solver.outer_fall import OuterFall
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
-from bem_solver.step_control import shrunk
+from bem_solver.step_control import AcceptedRow, shrunk
 from bem_solver.step_error import error_at_limit, least_bent_travel, step_error
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 
@@ -26,6 +26,8 @@ _RESIDUAL_ACCURACY = 1e-2
 """Accuracy of the closure, in step tolerances of the work of adhesion: far below the step error."""
 _TRAVEL_ITERATIONS = 3
 """Corrections of a step by the travel to be expected in it: the expected travel is nearly in proportion."""
+_SHARE_OF_STEP = 0.4
+"""Least time between the rows of a parabola, in the step it is to tell of: steps double at most."""
 _BESIDE_EXTREMUM = 0.125
 """Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row
 by a sixty-fourth of what it would with the whole step."""
@@ -307,28 +309,33 @@ class TrialStep(StepStart):
         return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, earlier, midway)
 
     def _earlier(self, duration: float) -> EarlierRow | None:
-        """The row before the last, with adhesion where the step takes the edge far enough for a curved path.
+        """The row before the last, with its edge where the step takes the edge far enough for a curved path.
 
         Over less its path is straight: the condition at the end of the step is then one on the place of the
-        edge, and a parabola through earlier rows carries their errors on. Not so the penetration under a
-        force, and without adhesion, which creeps and is sought at the end of the step: it always is one.
+        edge, and a parabola through earlier rows carries their errors on. Not so a penetration that creeps
+        and is sought at the end of the step, and the load ahead of the edge: they always are parabolas.
         """
-        rows, interval, edge = self.state.accepted.rows, self.interval, self.state.contact.edge
-        if interval.jump or len(rows) < 2 or not self.problem.viscoelastic:
+        rows, edge = self.state.accepted.rows, self.state.contact.edge
+        if duration == 0.0 or len(rows) < 2 or not self.problem.viscoelastic:
             return None
         before, last = rows[-2:]
-        time = last.parameter - before.parameter
-        penetration = before.load if interval.control == "force" else interval.prescribed(before.parameter)
+        travel = abs(last.edge - before.edge) / (last.parameter - before.parameter) * duration
+        if not self.problem.curves or travel < least_bent_travel(self, edge):
+            return self._as_earlier(self.state.accepted.earlier(_SHARE_OF_STEP * duration))
+        further = None
+        if len(rows) > 2 and last.edge < before.edge < rows[-3].edge:
+            further = last.parameter - rows[-3].parameter, rows[-3].edge
+        return replace(self._as_earlier(before), fall=self._fall, further=further)
+
+    def _as_earlier(self, row: AcceptedRow) -> EarlierRow:
+        """An accepted row as the earlier one of a parabola."""
+        interval, time = self.interval, self.state.accepted.rows[-1].parameter - row.parameter
+        penetration = row.load if interval.control == "force" else interval.prescribed(row.parameter)
         if interval.control == "stage":
-            penetration -= self.problem.scene.loading.compliance * before.load
-        travel = abs(last.edge - before.edge) / time * duration
-        if self.problem.curves and travel >= least_bent_travel(self, edge):
-            further = None
-            if len(rows) > 2 and last.edge < before.edge < rows[-3].edge:
-                further = last.parameter - rows[-3].parameter, rows[-3].edge
-            return EarlierRow(time, penetration, before.edge, before.edge_load, self._fall, further)
-        creeps = interval.control == "force" or not self.problem.curves
-        return EarlierRow(time, penetration) if creeps else None
+            penetration -= self.problem.scene.loading.compliance * row.load
+        if not self.problem.curves:
+            return EarlierRow(time, penetration)
+        return EarlierRow(time, penetration, row.edge, row.edge_load, row.load_ahead)
 
     @cached_property
     def _fall(self) -> OuterFall:

@@ -29,13 +29,14 @@ _MEMORY = 64
 class AcceptedRow(NamedTuple):
     """Of an accepted state: parameter of its interval, edge, and load (force or penetration, the free one).
 
-    ``edge_load`` is ``v`` at the edge.
+    ``edge_load`` is ``v`` at the edge, ``load_ahead`` that outside it, within the process zone.
     """
 
     parameter: float
     edge: float
     load: float
     edge_load: float = 0.0
+    load_ahead: float = 0.0
 
 
 @dataclass
@@ -69,6 +70,15 @@ class AcceptedSteps:
         """Count parameters from the last accepted state."""
         now = self.rows[-1].parameter
         self.rows = [row._replace(parameter=row.parameter - now) for row in self.rows]
+
+    def earlier(self, least: float) -> AcceptedRow:
+        """The latest row at least so long before the last, or else the first.
+
+        A parabola through rows much closer together than the step to come magnifies what they miss.
+        """
+        now = self.rows[-1].parameter
+        far = (row for row in reversed(self.rows[:-1]) if now - row.parameter >= least)
+        return next(far, self.rows[0])
 
     @property
     def curved(self) -> bool:
@@ -161,7 +171,7 @@ class AcceptedSteps:
         """
         if len(self.rows) < 3:
             return math.inf
-        (t0, _, f0, _), (t1, _, f1, _), (t2, _, f2, _) = self.rows[-3:]
+        (t0, _, f0, *_), (t1, _, f1, *_), (t2, _, f2, *_) = self.rows[-3:]
         late, early = (f2 - f1) / (t2 - t1), (f1 - f0) / (t1 - t0)
         curvature = (late - early) / (t2 - t0)
         if curvature == 0.0:
@@ -169,7 +179,7 @@ class AcceptedSteps:
         turn = -0.5 * (late / curvature + t2 - t1)
         if len(self.rows) == 3:
             return turn
-        before, _, first, _ = self.rows[-4]
+        before, _, first, *_ = self.rows[-4]
         third = (curvature - (early - (f0 - first) / (t0 - before)) / (t1 - before)) / (t2 - before)
         sides = (t2 - t1, t2 - t0)
         for _ in range(_NEWTON_STEPS):

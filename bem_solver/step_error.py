@@ -7,6 +7,7 @@ import math
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.options import DEFAULT_RESOLUTION
+from bem_solver.problem import Problem
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import AcceptedRow, departure_from_line
 from bem_solver.trial import TrialContact
@@ -51,9 +52,13 @@ def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
     return contact.penetration if interval.control == "force" else contact.surface.force
 
 
-def accepted_row(parameter: float, interval: LoadingInterval, contact: HalfSpaceState) -> AcceptedRow:
+def accepted_row(
+    problem: Problem, parameter: float, interval: LoadingInterval, contact: HalfSpaceState
+) -> AcceptedRow:
     """What a committed state adds to the accepted ones."""
-    return AcceptedRow(parameter, contact.edge, free_load(interval, contact), contact.surface.edge_load)
+    surface = contact.surface
+    load, ahead = free_load(interval, contact), surface.load_ahead(problem.ahead)
+    return AcceptedRow(parameter, contact.edge, load, surface.edge_load, ahead)
 
 
 def least_bent_travel(start: StepStart, edge: float) -> float:

@@ -124,7 +124,7 @@ class GradedRun:
             if self.problem.viscoelastic and not interval.jump:  # what has jumped relaxes from the start
                 first = min(first, float(self.problem.chain.retardation.min()))
             state.step = min(state.step, short) if state.step > 0.0 else first
-            state.accepted.start(accepted_row(0.0, interval, state.contact))
+            state.accepted.start(accepted_row(self.problem, 0.0, interval, state.contact))
         else:
             state.accepted.continue_in_next_interval()
         if interval.jump:
@@ -224,7 +224,7 @@ class GradedRun:
         self._commit(candidate.trial, interval.time(state.parameter), report)
         edge = state.contact.edge
         remember = state.accepted.start if leaps else state.accepted.add
-        remember(accepted_row(state.parameter, interval, state.contact))
+        remember(accepted_row(self.problem, state.parameter, interval, state.contact))
         if candidate.speed_jumps and candidate.trial.motion.edge == edge:  # at rest until now: rates hold
             record.kink()
         elif candidate.speed_jumps:
@@ -243,7 +243,7 @@ class GradedRun:
         """Slopes jump at the committed state: those from before it tell nothing about what comes."""
         state = self.state
         state.record.kink()
-        state.accepted.start(accepted_row(state.parameter, interval, state.contact))
+        state.accepted.start(accepted_row(self.problem, state.parameter, interval, state.contact))
 
     def _after_failure(
         self, failed: FailedStep, step: float, start: StepStart, report: Callable[[float], None]
@@ -304,7 +304,7 @@ class GradedRun:
             return None
         self._commit(event.trial, interval.time(event.parameter), report)
         state.contact = replace(state.contact, last_step=None)
-        state.accepted.start(accepted_row(event.parameter, interval, state.contact))
+        state.accepted.start(accepted_row(self.problem, event.parameter, interval, state.contact))
         state.travel_share, state.step = 1.0, event.next_step
         state.record.kink()
         return None

@@ -182,6 +182,10 @@ class ContactSurface:
             load += float(self.kinks.displacement(np.array([self.edge]))[0] @ self.strengths)
         return load
 
+    def load_ahead(self, distance: float) -> float:
+        """``v`` at a distance outside the edge."""
+        return float(self.outside(np.array([self.edge + distance]))[0])
+
     def root_strength(self, reach: float) -> float:
         """B in ``v = v(a) - B sqrt(x) - C x`` at distance x outside the edge.
 

@@ -2,13 +2,14 @@
 
 A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside,
 then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
-sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of the departure from a
-straight line that ``v`` has in time at a point inside all the time, near the edge (without adhesion), falling
-off as ``v``, and of a rest that is linear in time; the recursions are exact for all. So both sides of an edge
-at rest change alike: a step between them would be read as a root by an edge that advances a little. Where a
-step passes over process zones, the speed of the edge is not constant but that of its path (``bent_path``). A
-covered point meets the indenter at the moment the edge passes; a released one leaves it, glassy, at that
-moment. Displacement ``w``, load ``v`` and penetration are positive downwards.
+sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of a departure from a straight
+line in time, and of a rest that is linear in time; the recursions are exact for all. The departure is that of
+``v`` at the edge, a parabola through an earlier row; without adhesion that at a point inside all the time,
+near the edge, falling off as ``v``. So both sides of an edge at rest change alike: a step between them would
+be read as a root by an edge that advances a little. Where a step passes over process zones, the speed of the
+edge is not constant but that of its path (``bent_path``). A covered point meets the indenter at the moment
+the edge passes; a released one leaves it, glassy, at that moment. Displacement ``w``, load ``v`` and
+penetration are positive downwards.
 """
 
 from __future__ import annotations
@@ -99,6 +100,7 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     if motion.path is None:
         rise = motion.singular * np.sqrt(points.radius - motion.edge)
         lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
+        lags += motion.lags_of_bend(chain, share)
     else:
         lags += motion.lags_of_fall(chain, points.radius, np.ones_like(share), left)
     if motion.innermost is not None:
@@ -143,6 +145,7 @@ def released(
     if motion.path is None:
         fall = -motion.singular * np.sqrt(points.radius - motion.new_edge)
         lags += (chain.spread_from_edge(y) - even) * chain.lag_rate * fall[:, None]
+        lags += motion.lags_of_bend(chain, left)
     if motion.innermost is not None:
         lags += bend(chain, points, motion, share, np.ones_like(share))
     return lags @ chain.rotation
@@ -172,6 +175,7 @@ def free(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -
         change = -motion.singular * (np.sqrt(after) - np.sqrt(before))
         weight = chain.spread_outside(np.broadcast_to(y, lags.shape), before[:, None], after[:, None])
         lags += (weight - even) * chain.lag_rate * change[:, None]
+        lags += motion.lags_of_bend(chain, np.ones(1))
     if motion.innermost is not None:
         lags += bend(chain, points, motion, np.zeros(1), np.ones(1))
     return lags @ chain.rotation

@@ -77,7 +77,7 @@ def evaluate(
         Which of them has ``value`` at the end of the step.
     value : float
     earlier : EarlierRow, optional
-        Row through which the paths of edge and penetration are then parabolas.
+        Row through which the paths of edge, load at the edge and penetration are then parabolas.
     midway : float, optional
         Prescribed penetration in the middle of the step, through which its path is a parabola instead.
 
@@ -110,9 +110,9 @@ def _motion(
     path = row = fall = None
     if midway is not None:
         row = -0.5 * duration, midway
-    if earlier is not None and duration > 0.0:
+    if earlier is not None:
         row = row or (earlier.time, earlier.penetration)
-    if earlier is not None and earlier.edge is not None and duration > 0.0:
+    if earlier is not None and earlier.edge is not None and earlier.fall is not None:
         if edge != state.edge:
             path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge, earlier.further)
             fall = earlier.fall

@@ -138,6 +138,15 @@ def test_a_step_as_long_as_the_last_looks_back_over_the_last_alone(rounded):
     assert_allclose(steps.rates(0.1 * rounded), (2.0, 3.0), rtol=1e-12)
 
 
+def test_a_row_a_hair_before_the_last_tells_nothing_of_a_long_step():
+    steps = AcceptedSteps()
+    for parameter in (0.0, 0.3, 0.5, 0.5001):
+        steps.add(AcceptedRow(parameter, 1.0, 0.0))
+    assert steps.earlier(1e-5).parameter == 0.5
+    assert steps.earlier(0.1).parameter == 0.3
+    assert steps.earlier(2.0).parameter == 0.0
+
+
 def test_a_cubic_path_is_expected_where_it_goes():
     """After equal steps; a parabola misses it by the same amount every time."""
     steps = AcceptedSteps()
