@@ -111,6 +111,26 @@ class Annuli:
             return angle * (2.0 * self.count / np.pi)
         return np.interp(angle, self._table_angle, self._table_number)
 
+    def position_at(self, distance: Array, edge: float) -> Array:
+        """Number of annuli between the centre and a ``distance`` inside a contact of radius ``edge``."""
+        cosine = np.sqrt(distance * (2.0 * edge - distance)) / edge
+        from_edge = np.arcsin(np.minimum(cosine, 1.0))
+        if self.grading == 1.0:
+            return self.count * (1.0 - 2.0 / np.pi * from_edge)
+        return np.minimum(self.position(0.5 * np.pi - from_edge), float(self.count))
+
+    def cubic_shares(self, position: Array) -> tuple[NDArray[np.intp], Array]:
+        """Annuli (4, m) that :func:`even_cubic` reads at positions (m,), and the weight of each."""
+        first = np.minimum(np.maximum((position + 0.5).astype(int), 0), self.count)
+        z = position + 1.5 - first
+        one, two, three = z - 1.0, z - 2.0, z - 3.0
+        weight = np.array(
+            (-one * two * three / 6.0, z * two * three / 2.0, -z * one * three / 2.0, z * one * two / 6.0)
+        )
+        index = first + np.arange(-2, 2)[:, None]
+        index = np.where(index < 0, -1 - index, index)
+        return np.where(index >= self.count, 2 * self.count - 1 - index, index), weight
+
     def number_within(self, share: float) -> float:
         """Number of annuli within a share of the radius inside the edge."""
         return self.count - float(self.position(np.array(np.arcsin(1.0 - share))))

@@ -185,7 +185,7 @@ class SurfaceHistory:
             return None if self.turning is None else min(self.turning, edge)
         return edge if self.farthest is None else min(self.farthest, edge)
 
-    @property
+    @cached_property
     def radius(self) -> Array:
         """All nodes, rising, the edge once."""
         return np.concatenate((self.inner.radius[:-1], self.outer.radius))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.bent_path import EarlierRow, parabola_bend
+from bem_solver.between_annuli import LoadBetween
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.kinks import EdgeKinks
 from bem_solver.motion import Motion, SurfacePoints
@@ -32,8 +33,9 @@ and no number of them tells it."""
 class LoadControl:
     """``control`` has ``value`` at the end of the step.
 
-    ``points`` are the collocation radii inside the new edge, and behind them the readings of ``kinks``;
-    ``earlier`` is the row before the last, where the edge or its load has a curved path.
+    ``points`` are the collocation radii inside the new edge, and behind them the readings of ``kinks`` and
+    the nodes ``between``; ``earlier`` is the row before the last, where the edge or its load has a curved
+    path.
     """
 
     problem: Problem
@@ -43,6 +45,7 @@ class LoadControl:
     control: str
     value: float
     earlier: EarlierRow | None = None
+    between: LoadBetween | None = None
 
     def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration and the end that belong to the control, and its surface."""
@@ -112,7 +115,7 @@ class LoadControl:
     def _surface(self, motion: Motion) -> ContactSurface:
         """The surface after a motion whose penetration is known."""
         load = _required_load(self.problem, self.points, motion)
-        return ContactSurface.under(self.problem.annuli, motion.new_edge, load, self.kinks)
+        return ContactSurface.under(self.problem.annuli, motion.new_edge, load, self.kinks, self.between)
 
 
 def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> Array:

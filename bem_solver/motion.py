@@ -118,8 +118,8 @@ class SurfacePoints:
     load: Array
     displacement: Array
 
-    def __getitem__(self, chosen: NDArray[np.bool_]) -> SurfacePoints:
-        if chosen.all():
+    def __getitem__(self, chosen: NDArray[np.bool_] | slice) -> SurfacePoints:
+        if not isinstance(chosen, slice) and chosen.all():
             return self
         return SurfacePoints(
             self.radius[chosen],

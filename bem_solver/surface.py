@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.annuli import Annuli, even_cubic
+from bem_solver.between_annuli import LoadBetween
 from bem_solver.kinks import EdgeKinks
 
 Array = NDArray[np.float64]
@@ -52,7 +53,12 @@ class ContactSurface:
 
     @classmethod
     def under(
-        cls, annuli: Annuli, edge: float, load: Array, kinks: EdgeKinks | None = None
+        cls,
+        annuli: Annuli,
+        edge: float,
+        load: Array,
+        kinks: EdgeKinks | None = None,
+        between: LoadBetween | None = None,
     ) -> ContactSurface:
         """The surface under a required displacement.
 
@@ -60,22 +66,28 @@ class ContactSurface:
         ----------
         annuli : Annuli
         edge : float
-        load : ndarray (M + 3 k,)
-            ``v`` at the collocation radii, then at the readings of the kinks.
+        load : ndarray (M + 3 k + m,)
+            ``v`` at the collocation radii, then at the readings of the kinks and at the nodes between.
         kinks : EdgeKinks, optional
+        between : LoadBetween, optional
 
         Returns
         -------
         ContactSurface
         """
+        load, read = load[: annuli.count], load[annuli.count :]
         if kinks is None:
+            load = load if between is None else between.added(load, read)
             scaled = rest = annuli.solve(load)
             strengths, carried = None, 0.0
         else:
-            load, read = load[: annuli.count], load[annuli.count :]
+            read, at_nodes = np.split(read, [3 * len(kinks.radius)])
             strengths = kinks.strengths(read)
             punches = kinks.displacement(edge * annuli.radii) @ strengths
-            scaled, rest = annuli.solve(np.array((load, load - punches)).T).T
+            load = load - punches
+            if between is not None:
+                load = between.added(load, at_nodes - kinks.displacement(between.radius) @ strengths)
+            scaled, rest = annuli.solve(np.array((load + punches, load)).T).T
             carried = 2.0 * float(kinks.radius @ strengths)
         density = annuli.density(rest)
         kappa = annuli.edge_strength(density)
@@ -104,12 +116,7 @@ class ContactSurface:
 
     def _tension(self, density: Array, distance: Array) -> Array:
         cosine = np.sqrt(distance * (2.0 * self.edge - distance)) / self.edge
-        from_edge = np.arcsin(np.minimum(cosine, 1.0))
-        if self.annuli.grading == 1.0:
-            position = self.annuli.count * (1.0 - 2.0 / np.pi * from_edge)
-        else:
-            position = np.minimum(self.annuli.position(0.5 * np.pi - from_edge), float(self.annuli.count))
-        return -even_cubic(density, position) / (cosine * self.edge)
+        return -even_cubic(density, self.annuli.position_at(distance, self.edge)) / (cosine * self.edge)
 
     def pressure(self, radius: Array) -> Array:
         """Pressure at radii < edge, kinks as the annuli see them; zero outside."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.bent_path import BentPath, EarlierRow
+from bem_solver.between_annuli import LoadBetween
 from bem_solver.cohesive_zone import zone_at
 from bem_solver.edge_energy import end_velocity, energy_taken
 from bem_solver.half_space_state import HalfSpaceState, points_at
@@ -88,13 +89,25 @@ def evaluate(
         at its speed, times ``dgamma``; without adhesion the negative edge singularity.
     """
     kinks = _kinks_inside(problem, state, duration, edge)
+    between = _load_between(problem, state, edge)
+    readings = np.empty(0) if kinks is None else kinks.readings
+    nodes = np.empty(0) if between is None else between.radius
     radii = edge * problem.annuli.radii
-    points = points_at(problem, state, radii if kinks is None else np.append(radii, kinks.readings))
+    points = points_at(problem, state, np.concatenate((radii, readings, nodes)))
     motion = _motion(problem, state, duration, edge, earlier, midway)
-    motion, surface = LoadControl(problem, state, points, kinks, control, value, earlier).satisfied(motion)
+    loading = LoadControl(problem, state, points, kinks, control, value, earlier, between)
+    motion, surface = loading.satisfied(motion)
+    points = points[: len(radii) + len(readings)]
     if problem.work == 0.0:
         return TrialContact(motion, surface, points, -surface.kappa, 0.0)
     return _adhesive_contact(problem, state, motion, surface, points)
+
+
+def _load_between(problem: Problem, state: HalfSpaceState, edge: float) -> LoadBetween | None:
+    """Nodes of the history between the collocation radii, where zones are short against the contact."""
+    if edge <= 0.0 or not problem.over_zones(state.edge):
+        return None
+    return LoadBetween.of(problem.annuli, edge, state.history.radius)
 
 
 def _motion(

@@ -19,7 +19,7 @@ from bem_solver.creep import Chain
 from bem_solver.outer_fall import OuterFall
 from bem_solver.size_estimates import edge_step, graded_annuli
 from bem_solver.surface import ContactSurface
-from contact_scene import Adhesion, Branch, Force, Loading, Material, Ramp, Scene, Sphere
+from contact_scene import Adhesion, Branch, Force, Hold, Loading, Material, Ramp, Scene, Sphere
 
 PULL_OFF = {1.3e-3: 0.02028430, 1.3e-4: 0.02305769, 1.3e-5: 0.02343383, 1.3e-6: 0.02347723}
 DISTANCES = np.array([1e-9, 1e-7, 1e-5, 1e-3, 0.1, 0.5])
@@ -309,3 +309,13 @@ def test_creep_over_the_first_zones_beyond_a_place_of_rest():
     question = Scene(material, Sphere(1.0), loading, adhesion)
     ahead = bem(question).contact_radius[-1] - front(question).contact_radius[-1]
     assert abs(ahead) < 0.01 * zone
+
+
+def test_edge_returns_over_what_it_has_left_and_beyond():
+    """Wide annuli read now and then what it had left there: the edge went on in jumps, 1760 steps."""
+    rubber = Material(2e6, 0.49, (Branch(5e6, 0.05), Branch(3e6, 1.5)))
+    steps = (Hold(1.0), Ramp(9e-6, 2e-6), Hold(1.0), Ramp(1.1e-5, 2e-6))
+    question = Scene(rubber, Sphere(2e-3), Loading("jump-in", 1e-5, steps), Adhesion(0.2, 1.5e-9))
+    trace = solve(question, Options(max_steps=400))
+    assert trace.outcome.kind == "completed"
+    assert_allclose(trace.contact_radius[-1], 1.736266741e-4, rtol=2e-4)  # by front tracking
