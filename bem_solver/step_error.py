@@ -29,6 +29,13 @@ _LEAST_SHARE_OF_RADIUS = 1e-3
 """Least travel for that of an edge that passes over zones, in contact radii: an edge that misses its place by
 that part of a tolerance changes the force by three times as much. The annuli it passes leave it uneven by
 millionths of the radius, and no shorter step is more even."""
+_SHARE_OF_WORK = 0.2
+"""Change of the closure that is allowed over the error of extrapolating an edge that may pass over zones, in
+step tolerances of the work of adhesion, where that is more than the travel allows: a closure that hardly
+changes with the place of the edge tells it no closer, and shorter steps follow its unevenness."""
+_MOST_SHARE_OF_RADIUS = 1e-2
+"""Upper bound on that error as on that of a step over this part of the contact radius: where the closure is
+level, as at a limit point, the force is to be right still."""
 _LOAD_WEIGHT = 4.0
 """Weight of the departure of the load from a straight line against that of the edge in the step error."""
 _LOAD_WEIGHT_AT_LIMIT = 16.0
@@ -134,8 +141,24 @@ def _departures(
     if passes and problem.curves and start.state.accepted.curved:
         of_path = _departure_from_path(start, edge, step)
         of_edge = min(of_edge, of_path) if problem.over_zones(contact.edge) else of_path
+    if problem.over_zones(contact.edge) and not problem.rated:  # a rated edge is told by its speed
+        if start.state.accepted.curved:
+            missed = edge - start.state.accepted.edge_after(step)
+        of_edge = min(of_edge, _departure_of_closure(start, edge, abs(missed)))
     of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
     return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
+
+
+def _departure_of_closure(start: StepStart, edge: float, missed: float) -> float:
+    """Change of the closure over the error of extrapolating the edge, relative to what is allowed.
+
+    Or that error itself, if it is larger relative to what is allowed of it.
+    """
+    problem, slope = start.problem, start.state.last_slope
+    if slope <= 0.0:
+        return math.inf
+    of_radius = missed / (_SHARE_OF_TRAVEL * _MOST_SHARE_OF_RADIUS * edge)
+    return max(of_radius, slope * missed / (_SHARE_OF_WORK * problem.work))
 
 
 def _departure_from_path(start: StepStart, edge: float, step: float) -> float:

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from support.bem_runs import bem, front
 from support.paper_scenes import ZONE, scene
 
+from bem_solver import Options, solve
 from bem_solver.creep import Chain
 from bem_solver.history import NodalVariables
 from bem_solver.motion import Motion, SurfacePoints
@@ -182,27 +183,41 @@ def test_an_edge_does_not_turn_where_the_residual_hardly_rises():
     assert np.diff(radius).max() < 1e-6 * 1.3e-5
 
 
+def pressed_after_rest(zone: float) -> Scene:
+    """At rest near zero force, then pressed."""
+    moduli, times = (1.138, 0.242, 0.0671, 0.684, 0.356, 0.00435), (17.2, 5.22, 1.14, 9.51, 0.527, 0.0132)
+    material = Material(1.0, 0.0, tuple(map(Branch, moduli, times)))
+    steps = (Hold(0.96827786), Ramp(0.02204, 0.55))
+    return Scene(
+        material, PowerLaw(1.463, 0.2107), Loading("relaxed", 0.00884, steps), Adhesion(1.69e-4, zone)
+    )
+
+
 @pytest.mark.parametrize("resolution", [12, 13, pytest.param(24, marks=pytest.mark.slow)])
 def test_press_after_rest_near_zero_force(resolution: int):
     """Set off a hair beyond the place of rest: the root was read on that hair, steps rejected without end.
 
     In the rest the edge found a false root within the outermost annulus, at some resolutions.
     """
-    moduli, times = (1.138, 0.242, 0.0671, 0.684, 0.356, 0.00435), (17.2, 5.22, 1.14, 9.51, 0.527, 0.0132)
-    material = Material(1.0, 0.0, tuple(map(Branch, moduli, times)))
-    steps = (Hold(0.96827786), Ramp(0.02204, 0.55))
-    question = Scene(
-        material, PowerLaw(1.463, 0.2107), Loading("relaxed", 0.00884, steps), Adhesion(1.69e-4, 0.0382)
-    )
+    question = pressed_after_rest(0.0382)
     trace = bem(question, resolution=resolution)
     assert trace.outcome.kind == "completed"
     assert trace.counters.rejected_steps < 20
     assert np.ptp(trace.contact_radius[trace.time < 0.968]) < 1e-5 * 0.0382
     at_once = bem(
-        replace(question, loading=replace(question.loading, steps=steps[1:])), resolution=resolution
+        replace(question, loading=replace(question.loading, steps=question.loading.steps[1:])),
+        resolution=resolution,
     )
     assert_allclose(trace.contact_radius[-1], at_once.contact_radius[-1], rtol=1e-4)
     assert_allclose(trace.force[-1], at_once.force[-1], rtol=5e-4)
+
+
+@pytest.mark.parametrize("resolution", [6, 10])
+def test_press_after_rest_over_short_zones(resolution: int):
+    """Set off fast, the closure hardly changes over a zone: 600 to 1000 steps followed its unevenness."""
+    trace = solve(pressed_after_rest(1e-5), Options(resolution, max_steps=150))
+    assert trace.outcome.kind == "completed"
+    assert_allclose(trace.contact_radius[-1], 0.175124396, rtol=1e-4)  # by front tracking
 
 
 @pytest.mark.parametrize("tolerance", [5.6e-4, pytest.param(2.8e-4, marks=pytest.mark.slow)])
