@@ -1,5 +1,6 @@
 """Steps onto limit points: found over the radius, in few evaluations, as accurate as other steps."""
 
+import math
 from collections.abc import Callable
 from types import SimpleNamespace
 
@@ -21,6 +22,7 @@ from validation.reference.tracking.step_history import (
     RowExtrapolation,
     StepHistory,
 )
+from validation.reference.tracking.trial import Trial
 
 FINE = {
     0.002: (0.0107163265, 5.9286200e-4, 43.384602005),
@@ -28,7 +30,7 @@ FINE = {
     0.1: (0.0040323573, 2.3462057e-4, 0.5976143501),
 }
 """Pull-off force, loop integral and detachment time of the cycles, with 60 steps per process zone."""
-EVALUATIONS = {0.002: 640, 0.02: 480, 0.1: 450}
+EVALUATIONS = {0.002: 560, 0.02: 420, 0.1: 420}
 """With 6 steps per process zone; 300 more where limit points are bisected."""
 
 
@@ -101,6 +103,50 @@ def test_path_towards_a_limit_point_is_a_parabola_of_the_time() -> None:
     onto = path_over_radius(rows, 0.09, 1.0, 0.7)
     assert abs(onto.end_slope) >= 50.0 * 0.3
     assert not PathOverRadius(1.0, 0.0, 0.0).passing(x).any()
+
+
+def test_path_goes_on_smoothly_beyond_a_limit_point() -> None:
+    """Trial steps of the search end there: a kink would be taken for the limit point."""
+    rows = RowExtrapolation((0.0, 0.1, 0.2), tuple((d + 0.3) ** 2 * -1.0 + 0.09 for d in (0.0, 0.1, 0.2)))
+    ends = 0.7 + np.linspace(-0.02, 0.02, 9)
+    durations = 0.09 - (ends - 0.7) ** 2
+    paths = [path_over_radius(rows, float(t), 1.0, float(a)) for t, a in zip(durations, ends, strict=True)]
+    steps = zip(durations, paths, strict=True)
+    passed = np.array([duration * path.passing(np.array([0.8]))[0] for duration, path in steps])
+    np.testing.assert_allclose(passed, 0.08, atol=1e-13)
+    assert paths[0].bend < -1.0 < paths[-1].bend
+    for path in paths:
+        inner = path(np.linspace(0.1, 0.95, 20))
+        assert (np.diff(inner) < 0.0).all()
+        assert path.end_slope < 0.0
+
+
+@pytest.mark.parametrize("outward", [False, True])
+def test_expected_duration_saves_evaluations(outward: bool) -> None:
+    """An edge that arrives at a known time; a guess beyond the search interval is no harm."""
+    trial = object.__new__(Trial)
+    asked: list[float] = []
+    side = -1.0 if outward else 1.0
+
+    def residual(duration: float, _: float) -> float:
+        asked.append(duration)
+        return side * (math.expm1(duration) - math.expm1(0.3))
+
+    given = {
+        "surface": SimpleNamespace(radius=1.0),
+        "condition": SimpleNamespace(tolerance=1e-10),
+        "nodes": SimpleNamespace(shortest=1.0),
+        "residual": residual,
+    }
+    for name, value in given.items():
+        object.__setattr__(trial, name, value)
+    counts = []
+    for guess in (0.30002, 0.0, 2.0):
+        asked.clear()
+        found = trial.duration_to_radius(1.1 if outward else 0.9, 1.0, guess)
+        assert found == pytest.approx(0.3, abs=1e-9)
+        counts.append(len(asked))
+    assert counts[0] <= 4 < counts[1] == counts[2]
 
 
 def test_time_at_a_limit_point_has_no_slope_there() -> None:

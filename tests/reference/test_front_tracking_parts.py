@@ -12,7 +12,7 @@ from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw,
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.closure import EdgeFields, closure_integral
-from validation.reference.tracking.edge_path import ParabolicPath, PolynomialPath, polynomial_path
+from validation.reference.tracking.edge_path import ParabolicPath, PolynomialPath, path_family
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.penetration_path import cubic, phi
 from validation.reference.tracking.rheology import rheology
@@ -182,14 +182,29 @@ def test_path_over_zones_is_the_polynomial_through_the_rows() -> None:
     quartic = np.polynomial.Polynomial([0.3, -0.02, -0.006, -0.002, -0.001])
     times = (0.0, -0.3, -0.55, -1.2)
     rows = RowExtrapolation(times, tuple(float(quartic(t)) for t in times))
-    path = polynomial_path(rows, 0.7, 0.3, float(quartic(0.7)))
+    path = path_family(rows, 0.7, 0.3).polynomial(float(quartic(0.7)))
     f = np.linspace(0.0, 1.0, 21)
     np.testing.assert_allclose(path(f), quartic(0.7 * f), atol=1e-15)
     np.testing.assert_allclose(path.passing(path(f)), f, atol=1e-12)
     assert isinstance(path, PolynomialPath)
-    wild = polynomial_path(rows, 0.7, 0.3, 0.2999)
+    wild = path_family(rows, 0.7, 0.3).polynomial(0.2999)
     assert (np.diff(wild(np.linspace(0.0, 1.0, 400))) < 0.0).all()
     np.testing.assert_allclose(wild.passing(wild(f)), f, atol=1e-9)
+
+
+def test_path_within_a_zone_meets_the_polynomial_in_the_middle() -> None:
+    """What is left changes sign there: over the step it nearly cancels."""
+    quartic = np.polynomial.Polynomial([0.3, -0.02, -0.006, -0.002, -0.001])
+    times = (0.0, -0.3, -0.55, -1.2)
+    rows = RowExtrapolation(times, tuple(float(quartic(t)) for t in times))
+    path = path_family(rows, 0.7, 0.3).parabola(float(quartic(0.7)))
+    f = np.array([0.0, 0.5, 1.0])
+    np.testing.assert_allclose(path(f), quartic(0.7 * f), atol=1e-15)
+    missed = path(np.array([0.25, 0.75])) - quartic(0.7 * np.array([0.25, 0.75]))
+    assert missed[0] * missed[1] < 0.0
+    assert abs(missed.sum()) < 0.3 * abs(missed).max()
+    assert path_family(rows, 0.7, 0.3).parabola(0.2999).bend == pytest.approx(0.99e-4, rel=1e-9)
+    assert path_family(RowExtrapolation((0.0,), (0.3,)), 0.7, 0.3).parabola(0.2).bend == 0.0
 
 
 def test_a_collapse_that_comes_a_little_later_is_no_error_of_its_curve() -> None:
@@ -219,3 +234,18 @@ def test_roots() -> None:
     assert found is not None
     assert found[0] == pytest.approx(0.31, abs=1e-12)
     assert rising_root(lambda x: -steep(x), 0.3, 0.01, 0.0, (0.2, 0.4), 1e-12) is None
+
+
+def test_a_root_close_to_its_guess_is_corrected_by_the_known_slope() -> None:
+    """No further evaluation; several such roots differ by what they really differ."""
+    asked: list[float] = []
+
+    def line(x: float) -> float:
+        asked.append(x)
+        return 3.0 * (x - 0.31)
+
+    found = rising_root(line, 0.31 + 1e-11, 0.01, 3.0, (0.2, 0.4), 1e-10)
+    assert found is not None
+    assert found[0] == pytest.approx(0.31, abs=1e-16)
+    assert len(asked) == 1
+    assert rising_root(line, 0.31 + 1e-11, 0.01, 3.0, (0.31, 0.4), 1e-10) == (0.31 + 1e-11, 3.0)

@@ -1,15 +1,18 @@
 """Path of the edge during one step, as a polynomial in the fraction ``f`` of its duration.
 
-A step of a fraction of a process zone takes a parabola: it passes few points, and where it passed them hardly
-matters. Towards a limit point the parabola is that of the time over the radius. A step over many zones takes
-the polynomial through all rows of the history and its own end: what the closure sees at the end was left
-behind within the step, at times that follow from the path, and the condition there is one on the speed of the
-edge. So it is, in steps of any length, where the edge takes up what its speed tells. With rows of equal
-spacing that speed is a backward differentiation formula, whose order is the number of rows.
+What the closure sees at the end of a step was left behind at times that follow from the path. The rows of the
+history and the end of the step define a polynomial. A step of a fraction of a process zone passes few points
+and takes the parabola through the middle of it: what is left of it changes sign there. A step over many zones
+takes all of it: the condition at its end is one on the speed of the edge. So it is, in steps of any length,
+where the edge takes up what its speed tells. With rows of equal spacing that speed is a backward
+differentiation formula, whose order is the number of rows. Towards a limit point the time is a parabola of
+the radius.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Protocol
@@ -23,10 +26,15 @@ Array = NDArray[np.float64]
 
 LARGEST_BEND = 0.99
 """Slowing of the edge by the bend of its path, relative to its mean speed: below 1 it does not reverse."""
+LARGEST_TIME_BEND = 1.5
+"""Bend of the time over the radius, relative to its mean slope. From 1 on the edge passes a limit point on
+its way: the search for that point looks at such steps; a bound of 1 would be a kink in what it sees."""
 SLOPE_SAMPLES = np.linspace(0.0, 1.0, 17)
 """Fractions of a step at which the slope of the path is looked at; it is a cubic at most."""
 NEWTON_STEPS = 6
-"""Most Newton steps to the time at which a point is passed; three are usual, the start is a parabola's."""
+"""Most Newton steps to the time at which a point is passed; two are usual, the start is a parabola's."""
+LAST_CHANGE = 1e-7
+"""Change of that fraction by the last Newton step: another one would be of the order of its square."""
 
 
 class EdgePath(Protocol):
@@ -101,7 +109,7 @@ class PathOverRadius:
     @property
     def end_slope(self) -> float:
         """Derivative with respect to the fraction at the end of the step."""
-        return self.travel / (1.0 + self.bend)
+        return self.travel / max(1.0 + self.bend, 1.0 - LARGEST_BEND)
 
     def passing(self, x: Array) -> Array:
         """Fraction at which the edge passes ``x``."""
@@ -120,19 +128,17 @@ class PolynomialPath:
     bends: tuple[float, ...]
 
     def __call__(self, fraction: Array) -> Array:
-        return (
-            self.start + self.travel * fraction + fraction * (fraction - 1.0) * _horner(self.bends, fraction)
-        )
+        return self.start + fraction * _horner(self._per_fraction, fraction)
 
     def passing(self, x: Array) -> Array:
         """Fraction at which the edge passes ``x``, by Newton's method from the inverse of a parabola."""
-        limit = LARGEST_BEND * abs(self.travel)
-        middle = float(_horner(self.bends, np.array(0.5)))
-        f = ParabolicPath(self.start, self.travel, min(max(middle, -limit), limit)).passing(x)
+        f = _parabola(self.start, self.travel, self.bends).passing(x)
+        distance, per_fraction = x - self.start, self._per_fraction
+        slope = _derivative(per_fraction)
         for _ in range(NEWTON_STEPS):
-            change = (self(f) - x) / self.slope(f)
+            change = (f * _horner(per_fraction, f) - distance) / _horner(slope, f)
             f = np.minimum(np.maximum(f - change, 0.0), 1.0)
-            if np.abs(change).max(initial=0.0) < 1e-9:  # the next one would be below round-off
+            if np.abs(change).max(initial=0.0) < LAST_CHANGE:
                 break
         return f
 
@@ -143,28 +149,12 @@ class PolynomialPath:
 
     def slope(self, fraction: Array) -> Array:
         """Derivative with respect to the fraction."""
-        return self.travel + _bend_slope(self.bends, fraction)
+        return _horner(_derivative(self._per_fraction), fraction)
 
-
-def parabolic_path(rows: RowExtrapolation, duration: float, start: float, radius: float) -> ParabolicPath:
-    """Parabola to ``radius`` with the curvature of the rows before.
-
-    Parameters
-    ----------
-    rows : RowExtrapolation
-        Radius at the rows before.
-    duration : float
-    start, radius : float
-        Radius at both ends of the step.
-
-    Returns
-    -------
-    ParabolicPath
-    """
-    travel = radius - start
-    limit = LARGEST_BEND * abs(travel)
-    bend = 0.5 * rows.curvature(duration, radius) * duration**2
-    return ParabolicPath(start, travel, min(max(bend, -limit), limit))
+    @property
+    def _per_fraction(self) -> list[float]:
+        """``(a - a0)/f`` as coefficients of the powers of ``f``."""
+        return [low - high for low, high in pairwise((self.travel, *self.bends, 0.0))]
 
 
 def path_over_radius(rows: RowExtrapolation, duration: float, start: float, radius: float) -> PathOverRadius:
@@ -184,31 +174,77 @@ def path_over_radius(rows: RowExtrapolation, duration: float, start: float, radi
     """
     travel = radius - start
     bend = 0.5 * rows.curvature(travel, duration) * travel**2 / duration if duration > 0.0 else 0.0
-    return PathOverRadius(start, travel, min(max(bend, -LARGEST_BEND), LARGEST_BEND))
+    return PathOverRadius(start, travel, min(max(bend, -LARGEST_TIME_BEND), LARGEST_BEND))
 
 
-def polynomial_path(
-    rows: RowExtrapolation, duration: float, start: float, radius: float
-) -> PolynomialPath | ParabolicPath:
-    """Polynomial through the rows before and ``radius``, its bend reduced as far as it would reverse.
+@dataclass(frozen=True)
+class PathFamily:
+    """Polynomials through all rows and the end of a step of one duration; their bends are affine in that end.
+
+    ``at_rest`` are the bends of a path that ends where it starts, ``rising`` their growth with the travel.
+    """
+
+    start: float
+    at_rest: tuple[float, ...]
+    rising: tuple[float, ...]
+
+    def polynomial(self, radius: float) -> PolynomialPath | ParabolicPath:
+        """The polynomial to ``radius``, its bend reduced as far as it would reverse."""
+        travel = radius - self.start
+        if travel == 0.0 or not self.rising:
+            return ParabolicPath(self.start, travel, 0.0)
+        bends = self._bends(travel)
+        limit = LARGEST_BEND * abs(travel)
+        if sum(map(abs, bends)) > limit:  # no slope of f (f - 1) f^k is steeper than 1
+            against = float((-math.copysign(1.0, travel) * _bend_slope(bends)).max())
+            share = min(1.0, limit / against) if against > 0.0 else 1.0
+            bends = [share * bend for bend in bends]
+        return PolynomialPath(self.start, travel, tuple(bends))
+
+    def parabola(self, radius: float) -> ParabolicPath:
+        """The parabola that meets the polynomial at both ends and in the middle."""
+        travel = radius - self.start
+        return _parabola(self.start, travel, self._bends(travel))
+
+    def _bends(self, travel: float) -> list[float]:
+        return [bend + travel * more for bend, more in zip(self.at_rest, self.rising, strict=True)]
+
+
+def path_family(rows: RowExtrapolation, duration: float, start: float) -> PathFamily:
+    """Paths of a step after the given rows.
 
     Parameters
     ----------
     rows : RowExtrapolation
         Radius at the rows before.
     duration : float
-    start, radius : float
-        Radius at both ends of the step.
+        Of the step.
+    start : float
+        Radius at its start.
 
     Returns
     -------
-    PolynomialPath
+    PathFamily
     """
-    travel = radius - start
-    if duration <= 0.0 or travel == 0.0 or len(rows.times) < 2:
-        return ParabolicPath(start, travel, 0.0)
+    if duration <= 0.0 or len(rows.times) < 2:
+        return PathFamily(start, (), ())
     nodes = [0.0, 1.0, *(time / duration for time in rows.times[1:])]
-    table = [start, radius, *rows.values[1:]]
+    earlier = [value - start for value in rows.values[1:]]
+    at_rest = _bends(nodes, [0.0, 0.0, *earlier])
+    return PathFamily(start, at_rest, _bends(nodes, [0.0, 1.0, *(0.0 for _ in earlier)]))
+
+
+def _parabola(start: float, travel: float, bends: Sequence[float]) -> ParabolicPath:
+    """Parabola through both ends and the middle of a path, its bend reduced as far as it would reverse."""
+    middle, limit = 0.0, LARGEST_BEND * abs(travel)
+    for bend in reversed(bends):
+        middle = 0.5 * middle + bend
+    return ParabolicPath(start, travel, min(max(middle, -limit), limit))
+
+
+def _bends(nodes: list[float], values: list[float]) -> tuple[float, ...]:
+    """``c0, c1, ...`` of the polynomial through ``values`` at ``nodes``, the first of which are 0 and 1."""
+    table = list(values)  # of divided differences
     for order in range(1, len(table)):
         for i in range(len(table) - 1, order - 1, -1):
             table[i] = (table[i] - table[i - 1]) / (nodes[i] - nodes[i - order])
@@ -220,23 +256,22 @@ def polynomial_path(
             *(low - node * high for low, high in pairwise(bends)),
             bends[-1],
         ]
-    against = float((-np.sign(travel) * _bend_slope(tuple(bends), SLOPE_SAMPLES)).max())
-    share = min(1.0, LARGEST_BEND * abs(travel) / against) if against > 0.0 else 1.0
-    return PolynomialPath(start, travel, tuple(share * bend for bend in bends))
+    return tuple(bends)
 
 
-def _horner(coefficients: tuple[float, ...], f: Array) -> Array:
-    value = np.full_like(f, coefficients[-1])
-    for coefficient in coefficients[-2::-1]:
-        value = value * f + coefficient
+def _horner(coefficients: Sequence[float], f: Array) -> Array:
+    value = coefficients[-1] * f + coefficients[-2]
+    for coefficient in coefficients[-3::-1]:
+        value *= f
+        value += coefficient
     return value
 
 
-def _bend_slope(bends: tuple[float, ...], f: Array) -> Array:
-    """Derivative of ``f (f - 1) (c0 + c1 f + ...)``, that is of ``sum c_k (f^(k+2) - f^(k+1))``."""
-    value = np.zeros_like(f)
-    power = np.ones_like(f)
-    for k, bend in enumerate(bends):
-        value += bend * ((k + 2) * f - (k + 1)) * power
-        power = power * f
-    return value
+def _derivative(per_fraction: Sequence[float]) -> list[float]:
+    """Coefficients of the derivative of ``f`` times a polynomial."""
+    return [(power + 1) * coefficient for power, coefficient in enumerate(per_fraction)]
+
+
+def _bend_slope(bends: Sequence[float]) -> Array:
+    """Derivative of ``f (f - 1) (c0 + c1 f + ...)`` at ``SLOPE_SAMPLES``."""
+    return _horner(_derivative([low - high for low, high in pairwise((0.0, *bends, 0.0))]), SLOPE_SAMPLES)

@@ -107,7 +107,7 @@ class LimitPointSearch:
                 return None
             if best[1] > 0.0 and abs(place - best[0]) <= close:
                 return best
-            duration = self._arrival(place, best[1] or guess)
+            duration = self._arrival(place, guess or best[1])
             if duration is None:
                 high = place
                 continue

@@ -58,14 +58,15 @@ def prescribed_travel(
     StepOutcome
     """
     a0 = state.surface.radius
+    arrivals = state.history.time_over_radius()
     if not problem.rated and not trial.over_zones:
-        trial = replace(trial, arrivals=state.history.time_over_radius())
+        trial = replace(trial, arrivals=arrivals)
     if radius == a0:
         return StepOutcome(longest, rejected=True, below_zone=a0 <= problem.condition.smallest_radius)
     extremum = state.history.distance_to_extremum(FORCE, RADIUS) / (radius - a0)
     if trial.segment.control != "force" and 0.1 < extremum < 1.0 and radius > 0.0:
         radius = a0 + rounded_length(extremum) * (radius - a0)
-    h = trial.duration_to_radius(radius, longest)
+    h = trial.duration_to_radius(radius, longest, arrivals.value_after(radius - a0))
     probe = radius + STABILITY_PROBE * (radius - a0)
     if h is not None and h > 0.0:
         onwards = trial.residual(h, probe) if probe > problem.condition.smallest_radius else 0.0

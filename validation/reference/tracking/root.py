@@ -88,9 +88,9 @@ def rising_root(
     """
     one = function(first)
     if steepness > 0.0:
-        if abs(one) <= small:
-            return first, steepness
         offset = -one / steepness
+        if abs(one) <= small:
+            return (first + offset if limits[0] < first + offset < limits[1] else first), steepness
     for _ in range(5):
         second = first + offset
         if not limits[0] < second < limits[1] or second == first:

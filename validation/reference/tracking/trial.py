@@ -12,9 +12,9 @@ from contact_scene import Counters, Segment
 from validation.reference.tracking.control import balanced, prescribed_penetration
 from validation.reference.tracking.edge_path import (
     EdgePath,
-    parabolic_path,
+    PathFamily,
+    path_family,
     path_over_radius,
-    polynomial_path,
 )
 from validation.reference.tracking.law import EdgeCondition
 from validation.reference.tracking.node_placement import NodePlacement
@@ -96,6 +96,7 @@ class Trial:
     over_zones: bool = False
     arrivals: RowExtrapolation | None = None
     _updates: dict[float, FieldUpdate] = field(default_factory=dict)
+    _paths: dict[float, PathFamily] = field(default_factory=dict)
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
         """The surface when the edge is at ``radius``; if not ``whole``, only the fields near the edge.
@@ -133,9 +134,11 @@ class Trial:
     def _edge_path(self, duration: float, radius: float) -> EdgePath:
         if self.arrivals is not None:
             return path_over_radius(self.arrivals, duration, self.surface.radius, radius)
+        family = self._paths.get(duration)
+        if family is None:
+            family = self._paths[duration] = path_family(self.radii, duration, self.surface.radius)
         follows_speed = self.over_zones or self.condition.rated
-        path = polynomial_path if follows_speed else parabolic_path
-        return path(self.radii, duration, self.surface.radius, radius)
+        return family.polynomial(radius) if follows_speed else family.parabola(radius)
 
     def _node_fractions(self, duration: float, travel: float) -> Array:
         fractions = self.nodes.fractions(duration) if travel != 0.0 else np.empty(0)
@@ -228,13 +231,27 @@ class Trial:
             near, at_near, stride = far, at_far, 3.0 * stride
         return EdgeSearch(limit, up and limit >= self.largest_radius)
 
-    def duration_to_radius(self, radius: float, longest: float) -> float | None:
-        """Duration after which the edge arrives at ``radius``; ``None`` if it would be beyond at once."""
+    def duration_to_radius(self, radius: float, longest: float, guess: float = 0.0) -> float | None:
+        """Duration after which the edge arrives at ``radius``; ``None`` if it would be beyond at once.
+
+        ``guess``: expected duration, 0 if unknown; saves evaluations.
+        """
         outward = radius > self.surface.radius
 
         def function(duration: float) -> float:
             return self.residual(duration, radius)
 
+        if 0.0 < guess < longest:
+            quick = rising_root(
+                (lambda duration: -function(duration)) if outward else function,
+                guess,
+                0.01 * guess,
+                0.0,
+                (0.0, longest),
+                self.condition.tolerance,
+            )
+            if quick is not None:
+                return quick[0]
         at_once, late = function(0.0), function(longest)
         if (at_once <= 0.0) if outward else (at_once >= 0.0):
             return None
