@@ -19,7 +19,9 @@ STEEPEST = 0.1
 """Least of that factor: with few divisions, as a coarse tolerance asks for, it would not be positive."""
 LAYER_ERROR = 1.0 / 40.0
 """Error of interpolation in a relaxing layer over the cube of the distance of its nodes from the edge, in
-relaxation times: a cubic with a one-sided slope at ``exp(-s)``. It stays below the deviation of a step."""
+relaxation times: a cubic with a one-sided slope at ``exp(-s)``."""
+LAYER_SHARE = 1.0 / 8.0
+"""That error, in allowed deviations of a step: it has the same sign in every step."""
 ZONE_FRACTION = 0.1
 """Last node of a step over many process zones before its end, in process zones."""
 CLOSURE_REACH = 4.0
@@ -72,7 +74,7 @@ class NodePlacement:
         grading = FREE_GRADING if self.over_zones and self.free else GRADING
         ratio = max(1.0 - grading / self.divisions, STEEPEST)
         smallest = max(
-            (self.deviation / LAYER_ERROR) ** (1.0 / 3.0) * self.shortest / duration,
+            (LAYER_SHARE * self.deviation / LAYER_ERROR) ** (1.0 / 3.0) * self.shortest / duration,
             THINNEST_LAYER * self.zone_length / self.travel,
             CLOSEST_MOMENT,
         )
