@@ -56,7 +56,12 @@ def test_price_of_four_digits_and_of_six(rate, record_property):
     exact = observe(front(cycle(rate), 40))
     for name, required, levels, run in (
         ("bem", 1e-4, (4, 5, 6, 8, 12, 16), lambda n: solve(cycle(rate), Options(n))),
-        ("reference", 1e-6, (6, 8, 10, 12, 16), lambda n: tracking.solve(cycle(rate), tracking.Options(n))),
+        (
+            "reference",
+            1e-6,
+            (4, 5, 6, 8, 10, 12, 16),
+            lambda n: tracking.solve(cycle(rate), tracking.Options(n)),
+        ),
     ):
         for resolution in levels:
             seconds, error = [], 0.0

@@ -17,7 +17,7 @@ from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.penetration_path import cubic, phi
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.root import bracketed, rising_root
-from validation.reference.tracking.step_history import RowExtrapolation
+from validation.reference.tracking.row_extrapolation import RowExtrapolation
 
 RADII = np.linspace(0.0, 1.0, 41)
 SHAPES = [

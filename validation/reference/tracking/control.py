@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from contact_scene import Segment
 from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import PenetrationPath, cubic, straight
-from validation.reference.tracking.step_history import RowExtrapolation
+from validation.reference.tracking.row_extrapolation import RowExtrapolation
 from validation.reference.tracking.surface import Body, Surface
 from validation.reference.tracking.surface_step import after_step, field_update
 

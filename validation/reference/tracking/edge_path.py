@@ -20,7 +20,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.tracking.step_history import RowExtrapolation
+from validation.reference.tracking.row_extrapolation import RowExtrapolation
+from validation.reference.tracking.zone_from_turn import RootExtrapolation
 
 Array = NDArray[np.float64]
 
@@ -210,7 +211,7 @@ class PathFamily:
         return [bend + travel * more for bend, more in zip(self.at_rest, self.rising, strict=True)]
 
 
-def path_family(rows: RowExtrapolation, duration: float, start: float) -> PathFamily:
+def path_family(rows: RowExtrapolation | RootExtrapolation, duration: float, start: float) -> PathFamily:
     """Paths of a step after the given rows.
 
     Parameters
@@ -226,7 +227,13 @@ def path_family(rows: RowExtrapolation, duration: float, start: float) -> PathFa
     -------
     PathFamily
     """
-    if duration <= 0.0 or len(rows.times) < 2:
+    if duration <= 0.0:
+        return PathFamily(start, (), ())
+    if isinstance(rows, RootExtrapolation):
+        level = rows.middle(duration, start)
+        rise = rows.middle(duration, start + 1.0) - level
+        return PathFamily(start, (4.0 * (start - level),), (2.0 - 4.0 * rise,))
+    if len(rows.times) < 2:
         return PathFamily(start, (), ())
     nodes = [0.0, 1.0, *(time / duration for time in rows.times[1:])]
     earlier = [value - start for value in rows.values[1:]]

@@ -31,6 +31,8 @@ LONG_STEP_SHARE = 0.3
 accelerating edge magnifies errors."""
 FREE_STEP_SHARE = 0.05
 """The same under a controlled force, where no penetration holds the edge back: there by up to ten."""
+ZONES_FROM_TURN = 2
+"""Steps end at so many zones from a turn; farther on the radius is smooth enough (see ``zone_from_turn``)."""
 ELASTIC_TRAVEL = 0.08
 """Largest travel in an elastic step, in first radii, times the steps per process zone: 0.5 % by default."""
 
@@ -106,7 +108,7 @@ class FrontProblem:
             state.surface,
             segment,
             state.time,
-            state.history.extrapolation(RADIUS),
+            state.history.expectation(RADIUS),
             state.history.extrapolation(PENETRATION),
             NodePlacement(
                 self.shortest_time,
@@ -122,6 +124,19 @@ class FrontProblem:
             self.longest_travel(state.surface.radius),
             over_zones,
         )
+
+    def zone_from_turn(self, state: FrontState) -> float | None:
+        """Radius one more zone from the last turn, if the edge goes there and was not at rest on its way."""
+        condition = self.condition
+        if state.turn is None or state.zones_from_turn >= ZONES_FROM_TURN:
+            return None
+        if not isinstance(condition, Griffith) or self.elastic or self.rated:
+            return None
+        if condition.adhesion.stress is not None or self.over_zones(state.surface.radius):
+            return None
+        distance = (state.zones_from_turn + 1) * condition.zone_length
+        place = state.turn + math.copysign(distance, state.direction)
+        return place if (place - state.surface.radius) * state.direction > 0.0 else None
 
     def load_rate(self, state: FrontState, segment: Segment) -> float:
         """Rate of the load, relative to its largest value so far or expected."""

@@ -30,6 +30,12 @@ class FrontState:
         Last displacement of the edge that exceeds noise.
     displaced_to : float
         Radius after that displacement.
+    direction : float
+        Sign of the displacement in the last step, 0 if it was at rest or moved at fixed time.
+    turn : float or None
+        Radius at which the edge last turned, if it has moved since without a rest.
+    zones_from_turn : int
+        Number of zones that it has come from there, as far as steps end at whole ones.
     steepness : float
         Slope of the residual over the radius at the last step, 0 if unknown.
     steepening : float
@@ -50,6 +56,9 @@ class FrontState:
     time: float = 0.0
     proposal: float | None = None
     last_displacement: float = 0.0
+    direction: float = 0.0
+    turn: float | None = None
+    zones_from_turn: int = 0
     unstable: float = 0.0
     steepness: float = 0.0
     steepening: float = 0.0

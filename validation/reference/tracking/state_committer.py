@@ -148,11 +148,33 @@ class StateCommitter:
         if abs(surface.radius - state.displaced_to) > AT_LIMIT_POINT * self.problem.largest_travel:
             state.last_displacement = surface.radius - state.displaced_to
             state.displaced_to = surface.radius
+        self._follow_direction()
         state.largest_force = max(state.largest_force, abs(state.force))
         state.largest_radius = max(state.largest_radius, surface.radius)
         state.largest_depth = max(state.largest_depth, abs(surface.penetration))
         self.recorder.add(state.time, surface, state.force)
         state.history.add((float(state.time), surface.radius, float(state.force), float(surface.penetration)))
+
+    def _follow_direction(self) -> None:
+        """Direction of the edge in the step to the present state, and where it last turned."""
+        state = self.state
+        if not state.history.rows:
+            return
+        before = state.history.rows[-1]
+        moved = state.surface.radius - before[RADIUS]
+        direction = math.copysign(1.0, moved) if moved != 0.0 and state.time > before[TIME] else 0.0
+        if direction != state.direction:
+            turned = direction != 0.0 and state.direction != 0.0
+            state.turn, state.zones_from_turn = (before[RADIUS] if turned else None), 0
+        state.direction = direction
+
+    def zone_from_turn(self) -> None:
+        """The edge has come to be one more zone from its turn."""
+        self.state.zones_from_turn += 1
+        if self.state.zones_from_turn == 1:
+            self.state.history.rates_follow_root()
+            self.state.proposal = None
+            self.recorder.kink()
 
     def add_profile(self, time: float) -> None:
         """The surface at a time at which it is asked for."""

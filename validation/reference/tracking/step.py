@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from contact_scene import Segment
 from validation.reference.tracking.collapse import collapse_at_once
@@ -14,6 +14,7 @@ from validation.reference.tracking.limit_points import (
     prescribed_travel,
 )
 from validation.reference.tracking.problem import LONG_ZONE, FrontProblem
+from validation.reference.tracking.root import bracketed
 from validation.reference.tracking.rounding import rounded_length
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step_error import REJECTED_ABOVE
@@ -28,6 +29,8 @@ FORCE_NOISE = 1e-10
 VANISHING_FORCE = 1e-3
 """Force without adhesion, in allowed deviations of the largest force, from which on contact is lost in one
 step: flat profiles keep a radius to the last, and its speed grows beyond what times can resolve."""
+LARGEST_GROWTH = 2.0
+"""Largest ratio of successive steps, in the variable over which rows are extrapolated."""
 FIRST_STEP = 100.0
 """First step after a kink, in allowed deviations times the shortest time: it has no error estimate."""
 
@@ -76,7 +79,10 @@ def trial_step(
         vanishing = _vanishing_contact(problem, state, segment, h, left, rows.allowed(segment))
         if vanishing is not None:
             return vanishing
-    guess = state.history.extrapolation(RADIUS).value_after(h)
+    guess = state.history.expectation(RADIUS).value_after(h)
+    landed = _to_zone_from_turn(problem, state, segment, h, guess, rows)
+    if landed is not None:
+        return landed
     trial = problem.trial(state, segment, abs(guess - a0))
     reach = state.travel if a0 > 0.0 else state.largest_radius  # the radius of a new contact grows at once
     lowest = max(a0 - state.travel, problem.condition.smallest_radius)
@@ -95,14 +101,40 @@ def trial_step(
         if h <= tick:  # a jump within the resolution of time
             return StepOutcome(candidates=(end,), rejected=True, kink=True)
         return StepOutcome(h * max(0.2, 0.9 / math.sqrt(deviation)), rejected=True)
+    growth = LARGEST_GROWTH**2 if state.history.before_root else LARGEST_GROWTH  # of the root of the time
     return StepOutcome(
-        h * min(2.0, 0.95 / max(deviation, 1e-6) ** (1.0 / 3.0)),
+        h * min(growth, 0.95 / max(deviation, 1e-6) ** (1.0 / 3.0)),
         (FrontCandidate(end.time if h < left else stop, end.surface, end.force, intervals),),
         travel=min(problem.longest_travel(edge.radius), 2.0 * state.travel),
         steepness=edge.steepness,
         steepening=(edge.steepness - state.steepness) / h if state.steepness * edge.steepness > 0.0 else 0.0,
         detachment=NO_STABLE_CONTACT if edge.radius == 0.0 < a0 else "",
     )
+
+
+def _to_zone_from_turn(
+    problem: FrontProblem, state: FrontState, segment: Segment, h: float, guess: float, rows: RowTolerances
+) -> StepOutcome | None:
+    """Step that ends one more zone from the turn of the edge; ``None`` if it is not expected within ``h``."""
+    place = problem.zone_from_turn(state)
+    if place is None or (guess - place) * state.direction <= 0.0:
+        return None
+    a0, path = state.surface.radius, state.history.expectation(RADIUS)
+
+    def beyond(duration: float) -> float:
+        return (path.value_after(duration) - place) * state.direction
+
+    expected = bracketed(beyond, 0.0, (a0 - place) * state.direction, h, beyond(h), 0.0, 1e-6 * h)
+    trial = problem.trial(state, segment, abs(place - a0))
+    duration = trial.duration_to_radius(place, h, expected)
+    if duration is None or not 4.0 * math.ulp(state.time) < duration < h:
+        return None
+    end = problem.candidate(state.time + duration, trial.surface_at(duration, place))
+    edge = EdgeSearch(place, True, state.steepness)
+    deviation, intervals = _step_error(problem, state, trial, end, edge, rows)
+    if deviation > REJECTED_ABOVE:
+        return StepOutcome(duration * max(0.2, 0.9 / math.sqrt(deviation)), rejected=True)
+    return StepOutcome(h, (replace(end, intervals=intervals),), zone_from_turn=True)
 
 
 def _duration(problem: FrontProblem, state: FrontState, segment: Segment, left: float, tick: float) -> float:

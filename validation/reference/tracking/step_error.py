@@ -66,7 +66,7 @@ class StepErrorEstimator:
         worst = 0.0
         for column in self.columns:
             if self.scales[column] > 0.0:
-                missed = abs(row[column] - self.history.extrapolation(column).value_after(duration))
+                missed = abs(row[column] - self.history.expectation(column).value_after(duration))
                 share = RADIUS_SHARE if column == RADIUS else FORCE_SHARE
                 worst = max(worst, max(missed / share, chord[column] / CHORD_SHARE) / self.scales[column])
                 if column == RADIUS and self.zone > 0.0:

@@ -10,6 +10,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from validation.reference.tracking.row_extrapolation import RowExtrapolation
+from validation.reference.tracking.zone_from_turn import RootExtrapolation
+
 LENGTH = 4
 """Rows in the history: enough for a cubic extrapolation."""
 FARTHEST = 1e3
@@ -18,68 +21,36 @@ TIME, RADIUS, FORCE, PENETRATION = range(4)
 HistoryRow = tuple[float, float, float, float]
 
 
-@dataclass(frozen=True)
-class RowExtrapolation:
-    """A quantity at the last rows, newest first; ``times`` count from the newest and are not positive.
-
-    The time itself may be the quantity; ``times`` are then distances in radius, of one sign.
-    """
-
-    times: tuple[float, ...] = (0.0,)
-    values: tuple[float, ...] = (0.0,)
-
-    def value_after(self, duration: float) -> float:
-        """Value after ``duration``, by the polynomial through all rows (Newton's divided differences)."""
-        differences = list(self.values)
-        for order in range(1, len(differences)):
-            for i in range(len(differences) - 1, order - 1, -1):
-                gap = self.times[i] - self.times[i - order]
-                differences[i] = (differences[i] - differences[i - 1]) / gap
-        value = differences[-1]
-        for time, difference in zip(self.times[-2::-1], differences[-2::-1], strict=True):
-            value = difference + value * (duration - time)
-        return value
-
-    def over_square(self) -> RowExtrapolation:
-        """Quotient by the square of ``times``, of a quantity that is zero and extreme at the newest row."""
-        earlier = self.times[1:]
-        quotients = tuple(value / time**2 for time, value in zip(earlier, self.values[1:], strict=True))
-        return RowExtrapolation(earlier or (0.0,), quotients or (0.0,))
-
-    def curvature(self, duration: float, end: float) -> float:
-        """Second derivative in the middle of a step to ``end``, by the polynomial through it and three rows.
-
-        Linear in ``end``; zero where there is only one row, right after a kink.
-        """
-        if len(self.times) < 2 or duration == 0.0:
-            return 0.0
-        first, one = self.values[0], self.times[1]
-        rise = (end - first) / duration
-        behind = (first - self.values[1]) / -one
-        bend = (rise - behind) / (duration - one)
-        if len(self.times) == 2:
-            return 2.0 * bend
-        two = self.times[2]
-        earlier = (behind - (self.values[1] - self.values[2]) / (one - two)) / -two
-        return 2.0 * bend + (bend - earlier) / (duration - two) * (duration - 2.0 * one)
-
-
 @dataclass
 class StepHistory:
-    """Rows since the last kink (time, radius, force, penetration), at most ``LENGTH``."""
+    """Rows since the last kink (time, radius, force, penetration), at most ``LENGTH``.
+
+    ``before_root``: rows up to the last one at which the edge was one zone from its turn, while they matter.
+    """
 
     rows: list[HistoryRow] = field(default_factory=list)
+    before_root: list[HistoryRow] = field(default_factory=list)
 
     def add(self, row: HistoryRow) -> None:
         """Append a row; earlier rows at the same time give no rates and are dropped."""
         if self.rows and self.rows[-1][TIME] == row[TIME]:
             self.rows.clear()
+            self.before_root.clear()
         self.rows.append(row)
         del self.rows[:-LENGTH]
+        if self.before_root:
+            first, last = (self.rows[i][TIME] - self.before_root[-1][TIME] for i in (0, -1))
+            if first >= last - first:  # farther away than the rows reach: any polynomial follows
+                self.before_root.clear()
 
     def kink(self) -> None:
         """Keep the present row only: rates jump here."""
         del self.rows[:-1]
+        self.before_root.clear()
+
+    def rates_follow_root(self) -> None:
+        """From the present row on, rates change as the root of the time."""
+        self.before_root = list(self.rows)
 
     @property
     def restarted(self) -> bool:
@@ -93,6 +64,27 @@ class StepHistory:
             tuple(row[TIME] - now for row in reversed(self.rows)),
             tuple(row[column] for row in reversed(self.rows)),
         )
+
+    def expectation(self, column: int) -> RowExtrapolation | RootExtrapolation:
+        """Extrapolation of a column, over the root of the time where that is the smooth variable."""
+        if not self.before_root:
+            return self.extrapolation(column)
+        begin = self.before_root[-1][TIME]
+        before = RowExtrapolation(
+            tuple(row[TIME] - begin for row in reversed(self.before_root)),
+            tuple(row[column] for row in reversed(self.before_root)),
+        )
+        roots, changes = [], []
+        for row in reversed(self.rows):
+            after = row[TIME] - begin
+            if after <= 0.0:
+                roots.append(0.0)
+                changes.append(0.0)
+                break
+            roots.append(math.sqrt(after))
+            changes.append((row[column] - before.value_after(after)) / after)
+        since = self.rows[-1][TIME] - begin
+        return RootExtrapolation(before, since, RowExtrapolation(tuple(roots), tuple(changes)))
 
     def time_missed(self, row: HistoryRow) -> float:
         """Distance in time of ``row`` from the parabola of the time over the radius; 0 if the edge turned."""

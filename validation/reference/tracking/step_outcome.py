@@ -54,6 +54,8 @@ class StepOutcome:
     event : Event or None
     kink : bool
         Whether rates jump at the last candidate.
+    zone_from_turn : bool
+        Whether the edge has come to be one more process zone from its turn at the last candidate.
     first_contact : bool
         Whether contact may begin at the candidate with a whole face.
     detachment : str
@@ -73,6 +75,7 @@ class StepOutcome:
     equilibria: tuple[Surface, ...] = ()
     event: Event | None = None
     kink: bool = False
+    zone_from_turn: bool = False
     first_contact: bool = False
     detachment: str = ""
     below_zone: bool = False

@@ -218,6 +218,8 @@ class FrontStepper:
         if outcome.kink:
             self.committer.add_extremum(segment, 1)
             self.committer.kink()
+        if outcome.zone_from_turn:
+            self.committer.zone_from_turn()
         if outcome.detachment:
             self._lose_contact(outcome.detachment)
         elif outcome.below_zone or fills_its_zone(self.problem, self.state.surface):

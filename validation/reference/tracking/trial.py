@@ -20,9 +20,10 @@ from validation.reference.tracking.law import EdgeCondition
 from validation.reference.tracking.node_placement import NodePlacement
 from validation.reference.tracking.penetration_path import PenetrationPath
 from validation.reference.tracking.root import bracketed, rising_root
-from validation.reference.tracking.step_history import RowExtrapolation
+from validation.reference.tracking.row_extrapolation import RowExtrapolation
 from validation.reference.tracking.surface import Body, Surface
 from validation.reference.tracking.surface_step import FieldUpdate, after_step, field_update
+from validation.reference.tracking.zone_from_turn import RootExtrapolation
 
 Array = NDArray[np.float64]
 
@@ -65,8 +66,10 @@ class Trial:
         Load during the step.
     time : float
         Start of the step.
-    radii, depths : RowExtrapolation
-        Radius and penetration at the rows before.
+    radii : RowExtrapolation or RootExtrapolation
+        Radius at the rows before.
+    depths : RowExtrapolation
+        Penetration at the rows before.
     nodes : NodePlacement
         Where the edge leaves nodes behind, besides the end of the step.
     counters : Counters
@@ -87,7 +90,7 @@ class Trial:
     surface: Surface
     segment: Segment
     time: float
-    radii: RowExtrapolation
+    radii: RowExtrapolation | RootExtrapolation
     depths: RowExtrapolation
     nodes: NodePlacement
     counters: Counters
