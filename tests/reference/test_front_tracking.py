@@ -203,11 +203,15 @@ SLOW = pytest.mark.slow
     + [pytest.param(v, "one", marks=SLOW) for v in (0.1, 0.002)],
 )
 def test_order_in_the_step(speed: float, material: str) -> None:
-    """Two or better in all that is measured, and small errors: 4 to 16 divisions against 48."""
+    """Nearly three in all that is measured, and small errors: 4 to 16 divisions against 48.
+
+    With straight paths of the edge the least of them is two or below.
+    """
     found = levels(cycle(speed, material), (4, 8, 16), 48)
-    for name in COLUMNS:
-        assert 1.8 <= order(found, name) <= 6.0, name
-    assert found[-1].worst <= 2e-6
+    orders = {name: order(found, name, 48) for name in COLUMNS}
+    least, worst = (1.8, 2e-6) if material == "thirty" else (2.5, 2e-7)  # over fifteen decades of times
+    assert least <= min(orders.values()) <= max(orders.values()) <= 6.0, orders
+    assert found[-1].worst <= worst
     assert all(0.0 < estimate <= 2e-5 for estimate in found[-1].estimates.values())
 
 

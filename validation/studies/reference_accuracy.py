@@ -155,10 +155,16 @@ def levels(
     return accuracies
 
 
-def order(accuracies: list[AccuracyLevel], name: str) -> float:
-    """Order in the step: slope of the straight line through the logarithms of the errors of all levels."""
+def order(accuracies: list[AccuracyLevel], name: str, finest: int = FINEST) -> float:
+    """Order in the step: slope of the straight line through the logarithms of the errors of all levels.
+
+    A value may be right by chance, but not be known to be: errors count as no less than what the ``finest``
+    run leaves open, that is the worst error of the last level reduced by second order.
+    """
     steps = [1.0 / level.resolution for level in accuracies]
-    slope = fitted_slope(steps, [level.errors[name] for level in accuracies])
+    last = accuracies[-1]
+    unknown = last.worst * (last.resolution / finest) ** 2
+    slope = fitted_slope(steps, [max(level.errors[name], unknown) for level in accuracies])
     return math.nan if slope is None else slope
 
 

@@ -21,7 +21,7 @@ LAYER_ERROR = 1.0 / 40.0
 """Error of interpolation in a relaxing layer over the cube of the distance of its nodes from the edge, in
 relaxation times: a cubic with a one-sided slope at ``exp(-s)``."""
 LAYER_SHARE = 1.0 / 8.0
-"""That error, in allowed deviations of a step: it has the same sign in every step."""
+"""That error in steps of a fraction of a zone, in their allowed deviations: it has the same sign in all."""
 ZONE_FRACTION = 0.1
 """Last node of a step over many process zones before its end, in process zones."""
 CLOSURE_REACH = 4.0
@@ -73,8 +73,9 @@ class NodePlacement:
             return np.empty(0)
         grading = FREE_GRADING if self.over_zones and self.free else GRADING
         ratio = max(1.0 - grading / self.divisions, STEEPEST)
+        share = 1.0 if self.over_zones else LAYER_SHARE
         smallest = max(
-            (LAYER_SHARE * self.deviation / LAYER_ERROR) ** (1.0 / 3.0) * self.shortest / duration,
+            (share * self.deviation / LAYER_ERROR) ** (1.0 / 3.0) * self.shortest / duration,
             THINNEST_LAYER * self.zone_length / self.travel,
             CLOSEST_MOMENT,
         )

@@ -22,8 +22,10 @@ COARSEN_EVERY = 12
 COARSEN_EVERY_LONG = 2
 """The same where steps pass over process zones and leave many nodes."""
 COARSENING_SQUARED = 10.0
-"""Error allowed in coarsening, in squares of the deviation allowed in a step: of fourth order, as a step. At
-most a hundredth of a deviation with 4 steps a zone: what is dropped is missed by every later step."""
+"""Error allowed in coarsening, in squares of the deviation allowed in a step: of fourth order, as a step. By
+default a ten-thousandth of a deviation: what is dropped is missed by every later step."""
+COARSENING_SQUARED_LONG = 100.0
+"""The same where steps pass over process zones, whose nodes are close to each other at the edge alone."""
 COARSENING_SHARE = 0.1
 """Error allowed in coarsening, in deviations allowed in a step, at most."""
 EXTREMUM_HEIGHT = 1e-13
@@ -65,7 +67,8 @@ class StateCommitter:
         long = self.problem.over_zones(surface.radius)
         if state.counters.steps % (COARSEN_EVERY_LONG if long else COARSEN_EVERY) == 0:
             allowed = self.problem.fineness.deviation
-            surface = coarsened(surface, allowed * min(COARSENING_SQUARED * allowed, COARSENING_SHARE))
+            squared = COARSENING_SQUARED_LONG if long else COARSENING_SQUARED
+            surface = coarsened(surface, allowed * min(squared * allowed, COARSENING_SHARE))
         before = state.time
         state.time, state.surface, state.force = float(candidate.time), surface, float(candidate.force)
         radius = state.history.rows[-1][RADIUS] if state.history.rows else surface.radius
