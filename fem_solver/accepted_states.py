@@ -50,8 +50,8 @@ class AcceptedStates:
     setup : Setup or FollowingSetup
     recorder : SurfaceRecorder
     estimator : SlopeErrorEstimator
-    force_scale : callable(float) -> float
-        Force to which errors of the force are relative, at a contact radius.
+    force_scale : callable(float, float, float) -> float
+        Force to which errors of the force are relative, at a force, its singular part and a contact radius.
     max_steps : int
         Budget of trial steps.
     requested : frozenset of float
@@ -69,7 +69,7 @@ class AcceptedStates:
     setup: Setup | FollowingSetup
     recorder: SurfaceRecorder
     estimator: SlopeErrorEstimator
-    force_scale: Callable[[float], float]
+    force_scale: Callable[[float, float, float], float]
     max_steps: int
     requested: frozenset[float]
     on_stop: Callable[[float], None]
@@ -146,6 +146,7 @@ class AcceptedStates:
                 branch_dissipation=history.state.dissipated,
                 zone=candidate.problem.zone(candidate.edge.s),
                 received=received,
+                singular_force=candidate.singular_force,
                 **self._at_tip(candidate.edge.s, radius, forces),
                 **self._interface(candidate, radius),
             )

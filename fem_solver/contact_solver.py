@@ -50,6 +50,11 @@ class ContactCandidate:
         return self.problem.force(self.edge.s)
 
     @property
+    def singular_force(self) -> float:
+        """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
+        return self.problem.singular_force(self.edge.s)
+
+    @property
     def response(self) -> float:
         """Penetration where the force is prescribed, otherwise the force."""
         return self.penetration if self.problem.control == "force" else self.force

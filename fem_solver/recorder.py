@@ -61,6 +61,8 @@ class SurfaceState:
     release, crept : tuple of float, int
         Glassy energy release rate of the tip, opening and closing (see ``tip_release``), and the node before
         the edge when that was slow last.
+    singular_force : float
+        Force of the flat punch, as large as the contact, that leaves the same edge singularity.
     """
 
     time: float
@@ -81,6 +83,7 @@ class SurfaceState:
     received: float | None = None
     release: tuple[float, float] = UNKNOWN_RELEASE
     crept: int = -1
+    singular_force: float = 0.0
 
 
 @dataclass

@@ -121,6 +121,13 @@ class ContactProblem:
         """Indentation of the flat punch up to ``node`` with the same edge singularity; tension < 0."""
         return self.penetration(s) + float(self._base_y[node] / self.operator.unit[node])
 
+    def singular_force(self, s: float) -> float:
+        """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
+        m = int(np.floor(s))
+        if m < 0:
+            return 0.0
+        return self.response.modulus * float(self.operator.stiffness[m]) * self.intensity(m, s)
+
     def transformed(self, s: float) -> Array:
         """``L^-1`` of the displacement imposed inside, cut at the edge; shape (floor(s) + 2,)."""
         m = int(np.floor(s))

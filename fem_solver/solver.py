@@ -123,7 +123,7 @@ def record(
         estimator=SlopeErrorEstimator(
             (options.tolerance or setup.tolerance) * (1.0 if setup.has_history else ELASTIC_TOLERANCE)
         ),
-        force_scale=_force_scale(scene, recorder),
+        force_scale=_force_scale(scene, setup, recorder),
         max_steps=options.max_steps,
         requested=options.requested_times,
         on_stop=observer.on_stop,
@@ -156,16 +156,25 @@ def _start(scene: Scene, run: NodeReleaseRun, monitor: RunMonitor | None) -> Out
     return outcome
 
 
-def _force_scale(scene: Scene, recorder: SurfaceRecorder) -> Callable[[float], float]:
-    """Largest force so far, at least the pull-off force of a relaxed adhering punch of the contact radius.
+def _force_scale(
+    scene: Scene, setup: Setup | FollowingSetup, recorder: SurfaceRecorder
+) -> Callable[[float, float, float], float]:
+    """Force to which errors of the force are relative, at a force, its singular part and a contact radius.
 
-    Kendall, J. Phys. D 4 (1971): ``F = sqrt(8 pi E* a^3 w)``.
+    What a relaxing contact bears when it is pulled follows from the steps before, and after a hard press it
+    is far less than the largest force of the run. There errors are relative to the larger of the present
+    force and its part due to adhesion, that of the flat punch with the same edge singularity. Without
+    adhesion, or without a history, the largest force serves. The scale is at least the pull-off force of a
+    relaxed punch of the contact radius that adheres, ``F = sqrt(8 pi E* a^3 w)`` (Kendall, J. Phys. D 4
+    (1971)).
     """
     modulus, work = scene.material.relaxed_plane_modulus, recorder.work_of_adhesion
 
-    def force_scale(radius: float) -> float:
-        adhesion = math.sqrt(8.0 * math.pi * modulus * radius**3 * work)
-        return max(recorder.content.largest_force, adhesion)
+    def force_scale(force: float, singular: float, radius: float) -> float:
+        scale = recorder.content.largest_force
+        if work > 0.0 and setup.has_history:
+            scale = min(max(abs(force), abs(singular)), scale)
+        return max(scale, math.sqrt(8.0 * math.pi * modulus * radius**3 * work))
 
     return force_scale
 

@@ -119,7 +119,11 @@ class SteppedStates(AcceptedStates):
             return StepCandidate(contact, {}, math.inf)
         radius = self.solver.radius(contact)
         quantities = {
-            "force": (contact.force, now.force, self.force_scale(radius)),
+            "force": (
+                contact.force,
+                now.force,
+                self.force_scale(contact.force, contact.singular_force, radius),
+            ),
             "penetration": (contact.penetration, now.penetration, self.recorder.depth_scale()),
             "radius": (radius, now.radius, _RADIUS_SCALE * radius),
         }
@@ -128,6 +132,11 @@ class SteppedStates(AcceptedStates):
         slopes = {name: (new - old) / dt for name, (new, old, _) in quantities.items()}
         scales = {name: scale for name, (_, _, scale) in quantities.items()}
         return StepCandidate(contact, slopes, self.estimator.error(slopes, scales, dt))
+
+    def _present_force_scale(self) -> float:
+        """Force to which errors are relative in the accepted state."""
+        now = self.state
+        return self.force_scale(now.force, now.singular_force, now.radius)
 
     def _travel(self) -> float:
         """Edge travel allowed in the present step.
@@ -178,7 +187,7 @@ class SteppedStates(AcceptedStates):
         """The turn of the tension at the last row, if it is the largest so far."""
         tension = -self.state.force
         rise, fall = -self.estimator.slopes.get("force", 0.0), candidate.slopes.get("force", math.inf)
-        allowed = _MISSED_TENSION * self.estimator.tolerance * self.force_scale(self.state.radius)
+        allowed = _MISSED_TENSION * self.estimator.tolerance * self._present_force_scale()
         turns = rise > 0.0 and fall > 0.0 and tension + allowed > self.recorder.content.largest_tension
         return TensionPeak(rise, fall, allowed) if turns else None
 
@@ -206,7 +215,7 @@ class SteppedStates(AcceptedStates):
         turn = abs(candidate.slopes["force"] - self.estimator.slopes["force"])
         length = self.time - before.time
         missed = turn * length**2 / (length + interval.dt)
-        if missed <= _REJECT * self.estimator.tolerance * self.force_scale(self.state.radius):
+        if missed <= _REJECT * self.estimator.tolerance * self._present_force_scale():
             return False
         self._take_back(before, interval)
         return True

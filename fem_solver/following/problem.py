@@ -121,6 +121,15 @@ class FollowingProblem:
         """Total force."""
         return self.value if self.control == "force" else self._force_at(s, self.penetration(s))
 
+    def singular_force(self, s: float) -> float:
+        """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
+        m = int(np.floor(s))
+        if m < 0:
+            return 0.0
+        v, b = self.arrival(s)
+        unit = self.placement.unit[: m + 1]
+        return float(self.solid.force(v[m : m + 1], b[:, m : m + 1])[0] / unit[m] * (unit @ unit))
+
     def _force_at(self, s: float, penetration: float) -> float:
         if s < 0.0:
             return 0.0

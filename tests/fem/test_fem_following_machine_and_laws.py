@@ -16,6 +16,7 @@ from contact_scene import (
     Branch,
     Cone,
     FlatPunch,
+    Hold,
     Loading,
     Machine,
     Material,
@@ -176,5 +177,16 @@ def test_a_rated_edge_that_sets_off_within_a_step():
     law = Adhesion(2e-5, 0.0132, rate=PowerRate(0.055, 0.68))
     question = Scene(quick, FlatPunch(1.0), loading, law)
     mine, other = FiniteElements().solve(question, 4), front(question, 6)
+    assert_allclose(mine.force.min(), other.force.min(), rtol=7.5e-3)
+    assert_allclose(mine.outcome.time, other.outcome.time, rtol=1e-3)
+
+
+def test_a_relaxing_punch_that_is_pressed_hard_and_pulled_slowly():
+    """Judged by the largest force of the run, it came off at 4.4 % too little at any resolution."""
+    rubber = Material(0.75, 0.5, (Branch(2.25, 1.0),))
+    loading = Loading("jump-in", 0.011, (Ramp(0.11, 0.055), Hold(5.0), Ramp(-0.5, 2.2e-4)))
+    question = Scene(rubber, FlatPunch(1.0), loading, Adhesion(2e-5, 0.01))
+    mine, other = FiniteElements().solve(question, 6), front(question, 6)
+    assert other.force.max() > 15.0 * -other.force.min()
     assert_allclose(mine.force.min(), other.force.min(), rtol=7.5e-3)
     assert_allclose(mine.outcome.time, other.outcome.time, rtol=1e-3)
