@@ -38,13 +38,13 @@ class Response:
     """Surface displacement at the end of a step for new surface forces: ``u = free + C f/modulus``.
 
     ``free`` (n,) is the displacement of the surface without forces; ``operator`` holds ``C``. ``partly`` is
-    the node in contact in part where the step begins.
+    the node in contact in part where the step begins, and those behind it.
     """
 
     operator: SurfaceOperator
     modulus: float
     free: Array
-    partly: PartlyReleasedNode | None = None
+    partly: tuple[PartlyReleasedNode, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class CondensedHistory:
         memory = step.memory(self.state.branches, self.state.image)
         free = -self.operator.displacement(memory) / step.modulus
         partly = self.state.partly
-        released = None if partly is None else partly.released(dt, self.operator.unit)
+        released = () if partly is None else partly.released(dt, self.operator.unit)
         return Response(self.operator, step.modulus, free, released)
 
     def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:

@@ -111,7 +111,7 @@ class QuadratureHistory:
         factor, operator = self._operator(past.ratio)
         free = factor.solve(past.load, past.far_memory)
         surface, partly = -free[self.space.surface_dofs[: self.count]], self.state.partly
-        released = None if partly is None else partly.released(dt, operator.unit)
+        released = () if partly is None else partly.released(dt, operator.unit)
         return Response(operator, past.modulus, surface, released)
 
     def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:

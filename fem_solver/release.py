@@ -66,7 +66,8 @@ class ContactProblem:
         self.geometry, self.response = geometry, response
         self.operator = response.operator
         self.control, self.value, self.compliance = control, value, compliance
-        self.dt, self.origin, self._partly = dt, origin, response.partly
+        self.dt, self.origin = dt, origin
+        self._partly = {one.node: one for one in response.partly}
         self._base = -height - response.free
         self._base_y = self.operator.transform(self._base)
         self._base_force = np.cumsum(self.operator.unit * self._base_y)
@@ -104,9 +105,8 @@ class ContactProblem:
     def _bearing(self, node: int, share: float) -> float:
         """``y`` of the node next to the edge per modulus, at no penetration."""
         whole = float(self._base_y[node])
-        if self._partly is not None and self._partly.node == node:
-            return self._partly.bearing(share, whole)
-        return share * whole
+        partly = self._partly.get(node)
+        return share * whole if partly is None else partly.bearing(share, whole)
 
     def partial_contact(self, s: float) -> PartialContact | None:
         """The node next to an adhesive edge at ``s``, unless that is the rim of the indenter."""

@@ -3,7 +3,8 @@
 At a fixed instant the half-space is elastic with its glassy modulus ``G``. In the components ``v = L^-1 u``,
 ``y = L^T f`` of the surface (see ``surface``) component j belongs to the radii between two positions of the
 edge. As these are released, one after the other, they set free ``y_j^2/(2 G)`` of the part in contact; as
-they close, they take up as much of what the free part bears at once in contact.
+they close, they take up as much of what the free part bears at once in contact. What came into contact last
+is released first.
 """
 
 from __future__ import annotations
@@ -55,11 +56,11 @@ def release_of_tip(
     """
     node, share, unit = partly.contact.node, partly.contact.share, operator.unit[partly.contact.node]
     mean = operator.component(forces, node)
-    held = mean + unit * partly.stress
+    held, last = mean + unit * partly.stress, mean + unit * float(partly.stresses[-1])
     covered = mean + modulus * unit * partly.contact.depth  # with the node in full contact at once
     free = (covered - share * held) / (1.0 - share)
     area = math.pi * (geometry.effective[node] ** 2 - geometry.effective[node - 1] ** 2)
-    return float(held**2 / (2.0 * modulus * area)), float(free**2 / (2.0 * modulus * area))
+    return float(last**2 / (2.0 * modulus * area)), float(free**2 / (2.0 * modulus * area))
 
 
 def with_sharp_tip(columns: Mapping[str, Array]) -> Array:
