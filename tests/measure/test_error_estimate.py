@@ -147,6 +147,15 @@ def test_a_difference_is_as_uncertain_as_both_its_terms():
     )
 
 
+def test_a_square_is_twice_as_uncertain_as_what_is_squared():
+    """Where the two runs agree in it by accident, and their curves do not."""
+    fine, coarse = spring(1.0), spring(1.01)
+    alike = {"branch_dissipation": 3.0, "detachment_radius": 0.2}
+    found = from_two_runs(fine, coarse, alike, alike)
+    assert found["detachment_radius"] > 0.0
+    assert found["branch_dissipation"] == pytest.approx(2.0 * found["detachment_radius"])
+
+
 def test_own_estimates_serve_for_what_they_do_not_name():
     trace = dataclasses.replace(spring(1.0), errors={"force": 1e-4, "contact_radius": 3e-4})
     found = from_own(trace, measure(trace, CASE.scene, 0.0))

@@ -21,11 +21,11 @@ excursion in the worst window a curve has an estimate of its own, so that a smal
 the size of the contact.
 
 The difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its
-run would be at its order. The excess at the edge is a difference, uncertain by what its two terms are. The
-largest tension is a row of the trace: it is also uncertain by what the tension between the rows beside it may
-exceed it. Its place is uncertain by that over which the tension falls by its own error and, if it is not
-located, by the distance of these rows. The edge may have gone on after the last row in contact, where it runs
-away.
+run would be at its order; a square, than twice that. The excess at the edge is a difference, uncertain by
+what its two terms are. The largest tension is a row of the trace: it is also uncertain by what the tension
+between the rows beside it may exceed it. Its place is uncertain by that over which the tension falls by its
+own error and, if it is not located, by the distance of these rows. The edge may have gone on after the last
+row in contact, where it runs away.
 """
 
 from __future__ import annotations
@@ -53,6 +53,8 @@ SAFETY = 3.0
 """Safety factor on the extrapolated error of two grids, whose order is not observed (Roache 1994)."""
 IN_LAYERS = ("branch_dissipation", "zone_excess")
 """Quantities of first order: squares of the stress in the layer at the edge."""
+OF_SQUARE = 2.0
+"""Relative error of a square over that of what is squared."""
 AT_LIMIT_POINTS = ("detachment_radius", "detachment_force")
 """Quantities of first order where others are of second: the edge runs away as the root of the load."""
 RUNAWAY = 1.0 / (math.sqrt(2.0) - 1.0)
@@ -110,7 +112,7 @@ def from_two_runs(
         first = name in (*IN_LAYERS, *AT_LIMIT_POINTS) or name.startswith("pull_off")
         order = 1.0 if first else usual
         own = _extrapolated(abs(there - value) / relative_to, order, ratio) if relative_to > 0.0 else 0.0
-        errors[name] = max(own, floors[order])
+        errors[name] = max(own, (OF_SQUARE if name in IN_LAYERS else 1.0) * floors[order])
     left = at_last_contact(run, "balance_residual")
     if left is not None and errors.get("dissipated_energy", 0.0) > 0.0:
         # what a run's own energies, each integrated alone, leave unexplained is an error of one of them
