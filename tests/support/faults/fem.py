@@ -90,7 +90,7 @@ def _(true):
     return stored
 
 
-@fault("dissipation without its cross term", "prony:Prony.loss_weights", ("repressed-profile",))
+@fault("dissipation without its cross term", "prony:Prony.loss_weights", ("punch-programme",))
 def _(true):
     return lambda self, dt: true(self, dt) * np.array([[1.0], [0.0], [1.0]])
 
