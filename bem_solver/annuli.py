@@ -37,6 +37,14 @@ def even_cubic(values: Array, position: Array) -> Array:
     return _cubic(_divided_differences(padded), position + 1.5)
 
 
+def cubic_weights(z: Array) -> Array:
+    """Lagrange's weights (4, m) at ``z`` (m,) of the cubic through samples at 0, 1, 2 and 3."""
+    one, two, three = z - 1.0, z - 2.0, z - 3.0
+    return np.array(
+        (-one * two * three / 6.0, z * two * three / 2.0, -z * one * three / 2.0, z * one * two / 6.0)
+    )
+
+
 def _divided_differences(samples: Array) -> Array:
     """Of the cubics through four neighbouring samples each, in Newton's form; (n,) -> (4, n - 3)."""
     first = samples[1:] - samples[:-1]
@@ -122,11 +130,7 @@ class Annuli:
     def cubic_shares(self, position: Array) -> tuple[NDArray[np.intp], Array]:
         """Annuli (4, m) that :func:`even_cubic` reads at positions (m,), and the weight of each."""
         first = np.minimum(np.maximum((position + 0.5).astype(int), 0), self.count)
-        z = position + 1.5 - first
-        one, two, three = z - 1.0, z - 2.0, z - 3.0
-        weight = np.array(
-            (-one * two * three / 6.0, z * two * three / 2.0, -z * one * three / 2.0, z * one * two / 6.0)
-        )
+        weight = cubic_weights(position + 1.5 - first)
         index = first + np.arange(-2, 2)[:, None]
         index = np.where(index < 0, -1 - index, index)
         return np.where(index >= self.count, 2 * self.count - 1 - index, index), weight

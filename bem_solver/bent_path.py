@@ -40,18 +40,18 @@ _FORGOTTEN = 36.0
 
 @dataclass(frozen=True)
 class EarlierRow:
-    """The row before the last: its time before the last, its penetration, its edge, ``v`` there and ahead.
+    """A row before the last, through which paths are parabolas: its time before the last, its penetration.
 
-    The last three are None without adhesion. ``fall`` is that of the load outside the last row, ``further``
-    time before the last and edge of the row before this one, where the path is a cubic: None where the edge
-    keeps to a straight line.
+    With adhesion also its ``edge`` and its ``load``, ``v`` at a distance ``ahead`` outside the edge. Where
+    the edge has a curved path, ``ahead`` is zero and ``fall`` that of the load outside the last row;
+    ``further`` are time before the last and edge of the row before this one, where that path is a cubic.
     """
 
     time: float
     penetration: float
     edge: float | None = None
-    edge_load: float | None = None
-    load_ahead: float | None = None
+    load: float | None = None
+    ahead: float = 0.0
     fall: OuterFall | None = None
     further: tuple[float, float] | None = None
 

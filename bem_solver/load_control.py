@@ -1,9 +1,9 @@
 """The prescribed quantity of a step: the surface at its end, and what goes with the edge on the way.
 
-What an advancing edge covers depends on the load at the edge, and on how that falls outside it, in the
-course of the step. Both are known at its start; at its end they are those of the surface that is sought.
-Penetration and surface displacement positive downwards, force and pressure positive in compression; radii
-from the axis.
+What the edge covers and leaves depends on the load at the edge, or just ahead of one that hardly moves, and
+on how that falls outside it, in the course of the step. Both are known at its start; at its end they are
+those of the surface that is sought. Penetration and surface displacement positive downwards, force and
+pressure positive in compression; radii from the axis.
 """
 
 from __future__ import annotations
@@ -34,8 +34,7 @@ class LoadControl:
     """``control`` has ``value`` at the end of the step.
 
     ``points`` are the collocation radii inside the new edge, and behind them the readings of ``kinks`` and
-    the nodes ``between``; ``earlier`` is the row before the last, where the edge or its load has a curved
-    path.
+    the nodes ``between``; ``earlier`` is a row before the last, where the edge or its load has a curved path.
     """
 
     problem: Problem
@@ -81,17 +80,11 @@ class LoadControl:
 
     def _load_bend(self, motion: Motion, surface: ContactSurface) -> float:
         """``c`` of the load through the earlier row: at the edge of a curved path, or ahead of another."""
-        earlier, start = self.earlier, self.state.surface
-        if earlier is None or (motion.path is not None and earlier.fall is None):
+        earlier = self.earlier
+        if earlier is None or earlier.load is None or (motion.path is not None and earlier.fall is None):
             return 0.0
-        if earlier.fall is not None and earlier.edge_load is not None:
-            before, value, end = earlier.edge_load, start.edge_load, surface.edge_load
-        elif earlier.load_ahead is not None:
-            ahead = self.problem.ahead
-            before, value, end = earlier.load_ahead, start.load_ahead(ahead), surface.load_ahead(ahead)
-        else:
-            return 0.0
-        return parabola_bend((earlier.time, before), value, motion.duration, end)
+        start, end = (of.load_ahead(earlier.ahead) for of in (self.state.surface, surface))
+        return parabola_bend((earlier.time, earlier.load), start, motion.duration, end)
 
     def _controlled(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration, and surface, that the control asks for."""

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from bem_solver.annuli import cubic_weights
 from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
@@ -28,16 +29,8 @@ _ENTRIES = 4
 """Entries of the table per reading, from the cubics: straight lines between them miss B by 4e-5 of its bend
 (by sixteen times that between readings alone). The closure of a fast edge hardly depends on its speed; what
 the table misses, unevenly from step to step, is then an uneven speed, and short steps are no more even."""
-_SHARES = np.arange(_ENTRIES) / _ENTRIES
-_CUBIC = np.array(
-    (
-        -_SHARES * (_SHARES - 1.0) * (_SHARES - 2.0) / 6.0,
-        (_SHARES + 1.0) * (_SHARES - 1.0) * (_SHARES - 2.0) / 2.0,
-        -(_SHARES + 1.0) * _SHARES * (_SHARES - 2.0) / 2.0,
-        (_SHARES + 1.0) * _SHARES * (_SHARES - 1.0) / 6.0,
-    )
-)
-"""Lagrange's weights (4, entries) of the readings around an interval of them."""
+_CUBIC = cubic_weights(1.0 + np.arange(_ENTRIES) / _ENTRIES)
+"""Weights (4, entries) of the readings around an interval of them."""
 
 
 @dataclass(frozen=True)

@@ -325,7 +325,8 @@ class TrialStep(StepStart):
         further = None
         if len(rows) > 2 and last.edge < before.edge < rows[-3].edge:
             further = last.parameter - rows[-3].parameter, rows[-3].edge
-        return replace(self._as_earlier(before), fall=self._fall, further=further)
+        curved = self._as_earlier(before)
+        return replace(curved, load=before.edge_load, ahead=0.0, fall=self._fall, further=further)
 
     def _as_earlier(self, row: AcceptedRow) -> EarlierRow:
         """An accepted row as the earlier one of a parabola."""
@@ -335,7 +336,7 @@ class TrialStep(StepStart):
             penetration -= self.problem.scene.loading.compliance * row.load
         if not self.problem.curves:
             return EarlierRow(time, penetration)
-        return EarlierRow(time, penetration, row.edge, row.edge_load, row.load_ahead)
+        return EarlierRow(time, penetration, row.edge, row.load_ahead, self.problem.ahead)
 
     @cached_property
     def _fall(self) -> OuterFall:

@@ -7,9 +7,8 @@ import math
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.options import DEFAULT_RESOLUTION
-from bem_solver.problem import Problem
 from bem_solver.run_state import StepStart
-from bem_solver.step_control import AcceptedRow, departure_from_line
+from bem_solver.step_control import departure_from_line
 from bem_solver.trial import TrialContact
 
 _BENT_SHARE_OF_ZONE = 0.04
@@ -57,15 +56,6 @@ _LEAST_RATED_TRAVEL = 1e-4
 def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
     """The quantity that is not prescribed: penetration under a controlled force, otherwise the force."""
     return contact.penetration if interval.control == "force" else contact.surface.force
-
-
-def accepted_row(
-    problem: Problem, parameter: float, interval: LoadingInterval, contact: HalfSpaceState
-) -> AcceptedRow:
-    """What a committed state adds to the accepted ones."""
-    surface = contact.surface
-    load, ahead = free_load(interval, contact), surface.load_ahead(problem.ahead)
-    return AcceptedRow(parameter, contact.edge, load, surface.edge_load, ahead)
 
 
 def least_bent_travel(start: StepStart, edge: float) -> float:

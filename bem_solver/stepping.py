@@ -34,8 +34,8 @@ from bem_solver.step import (
     TrialStep,
     limited_step,
 )
-from bem_solver.step_control import SHARE_OF_WAY, grown, shrunk
-from bem_solver.step_error import accepted_row, load_error
+from bem_solver.step_control import SHARE_OF_WAY, AcceptedRow, grown, shrunk
+from bem_solver.step_error import free_load, load_error
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
@@ -124,7 +124,7 @@ class GradedRun:
             if self.problem.viscoelastic and not interval.jump:  # what has jumped relaxes from the start
                 first = min(first, float(self.problem.chain.retardation.min()))
             state.step = min(state.step, short) if state.step > 0.0 else first
-            state.accepted.start(accepted_row(self.problem, 0.0, interval, state.contact))
+            state.accepted.start(self._accepted_row(0.0, interval))
         else:
             state.accepted.continue_in_next_interval()
         if interval.jump:
@@ -224,7 +224,7 @@ class GradedRun:
         self._commit(candidate.trial, interval.time(state.parameter), report)
         edge = state.contact.edge
         remember = state.accepted.start if leaps else state.accepted.add
-        remember(accepted_row(self.problem, state.parameter, interval, state.contact))
+        remember(self._accepted_row(state.parameter, interval))
         if candidate.speed_jumps and candidate.trial.motion.edge == edge:  # at rest until now: rates hold
             record.kink()
         elif candidate.speed_jumps:
@@ -239,11 +239,18 @@ class GradedRun:
             return Outcome(OutcomeKind.DETACHED, "the contact area fell to zero", state.contact.time)
         return None
 
+    def _accepted_row(self, parameter: float, interval: LoadingInterval) -> AcceptedRow:
+        """What the committed state adds to the accepted ones of its interval."""
+        contact = self.state.contact
+        surface, load = contact.surface, free_load(interval, contact)
+        ahead = surface.load_ahead(self.problem.ahead)
+        return AcceptedRow(parameter, contact.edge, load, surface.edge_load, ahead)
+
     def _speed_jumps(self, interval: LoadingInterval) -> None:
         """Slopes jump at the committed state: those from before it tell nothing about what comes."""
         state = self.state
         state.record.kink()
-        state.accepted.start(accepted_row(self.problem, state.parameter, interval, state.contact))
+        state.accepted.start(self._accepted_row(state.parameter, interval))
 
     def _after_failure(
         self, failed: FailedStep, step: float, start: StepStart, report: Callable[[float], None]
@@ -304,7 +311,7 @@ class GradedRun:
             return None
         self._commit(event.trial, interval.time(event.parameter), report)
         state.contact = replace(state.contact, last_step=None)
-        state.accepted.start(accepted_row(self.problem, event.parameter, interval, state.contact))
+        state.accepted.start(self._accepted_row(event.parameter, interval))
         state.travel_share, state.step = 1.0, event.next_step
         state.record.kink()
         return None

@@ -190,7 +190,9 @@ class ContactSurface:
         return load
 
     def load_ahead(self, distance: float) -> float:
-        """``v`` at a distance outside the edge."""
+        """``v`` at a distance >= 0 outside the edge."""
+        if distance == 0.0:
+            return self.edge_load
         return float(self.outside(np.array([self.edge + distance]))[0])
 
     def root_strength(self, reach: float) -> float:

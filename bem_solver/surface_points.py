@@ -1,15 +1,15 @@
 """Surface points over one step, while the edge moves at constant speed from one radius to another.
 
-A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside,
-then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
-sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of a departure from a straight
-line in time, and of a rest that is linear in time; the recursions are exact for all. The departure is that of
-``v`` at the edge, a parabola through an earlier row; without adhesion that at a point inside all the time,
-near the edge, falling off as ``v``. So both sides of an edge at rest change alike: a step between them would
-be read as a root by an edge that advances a little. Where a step passes over process zones, the speed of the
-edge is not constant but that of its path (``bent_path``). A covered point meets the indenter at the moment
-the edge passes; a released one leaves it, glassy, at that moment. Displacement ``w``, load ``v`` and
-penetration are positive downwards.
+A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside, then
+outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the sum of
+the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of a departure from a straight line in
+time, and of a rest that is linear in time; the recursions are exact for all. The departure is that of ``v``
+at the edge, or ahead of an edge that hardly moves, a parabola through an earlier row; without adhesion that
+at a point inside all the time, near the edge, falling off as ``v``. So both sides of an edge at rest change
+alike: a step between them would be read as a root by an edge that advances a little. Where a step passes over
+process zones, the speed of the edge is not constant but that of its path (``bent_path``). A covered point
+meets the indenter at the moment the edge passes; a released one leaves it, glassy, at that moment.
+Displacement ``w``, load ``v`` and penetration are positive downwards.
 """
 
 from __future__ import annotations

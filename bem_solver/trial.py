@@ -78,7 +78,7 @@ def evaluate(
         Which of them has ``value`` at the end of the step.
     value : float
     earlier : EarlierRow, optional
-        Row through which the paths of edge, load at the edge and penetration are then parabolas.
+        Row through which the paths of edge, load at the edge or ahead of it, and penetration are parabolas.
     midway : float, optional
         Prescribed penetration in the middle of the step, through which its path is a parabola instead.
 
