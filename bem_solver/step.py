@@ -19,7 +19,7 @@ from bem_solver.outer_fall import OuterFall
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import AcceptedRow, shrunk
-from bem_solver.step_error import error_at_limit, least_bent_travel, step_error
+from bem_solver.step_error import error_at_limit, first_step, least_bent_travel, step_error
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 
 _RESIDUAL_ACCURACY = 1e-2
@@ -82,6 +82,8 @@ def limited_step(start: StepStart) -> tuple[float, float]:
     advancing = state.accepted.rates(0.0)[0] > 0.0
     limited, parameter = state.step, state.parameter
     limited = _step_within(start, limited, 0.9 * start.reach(advancing))
+    if len(state.accepted.rows) == 1:
+        limited = first_step(start, limited)
     left = interval.length - parameter
     limited = min(limited, left)
     while (departure := interval.departure_from_chord(parameter, limited) / settings.tolerance) > 1.0:

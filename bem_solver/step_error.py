@@ -8,7 +8,7 @@ from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.options import DEFAULT_RESOLUTION
 from bem_solver.run_state import StepStart
-from bem_solver.step_control import departure_from_line
+from bem_solver.step_control import departure_from_line, shrunk
 from bem_solver.trial import TrialContact
 
 _BENT_SHARE_OF_ZONE = 0.04
@@ -109,19 +109,10 @@ def _departures(
     """Departures of edge and load from straight lines, and the change of load on its line, to scale."""
     problem, interval, contact = start.problem, start.interval, start.state.contact
     edge_rate, load_rate = start.state.accepted.rates(rate_step)
-    edge = trial.motion.new_edge
-    stiffness = 2.0 * edge * problem.chain.relaxed
-    softer = problem.scene.loading.compliance * stiffness if interval.control == "stage" else 0.0
-    force = interval.span * (1.0 if interval.control == "force" else stiffness / (1.0 + softer))
-    scale = max(start.state.largest_force, abs(trial.surface.force), _SCALE_OF_FIRST_LOAD * force)
-    tip = math.sqrt(8.0 * math.pi * problem.work * problem.chain.relaxed * contact.edge**3)
-    scale = max(scale, _SHARE_OF_TIP_FORCE * tip)
-    load = trial.surface.force
+    edge, load = trial.motion.new_edge, trial.surface.force
+    scale = _load_scale(start, edge, load)
     if interval.control == "force":
         load = trial.motion.new_penetration
-        scale /= stiffness
-    elif softer > 1.0:  # on a soft spring it is the penetration that misses its line the farther
-        scale /= softer
     missed = edge - contact.edge - edge_rate * step
     of_edge = departure_from_line(missed, problem.length_at(edge))
     if problem.rated and edge < contact.edge:
@@ -137,6 +128,46 @@ def _departures(
         of_edge = min(of_edge, _departure_of_closure(start, edge, abs(missed)))
     of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
     return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
+
+
+def _load_scale(start: StepStart, edge: float, force: float) -> float:
+    """What the departure of the free load is measured against, at the end of a step."""
+    problem, interval = start.problem, start.interval
+    stiffness = 2.0 * edge * problem.chain.relaxed
+    softer = problem.scene.loading.compliance * stiffness if interval.control == "stage" else 0.0
+    to_come = interval.span * (1.0 if interval.control == "force" else stiffness / (1.0 + softer))
+    scale = max(start.state.largest_force, abs(force), _SCALE_OF_FIRST_LOAD * to_come)
+    tip = math.sqrt(8.0 * math.pi * problem.work * problem.chain.relaxed * start.state.contact.edge**3)
+    scale = max(scale, _SHARE_OF_TIP_FORCE * tip)
+    if interval.control == "force":
+        return scale / stiffness
+    return scale / max(softer, 1.0)  # on a soft spring it is the penetration that misses its line the farther
+
+
+def first_step(start: StepStart, longest: float) -> float:
+    """Step from a state without rates, no longer than one whose load the error is expected to allow.
+
+    What the load changes is then all error. It is known beforehand of an edge that rests.
+    """
+    contact, step = start.state.contact, longest
+    scale = _load_scale(start, contact.edge, contact.surface.force)
+    while True:
+        change = _change_at_rest(start, step)
+        error = _LOAD_WEIGHT * departure_from_line(change, scale) / start.settings.tolerance
+        if error <= 1.0:
+            return step
+        step = shrunk(step, error, 1)
+
+
+def _change_at_rest(start: StepStart, step: float) -> float:
+    """Change of the free load over a step in which the edge rests and nothing relaxes but this change."""
+    problem, interval, parameter = start.problem, start.interval, start.state.parameter
+    stiffness = 2.0 * start.state.contact.edge * problem.chain.modulus_of_ramp(0.0 if interval.jump else step)
+    change = interval.prescribed(parameter + step) - interval.prescribed(parameter)
+    if interval.control == "force":
+        return change / stiffness
+    compliance = problem.scene.loading.compliance if interval.control == "stage" else 0.0
+    return change * stiffness / (1.0 + compliance * stiffness)
 
 
 def _departure_of_closure(start: StepStart, edge: float, missed: float) -> float:
