@@ -5,8 +5,6 @@ Penetration positive downwards, force positive in compression.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from scipy.optimize import brentq
@@ -15,7 +13,7 @@ from bem_solver.edge_energy import energy_spent
 from bem_solver.energy import Energies
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.history import SurfaceHistory
-from bem_solver.root_search import HasResidual, rising_root
+from bem_solver.root_search import first_stable, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.start import contact_scale, equilibrium
 from bem_solver.surface import ContactSurface
@@ -28,10 +26,9 @@ _STEPS_WITHOUT_CONTACT = 64
 """Steps per interval in which an indenter without contact looks for the first one."""
 _FIRST_CONTACT_STEP = 1e-6
 """First step into contact, relative to the interval: positive beyond rounding, too short for the history."""
-_SCAN_RATIO = 1.02
-"""Ratio of neighbouring contact radii in the search for the next stable one."""
-_STRIDE = 4
-"""Such ratios passed at once where the residual is nowhere near zero."""
+_SCAN = 1.02, 4
+"""Ratio of neighbouring contact radii in the search for the next stable one, and how many are passed at once
+where the residual is nowhere near zero."""
 _ZERO_RESIDUAL = 1e-9
 """Residual, relative to the work of adhesion or the mean pressure, below which it may be rounding."""
 _SMALLEST_CONTACT, _LARGEST_CONTACT = 1e-3, 1e3
@@ -116,7 +113,7 @@ def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
     places = [rest + beyond for rest in contact.history.past_kinks for beyond in (0.0, problem.zone)]
     if isinstance(problem.scene.indenter, TabulatedProfile):
         places += problem.scene.indenter.radii
-    found = first_stable(trial, edge, end, rounding, places) if way_ahead else None
+    found = first_stable(trial, edge, end, *_SCAN, rounding, places) if way_ahead else None
     if found is not None or (way_ahead and end == limit):
         if found is None:
             reached = trial(limit)
@@ -130,59 +127,6 @@ def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
         reason = f"no stable contact at {interval.control} {load:.6g}"
         return Outcome(OutcomeKind.DETACHED, reason, contact.time)
     return Outcome(OutcomeKind.OUT_OF_RANGE, "the contact spreads without bound", contact.time)
-
-
-def first_stable(
-    trial: Callable[[float], HasResidual], edge: float, end: float, rounding: float, places: Sequence[float]
-) -> tuple[float, float] | None:
-    """Two radii between which the contact becomes stable first on the way of an unstable edge.
-
-    Parameters
-    ----------
-    trial : callable
-        Contact of a radius, with its ``residual``.
-    edge, end : float
-        Where the way begins and ends.
-    rounding : float
-        Residual that counts as zero.
-    places : sequence of float
-        Radii about which the residual may have a dip of its own, where the edge has rested or the profile
-        bends: nothing is passed at once there.
-
-    Returns
-    -------
-    tuple of float or None
-        The nearer one, and one at which it is stable.
-    """
-    way = 1.0 if end > edge else -1.0
-    count = math.ceil(abs(math.log(end / edge)) / math.log(_SCAN_RATIO))
-    radii = [edge * _SCAN_RATIO ** (way * n) for n in range(count)] + [end]
-    known: dict[int, float] = {}
-
-    def excess(n: int) -> float:
-        """How strongly the edge is driven on; negative where it is stable."""
-        if n not in known:
-            known[n] = -way * trial(radii[n]).residual
-        return known[n]
-
-    def stable_within(first: int, last: int) -> tuple[float, float] | None:
-        for n in range(first + 1, last + 1):
-            if excess(n) < -rounding:
-                return radii[n - 1], radii[n]
-        return None
-
-    for first in range(0, count, _STRIDE):
-        last, before = min(first + _STRIDE, count), first - _STRIDE
-        # where it bends by as much as is left, it may fall to zero between
-        bent = before < 1 or abs(excess(before) - 2.0 * excess(first) + excess(last)) >= min(
-            excess(before), excess(first), excess(last)
-        )
-        low, high = sorted((radii[max(before, 0)], radii[last]))
-        if bent or any(low <= place <= high for place in places):
-            found = stable_within(max(before, 0), last)
-            if found is not None:
-                return found
-    return None
 
 
 def contact_lost(start: StepStart) -> bool:

@@ -1,9 +1,13 @@
-"""Root of a rising function of the edge: secant steps, safeguarded by a bracket once there is one."""
+"""Where the residual vanishes as a function of the edge: the root it rises through, and the stable one ahead.
+
+The root is found by secant steps, safeguarded by a bracket once there is one; the way of an unstable edge is
+looked over in equal ratios of the radius.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Literal, Protocol, TypeVar
 
@@ -115,3 +119,66 @@ def rising_root(
             wide = measured = slope
         x, trial = new, new_trial
     raise FloatingPointError("the search for the edge did not converge")
+
+
+def first_stable(
+    trial: Callable[[float], HasResidual],
+    edge: float,
+    end: float,
+    ratio: float,
+    stride: int,
+    rounding: float = 0.0,
+    places: Sequence[float] = (),
+) -> tuple[float, float] | None:
+    """Two radii between which the contact becomes stable first on the way of an unstable edge.
+
+    Parameters
+    ----------
+    trial : callable
+        Contact of a radius, with its ``residual``.
+    edge, end : float
+        Where the way begins and ends.
+    ratio : float
+        Of neighbouring radii.
+    stride : int
+        How many are passed at once where the residual is nowhere near zero.
+    rounding : float
+        Residual that counts as zero.
+    places : sequence of float
+        Radii about which the residual may have a dip of its own, where the edge has rested or the profile
+        bends: nothing is passed at once there.
+
+    Returns
+    -------
+    tuple of float or None
+        The nearer one, and one at which it is stable.
+    """
+    way = 1.0 if end > edge else -1.0
+    count = math.ceil(abs(math.log(end / edge)) / math.log(ratio))
+    radii = [edge * ratio ** (way * n) for n in range(count)] + [end]
+    known: dict[int, float] = {}
+
+    def excess(n: int) -> float:
+        """How strongly the edge is driven on; negative where it is stable."""
+        if n not in known:
+            known[n] = -way * trial(radii[n]).residual
+        return known[n]
+
+    def stable_within(first: int, last: int) -> tuple[float, float] | None:
+        for n in range(first + 1, last + 1):
+            if excess(n) < -rounding:
+                return radii[n - 1], radii[n]
+        return None
+
+    for first in range(0, count, stride):
+        last, before = min(first + stride, count), first - stride
+        # where it bends by as much as is left, it may fall to zero between
+        bent = before < 1 or abs(excess(before) - 2.0 * excess(first) + excess(last)) >= min(
+            excess(before), excess(first), excess(last)
+        )
+        low, high = sorted((radii[max(before, 0)], radii[last]))
+        if bent or any(low <= place <= high for place in places):
+            found = stable_within(max(before, 0), last)
+            if found is not None:
+                return found
+    return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,21 +15,21 @@ from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import SurfaceHistory, distinct, nodes_beyond
 from bem_solver.motion import Motion
 from bem_solver.problem import Problem
-from bem_solver.root_search import rising_root
+from bem_solver.root_search import first_stable, rising_root
 from bem_solver.state_update import split_at_edge
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import advanced
 from bem_solver.trial import TrialContact, evaluate
-from contact_scene import Indenter, Material, Scene
+from contact_scene import Indenter, Material, Scene, TabulatedProfile
 from contact_scene.scene import zone_too_long
 
 Array = NDArray[np.float64]
 
-_SCAN_RATIO, _FAR_SCAN_RATIO = 1.04, 1.04**5
-"""Ratios of neighbouring radii in the scan for the largest stable contact: near the estimate, far beyond."""
-_SCAN_START, _SCAN_END, _FAR = 64.0, 1e-6, 4.0
-"""Largest and smallest radius of the scan, in the estimated contact radius, and from where on it is far above
-it: only a wide plateau of the profile could hold an edge there."""
+_SCAN_RATIO, _SCAN_STRIDE = 1.04, 5
+"""Ratio of neighbouring radii in the scan for the largest stable contact, and how many are passed at once
+where the residual is nowhere near zero."""
+_SCAN_START, _SCAN_END = 64.0, 1e-6
+"""Largest and smallest radius of the scan, in the estimated contact radius."""
 
 _FACING = 64
 """Nodes outside the edge that the closure looks at, even in the root of the distance: their cubics hold the
@@ -47,23 +48,26 @@ def untouched_state(problem: Problem, time: float, penetration: float) -> HalfSp
     return HalfSpaceState(time, penetration, ContactSurface.free(problem.annuli), blank)
 
 
-def largest_stable(trial: Callable[[float], TrialContact], scale: float, limit: float) -> TrialContact | None:
+def largest_stable(
+    trial: Callable[[float], TrialContact], scale: float, indenter: Indenter
+) -> TrialContact | None:
     """Largest stable contact, or ``None``.
 
-    Edges from far above ``scale`` downwards are tried until the residual falls below zero, which brackets
-    the stable root. A flat punch (``limit``) is in full contact unless its edge recedes.
+    Edges from far above ``scale`` downwards are looked over for where the residual falls below zero, which
+    brackets the stable root. A flat punch is in full contact unless its edge recedes.
     """
-    edge = upper = min(limit, _SCAN_START * scale)
-    last = trial(edge)
-    if upper == limit and last.residual <= 0.0:
-        return last
-    while edge > _SCAN_END * scale:
-        lower = edge / (_FAR_SCAN_RATIO if edge > _FAR * scale else _SCAN_RATIO)
-        candidate = trial(lower)
-        if candidate.residual <= 0.0 < last.residual:
-            return rising_root(trial, lower, 0.0, lower, edge, 1e-11 * edge).trial
-        edge, last = lower, candidate
-    return None
+    edge, end = min(indenter.edge, _SCAN_START * scale), _SCAN_END * scale
+    largest = trial(edge)
+    if edge == indenter.edge and largest.residual <= 0.0:
+        return largest
+    while edge > end and trial(edge).residual <= 0.0:
+        edge /= _SCAN_RATIO
+    places = indenter.radii if isinstance(indenter, TabulatedProfile) else ()
+    found = first_stable(trial, edge, end, _SCAN_RATIO, _SCAN_STRIDE, places=places) if edge > end else None
+    if found is None:
+        return None
+    high, low = found
+    return rising_root(trial, low, 0.0, low, high, 1e-11 * high).trial
 
 
 def equilibrium(
@@ -91,7 +95,7 @@ def equilibrium(
     def trial(edge: float) -> TrialContact:
         return evaluate(problem, state, 0.0, edge, control, value)
 
-    return largest_stable(trial, scale, problem.scene.indenter.edge)
+    return largest_stable(cache(trial), scale, problem.scene.indenter)
 
 
 def radius_where(indenter: Indenter, reached: Callable[[float], bool]) -> float:

@@ -6,9 +6,10 @@ Nothing is committed here.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum, auto
-from functools import cached_property
+from functools import cache, cached_property
 
 from scipy.optimize import brentq
 
@@ -19,7 +20,7 @@ from bem_solver.outer_fall import OuterFall
 from bem_solver.root_search import RootSearchResult, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import AcceptedRow, shrunk
-from bem_solver.step_error import error_at_limit, first_step, least_bent_travel, step_error
+from bem_solver.step_error import error_at_limit, least_bent_travel, step_error
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 
 _RESIDUAL_ACCURACY = 1e-2
@@ -82,8 +83,6 @@ def limited_step(start: StepStart) -> tuple[float, float]:
     advancing = state.accepted.rates(0.0)[0] > 0.0
     limited, parameter = state.step, state.parameter
     limited = _step_within(start, limited, 0.9 * start.reach(advancing))
-    if len(state.accepted.rows) == 1:
-        limited = first_step(start, limited)
     left = interval.length - parameter
     limited = min(limited, left)
     while (departure := interval.departure_from_chord(parameter, limited) / settings.tolerance) > 1.0:
@@ -161,12 +160,13 @@ class TrialStep(StepStart):
             if isinstance(pinned, Candidate):
                 return pinned
             low, high = (low, edge) if pinned > 0.0 else (edge, high)
-        root = self._root(self._expected_edge(), low, high)
+        at_end = cache(lambda at: self._trial(self.end, at))
+        root = self._root(at_end, self._expected_edge(), low, high)
         if (root.x - edge) * state.contact.history.direction < 0.0:
-            excess = self._trial(self.end, edge).residual
+            excess = at_end(edge).residual
             if (root.x - edge) * excess > 0.0:
                 low, high = (low, edge) if excess > 0.0 else (edge, high)
-                root = self._root(edge, low, high)
+                root = self._root(at_end, edge, low, high)
         if root.position == "converged" or (root.position == "above" and high == limit):
             return Candidate(self.end, root.trial, step_error(self, root.trial, step), root.slope)
         receding = root.position == "below"
@@ -192,11 +192,13 @@ class TrialStep(StepStart):
         result = step._to_travel_limit(new_edge < edge, radius, root)
         return replace(result, speed_jumps=True) if isinstance(result, Candidate) else None
 
-    def _root(self, guess: float, low: float, high: float) -> RootSearchResult[TrialContact]:
+    def _root(
+        self, at_end: Callable[[float], TrialContact], guess: float, low: float, high: float
+    ) -> RootSearchResult[TrialContact]:
         """Search for the edge at the end of the step."""
         residual = _RESIDUAL_ACCURACY * self.settings.tolerance * self.problem.work or math.inf
         slope, accuracy = self.state.slope, self.accuracy
-        return rising_root(lambda at: self._trial(self.end, at), guess, slope, low, high, accuracy, residual)
+        return rising_root(at_end, guess, slope, low, high, accuracy, residual)
 
     def _to_travel_limit(
         self, receding: bool, edge: float, root: RootSearchResult[TrialContact]

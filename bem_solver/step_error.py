@@ -145,11 +145,15 @@ def _load_scale(start: StepStart, edge: float, force: float) -> float:
 
 
 def first_step(start: StepStart, longest: float) -> float:
-    """Step from a state without rates, no longer than one whose load the error is expected to allow.
+    """First step after a kink of the loading, no longer than one whose load the error is expected to allow.
 
-    What the load changes is then all error. It is known beforehand of an edge that rests.
+    Without rates all that the load changes is error. It is known beforehand of an edge that rests: where the
+    loading turns against its last motion, or it has not moved yet.
     """
     contact, step = start.state.contact, longest
+    ahead = start.interval.prescribed(longest) - start.interval.prescribed(0.0)
+    if contact.history.direction * ahead > 0.0:
+        return longest
     scale = _load_scale(start, contact.edge, contact.surface.force)
     while True:
         change = _change_at_rest(start, step)
@@ -161,9 +165,9 @@ def first_step(start: StepStart, longest: float) -> float:
 
 def _change_at_rest(start: StepStart, step: float) -> float:
     """Change of the free load over a step in which the edge rests and nothing relaxes but this change."""
-    problem, interval, parameter = start.problem, start.interval, start.state.parameter
-    stiffness = 2.0 * start.state.contact.edge * problem.chain.modulus_of_ramp(0.0 if interval.jump else step)
-    change = interval.prescribed(parameter + step) - interval.prescribed(parameter)
+    problem, interval = start.problem, start.interval
+    stiffness = 2.0 * start.state.contact.edge * problem.chain.modulus_of_ramp(step)
+    change = interval.prescribed(step) - interval.prescribed(0.0)
     if interval.control == "force":
         return change / stiffness
     compliance = problem.scene.loading.compliance if interval.control == "stage" else 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bem_solver.instantaneous_events import first_stable
+from bem_solver.root_search import first_stable
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ WAYS = pytest.mark.parametrize(("edge", "end"), [(1.0, 0.01), (0.01, 1.0)])
 def test_a_smooth_way_without_rest_costs_a_third(edge, end):
     way = np.sign(end - edge)
     residual = Residual(lambda r: 1.0 - (edge / r) ** (0.4 * way), way)
-    assert first_stable(residual, edge, end, 1e-9, ()) is None
+    assert first_stable(residual, edge, end, 1.02, 4, 1e-9, ()) is None
     assert len(residual.tried) < 0.36 * np.log(100.0) / np.log(1.02)
     assert residual.tried[-1] == end
 
@@ -49,7 +49,7 @@ def test_a_dip_is_found_where_it_begins(edge, end, place, width, depth):
         return 1.0 - depth * np.exp(-((np.log(radius / place) / width) ** 2))
 
     way = np.sign(end - edge)
-    near, stable = first_stable(Residual(excess, way), edge, end, 1e-9, ())
+    near, stable = first_stable(Residual(excess, way), edge, end, 1.02, 4, 1e-9, ())
     assert excess(near) > 0.0 > excess(stable)
     begins = place * np.exp(-way * width * np.sqrt(np.log(depth)))
     assert min(near, stable) <= begins <= max(near, stable)
@@ -60,7 +60,7 @@ def test_a_narrow_dip_where_the_edge_has_rested_is_found(edge, end):
     def excess(radius):
         return 1.0 - 1.5 * np.exp(-(((radius - 0.1) / 0.002) ** 2))
 
-    found = first_stable(Residual(excess, np.sign(end - edge)), edge, end, 1e-9, (0.1,))
+    found = first_stable(Residual(excess, np.sign(end - edge)), edge, end, 1.02, 4, 1e-9, (0.1,))
     assert found is not None
     assert excess(found[1]) < 0.0
 
@@ -68,4 +68,4 @@ def test_a_narrow_dip_where_the_edge_has_rested_is_found(edge, end):
 @WAYS
 def test_rounding_is_no_stable_contact(edge, end):
     way = np.sign(end - edge)
-    assert first_stable(Residual(lambda _: -1e-12, way), edge, end, 1e-9, ()) is None
+    assert first_stable(Residual(lambda _: -1e-12, way), edge, end, 1.02, 4, 1e-9, ()) is None
