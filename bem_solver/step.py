@@ -161,9 +161,14 @@ class TrialStep(StepStart):
                 return pinned
             low, high = (low, edge) if pinned > 0.0 else (edge, high)
         at_end = cache(lambda at: self._trial(self.end, at))
-        root = self._root(at_end, self._expected_edge(), low, high)
+        expected = self._expected_edge()
+        if expected == edge and self._hardly_turns(at_end(edge).residual):
+            return Candidate(self.end, at_end(edge), step_error(self, at_end(edge), step))
+        root = self._root(at_end, expected, low, high)
         if (root.x - edge) * state.contact.history.direction < 0.0:
             excess = at_end(edge).residual
+            if self._hardly_turns(excess):
+                return Candidate(self.end, at_end(edge), step_error(self, at_end(edge), step))
             if (root.x - edge) * excess > 0.0:
                 low, high = (low, edge) if excess > 0.0 else (edge, high)
                 root = self._root(at_end, edge, low, high)
@@ -196,9 +201,22 @@ class TrialStep(StepStart):
         self, at_end: Callable[[float], TrialContact], guess: float, low: float, high: float
     ) -> RootSearchResult[TrialContact]:
         """Search for the edge at the end of the step."""
-        residual = _RESIDUAL_ACCURACY * self.settings.tolerance * self.problem.work or math.inf
-        slope, accuracy = self.state.slope, self.accuracy
+        slope, accuracy, residual = self.state.slope, self.accuracy, self._residual_accuracy
         return rising_root(at_end, guess, slope, low, high, accuracy, residual)
+
+    @property
+    def _residual_accuracy(self) -> float:
+        """Accuracy of the closure."""
+        return _RESIDUAL_ACCURACY * self.settings.tolerance * self.problem.work or math.inf
+
+    def _hardly_turns(self, excess: float) -> bool:
+        """Whether the residual where the edge stands asks it to turn, but for no more than it is known.
+
+        A glass that is stiffer by far than the rubber hardly lets it: the residual falls at once, and its
+        next root is false.
+        """
+        known = min(self.state.slope * self.accuracy, self._residual_accuracy)
+        return 0.0 < excess * self.state.contact.history.direction <= known
 
     def _to_travel_limit(
         self, receding: bool, edge: float, root: RootSearchResult[TrialContact]
@@ -258,13 +276,10 @@ class TrialStep(StepStart):
         """
         accepted, edge = self.state.accepted, self.state.contact.edge
         expected = accepted.edge_after(self.step)
-        if abs(expected - edge) < self.accuracy:
-            return edge
         if abs(expected - edge) >= least_bent_travel(self, edge):
             expected = accepted.expected_edge(self.step)
-        if (expected - edge) * accepted.rates(0.0)[0] >= 0.0:
-            return expected
-        return min(max(expected, edge - self.accuracy), edge + self.accuracy)
+        goes_on = (expected - edge) * accepted.rates(0.0)[0] > 0.0
+        return expected if goes_on and abs(expected - edge) >= self.accuracy else edge
 
     def _in_full_contact(self) -> Candidate | None:
         """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""

@@ -238,6 +238,17 @@ def test_pull_of_a_relaxed_contact_depends_on_the_contrast_only_through_time(con
     assert_allclose(-trace.force.min(), 0.01013, rtol=5e-3)
 
 
+@pytest.mark.parametrize("contrast", [1e6, 1e9])
+@pytest.mark.parametrize("stop", [0.3, 0.66])
+def test_two_stops_close_together_do_not_turn_the_edge_of_a_stiff_glass(contrast, stop):
+    """In steps so short the closure is met already where the edge stands, but for what it is known."""
+    rubber = Material(0.75, 0.5, (Branch(0.75 * (contrast - 1.0), 1.0),))
+    question = scene(Ramp(-20.0, ZONE / contrast), start="relaxed", at=0.01, material=rubber)
+    stops = contrast * stop, contrast * (stop + 1e-10)
+    trace = solve(question, Options(resolution=6, stop_times=stops))
+    assert_allclose(-trace.force.min(), 0.01013, rtol=5e-3)
+
+
 @pytest.mark.parametrize("annuli", ["graded", "uniform"])
 @pytest.mark.parametrize(("zone", "material"), [(0.05, ONE), (0.08, ELASTIC)], ids=["rubber", "elastic"])
 def test_contact_that_shrinks_to_its_zone_leaves_the_range_of_the_model(annuli, zone, material):
