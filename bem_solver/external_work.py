@@ -15,6 +15,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_LEAST_SHARE = 0.01
+"""Distance of a neighbour, in the larger of the two steps, below which it tells no slope: steps that follow
+from each other differ by less, those between two prescribed times may be of any length."""
+
 
 def external_work(
     time: Array, penetration: Array, force: Array, kinks: list[int], edge: Array | None = None
@@ -72,8 +76,20 @@ def _beyond_straight(step: Array, penetration: Array, force: Array) -> Array:
 
 
 def _slopes(step: Array, values: Array) -> Array:
-    """Derivatives at the rows, of the parabola through each and its neighbours."""
-    secant = np.diff(values) / step
-    middle = (secant[:-1] * step[1:] + secant[1:] * step[:-1]) / (step[1:] + step[:-1])
-    first, last = 2.0 * secant[0] - middle[0], 2.0 * secant[-1] - middle[-1]
+    """Derivatives at the rows, of the parabola through each and its neighbours.
+
+    A neighbour far closer than the other is passed over: what the two rows miss would be all of the secant.
+    Where there is no other, the slope is the other secant.
+    """
+    place = np.concatenate(([0.0], np.cumsum(step)))
+    at, inner, inside = place[1:-1], values[1:-1], np.arange(1, len(step))
+    away = _LEAST_SHARE * np.maximum(step[:-1], step[1:])
+    left = np.clip(place.searchsorted(at - away, "right") - 1, 0, inside - 1)
+    right = np.clip(place.searchsorted(at + away, "left"), inside + 1, len(step))
+    before, after = at - place[left], place[right] - at
+    early, late = (inner - values[left]) / before, (values[right] - inner) / after
+    middle = (early * after + late * before) / (before + after)
+    middle = np.where(before < away, late, np.where(after < away, early, middle))
+    first = 2.0 * (values[1] - values[0]) / step[0] - middle[0]
+    last = 2.0 * (values[-1] - values[-2]) / step[-1] - middle[-1]
     return np.concatenate(([first], middle, [last]))

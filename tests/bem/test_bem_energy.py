@@ -228,6 +228,20 @@ def test_work_of_a_loop_is_of_third_order_or_better():
     assert errors[0] < 0.2 * abs(straight / (np.pi * np.sin(0.7)) - 1.0)
 
 
+@pytest.mark.parametrize("apart", [1e-12, 1e-9, 1e-5])
+@pytest.mark.parametrize("at", [0, 3, 11, 16])
+def test_rows_at_nearly_the_same_time_tell_no_slope_of_the_work(at, apart):
+    """A stop just after another: what the force misses there would be all of its slope."""
+    time, depth, force = sampled(16)
+    plain = external_work(time, depth, force, [])[-1]
+    before, after = (time[at], time[at] + apart) if at < 16 else (time[at] - apart, time[at])
+    lost = 1e-7 * np.pi
+    columns = (np.insert(values, at, values[at]) for values in (time, depth, force))
+    time, depth, force = columns
+    time[at : at + 2], force[at + 1] = (before, after), force[at] + lost
+    assert_allclose(external_work(time, depth, force, [])[-1], plain, rtol=2e-3)
+
+
 def test_work_where_an_edge_rests_at_every_turn():
     """Over its own way alone force and penetration are not smooth there, over time they are."""
     time = np.linspace(0.0, 6.0 * np.pi, 91)

@@ -94,6 +94,12 @@ def test_round_off_is_not_a_pull_off():
     assert observe(trace([0, 1, 2], [0, 1, 0], [0, 1, -1e-15])).pull_off_force is None
 
 
+def test_rows_that_go_back_by_what_is_not_known_of_them_are_no_pull_off():
+    """On a spring, two rows at nearly the same time of an approach under tension."""
+    run = trace([0, 1, 1 + 1e-9, 2], [0, 1, 1 - 1e-8, 2], [-3, -2, -2, -1])
+    assert observe(run).pull_off_force is None
+
+
 def test_dwell_ends_the_approach_at_its_first_row():
     run = trace([0, 1, 2, 3, 4], [0, 1, 1, 1, 0], [0, 3, 2, 1, 0])
     assert end_of_approach(run) == 1

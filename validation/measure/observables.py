@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-9
 """Difference, relative to the largest value of a column, below which two of its values count as equal."""
+PULLED_BACK = 1e-6
+"""Part of the range of the penetration by which an indenter is pulled back: on a spring the penetration is
+found with the edge, and rows at nearly the same time may go back by what neither is known."""
 
 
 @dataclass(frozen=True)
@@ -183,7 +186,7 @@ def pull_off_row(trace: Trace) -> int | None:
     tension = -trace.force
     slack = ROUND_OFF * float(np.abs(trace.force).max())
     depth = trace.penetration
-    pulled_back = depth < np.maximum.accumulate(depth) - ROUND_OFF * float(np.ptp(depth))
+    pulled_back = depth < np.maximum.accumulate(depth) - PULLED_BACK * float(np.ptp(depth))
     kind = trace.outcome.kind
     if kind is OutcomeKind.BELOW_ZONE and not trace.outcome.past_extremum:
         return None
