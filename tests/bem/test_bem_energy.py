@@ -291,8 +291,8 @@ def test_no_slope_is_taken_across_a_kink_or_a_jump():
 
 
 def test_no_slope_is_taken_where_an_edge_that_rested_sets_off():
-    """Long steps of a punch, then a fall of the tension in steps a thousand times as short."""
-    time = np.concatenate((np.arange(5.0), 4.0 + 1e-3 * np.arange(1.0, 6.0)))
+    """Long steps of a punch, then a fall of the tension in steps fifty times as short."""
+    time = np.concatenate((np.arange(5.0), 4.0 + 0.02 * np.arange(1.0, 6.0)))
     radius = np.concatenate((np.full(5, 1.0), 1.0 - 1e-3 * np.arange(1.0, 6.0)))
     depth, force = -time, np.where(time <= 4.0, 2.0 - time, 100.0 * (time - 4.0) - 2.0)
     assert rest_ends(radius) == [4]
