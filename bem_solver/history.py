@@ -97,6 +97,19 @@ class NodalVariables:
         cubics = self._cubics.take(i, axis=0)
         return cubics[:, 0] + z * (cubics[:, 1] + z * (cubics[:, 2] + z * cubics[:, 3]))
 
+    def roots_at_kinks(self) -> tuple[Array, Array]:
+        """Kinks beyond the first node, and the roots of the distance that begin there.
+
+        Returns
+        -------
+        radius : ndarray (k,)
+        strength : ndarray (k, K)
+            ``s`` in ``values = ... + s sqrt(r - radius)``.
+        """
+        first = np.array([low for low in self._bounds[:-1] if low > 0], np.intp)
+        _, width = self._intervals
+        return self.radius[first], self._cubics[first, 1] / width[first, None]
+
     def coarsened(self, tolerance: float, spacing: Array, parity: int) -> NodalVariables:
         """Without every second node that its neighbours reproduce; both ends stay.
 

@@ -24,13 +24,11 @@ from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
 
-_DISTANCES = np.array([1.0, 2.0, 4.0])
-"""Distances outside the edge from which the root of the gap at the tip is read, in the nearest one."""
+_DISTANCES = np.array([1.0, 2.0])
+"""Distances outside the edge from which the root of the gap at the tip is read, in the nearest one: beyond
+twice that, what the last turn has left of the gap is no power of the distance."""
 _NEAREST, _FARTHEST = 1.0 / 64.0, 0.25
 """Bounds on the nearest one, in process zones."""
-_TELLS_ROOTS_APART = 0.25
-"""Distance of the next place of rest ahead, in the nearest one, below which its root and that of the tip are
-read as one."""
 _SHARE_OF_WAY = 0.25
 """Upper bound on the first of them, in distances of the edge from where it has turned or rested: what is left
 of the gap from there falls off over that distance."""
@@ -42,7 +40,7 @@ to some 0.2 %; nearer, the error grows as one over the distance."""
 
 
 def tip_distances(problem: Problem, history: SurfaceHistory, motion: Motion, zone: float) -> Array:
-    """Distances (3,) outside the edge at which the gap at the tip is read after a step.
+    """Distances (2,) outside the edge at which the gap at the tip is read after a step.
 
     Parameters
     ----------
@@ -55,7 +53,7 @@ def tip_distances(problem: Problem, history: SurfaceHistory, motion: Motion, zon
 
     Returns
     -------
-    ndarray (3,)
+    ndarray (2,)
 
     Notes
     -----
@@ -73,7 +71,7 @@ def tip_distances(problem: Problem, history: SurfaceHistory, motion: Motion, zon
 
 
 def tip_release(
-    chain: Chain, surface: ContactSurface, gap: Array, distances: Array, ahead: float = math.inf
+    chain: Chain, surface: ContactSurface, gap: Array, distances: Array, history: SurfaceHistory
 ) -> tuple[float, float]:
     """Glassy energy release rate of the tip, were it to open and to close.
 
@@ -81,25 +79,25 @@ def tip_release(
     ----------
     chain : Chain
     surface : ContactSurface
-    gap, distances : ndarray (3,)
-        Gap outside the edge, and how far outside.
-    ahead : float
-        Distance of the next place ahead where an edge has rested: another root begins there.
+    gap, distances : ndarray (2,)
+        Gap outside the edge, and how far outside: ``distances[1]`` is twice ``distances[0]``.
+    history : SurfaceHistory
+        Of the same instant.
 
     Returns
     -------
     opening, closing : float
         An energy per area.
+
+    Notes
+    -----
+    The gap is ``A sqrt(d) + B d^(3/2)`` and the roots that begin at places of rest ahead. Those are in the
+    strains of the history, fresh or long faded: a fit to the gap alone takes its bend for them.
     """
-    nearest = float(distances[0])
-    if _TELLS_ROOTS_APART * nearest <= ahead < distances[-1]:
-        beyond = np.sqrt(np.maximum(distances - ahead, 0.0) / nearest)
-        share = distances / nearest
-        roots = np.linalg.solve(np.array((np.sqrt(share), share**1.5, beyond)).T, gap)
-        root = max(float(roots[0]), 0.0) / math.sqrt(nearest)
-    else:
-        near, _, far = gap.tolist()
-        root = (8.0 * near - far) / (6.0 * math.sqrt(nearest))
+    kinks, strains = history.outer.roots_at_kinks()
+    beyond = np.sqrt(np.maximum(surface.edge + distances[:, None] - kinks, 0.0))
+    near, far = ((gap - beyond @ chain.lag(strains)) / np.sqrt(distances)).tolist()
+    root = max(2.0 * near - far, 0.0)
     return 0.5 * surface.stress_intensity**2 / chain.glassy, root**2 * chain.glassy * np.pi / 16.0
 
 
@@ -107,17 +105,6 @@ def release_jumps(history: SurfaceHistory, motion: Motion) -> tuple[float, ...]:
     """Radii at which the release of the tip jumps: where an edge has rested, and where it turns now."""
     turns = history.direction * (motion.new_edge - motion.edge) < 0.0
     return (*history.past_kinks, motion.edge) if turns else history.past_kinks
-
-
-def next_jump(jumps: tuple[float, ...], edge: float) -> float:
-    """Distance from the edge of the next place ahead where its release jumps."""
-    return min((jump - edge for jump in jumps if jump > edge), default=math.inf)
-
-
-def jumps_as_read(jumps: tuple[float, ...], edge: float, distances: Array) -> tuple[float, ...]:
-    """Places where the release jumps, one that its reading cannot tell from the edge being there."""
-    reach = _TELLS_ROOTS_APART * float(distances[0])
-    return tuple(edge if edge < jump < edge + reach else jump for jump in jumps)
 
 
 def energy_of_tip(

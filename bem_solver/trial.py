@@ -41,7 +41,7 @@ class TrialContact:
     """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes.
 
     ``points`` are the collocation radii inside its edge at the start of the step; ``zone`` is the length of
-    the process zone, and ``tip_gap`` (3,) the gap outside the edge at ``tip_distance`` (3,), with adhesion.
+    the process zone, and ``tip_gap`` (2,) the gap outside the edge at ``tip_distance`` (2,), with adhesion.
     """
 
     motion: Motion

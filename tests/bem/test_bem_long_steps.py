@@ -1,5 +1,7 @@
 """Steps as long as a branch needs, and steps within which the energy release of the tip jumps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -10,10 +12,23 @@ from support.paper_scenes import ONE, cycle, scene
 from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, WorkIncrement, updated_energies
+from bem_solver.history import NodalVariables, SurfaceHistory
 from bem_solver.motion import Motion
 from bem_solver.surface import ContactSurface
-from bem_solver.tip_release import energy_of_tip, jumps_as_read, next_jump, tip_release
-from contact_scene import Adhesion, Branch, Cone, FlatPunch, Force, Hold, Loading, Material, Ramp, Scene
+from bem_solver.tip_release import energy_of_tip, tip_release
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Cone,
+    FlatPunch,
+    Force,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    Ramp,
+    Scene,
+)
 
 
 @pytest.mark.parametrize("y", [1e-9, 0.05, 0.4, 0.98])
@@ -83,20 +98,49 @@ def test_load_ahead_of_an_edge_that_turns_bends_within_a_step():
     assert_allclose(bem(question, resolution=8).external_work[-1], expected, rtol=3e-5)
 
 
-@pytest.mark.parametrize("ahead", [0.3, 1.5, 3.0, np.inf])
-def test_release_of_the_tip_is_read_beside_the_root_of_a_place_of_rest(ahead):
-    """``g = sqrt(d) + 0.1 d^(3/2) + 10 sqrt(d - ahead)``: the tip's root is the first."""
-    chain, surface, distances = Chain(ONE), ContactSurface.free(Annuli(8)), np.array([1.0, 2.0, 4.0])
-    gap = np.sqrt(distances) + 0.1 * distances**1.5 + 10.0 * np.sqrt(np.maximum(distances - ahead, 0.0))
-    closing = tip_release(chain, surface, gap, distances, ahead)[1]
-    assert_allclose(closing, chain.glassy * np.pi / 16.0, rtol=1e-9)
+def history_beyond(edge, places, root):
+    """A surface outside an edge, displaced by ``root sqrt(r - b)`` beyond it and each of some places."""
+    chain, kinks = Chain(ONE), np.array([edge, *places])
+    fine, coarse = np.linspace(0.0, 0.05, 5) ** 2, np.linspace(0.0, 3.0, 61) ** 2
+    radius = np.unique(np.concatenate([edge + coarse, *(place + fine for place in places)]))
+    strains = root * np.sqrt(np.maximum(radius[:, None] - kinks, 0.0)).sum(axis=1)[:, None] / chain.lag_scale
+    outer = NodalVariables(radius, strains, tuple(kinks.tolist()))
+    return SurfaceHistory(NodalVariables(radius[:1], strains[:1]), outer)
 
 
-def test_a_place_of_rest_too_near_to_be_told_from_the_edge_counts_as_reached():
-    distances = np.array([0.1, 0.2, 0.4])
-    assert jumps_as_read((0.9, 1.01, 1.1), 1.0, distances) == (0.9, 1.0, 1.1)
-    assert_allclose(next_jump((0.9, 1.01, 1.1), 1.0), 0.01)
-    assert next_jump((0.9,), 1.0) == np.inf
+@pytest.mark.parametrize("ahead", [(), (0.1,), (0.3,), (0.3, 1.5), (3.0,)])
+def test_release_of_the_tip_is_read_beside_the_roots_of_places_of_rest(ahead):
+    """``g = sqrt(d) + 0.1 d^(3/2) + 10 sqrt(d - ahead)``: the tip has the first."""
+    chain, distances, edge = Chain(ONE), np.array([1.0, 2.0]), 5.0
+    surface = replace(ContactSurface.free(Annuli(8)), edge=edge)
+    history = history_beyond(edge, [edge + place for place in ahead], 10.0)
+    gap = np.sqrt(distances) + 0.1 * distances**1.5
+    gap += sum(10.0 * np.sqrt(np.maximum(distances - place, 0.0)) for place in ahead)
+    closing = tip_release(chain, surface, gap, distances, history)[1]
+    assert_allclose(closing, chain.glassy * np.pi / 16.0, rtol=2e-3)
+
+
+def test_a_place_of_rest_long_left_takes_nothing_from_the_release_of_the_tip():
+    """Its root has faded, and the gap still bends: a root fitted to that made the release half as large."""
+    chain, distances, edge = Chain(ONE), np.array([1.0, 2.0]), 5.0
+    surface = replace(ContactSurface.free(Annuli(8)), edge=edge)
+    history = history_beyond(edge, [edge + 0.3], 0.0)
+    gap = np.sqrt(distances) + 0.1 * distances**1.5
+    closing = tip_release(chain, surface, gap, distances, history)[1]
+    assert_allclose(closing, chain.glassy * np.pi / 16.0, rtol=1e-12)
+
+
+def test_branches_only_lose_where_an_edge_swings_over_its_old_turns():
+    """Cycles within a quarter of a zone, steps ten times as long as the fastest branch needs.
+
+    Where the edge turned, the heat of a step fell by 0.7 % of the whole, and over all it was 7 % short.
+    """
+    rubber = Material(1.0, 0.5, (Branch(0.866, 1.44), Branch(7.86, 0.0221)))
+    loading = Loading("relaxed", 0.029258544, (Oscillate(7.3258719872e-4, 0.623, 33.58428),))
+    question = Scene(rubber, Cone(78.0305), loading, Adhesion(5.7625e-4, 9.6672e-3))
+    heat = bem(question).extra["branch_dissipation"]
+    assert np.diff(heat).min() > -1e-4 * heat[-1]
+    assert_allclose(heat[-1], front(question, 12).extra["branch_dissipation"][-1], rtol=0.025)
 
 
 def test_the_first_step_of_a_glassy_contact_follows_its_force():
