@@ -56,13 +56,26 @@ def energy_taken(adhesion: Adhesion, velocity: float) -> float:
     return adhesion.closing if velocity > 0.0 else adhesion.opening(-velocity)
 
 
-def drive(adhesion: Adhesion, closure: float, at_once: bool) -> float:
-    """How far the closure of an edge at rest is outside what pins it, relative to it: moving where positive.
+def closure_of_departure(adhesion: Adhesion, closure: float, at_once: bool) -> float | None:
+    """Closure at which an edge at rest sets off, the way it is driven; ``None`` if it rests.
 
-    ``at_once``: at fixed time, where the edge has no finite speed.
+    Parameters
+    ----------
+    adhesion : Adhesion
+    closure : float
+        The closure integral with the edge where it is.
+    at_once : bool
+        At fixed time, where the edge has no finite speed.
+
+    Returns
+    -------
+    float or None
+        An energy per area.
     """
+    if closure < adhesion.closing:
+        return adhesion.closing
     opening = adhesion.opening(math.inf) if at_once else adhesion.work
-    return max(closure / opening - 1.0, 1.0 - closure / adhesion.closing)
+    return opening if closure > opening else None
 
 
 def energy_spent(adhesion: Adhesion, before: float, after: float, closures: tuple[float, float]) -> float:

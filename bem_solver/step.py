@@ -14,7 +14,7 @@ from functools import cache, cached_property
 from scipy.optimize import brentq
 
 from bem_solver.bent_path import EarlierRow
-from bem_solver.edge_energy import drive
+from bem_solver.edge_energy import closure_of_departure
 from bem_solver.kinks import speed_jump_between
 from bem_solver.outer_fall import OuterFall
 from bem_solver.root_search import RootSearchResult, rising_root
@@ -296,18 +296,21 @@ class TrialStep(StepStart):
         return Candidate(end, trial, step_error(self, trial, end - start))
 
     def _pinned(self) -> Candidate | float:
-        """A step of an edge at rest, up to where it sets out; if it moves at once, the way it would open."""
+        """A step of an edge at rest, up to where it sets out; if it moves at once, the way it would open.
+
+        An edge that moves the other way at first, and turns within the step, sets out there, too.
+        """
         start, edge, jump = self.state.parameter, self.state.contact.edge, self.interval.jump
         adhesion = self.problem.irreversible
         assert adhesion is not None
-
-        def driven(trial: TrialContact) -> float:
-            return drive(adhesion, trial.closure, jump)
-
         trial = self._trial(self.end, edge)
-        excess = driven(trial)
-        if excess <= 0.0:
+        departure = closure_of_departure(adhesion, trial.closure, jump)
+        if departure is None:
             return Candidate(self.end, trial, step_error(self, trial, self.end - start))
+
+        def driven(at: TrialContact) -> float:
+            return (at.closure / departure - 1.0) * math.copysign(1.0, trial.closure - departure)
+
         if driven(self._trial(start, edge)) < -_RESIDUAL_ACCURACY * self.settings.tolerance:
             end = brentq(
                 lambda p: driven(self._trial(p, edge)), start, self.end, xtol=1e-14 * self.end, rtol=1e-14
