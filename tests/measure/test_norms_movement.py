@@ -27,7 +27,7 @@ from validation.measure.norms import (
     movement_bound,
     movement_distance,
 )
-from validation.measure.row_interpolation import POINTS, WEIGHTS, RowCurve
+from validation.measure.row_interpolation import POINTS, WEIGHTS, RowCurve, column_curve
 from validation.measure.windows import windows
 
 
@@ -87,6 +87,20 @@ def test_a_corner_between_long_and_short_steps_is_not_rounded():
     force = np.minimum(t, 3.0) - 0.4 * (1.0 - np.exp(-np.maximum(t - 3.0, 0.0) / 0.2))
     assert RowCurve(t, force).at(2.5) == pytest.approx(2.5, abs=1e-12)
     assert RowCurve(t[-1] - t[::-1], force[::-1]).at(t[-1] - 2.5) == pytest.approx(2.5, abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", [distance, movement_distance])
+def test_a_curve_has_a_corner_where_an_edge_at_rest_sets_off(kind):
+    """The slope changes there no more than over the short steps after it: no corner by itself."""
+    time = np.concatenate((np.arange(6.0), 5.0 + 1e-3 * np.arange(1.0, 8.0)))
+    force = np.where(time < 5.0, time, 5.0 + 1e3 * ((time - 5.0) ** 2 - 2e-3 * (time - 5.0)))
+    radius = np.where(time <= 5.0, 1.0, 6.0 - time)
+    spans = () if kind is distance else (np.array([[0.0, time[-1]]]),)
+    dense = np.union1d(time, np.linspace(0.0, 5.0, 501))
+    line = run(dense, np.interp(dense, time, force), np.interp(dense, time, radius))
+    assert kind(run(time, force, radius), line, *spans).rms < 1e-12
+    assert kind(run(time, force), line, *spans).rms > 0.005
+    assert column_curve(run(time, force, radius), "force").at(4.5) == pytest.approx(4.5, abs=1e-12)
 
 
 def test_no_curve_leaves_the_range_of_its_two_rows():

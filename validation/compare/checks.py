@@ -8,7 +8,7 @@ from validation.cases import Case, Expected
 from validation.execution.runs import Run
 from validation.measure.check import Check
 from validation.measure.dimensionless import unit_sizes
-from validation.measure.row_interpolation import RowCurve
+from validation.measure.row_interpolation import column_curve
 
 
 def check_run(case: Case, result: Run) -> list[Check]:
@@ -81,7 +81,6 @@ def _limit(case: Case, result: Run, expected: Expected, name: str, shown: float 
 def _at_time(result: Run, column: str, time: float) -> float | None:
     """A column between rows; ``None`` if the run does not reach that time or has no such column."""
     trace = result.trace
-    values = None if trace is None else trace.columns().get(column)
-    if trace is None or values is None or len(trace) < 2 or not trace.time[0] <= time <= trace.time[-1]:
+    if trace is None or column not in trace.columns() or len(trace) < 2:
         return None
-    return RowCurve(trace.time, values).at(time)
+    return column_curve(trace, column).at(time) if trace.time[0] <= time <= trace.time[-1] else None

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Trace
-from validation.measure.row_interpolation import POINTS, WEIGHTS, RowCurve
+from validation.measure.row_interpolation import POINTS, WEIGHTS, column_curve
 
 Array = NDArray[np.float64]
 
@@ -78,8 +78,8 @@ def distance(run: Trace, reference: Trace, column: str = "force") -> Distance | 
     grid = _common_times(run.time, reference.time)
     if grid.size < 2:
         return None
-    first = RowCurve(run.time, run.columns()[column]).within(grid)
-    second = RowCurve(reference.time, reference.columns()[column]).within(grid)
+    first = column_curve(run, column).within(grid)
+    second = column_curve(reference, column).within(grid)
     apart = first - second
     scale = float(np.abs(second).max())
     if scale == 0.0:
@@ -120,18 +120,17 @@ def movement_distance(
     if grid.size < 2:
         return None
     turns = _load_step_ends(spans)
-    second = RowCurve(reference.time, reference.columns()[column], turns).within(grid)
-    apart = RowCurve(run.time, run.columns()[column], turns).within(grid) - second
+    second = column_curve(reference, column, turns).within(grid)
+    apart = column_curve(run, column, turns).within(grid) - second
     return _worst_window(grid, apart, second, spans)
 
 
 def interpolation_error(trace: Trace, column: str) -> float:
     """Estimated error of a curve between its rows: root mean square over the largest magnitude."""
-    value = trace.columns()[column]
-    grid, size = np.unique(trace.time), float(np.abs(value).max(initial=0.0))
+    grid, size = np.unique(trace.time), float(np.abs(trace.columns()[column]).max(initial=0.0))
     if grid.size < 2 or size == 0.0:
         return 0.0
-    unknown = RowCurve(trace.time, value).uncertainty(grid)
+    unknown = column_curve(trace, column).uncertainty(grid)
     return float(np.sqrt((np.diff(grid) * (WEIGHTS @ unknown**2)).sum() / (grid[-1] - grid[0])) / size)
 
 
@@ -153,7 +152,7 @@ def movement_interpolation_error(trace: Trace, spans: Array, column: str) -> flo
     grid = _common_times(trace.time, trace.time, spans)
     if grid.size < 2:
         return 0.0
-    curve = RowCurve(trace.time, trace.columns()[column], _load_step_ends(spans))
+    curve = column_curve(trace, column, _load_step_ends(spans))
     worst = _worst_window(grid, curve.uncertainty(grid), curve.within(grid), spans, 0.0)
     return 0.0 if worst is None else worst.rms
 
@@ -239,8 +238,8 @@ def parting_time(run: Trace, reference: Trace, tolerance: float, column: str = "
     grid = _common_times(run.time, reference.time)
     if grid.size < 2:
         return None
-    first = RowCurve(run.time, run.columns()[column]).within(grid)
-    second = RowCurve(reference.time, reference.columns()[column]).within(grid)
+    first = column_curve(run, column).within(grid)
+    second = column_curve(reference, column).within(grid)
     apart = np.abs(first - second) > tolerance * float(np.abs(second).max())
     where = np.flatnonzero(apart.any(axis=0))
     if where.size == 0:

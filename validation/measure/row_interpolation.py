@@ -3,8 +3,8 @@
 Rows are as sparse as a solver can afford: between two rows of an elastic contact a straight line misses the
 curve by far more than the rows do. Through the rows of a smooth piece goes the cubic Hermite curve with
 harmonic slopes (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), which never leaves the range of its
-two rows. A piece ends at a jump (two rows of equal time) and at a corner; between two rows that belong to no
-longer piece the curve is straight.
+two rows. A piece ends at a jump (two rows of equal time), at a corner, and where an edge at rest sets off or
+a moving one comes to rest; between two rows that belong to no longer piece the curve is straight.
 
 Nobody knows the curve between rows: as an estimate of the interpolation error serves the difference from the
 curve with three-point slopes, whose error is of the same order and not of the same size.
@@ -14,6 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+from contact_scene import Trace
 
 Array = NDArray[np.float64]
 
@@ -91,6 +93,34 @@ class RowCurve:
         rise = self.secant[i] * h
         begin, end = h * slopes[0][i] - rise, rise - h * slopes[1][i]
         return self.value[i] + rise * x + x * (1.0 - x) * (begin * (1.0 - x) + end * x)
+
+
+def column_curve(trace: Trace, column: str, corners: Array | None = None) -> RowCurve:
+    """A column of a trace over time.
+
+    Parameters
+    ----------
+    trace : Trace
+    column : str
+        Name of the column.
+    corners : ndarray, shape (m,), optional
+        Times at which it may turn, besides those of rows at which the edge sets off or comes to rest.
+
+    Returns
+    -------
+    RowCurve
+
+    Notes
+    -----
+    The contact stiffness, and with it the rate of the force, jumps where an edge sets off, as from the rim of
+    a punch. A solver may come there in one step of any length and go on in short ones, over which the slope
+    changes as much again: a column alone does not tell that from a smooth bend, and the slope of the short
+    steps would reach back over the whole long one.
+    """
+    rests = np.diff(trace.contact_radius) == 0.0
+    ends = trace.time[1:-1][rests[1:] != rests[:-1]]
+    both = ends if corners is None else np.concatenate((corners, ends))
+    return RowCurve(trace.time, trace.columns()[column], both)
 
 
 def _smooth(secant: Array, step: Array, apart: NDArray[np.bool_], largest: float) -> NDArray[np.bool_]:
