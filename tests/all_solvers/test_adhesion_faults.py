@@ -39,7 +39,7 @@ FAULTS = [
     Fault("reference", "zone a tenth too long", f"{TRACKING}.cohesive_zone:zone_at", times(1.1), STRESS),
     Fault("bem", "closes at what it opens at", "bem_solver.edge_energy:energy_taken",
           closing_as_opening, HYSTERESIS),
-    Fault("bem", "always pinned", "bem_solver.edge_energy:drive", constant(-1.0), HYSTERESIS),
+    Fault("bem", "always pinned", "bem_solver.edge_energy:closure_of_departure", constant(None), HYSTERESIS),
     Fault("bem", "speed twice too large", "bem_solver.edge_energy:end_velocity", times(2.0), RATED),
     Fault("bem", "energy spent too large", "bem_solver.edge_energy:energy_spent", times(1.1), HYSTERESIS),
     Fault("bem", "tension a tenth too large", "bem_solver.cohesive_zone:tension_over", times(1.1), STRESS),
