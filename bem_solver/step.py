@@ -298,20 +298,23 @@ class TrialStep(StepStart):
     def _pinned(self) -> Candidate | float:
         """A step of an edge at rest, up to where it sets out; if it moves at once, the way it would open.
 
-        An edge that moves the other way at first, and turns within the step, sets out there, too.
+        An edge that turns within the step sets out there, too. One that goes on as it came has not stopped:
+        where it is known to its accuracy only, so is its closure.
         """
         start, edge, jump = self.state.parameter, self.state.contact.edge, self.interval.jump
-        adhesion = self.problem.irreversible
+        adhesion, last = self.problem.irreversible, self.state.contact.last_step
         assert adhesion is not None
         trial = self._trial(self.end, edge)
         departure = closure_of_departure(adhesion, trial.closure, jump)
         if departure is None:
             return Candidate(self.end, trial, step_error(self, trial, self.end - start))
+        way = math.copysign(1.0, departure - trial.closure)
 
         def driven(at: TrialContact) -> float:
-            return (at.closure / departure - 1.0) * math.copysign(1.0, trial.closure - departure)
+            return way * (1.0 - at.closure / departure)
 
-        if driven(self._trial(start, edge)) < -_RESIDUAL_ACCURACY * self.settings.tolerance:
+        goes_on = last is not None and way * (edge - last.edge) > 0.0
+        if not goes_on and driven(self._trial(start, edge)) < -_RESIDUAL_ACCURACY * self.settings.tolerance:
             end = brentq(
                 lambda p: driven(self._trial(p, edge)), start, self.end, xtol=1e-14 * self.end, rtol=1e-14
             )

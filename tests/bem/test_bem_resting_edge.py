@@ -270,6 +270,24 @@ def test_a_creeping_edge_that_is_pressed_on_sets_out_on_a_row():
     assert_allclose(bem(question, resolution=8).external_work[-1], expected, rtol=0.015)
 
 
+def test_an_edge_that_closes_is_not_stopped_for_nothing():
+    """Opening takes up 0.2 % more than closing: less than the closure of an edge that closes may be off.
+
+    Every third step ended at once, at rest; the heat of the branches was 1.3 % off.
+    """
+    question = Scene(
+        Material(5270.0, 0.5, (Branch(12700.7, 1.3398e-05),)),
+        Sphere(8.67e-05),
+        Loading("relaxed", 4.99785e-07, (Oscillate(3.79064e-08, 1280.52, 0.0049),)),
+        Adhesion(2.644495e-05, 7.826409e-07, work_closing=2.639206e-05),
+    )
+    mine = bem(question)
+    moved = np.diff(mine.contact_radius)
+    assert not np.any((moved[1:-1] == 0.0) & (moved[:-2] > 0.0) & (moved[2:] > 0.0))
+    expected = front(question, 12).extra["branch_dissipation"][-1]
+    assert_allclose(mine.extra["branch_dissipation"][-1], expected, rtol=0.005)
+
+
 def test_the_force_on_a_punch_is_straight_up_to_where_its_edge_sets_off():
     """One step of half a second, and steps of a ten-thousandth of that from there on.
 
