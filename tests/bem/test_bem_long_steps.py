@@ -133,7 +133,7 @@ def test_a_place_of_rest_long_left_takes_nothing_from_the_release_of_the_tip():
 def test_branches_only_lose_where_an_edge_swings_over_its_old_turns():
     """Cycles within a quarter of a zone, steps ten times as long as the fastest branch needs.
 
-    Where the edge turned, the heat of a step fell by 0.7 % of the whole, and over all it was 7 % short.
+    Where the edge turned, the heat of a step fell by 0.5 % of the whole, and over all it was 7 % short.
     """
     rubber = Material(1.0, 0.5, (Branch(0.866, 1.44), Branch(7.86, 0.0221)))
     loading = Loading("relaxed", 0.029258544, (Oscillate(7.3258719872e-4, 0.623, 33.58428),))
