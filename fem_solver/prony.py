@@ -22,11 +22,23 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_SHORT = 1e-4
+"""Share of a relaxation or retardation time below which a series replaces a difference."""
+
 
 def phi(y: Array) -> Array:
     """``(1 - exp(-y))/y`` with ``phi(0) = 1`` and ``phi(inf) = 0``."""
     with np.errstate(invalid="ignore"):
         return np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
+
+
+def mean_phi(y: Array) -> Array:
+    """``(1 - phi(y))/y``, the mean over a time of the mean so far of what decays; 1/2 at 0.
+
+    Below a small ``y`` a series replaces the difference of nearly equal numbers; the error of both is about
+    its square.
+    """
+    return np.where(y > _SHORT, (1.0 - phi(y)) / np.where(y > _SHORT, y, 1.0), 0.5 - y / 6.0)
 
 
 @dataclass(frozen=True)
@@ -89,6 +101,18 @@ class Prony:
         one, two = phi(y), phi(2.0 * y)
         with np.errstate(invalid="ignore", divide="ignore"):
             curved = np.where(y < 1e-3, y / 3.0 - y**2 / 4.0, (1.0 - 2.0 * one + two) / y)
+        return np.stack([y * two, 2.0 * (one - two), curved])
+
+    def mean_loss_weights(self, dt: float) -> Array:
+        """Means of :meth:`loss_weights` over durations from 0 to ``dt``, with ``dx`` in proportion to them.
+
+        They belong to parts of a whole that take the strain for evenly distributed durations; shape
+        (3, branches), for the ``dx`` of the longest.
+        """
+        y = dt / self.times
+        one, two = mean_phi(y), mean_phi(2.0 * y)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            curved = np.where(y < 1e-2, y / 12.0 - y**2 / 20.0, (0.5 - 2.0 * one + two) / y)
         return np.stack([y * two, 2.0 * (one - two), curved])
 
 

@@ -15,18 +15,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_solver.prony import Prony, phi
+from fem_solver.prony import Prony, mean_phi, phi
 
 Array = NDArray[np.float64]
-
-_SHORT = 1e-4
-"""Share of a retardation time below which a series replaces a difference of nearly equal numbers; the error
-of both is about the square."""
-
-
-def _double_mean(y: Array) -> Array:
-    """``(1 - phi(y))/y``, the mean over a time of the mean so far of what decays."""
-    return np.where(y > _SHORT, (1.0 - phi(y)) / np.where(y > _SHORT, y, 1.0), 0.5 - y / 6.0)
+State = tuple[Array, Array]
+"""``v`` (m,) and ``b`` (branches, m) of components."""
 
 
 class Components:
@@ -40,6 +33,7 @@ class Components:
     def __init__(self, shear: Prony) -> None:
         self.shear = shear
         self._moduli, self._times = shear.moduli[:, None], shear.times[:, None]
+        self._prony = Prony(shear.relaxed, self._moduli, self._times)
         # without force b' = -M b/(G tau) with M = diag(G) - G G^T/G(0): symmetric in b/sqrt(G tau)
         self._root = np.sqrt(self._moduli * self._times)
         matrix = np.diag(shear.moduli) - np.outer(shear.moduli, shear.moduli) / shear.glassy
@@ -108,53 +102,81 @@ class Components:
         after = self._root * (self._modes @ (np.exp(-y) * start + one * pull * change))
         reached = (force - after.sum(axis=0)) / relaxed
         # mean of v over the time: the work is what it does not lose while the force changes
-        double = _double_mean(y)
+        double = mean_phi(y)
         mean = self._root * (self._modes @ (one * start + double * pull * change))
         work = force * reached - before * v - change * (0.5 * (before + force) - mean.sum(axis=0)) / relaxed
         return reached, after, work
 
-    def lost_by_release(self, dt: Array, share: Array, force: Array) -> float:
-        """What the radii of a node dissipate beyond their mean, as each is released all at once in its turn.
+    def lost_by_release(
+        self, dt: Array, before: Array, after: Array, contact: State, reached: Array, free: State
+    ) -> Array:
+        """What the radii of nodes dissipate, each of which is released all at once in its turn.
 
-        The mean of a node follows a force that goes linearly to zero. Every radius of it loses
-        ``z^2/(2 lambda)`` in each mode, by the jump ``z`` of its own release; the mean of all loses less.
-        What the difference still holds at the end of the time counts as lost; where a node takes several
-        steps, what its parts differ from each other does not.
+        The radii in contact follow ``v`` linearly, they are released one after the other, evenly over the
+        time, and creep from the jump of their own release. What the free radii of a node then hold beyond
+        their mean counts as lost: it decays whatever the edge does next.
 
         Parameters
         ----------
         dt : ndarray, shape (m,)
             Time of the release.
-        share, force : ndarray, shape (m,)
-            Share of each node that is released, and its force in contact.
+        before, after : ndarray, shape (m,)
+            Share of each node in contact at its begin and its end.
+        contact : tuple of ndarray
+            ``v`` and ``b`` of the radii in contact at the begin.
+        reached : ndarray, shape (m,)
+            Their ``v`` at the end.
+        free : tuple of ndarray
+            ``v`` and ``b`` of the free radii at the begin.
 
         Returns
         -------
-        float
-            Energy.
+        ndarray, shape (m,)
+            Energies.
         """
-        y = self._rates[:, None] * dt
+        y, left = self._rates[:, None] * dt, before - after
+        at_end = reached, self.linear(*contact, dt, reached)
+        jump = 0.5 * (self._amplitudes_once_released(*contact) + self._amplitudes_once_released(*at_end))
+        earlier = self._amplitudes(free[1])
+        apart = _shared(1.0 - before, left) * (phi(y) * jump - np.exp(-y) * earlier) ** 2
+        modes = left * (1.0 - phi(y) ** 2) * jump**2 + (1.0 - before) * -np.expm1(-2.0 * y) * earlier**2
+        held = after * self.loss(*contact, dt, reached) + left * self.mean_loss(*contact, dt, reached)
+        return np.asarray(held + ((modes + apart) / (2.0 * self._rates[:, None])).sum(axis=0))
+
+    def lost_by_cover(
+        self, dt: Array, before: Array, after: Array, contact: State, reached: Array, free: State
+    ) -> Array:
+        """What the radii of nodes dissipate, each of which is covered all at once in its turn.
+
+        The reverse of :meth:`lost_by_release`, with the same parameters: the free radii recover, are covered
+        one after the other and relax from the jump of their own covering. What the radii of a node in contact
+        then hold beyond their mean counts as lost.
+        """
+        y, rates, covered = dt / self._times, self._rates[:, None], after - before
+        at_end = self.recovered(free[1], dt)
+        jump = 0.5 * (self._once_covered(*free, contact[0]) + self._once_covered(*at_end, reached))
+        drift = self._moduli * (reached - contact[0])
+        earlier = np.exp(-y) * contact[1] + phi(y) * drift
+        apart = _shared(before, covered) * (phi(y) * jump + mean_phi(y) * drift - earlier) ** 2
+        uneven = covered * (phi(2.0 * y) - phi(y) ** 2) * jump**2 + apart
+        held = before * self.loss(*contact, dt, reached)
+        held = held + covered * self.mean_loss(contact[0], jump, dt, reached)
+        decayed = (1.0 - after) * -np.expm1(-2.0 * rates * dt) + covered * (1.0 - phi(2.0 * rates * dt))
+        modes = (decayed * self._amplitudes(free[1]) ** 2 / (2.0 * rates)).sum(axis=0)
+        return np.asarray(held + modes + (uneven / (2.0 * self._moduli)).sum(axis=0))
+
+    def _amplitudes(self, b: Array) -> Array:
+        """Modes of what creeps under a constant force; their squares add up to the dissipation."""
+        return self._modes.T @ (b / self._root)
+
+    def _amplitudes_once_released(self, v: Array, b: Array) -> Array:
+        """Amplitudes of components in contact right after their release."""
         pull = self._modes.T @ (self._moduli / (self.shear.glassy * self._root))
-        each = share * (pull * force) ** 2 * (0.5 - _double_mean(y))
-        return float(np.sum(each / self._rates[:, None]))
+        return self._amplitudes(b) - pull * self.force(v, b)
 
-    def lost_by_cover(self, dt: Array, share: Array, jump: Array) -> float:
-        """What the radii of a node dissipate beyond their mean, as each is covered all at once in its turn.
-
-        Parameters
-        ----------
-        dt : ndarray, shape (m,)
-            Time of the covering.
-        share, jump : ndarray, shape (m,)
-            Share of each node that is covered, and the change of ``v`` when it is.
-
-        Returns
-        -------
-        float
-            Energy.
-        """
-        y = dt / self._times
-        return float(np.sum(share * self._moduli * jump**2 * (0.5 - _double_mean(y))))
+    def _once_covered(self, v: Array, b: Array, imposed: Array) -> Array:
+        """Branch variables of free components right after they have been covered."""
+        return b + self._moduli * (imposed - v)
 
     def free_energies(self, b: Array) -> Array:
         """Energy that components without force hold in each mode, all of them together; shape (branches,)."""
@@ -204,7 +226,18 @@ class Components:
         ndarray, shape (m,)
             Energies.
         """
-        weights = Prony(self.shear.relaxed, self._moduli, self._times).loss_weights(dt)  # type: ignore[arg-type]
-        change = reached - v
+        return self._weighted_loss(self._prony.loss_weights(dt), b, reached - v)  # type: ignore[arg-type]
+
+    def mean_loss(self, v: Array, b: Array, dt: Array | float, reached: Array) -> Array:
+        """Mean of :meth:`loss` over shares of the time, evenly distributed, at the same rate of ``v``."""
+        return self._weighted_loss(self._prony.mean_loss_weights(dt), b, reached - v)  # type: ignore[arg-type]
+
+    def _weighted_loss(self, weights: Array, b: Array, change: Array) -> Array:
         parts = weights[0] * b**2 / self._moduli + weights[1] * b * change
         return np.asarray((parts + weights[2] * self._moduli * change**2).sum(axis=0))
+
+
+def _shared(one: Array, other: Array) -> Array:
+    """Weight of the square of the difference of two parts in what they hold beyond their mean."""
+    whole = one + other
+    return np.divide(one * other, whole, out=np.zeros_like(whole), where=whole > 0.0)

@@ -146,31 +146,32 @@ class NodePassage:
         """
         self.linear(first * dt, np.where(first > 0.0, imposed(first), self.v))
         length = (last - first) * dt
-        if self.accounts:
-            self._release_each(length, share, imposed(first), partly, before)
-        # the node that remains in part, as if it had stayed in contact
-        branches = self.held[:, None] if partly == 0 else self.b[:, :1]
-        reached = imposed(last)[:1]
-        self.held = self.solid.linear(imposed(first)[:1], branches, length[:1], reached)
+        # the part of each node in contact, as if it stayed so, and the part that is free
+        contact, free, shares = self.b.copy(), np.zeros_like(self.b), np.ones(len(self.v))
+        if partly < len(shares):
+            contact[:, partly], shares[partly] = self.held, before
+            free[:, partly] = (self.b[:, partly] - before * self.held) / (1.0 - before)
+        reached, remains = imposed(last), np.zeros(len(self.v))
+        self.held = self.solid.linear(imposed(first)[:1], contact[:, :1], length[:1], reached[:1])
+        remains[0] = share
         force = np.zeros(len(self.v))
-        force[0] = share * self.solid.force(reached, self.held)[0]
-        self.creep(length, force)
+        force[0] = share * self.solid.force(reached[:1], self.held)[0]
+        parts = (imposed(first), contact), reached, self.solid.recovered(free, 0.0)
+        lost = self.solid.lost_by_release(length, shares, remains, *parts) if self.accounts else None
+        self._in_parts(lost, lambda: self.creep(length, force))
         self.recover((1.0 - last) * dt)
 
-    def _release_each(self, length: Array, share: float, contact: Array, partly: int, before: float) -> None:
-        """What the radii within the nodes lose beyond the nodes' means; ``contact`` is ``v`` in contact."""
-        branches = self.b.copy()
-        released = np.ones(len(self.v))
-        if partly < len(released):
-            branches[:, partly], released[partly] = self.held, before
-        released[0] -= share
-        force = self.solid.force(contact, branches)
-        self._lose(self.solid.lost_by_release(length, released, force))
+    def _in_parts(self, lost: Array | None, mean: Callable[[], None]) -> None:
+        """A change of the means of nodes, accounted for by what their parts have lost.
 
-    def _lose(self, energy: float) -> None:
-        """Energy that the surface receives and the branches dissipate."""
-        self.received += energy
-        self.dissipated += energy
+        What these lose beyond the means the surface has received as well.
+        """
+        before = self.dissipated
+        mean()
+        if lost is not None:
+            beyond = float(lost.sum()) - (self.dissipated - before)
+            self.received += beyond
+            self.dissipated += beyond
 
     def cover(
         self,
@@ -197,13 +198,16 @@ class NodePassage:
             Share of the first node, in contact at the begin.
         """
         self.recover(first * dt)
-        length, free = (last - first) * dt, self.b.copy()
+        length, free, reached = (last - first) * dt, self.b.copy(), imposed(last)
         free[:, 0] = (free[:, 0] - before * self.held) / (1.0 - before)
-        v, free = self.solid.recovered(free, length)
+        lost = None
         if self.accounts:
-            covered = share - np.where(np.arange(len(share)) == 0, before, 0.0)
-            self._lose(self.solid.lost_by_cover(length, covered, imposed(last) - v))
-        self.linear(length, share * imposed(last) + (1.0 - share) * v)
+            contact, shares = np.zeros_like(free), np.zeros(len(share))
+            contact[:, 0], shares[0] = self.held, before
+            parts = (imposed(first), contact), reached, self.solid.recovered(free, 0.0)
+            lost = self.solid.lost_by_cover(length, shares, share, *parts)
+        v, free = self.solid.recovered(free, length)
+        self._in_parts(lost, lambda: self.linear(length, share * reached + (1.0 - share) * v))
         if share[-1] > _LEAST_SHARE:
             self.held = (self.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]
         else:
