@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _SHORT = 1e-4
-"""Share of a relaxation or retardation time below which a series replaces a difference."""
+"""Time, relative to a relaxation or retardation time, below which a series replaces a difference of nearly
+equal numbers; the error of both is below 1e-11."""
 
 
 def phi(y: Array) -> Array:
@@ -33,12 +34,8 @@ def phi(y: Array) -> Array:
 
 
 def mean_phi(y: Array) -> Array:
-    """``(1 - phi(y))/y``, the mean over a time of the mean so far of what decays; 1/2 at 0.
-
-    Below a small ``y`` a series replaces the difference of nearly equal numbers; the error of both is about
-    its square.
-    """
-    return np.where(y > _SHORT, (1.0 - phi(y)) / np.where(y > _SHORT, y, 1.0), 0.5 - y / 6.0)
+    """``(1 - phi(y))/y``, the mean over a time of the mean so far of what decays; 1/2 at 0."""
+    return np.where(y > _SHORT, (1.0 - phi(y)) / np.where(y > _SHORT, y, 1.0), 0.5 - y / 6.0 + y**2 / 24.0)
 
 
 @dataclass(frozen=True)
@@ -112,7 +109,7 @@ class Prony:
         y = dt / self.times
         one, two = mean_phi(y), mean_phi(2.0 * y)
         with np.errstate(invalid="ignore", divide="ignore"):
-            curved = np.where(y < 1e-2, y / 12.0 - y**2 / 20.0, (0.5 - 2.0 * one + two) / y)
+            curved = np.where(y < 1e-3, y / 12.0 - y**2 / 20.0, (0.5 - 2.0 * one + two) / y)
         return np.stack([y * two, 2.0 * (one - two), curved])
 
 

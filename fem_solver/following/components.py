@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from fem_solver.prony import Prony, mean_phi, phi
 
 Array = NDArray[np.float64]
-State = tuple[Array, Array]
-"""``v`` (m,) and ``b`` (branches, m) of components."""
+VariablesOfParts = tuple[Array, Array]
+"""``v`` (m,) and ``b`` (branches, m) of one part of each component."""
 
 
 class Components:
@@ -108,7 +108,7 @@ class Components:
         return reached, after, work
 
     def lost_by_release(
-        self, dt: Array, before: Array, after: Array, contact: State, reached: Array, free: State
+        self, dt: Array, shares: tuple[Array, Array], contact: VariablesOfParts, reached: Array, free: Array
     ) -> Array:
         """What the radii of nodes dissipate, each of which is released all at once in its turn.
 
@@ -120,31 +120,32 @@ class Components:
         ----------
         dt : ndarray, shape (m,)
             Time of the release.
-        before, after : ndarray, shape (m,)
-            Share of each node in contact at its begin and its end.
+        shares : tuple of ndarray, shape (m,)
+            Share of each node in contact at its begin, and at its end.
         contact : tuple of ndarray
             ``v`` and ``b`` of the radii in contact at the begin.
         reached : ndarray, shape (m,)
             Their ``v`` at the end.
-        free : tuple of ndarray
-            ``v`` and ``b`` of the free radii at the begin.
+        free : ndarray, shape (branches, m)
+            ``b`` of the free radii at the begin.
 
         Returns
         -------
         ndarray, shape (m,)
             Energies.
         """
+        before, after = shares
         y, left = self._rates[:, None] * dt, before - after
-        at_end = reached, self.linear(*contact, dt, reached)
-        jump = 0.5 * (self._amplitudes_once_released(*contact) + self._amplitudes_once_released(*at_end))
-        earlier = self._amplitudes(free[1])
+        end = self.linear(*contact, dt, reached)
+        jump = 0.5 * (self._once_released(*contact) + self._once_released(reached, end))
+        earlier = self._amplitudes(free)
         apart = _shared(1.0 - before, left) * (phi(y) * jump - np.exp(-y) * earlier) ** 2
-        modes = left * (1.0 - phi(y) ** 2) * jump**2 + (1.0 - before) * -np.expm1(-2.0 * y) * earlier**2
+        decayed = left * (1.0 - phi(y) ** 2) * jump**2 + (1.0 - before) * -np.expm1(-2.0 * y) * earlier**2
         held = after * self.loss(*contact, dt, reached) + left * self.mean_loss(*contact, dt, reached)
-        return np.asarray(held + ((modes + apart) / (2.0 * self._rates[:, None])).sum(axis=0))
+        return np.asarray(held + ((decayed + apart) / (2.0 * self._rates[:, None])).sum(axis=0))
 
     def lost_by_cover(
-        self, dt: Array, before: Array, after: Array, contact: State, reached: Array, free: State
+        self, dt: Array, shares: tuple[Array, Array], contact: VariablesOfParts, reached: Array, free: Array
     ) -> Array:
         """What the radii of nodes dissipate, each of which is covered all at once in its turn.
 
@@ -152,30 +153,33 @@ class Components:
         one after the other and relax from the jump of their own covering. What the radii of a node in contact
         then hold beyond their mean counts as lost.
         """
-        y, rates, covered = dt / self._times, self._rates[:, None], after - before
-        at_end = self.recovered(free[1], dt)
-        jump = 0.5 * (self._once_covered(*free, contact[0]) + self._once_covered(*at_end, reached))
+        before, after = shares
+        y, z, covered = dt / self._times, self._rates[:, None] * dt, after - before
+        jump = 0.5 * (self._once_covered(free, 0.0, contact[0]) + self._once_covered(free, dt, reached))
         drift = self._moduli * (reached - contact[0])
-        earlier = np.exp(-y) * contact[1] + phi(y) * drift
+        earlier = self.linear(*contact, dt, reached)
         apart = _shared(before, covered) * (phi(y) * jump + mean_phi(y) * drift - earlier) ** 2
-        uneven = covered * (phi(2.0 * y) - phi(y) ** 2) * jump**2 + apart
+        uneven = covered * (phi(2.0 * y) - phi(y) ** 2) * jump**2
         held = before * self.loss(*contact, dt, reached)
-        held = held + covered * self.mean_loss(contact[0], jump, dt, reached)
-        decayed = (1.0 - after) * -np.expm1(-2.0 * rates * dt) + covered * (1.0 - phi(2.0 * rates * dt))
-        modes = (decayed * self._amplitudes(free[1]) ** 2 / (2.0 * rates)).sum(axis=0)
-        return np.asarray(held + modes + (uneven / (2.0 * self._moduli)).sum(axis=0))
+        held += covered * self.mean_loss(contact[0], jump, dt, reached)
+        decayed = (1.0 - after) * -np.expm1(-2.0 * z) + covered * (1.0 - phi(2.0 * z))
+        recovered = decayed * self._amplitudes(free) ** 2 / (2.0 * self._rates[:, None])
+        return np.asarray(
+            held + recovered.sum(axis=0) + ((uneven + apart) / (2.0 * self._moduli)).sum(axis=0)
+        )
 
     def _amplitudes(self, b: Array) -> Array:
-        """Modes of what creeps under a constant force; their squares add up to the dissipation."""
-        return self._modes.T @ (b / self._root)
+        """Modes of what creeps under a constant force; the sum of their squares is the dissipation."""
+        return np.asarray(self._modes.T @ (b / self._root))
 
-    def _amplitudes_once_released(self, v: Array, b: Array) -> Array:
+    def _once_released(self, v: Array, b: Array) -> Array:
         """Amplitudes of components in contact right after their release."""
         pull = self._modes.T @ (self._moduli / (self.shear.glassy * self._root))
         return self._amplitudes(b) - pull * self.force(v, b)
 
-    def _once_covered(self, v: Array, b: Array, imposed: Array) -> Array:
-        """Branch variables of free components right after they have been covered."""
+    def _once_covered(self, free: Array, dt: Array | float, imposed: Array) -> Array:
+        """Branch variables of components right after they have been covered, after a time without force."""
+        v, b = self.recovered(free, dt)
         return b + self._moduli * (imposed - v)
 
     def free_energies(self, b: Array) -> Array:

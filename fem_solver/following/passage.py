@@ -145,30 +145,40 @@ class NodePassage:
             Its share then.
         """
         self.linear(first * dt, np.where(first > 0.0, imposed(first), self.v))
-        length = (last - first) * dt
-        # the part of each node in contact, as if it stayed so, and the part that is free
-        contact, free, shares = self.b.copy(), np.zeros_like(self.b), np.ones(len(self.v))
-        if partly < len(shares):
-            contact[:, partly], shares[partly] = self.held, before
-            free[:, partly] = (self.b[:, partly] - before * self.held) / (1.0 - before)
-        reached, remains = imposed(last), np.zeros(len(self.v))
+        length, reached = (last - first) * dt, imposed(last)
+        contact = self.b.copy()  # of the radii in contact
+        if partly < len(first):
+            contact[:, partly] = self.held
+        lost = np.zeros(0)
+        if self.accounts:
+            shares, remaining, free = np.ones(len(first)), np.zeros(len(first)), np.zeros_like(contact)
+            remaining[0] = share
+            if partly < len(first):
+                shares[partly] = before
+                free[:, partly] = (self.b[:, partly] - before * self.held) / (1.0 - before)
+            parts = imposed(first), contact
+            lost = self.solid.lost_by_release(length, (shares, remaining), parts, reached, free)
+        # the node that remains in part, as if it had stayed in contact
         self.held = self.solid.linear(imposed(first)[:1], contact[:, :1], length[:1], reached[:1])
-        remains[0] = share
-        force = np.zeros(len(self.v))
+        force, dissipated = np.zeros(len(first)), self.dissipated
         force[0] = share * self.solid.force(reached[:1], self.held)[0]
-        parts = (imposed(first), contact), reached, self.solid.recovered(free, 0.0)
-        lost = self.solid.lost_by_release(length, shares, remains, *parts) if self.accounts else None
-        self._in_parts(lost, lambda: self.creep(length, force))
+        self.creep(length, force)
+        self._lose(lost, dissipated)
         self.recover((1.0 - last) * dt)
 
-    def _in_parts(self, lost: Array | None, mean: Callable[[], None]) -> None:
-        """A change of the means of nodes, accounted for by what their parts have lost.
+    def _lose(self, lost: Array, before: float) -> None:
+        """Count what the parts of the nodes lose instead of what their means have lost.
 
-        What these lose beyond the means the surface has received as well.
+        The surface receives the difference.
+
+        Parameters
+        ----------
+        lost : ndarray, shape (m,)
+            Energies, if accounted for.
+        before : float
+            Energy dissipated before the means have changed.
         """
-        before = self.dissipated
-        mean()
-        if lost is not None:
+        if self.accounts:
             beyond = float(lost.sum()) - (self.dissipated - before)
             self.received += beyond
             self.dissipated += beyond
@@ -200,14 +210,15 @@ class NodePassage:
         self.recover(first * dt)
         length, free, reached = (last - first) * dt, self.b.copy(), imposed(last)
         free[:, 0] = (free[:, 0] - before * self.held) / (1.0 - before)
-        lost = None
+        lost, dissipated = np.zeros(0), self.dissipated
         if self.accounts:
-            contact, shares = np.zeros_like(free), np.zeros(len(share))
-            contact[:, 0], shares[0] = self.held, before
-            parts = (imposed(first), contact), reached, self.solid.recovered(free, 0.0)
-            lost = self.solid.lost_by_cover(length, shares, share, *parts)
+            shares, contact = np.zeros(len(first)), np.zeros_like(free)
+            shares[0], contact[:, 0] = before, self.held
+            parts = imposed(first), contact
+            lost = self.solid.lost_by_cover(length, (shares, share), parts, reached, free)
         v, free = self.solid.recovered(free, length)
-        self._in_parts(lost, lambda: self.linear(length, share * reached + (1.0 - share) * v))
+        self.linear(length, share * reached + (1.0 - share) * v)
+        self._lose(lost, dissipated)
         if share[-1] > _LEAST_SHARE:
             self.held = (self.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]
         else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -29,6 +30,7 @@ from contact_scene import (
 )
 from fem_solver.following import history, state
 from fem_solver.following.components import Components
+from fem_solver.following.passage import NodePassage
 from fem_solver.following.path import EdgePolynomial
 from fem_solver.following.problem import FollowingProblem
 from fem_solver.prony import Prony
@@ -90,26 +92,46 @@ def test_without_force_a_component_recovers_in_one_step_as_in_two():
     assert_allclose(solid.recovered(b, math.inf)[0], 0.0, atol=1e-13)
 
 
+@pytest.mark.parametrize("steps", [1, 7])
 @pytest.mark.parametrize("time", [1e-4, 1.0, 1e4])
-def test_radii_released_one_by_one_lose_more_than_their_mean(time):
-    """From equilibrium: each loses what it stores after its jump, the mean what its work leaves."""
-    solid, dt, whole = Components(SHEAR), np.array([time]), np.ones(1)
-    force = np.array([-2.0])
-    v, b = force / SHEAR.relaxed, np.zeros((3, 1))
-    jumped = solid.crept(v, b, np.zeros(1), np.zeros(1))
-    work = solid.crept(v, b, dt, np.zeros(1))[2]
-    expected = float((solid.stored(*jumped[:2]) - solid.stored(v, b) - work)[0])
-    assert solid.lost_by_release(dt, whole, force) == pytest.approx(expected, rel=1e-4)
+def test_radii_released_one_by_one_lose_what_each_stores_after_its_jump(time, steps):
+    """From equilibrium, in one step or in several: each jumps by itself, and nothing else is lost."""
+    solid, contact = Components(SHEAR), np.array([-2.0 / SHEAR.relaxed])
+    v, b = contact, np.zeros((3, 1))
+    jumped = solid.stored(*solid.crept(v, b, np.zeros(1), np.zeros(1))[:2])
+    passage = NodePassage(solid, v, b, b[:, 0], True)
+    first, last, shares = np.zeros(1), np.ones(1), np.linspace(1.0, 0.0, steps + 1)
+    for before, after in pairwise(shares):
+        passage.release(time / steps, after, first, last, lambda _: contact, 0 if before < 1.0 else 1, before)
+        passage.held = passage.held[:, 0]
+    left = solid.stored(passage.v, passage.b)
+    assert passage.dissipated == pytest.approx(float((jumped - left)[0]), rel=1e-12)
+    gained = float((left - solid.stored(v, b))[0])
+    assert passage.received - passage.dissipated == pytest.approx(gained, rel=1e-9)
 
 
+@pytest.mark.parametrize("steps", [1, 7])
 @pytest.mark.parametrize("time", [1e-4, 1.0, 1e4])
-def test_radii_covered_one_by_one_lose_more_than_their_mean(time):
-    solid, dt, whole = Components(SHEAR), np.array([time]), np.ones(1)
-    v, b, jump = np.zeros(1), np.zeros((3, 1)), np.array([0.3])
-    each = solid.stored(v, solid.linear(v, b, 0.0, jump))
-    mean = solid.loss(v, b, dt, jump) + solid.stored(v, solid.linear(v, b, dt, jump))
-    expected = float((each - mean)[0])
-    assert solid.lost_by_cover(dt, whole, jump) == pytest.approx(expected, rel=1e-4)
+def test_radii_covered_one_by_one_lose_what_each_stores_after_its_jump(time, steps):
+    solid, contact = Components(SHEAR), np.array([0.3])
+    v, b = np.zeros(1), np.zeros((3, 1))
+    jumped = solid.stored(contact, solid.linear(v, b, 0.0, contact))
+    passage = NodePassage(solid, v, b, b[:, 0], True)
+    first, last, shares = np.zeros(1), np.ones(1), np.linspace(0.0, 1.0, steps + 1)
+    for before, after in pairwise(shares):
+        passage.cover(time / steps, np.array([after]), first, last, lambda _: contact, before)
+        passage.held = passage.held[:, 0]
+    left = solid.stored(passage.v, passage.b)
+    assert passage.dissipated == pytest.approx(float((jumped - left)[0]), rel=1e-12)
+
+
+@pytest.mark.parametrize(("way", "expected"), [(1.0, 2.933496e-6), (-1.0, 6.232658e-7)], ids=["in", "out"])
+def test_heat_of_an_edge_that_takes_many_steps_in_each_element(way, expected):
+    """Each step is about as long as the branch needs, an element takes ten times that; by front tracking."""
+    depth, material = 1e-2, Material(1.0, 0.5, (Branch(5.0, 1.0),))
+    loading = Loading("relaxed", depth, (Ramp(depth + 1.2e-3 * way, 3e-5),))
+    trace = FiniteElements().solve(Scene(material, Sphere(1.0), loading, Adhesion(7.5e-4, 1.75e-3)), 8)
+    assert trace.extra["branch_dissipation"][-1] == pytest.approx(expected, rel=2e-2)
 
 
 def test_the_path_meets_the_rows_and_tells_when_a_node_is_passed():

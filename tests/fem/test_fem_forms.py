@@ -129,3 +129,15 @@ def test_branch_loss_is_the_integral_over_the_step(dt):
         loss += 0.5 * (b - a) * w @ (branch**2 / 3.0 / 0.7)
     weights = modulus.loss_weights(dt)[:, 0]
     assert weights @ [before**2 / 3.0, before * dx, 3.0 * dx**2] == pytest.approx(loss, rel=1e-9)
+
+
+@pytest.mark.parametrize("dt", [1e-5, 1e-3, 0.5, 20.0, 1e4])
+def test_mean_branch_loss_is_that_of_parts_that_leave_evenly(dt):
+    modulus = Prony(0.0, np.array([3.0]), np.array([0.7]))
+    share, weight = np.polynomial.legendre.leggauss(60)
+    edges = np.concatenate([[0.0], np.geomspace(1e-6, 1.0, 30)])
+    mean = np.zeros(3)
+    for a, b in pairwise(edges):
+        for s, w in zip(0.5 * (a + b) + 0.5 * (b - a) * share, 0.5 * (b - a) * weight, strict=True):
+            mean += w * modulus.loss_weights(s * dt)[:, 0] * [1.0, s, s**2]
+    assert modulus.mean_loss_weights(dt)[:, 0] == pytest.approx(mean, rel=2e-6)
