@@ -24,7 +24,7 @@ from bem_solver.motion import Motion
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import advanced, load_inside
-from bem_solver.tip_release import energy_of_tip, release_jumps, tip_release
+from bem_solver.tip_release import energy_of_tip, reached_jumps, release_jumps, tip_release
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 
 Array = NDArray[np.float64]
@@ -144,7 +144,8 @@ def updated_state(
     after = updated_energies(problem.chain, energies, increment, motion.duration)
     if trial.tip_gap is not None and trial.tip_distance is not None and problem.viscoelastic:
         release = tip_release(problem.chain, surface, trial.tip_gap, trial.tip_distance, history)
-        tip = energy_of_tip(energies.release, release, motion, release_jumps(state.history, motion))
+        jumps = reached_jumps(release_jumps(state.history, motion), motion, history)
+        tip = energy_of_tip(energies.release, release, motion, jumps)
         after = replace(after, release=release, tip=tip)
     contact = HalfSpaceState(time, motion.new_penetration, surface, history)
     if problem.irreversible is not None:

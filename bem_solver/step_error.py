@@ -8,7 +8,7 @@ from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.options import DEFAULT_RESOLUTION
 from bem_solver.run_state import StepStart
-from bem_solver.step_control import departure_from_line, shrunk
+from bem_solver.step_control import departure_from_line
 from bem_solver.trial import TrialContact
 
 _BENT_SHARE_OF_ZONE = 0.04
@@ -142,36 +142,6 @@ def _load_scale(start: StepStart, edge: float, force: float) -> float:
     if interval.control == "force":
         return scale / stiffness
     return scale / max(softer, 1.0)  # on a soft spring it is the penetration that misses its line the farther
-
-
-def first_step(start: StepStart, longest: float) -> float:
-    """First step after a kink of the loading, no longer than one whose load the error is expected to allow.
-
-    Without rates all that the load changes is error. It is known beforehand of an edge that rests: where the
-    loading turns against its last motion, or it has not moved yet.
-    """
-    contact, step = start.state.contact, longest
-    ahead = start.interval.prescribed(longest) - start.interval.prescribed(0.0)
-    if contact.history.direction * ahead > 0.0:
-        return longest
-    scale = _load_scale(start, contact.edge, contact.surface.force)
-    while True:
-        change = _change_at_rest(start, step)
-        error = _LOAD_WEIGHT * departure_from_line(change, scale) / start.settings.tolerance
-        if error <= 1.0:
-            return step
-        step = shrunk(step, error, 1)
-
-
-def _change_at_rest(start: StepStart, step: float) -> float:
-    """Change of the free load over a step in which the edge rests and nothing relaxes but this change."""
-    problem, interval = start.problem, start.interval
-    stiffness = 2.0 * start.state.contact.edge * problem.chain.modulus_of_ramp(step)
-    change = interval.prescribed(step) - interval.prescribed(0.0)
-    if interval.control == "force":
-        return change / stiffness
-    compliance = problem.scene.loading.compliance if interval.control == "stage" else 0.0
-    return change * stiffness / (1.0 + compliance * stiffness)
 
 
 def _departure_of_closure(start: StepStart, edge: float, missed: float) -> float:

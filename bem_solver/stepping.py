@@ -35,7 +35,7 @@ from bem_solver.step import (
     limited_step,
 )
 from bem_solver.step_control import SHARE_OF_WAY, AcceptedRow, grown, shrunk
-from bem_solver.step_error import first_step, free_load, load_error
+from bem_solver.step_error import free_load, load_error
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
@@ -125,8 +125,6 @@ class GradedRun:
                 first = min(first, float(self.problem.chain.retardation.min()))
             state.step = min(state.step, short) if state.step > 0.0 else first
             state.accepted.start(self._accepted_row(0.0, interval))
-            if state.contact.edge > 0.0 and not interval.jump:
-                state.step = first_step(StepStart(self.problem, self.settings, state, interval), state.step)
         else:
             state.accepted.continue_in_next_interval()
         if interval.jump:

@@ -107,6 +107,16 @@ def release_jumps(history: SurfaceHistory, motion: Motion) -> tuple[float, ...]:
     return (*history.past_kinks, motion.edge) if turns else history.past_kinks
 
 
+def reached_jumps(jumps: tuple[float, ...], motion: Motion, after: SurfaceHistory) -> tuple[float, ...]:
+    """Radii at which the release jumps; those too near ahead of a closing edge to be told from it, there.
+
+    The history ``after`` the step holds them no more as kinks, and their roots are read with the tip's.
+    """
+    if motion.new_edge <= motion.edge:
+        return jumps
+    return tuple(jump if jump in after.outer.kinks else min(jump, motion.new_edge) for jump in jumps)
+
+
 def energy_of_tip(
     release: tuple[float, float] | None,
     new_release: tuple[float, float],
