@@ -153,14 +153,14 @@ class AcceptedSteps:
         """Step in which an edge that runs ever faster travels so far; infinite for any other edge.
 
         With a limit point ahead, no farther than a share of the way to it; over it, for a trial that shows
-        whether it is there, if the way is no longer than the least travel.
+        whether it is there, if the way is no longer than the least travel, to which its end is known.
         """
         way = self.way_to_limit_point()
         if not 0.0 < way < math.inf:
             return math.inf
         delay, bend = self._delay()
         if way <= self.least:
-            return way * delay  # twice the step to the limit point
+            return -2.0 * bend * self.least**2  # twice the step to a limit point the least travel ahead
         travel = min(travel, SHARE_OF_WAY * way)
         return travel * (delay + bend * travel)
 

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
-from bem_solver.step_control import AcceptedRow, AcceptedSteps
+from bem_solver.step_control import SHARE_OF_WAY, AcceptedRow, AcceptedSteps
 from contact_scene import Adhesion, Force, Hold, Machine, Oscillate, PowerRate, Ramp, SceneError, Sweep, Table
 
 COARSE = Options(resolution=6)
@@ -158,6 +158,18 @@ def test_a_cubic_path_is_expected_where_it_goes():
     assert_allclose(steps.expected_edge(0.1), steps.edge_after(0.1) + missed, rtol=1e-12)
     steps.start(AcceptedRow(0.5, 2.0, 0.0))
     assert steps.expected_edge(0.1) == 2.0
+
+
+@pytest.mark.parametrize("way", [1e-2, 1e-4, 1e-6, 1e-9])
+def test_a_limit_point_nearer_than_the_least_travel_shortens_no_step_further(way):
+    """Three rows cannot place it closer; a fast start was stepped on by less than it is known."""
+    steps = AcceptedSteps(least=1e-3)
+    for distance in (way + 0.03, way + 0.02, way + 0.01, way):  # the parameter is a parabola of the edge
+        steps.add(AcceptedRow(-(distance**2), 1.0 - distance, 0.0))
+    assert_allclose(steps.way_to_limit_point(), way, rtol=1e-6)
+    until = max(way, steps.least) ** 2
+    share = 2.0 if way < steps.least else 1.0 - (1.0 - SHARE_OF_WAY) ** 2
+    assert_allclose(steps.step_of_travel(0.1), share * until, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("rate", "most"), [(0.002, 10), (0.02, 6)])
