@@ -24,7 +24,7 @@ from validation.stability import (
 from validation.stability.random_answers import AnswerFinding, JudgedScene, RandomSceneAnswer, examine
 from validation.stability.random_instruments import random_instrument
 from validation.stability.random_matrix import table
-from validation.stability.random_scenes import LOADINGS, random_scene
+from validation.stability.random_scenes import LOADINGS, random_scene, random_short_zone
 
 CHOSEN = next(
     one for one in map(random_scene, range(1, 100)) if one.kind == "retraction" and not one.profile_times
@@ -71,7 +71,7 @@ def judged(mine: TaskResult, base: Trace | None = None) -> RandomSceneAnswer:
     """The boundary elements' answer beside a reference of small error."""
     reference = result("reference", base or answer(), 1e-5)
     results = {"bem": mine, "fem": result("fem", answer()), "reference": reference}
-    found = examine(replace(CHOSEN, scene=SCENE), [results[name] for name in solvers.SOLVERS])
+    found = examine(replace(CHOSEN, scene=SCENE), {name: results[name] for name in solvers.SOLVERS})
     return {one.solver: one for one in found.answers}["bem"]
 
 
@@ -85,6 +85,33 @@ def test_a_seed_is_always_the_same_scene_and_every_kind_comes():
     radii = [one.scene.indenter.radius for one in many if isinstance(one.scene.indenter, Sphere)]
     assert min(radii) < 1e-4 < 1.0 <= max(radii)
     assert any(one.profile_times for one in many)
+
+
+def test_short_zones_are_short_and_a_family_of_their_own():
+    assert random_short_zone(7) == random_short_zone(7)
+    assert random_matrix.FAMILIES["short-zones"](7) == random_short_zone(7)
+    spheres = [one for one in map(random_short_zone, range(1, 120)) if isinstance(one.scene.indenter, Sphere)]
+    zones = np.array([one.scene.adhesion.zone / one.scene.indenter.radius for one in spheres])
+    assert 3e-9 < zones.min() < 3e-7
+    assert 3e-6 < zones.max() < 3e-4
+    assert {one.kind for one in spheres} == set(LOADINGS)
+
+
+def test_solvers_may_be_left_out_but_not_the_reference(tmp_path, monkeypatch):
+    asked: list[str] = []
+
+    def carried_out(numbered, executor, outstanding):
+        for number, task in numbered:
+            asked.append(task.arguments[1])
+            yield number, result(task.arguments[1], None, failure="died", ending=TaskEnding.DIED)
+
+    monkeypatch.setattr(random_runs, "completed_tasks", carried_out)
+    monkeypatch.setattr(random_matrix, "processes", NoProcesses)
+    seed = next(seed for seed in range(1, 6) if random_matrix._possible(seed, "short-zones"))
+    arguments = ["--out", str(tmp_path), "--seeds", str(seed), "--family", "short-zones", "--solvers"]
+    assert random_matrix.main([*arguments, "bem"]) == 1
+    assert asked == ["bem", "reference"]
+    assert random_matrix.main([*arguments, "fem"]) == 2  # the folder keeps its settings
 
 
 def test_instruments_have_every_part_and_a_stream_of_their_own():

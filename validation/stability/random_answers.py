@@ -7,7 +7,7 @@ large mean counts in full; a scalar relative to what :mod:`validation.measure.sc
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -18,7 +18,7 @@ from validation.execution.runs import Run
 from validation.execution.tasks import TaskEnding, TaskResult
 from validation.measure.norms import distance
 from validation.measure.scaling import scale
-from validation.solvers import REFERENCE, SOLVERS
+from validation.solvers import REFERENCE
 from validation.solvers.contact_range import largest_contact_radius
 from validation.stability import trace_invariants
 from validation.stability.random_scenes import RandomScene
@@ -116,9 +116,8 @@ class JudgedScene:
     answers: tuple[RandomSceneAnswer, ...]
 
 
-def examine(chosen: RandomScene, results: Sequence[TaskResult]) -> JudgedScene:
-    """Judge the runs of one scene, in the order of ``SOLVERS``."""
-    runs = dict(zip(SOLVERS, results, strict=True))
+def examine(chosen: RandomScene, runs: Mapping[str, TaskResult]) -> JudgedScene:
+    """Judge the runs of one scene by solver, that of the reference among them."""
     base = runs[REFERENCE].value
     answers = tuple(_answer(chosen, solver, result, base) for solver, result in runs.items())
     scene = chosen.scene

@@ -19,7 +19,7 @@ from contact_scene import SceneError
 from contact_scene.scenefile import write_scene
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
-from validation.solvers import SOLVERS
+from validation.solvers import REFERENCE, SOLVERS
 from validation.solvers.contact_range import largest_contact_radius
 from validation.stability.random_answers import (
     FAULTS,
@@ -29,9 +29,13 @@ from validation.stability.random_answers import (
 )
 from validation.stability.random_instruments import random_instrument
 from validation.stability.random_runs import RandomRunSettings, judged_scenes
-from validation.stability.random_scenes import RandomScene, random_scene
+from validation.stability.random_scenes import RandomScene, random_scene, random_short_zone
 
-FAMILIES: dict[str, Callable[[int], RandomScene]] = {"usual": random_scene, "instruments": random_instrument}
+FAMILIES: dict[str, Callable[[int], RandomScene]] = {
+    "usual": random_scene,
+    "instruments": random_instrument,
+    "short-zones": random_short_zone,
+}
 """What makes the scene of a seed, by the family of scenes."""
 
 TABLE_EVERY = 20
@@ -173,10 +177,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--screened", action="store_true", help="estimates only where an answer is off by more than it may be"
     )
+    parser.add_argument(
+        "--solvers",
+        nargs="+",
+        choices=SOLVERS,
+        default=list(SOLVERS),
+        help="beside the reference",
+    )
     parser.add_argument("--family", choices=FAMILIES, default="usual", help="scenes; one family a folder")
     chosen = parser.parse_args(arguments)
     seeds = chosen.seeds or range(chosen.first, chosen.first + chosen.count)
-    settings = RandomRunSettings(chosen.seconds, chosen.resolution, chosen.coarse, chosen.screened)
+    asked = [name for name in SOLVERS if name == REFERENCE or name in chosen.solvers]
+    settings = RandomRunSettings(chosen.seconds, chosen.resolution, chosen.coarse, chosen.screened, asked)
     try:
         judged = run(output_folder(chosen.out), seeds, chosen.jobs, settings, chosen.family)
     except SceneError as error:

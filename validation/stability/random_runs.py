@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from validation.cases import Case
 from validation.execution.solver_tasks import run_task
@@ -39,12 +39,15 @@ class RandomRunSettings:
         The coarse resolution of each solver instead (``Solver.coarse_resolution``).
     screened : bool
         Estimates only for answers that differ by more than the solver's tolerance at that resolution.
+    solvers : sequence of str
+        Those asked, the reference among them.
     """
 
     seconds: float = 60.0
     resolution: int | None = None
     coarse: bool = False
     screened: bool = False
+    solvers: Sequence[str] = field(default_factory=lambda: list(SOLVERS))
 
     def resolution_of(self, name: str, chosen: RandomScene) -> int | None:
         """Divisions per process zone of a solver in a scene; ``None``: its own."""
@@ -67,7 +70,7 @@ class _RunStream(Iterator[tuple[int, Task]]):
     def __next__(self) -> tuple[int, Task]:
         if not self._waiting:
             chosen = next(self._scenes)
-            for name in SOLVERS:
+            for name in self._settings.solvers:
                 self.ask(chosen, name, not self._settings.screened or name == REFERENCE)
         return self._waiting.popleft()
 
@@ -109,9 +112,9 @@ def judged_scenes(
             collected[name] = result
         else:  # the run with its estimate ended otherwise: the run before it stands
             collected[name] = collected.pop(f"{name} alone")
-        if not all(each in collected for each in SOLVERS):
+        if not all(each in collected for each in settings.solvers):
             continue
-        judged = examine(chosen, [collected[each] for each in SOLVERS])
+        judged = examine(chosen, {each: collected[each] for each in settings.solvers})
         again = _undecided(chosen, judged) if settings.screened and chosen.seed not in first else []
         if again:
             first[chosen.seed] = judged

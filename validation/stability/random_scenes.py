@@ -2,7 +2,8 @@
 
 Sizes follow from a contact of radius ``a``: the radius of the indenter, its depth ``D = a^2/R``, the force
 ``2 a E0* D``, the work of adhesion that holds such a contact, the process zone from a tenth to a
-ten-thousandth of ``a``. Units are SI in half of the scenes, otherwise those of the indenter.
+ten-thousandth of ``a``, or from a thousandth to a ten-millionth. Units are SI in half of the scenes,
+otherwise those of the indenter.
 """
 
 from __future__ import annotations
@@ -41,6 +42,8 @@ from validation.stability.random_numbers import RandomNumbers, SceneSizes
 SHARE_WITHOUT_ADHESION = 0.2
 SHARE_OF_LONG_ZONES = 0.8
 """Scenes whose process zone is no shorter than a hundredth of the contact: the others cost much more."""
+SHORT_ZONES = 3
+"""Second number of the generators' seeds of scenes with short zones; 1 is that of the laws of adhesion."""
 SHARE_OF_HYSTERESIS = 0.3
 SHARE_OF_RATES = 0.3
 
@@ -66,6 +69,17 @@ def random_scene(seed: int) -> RandomScene:
         adhesion = drawn_law(RandomNumbers((seed, 1)), adhesion, sizes)
     scene = Scene(material, indenter, loading, adhesion)
     return RandomScene(seed, kind, scene, _stops(random, loading))
+
+
+def random_short_zone(seed: int) -> RandomScene:
+    """The scene of a seed whose process zone is as short as real ones, always the same."""
+    random = RandomNumbers((seed, SHORT_ZONES))
+    material, radius, sizes = drawn_sizes(random)
+    kind = random.one_of(tuple(LOADINGS))
+    loading, indenter = LOADINGS[kind](random, sizes), drawn_indenter(random, radius, sizes)
+    zone = sizes.radius * random.decades(-7.0, -3.0)
+    adhesion = drawn_law(random, Adhesion(drawn_work(random, material, sizes), zone), sizes)
+    return RandomScene(seed, kind, Scene(material, indenter, loading, adhesion), _stops(random, loading))
 
 
 def drawn_sizes(random: RandomNumbers) -> tuple[Material, float, SceneSizes]:
@@ -113,9 +127,14 @@ def drawn_adhesion(random: RandomNumbers, material: Material, sizes: SceneSizes)
     """``work`` in decades of what holds the contact against its depth; zones of the contact radius."""
     if random.happens(SHARE_WITHOUT_ADHESION):
         return None
-    held = material.relaxed_plane_modulus * sizes.depth**2 / (2.0 * math.pi * sizes.radius)
     zone = random.decades(-2.0, -1.0) if random.happens(SHARE_OF_LONG_ZONES) else random.decades(-4.0, -2.0)
-    return Adhesion(held * random.decades(-2.5, 0.5), sizes.radius * zone)
+    return Adhesion(drawn_work(random, material, sizes), sizes.radius * zone)
+
+
+def drawn_work(random: RandomNumbers, material: Material, sizes: SceneSizes) -> float:
+    """Work of adhesion, in decades of what holds the contact against its depth."""
+    held = material.relaxed_plane_modulus * sizes.depth**2 / (2.0 * math.pi * sizes.radius)
+    return held * random.decades(-2.5, 0.5)
 
 
 def drawn_law(random: RandomNumbers, adhesion: Adhesion, sizes: SceneSizes) -> Adhesion:
