@@ -17,6 +17,8 @@ from contact_scene.run_control import LoadingCursor, stops_within
 
 _ENDS_OF_CONTACT = (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+_ROUNDINGS = 4.0
+"""Last places by which a prescribed value may miss its chord by rounding: as many operations make it."""
 
 
 @dataclass(frozen=True)
@@ -63,18 +65,17 @@ class LoadingInterval:
         """Largest departure of the prescribed quantity from its chord over a step, in spans.
 
         Sampled at irrational shares of the step, where an oscillation has no equal phases: whole periods are
-        not stepped over.
+        not stepped over. What rounding makes is no departure: a load jump may be no more than that.
         """
         if self.span == 0.0:
             return 0.0
         first, last = self.prescribed(parameter), self.prescribed(parameter + step)
-        return (
-            max(
-                abs(self.prescribed(parameter + share * step) - first - share * (last - first))
-                for share in (math.sqrt(2.0) - 1.0, _GOLDEN, math.e - 2.0)
-            )
-            / self.span
+        departure = max(
+            abs(self.prescribed(parameter + share * step) - first - share * (last - first))
+            for share in (math.sqrt(2.0) - 1.0, _GOLDEN, math.e - 2.0)
         )
+        rounding = _ROUNDINGS * math.ulp(max(abs(first), abs(last)))
+        return max(departure - rounding, 0.0) / self.span
 
 
 def next_interval(

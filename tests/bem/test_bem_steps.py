@@ -1,5 +1,6 @@
 """Options, the steps they lead to, and progress."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +9,26 @@ from numpy.testing import assert_allclose
 from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
+from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.step_control import SHARE_OF_WAY, AcceptedRow, AcceptedSteps
-from contact_scene import Adhesion, Force, Hold, Machine, Oscillate, PowerRate, Ramp, SceneError, Sweep, Table
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Machine,
+    Material,
+    Oscillate,
+    PowerRate,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+    Sweep,
+    Table,
+)
 
 COARSE = Options(resolution=6)
 
@@ -136,6 +155,28 @@ def test_a_step_as_long_as_the_last_looks_back_over_the_last_alone(rounded):
     for row in ((0.0, 1.0, 0.0), (0.1, 1.1, 0.1), (0.2, 1.3, 0.4)):
         steps.add(AcceptedRow(*row))
     assert_allclose(steps.rates(0.1 * rounded), (2.0, 3.0), rtol=1e-12)
+
+
+@pytest.mark.parametrize("jump", [0.0, 2e-19, 1e-17, 1e-14, 1e-10])
+def test_a_load_jump_of_roundings_is_stepped_over(jump):
+    """A ramp of force ends at its force to the last bit or the next; a dead load of that force goes on."""
+    rubber = Material(1.5e6, 0.5, (Branch(3e6, 0.1), Branch(6e6, 3e-3)))
+    steps = ForceRamp(-1.9e-3, 5e-3), Force(-1.9e-3 - jump, 1e8)
+    question = Scene(rubber, Sphere(3e-3), Loading("relaxed", 3e-5, steps), Adhesion(0.08, 3e-7))
+    trace = solve(question, COARSE)
+    assert trace.outcome.kind == "detached"
+    assert_allclose(trace.time[-1], 112.124, rtol=3e-3)  # by front tracking
+    assert len(trace) < 400
+
+
+def test_a_chord_is_missed_by_no_more_than_roundings():
+    """Also where the load varies by a few of them only; more than that is a departure."""
+    last_place = math.ulp(1.9e-3)
+    values = {0: lambda t: 1.9e-3 + round(t) * last_place, 40: lambda t: 1.9e-3 + 160.0 * t * t * last_place}
+    for least, value in values.items():
+        interval = LoadingInterval("force", 0.0, 1.0, value, lambda _: 0.0, jump=False, after_kink=True)
+        departure = interval.departure_from_chord(0.0, 1.0) * interval.span / last_place
+        assert (departure == 0.0) if not least else (30.0 < departure < 40.0)
 
 
 def test_a_row_a_hair_before_the_last_tells_nothing_of_a_long_step():
