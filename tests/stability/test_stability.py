@@ -141,12 +141,6 @@ def test_the_driver_runs_what_is_expected_and_the_other_scene():
     ]
 
 
-def test_a_solver_that_would_take_minutes_is_not_asked_and_that_is_told():
-    dear = fakes.case("raises", skip_reasons={"fem": "dense"})
-    (cell,) = run([dear], solvers=("fem",), solve=fakes.never).cells
-    assert (cell.verdict, cell.outcome, cell.reason) == (CellVerdict.DECLINED, "not run", "dense")
-
-
 def test_units_are_undone_column_by_column():
     plain = fakes.trace()
     other = replace(plain, time=60.0 * plain.time, penetration=1e3 * plain.penetration,

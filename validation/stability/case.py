@@ -116,8 +116,6 @@ class StabilityCase:
         Ratio of the longest to the shortest time, or of the moduli.
     resolutions : mapping
         Divisions per process zone by solver, where they are not its ``coarse_resolution``.
-    skip_reasons : mapping
-        Solvers that are not run, and why: the run would take minutes.
     max_steps : int
         Step budget.
     seconds : float
@@ -132,7 +130,6 @@ class StabilityCase:
     series: str = ""
     stiffness: float = 1.0
     resolutions: Mapping[str, int] = field(default_factory=dict)
-    skip_reasons: Mapping[str, str] = field(default_factory=dict)
     max_steps: int = 20_000
     seconds: float = 180.0
 

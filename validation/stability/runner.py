@@ -13,7 +13,7 @@ from validation.execution.tasks import Task, TaskResult, run_tasks
 from validation.solvers import REFERENCE, SOLVERS
 from validation.stability.case import EquivalentScene, ReferenceRuns, StabilityCase
 from validation.stability.case_runs import CaseAnswer, CaseRun, solve_case
-from validation.stability.verdict import Cell, cell_of, skipped_cell
+from validation.stability.verdict import Cell, cell_of
 
 OnCell = Callable[[Cell, list[Cell]], None]
 SolveCase = Callable[[CaseRun], CaseAnswer]
@@ -88,7 +88,7 @@ def run(
 
 def _tasks(case: StabilityCase, solver: str, solve: SolveCase) -> list[Task]:
     """Runs that a cell rests on: the solver's own, and those that give the expected answer."""
-    if not isinstance(case.scene, Scene) or solver in case.skip_reasons:
+    if not isinstance(case.scene, Scene):
         return []
     own = case.resolution(solver)
     runs = [CaseRun(solver, case.scene, own, case.max_steps)]
@@ -111,8 +111,4 @@ def _tasks(case: StabilityCase, solver: str, solve: SolveCase) -> list[Task]:
 
 
 def _cell(case: StabilityCase, solver: str, results: list[TaskResult]) -> Cell:
-    if results:
-        return cell_of(case, solver, results[0], tuple(results[1:]))
-    return (
-        cell_of(case, solver, None, ()) if not isinstance(case.scene, Scene) else skipped_cell(case, solver)
-    )
+    return cell_of(case, solver, results[0] if results else None, tuple(results[1:]))

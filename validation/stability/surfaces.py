@@ -21,7 +21,6 @@ from contact_scene import (
 )
 from validation.reference import sneddon
 from validation.solvers import solvers
-from validation.solvers.boundary_elements import BoundaryElements
 from validation.stability import base, closed_forms
 from validation.stability.case import (
     ClosedForm,
@@ -44,18 +43,11 @@ REACH = 0.1
 """Contact radius of adhesionless indenters at the largest penetration, over the sphere's ``R``."""
 SEED = 7
 """Of the noise on tabulated profiles."""
-THIN_BELOW, WIDE_BEYOND = 5e-3, 0.3
-"""``da/a`` below which the edge would cross too many zones in a full pull-off, and above which the contact
-shrinks to the zone before it detaches."""
+WIDE_BEYOND = 0.3
+"""``da/a`` above which the contact shrinks to the zone before it detaches."""
 NOT_COMPARED_WIDE = ("approach_force", "approach_radius", "final_penetration", "dissipated_energy")
 """Observables that are not compared for zones beyond ``WIDE_BEYOND``."""
 WIDE = ReferenceRuns(("start_force", "pull_off_force"), fine=40, coarse=20)
-BRIEF = ReferenceRuns(("start_force", "final_force", "final_radius", CURVE))
-THIN = {BoundaryElements.name: 4}
-"""Divisions of zones below ``THIN_BELOW``."""
-STEPPED_ABOVE = 5e-4
-"""``da/a`` above which boundary elements can step through the zones one by one."""
-SKIP_THIN = {BoundaryElements.name: "hundreds of thousands of steps, each of a part of a zone"}
 
 
 def adhesion() -> list[StabilityCase]:
@@ -108,16 +100,13 @@ def _zones() -> list[StabilityCase]:
     cases = []
     for share in SHARES:
         law = Adhesion(base.WORK, share * radius)
-        away, observables, more = _pull_of(share)
-        elastic = base.scene(soft, (Ramp(away, 1.0),), "relaxed", base.TOP, law)
+        observables, more = _compared_at(share)
+        elastic = base.scene(soft, (Ramp(base.AWAY, 1.0),), "relaxed", base.TOP, law)
         expected = closed_forms.elastic_cycle(elastic, 1.0, "E0")
-        if share < THIN_BELOW:
-            expected = closed_forms.rest(elastic, away, 1.0, "E0")
-        else:
-            left_out = NOT_COMPARED_WIDE if share > WIDE_BEYOND else ("approach_force", "approach_radius")
-            values = tuple(value for value in expected.values if value.name not in left_out)
-            expected = ClosedForm(values, expected.source, expected.endings)
-        viscoelastic = base.scene(material, (Ramp(away, 0.02),), "relaxed", base.TOP, law)
+        left_out = NOT_COMPARED_WIDE if share > WIDE_BEYOND else ("approach_force", "approach_radius")
+        values = tuple(value for value in expected.values if value.name not in left_out)
+        expected = ClosedForm(values, expected.source, expected.endings)
+        viscoelastic = base.scene(material, (Ramp(base.AWAY, 0.02),), "relaxed", base.TOP, law)
         label = f"da/a = {share:.3g}"
         cases += [
             StabilityCase("process zone", f"{label}, elastic", elastic, expected, PULLED, **more),
@@ -133,20 +122,16 @@ def _zones() -> list[StabilityCase]:
     return cases
 
 
-def _pull_of(share: float) -> tuple[float, ReferenceRuns, dict[str, Any]]:
-    """Penetration to pull to, observables to compare, and resolutions.
+def _compared_at(share: float) -> tuple[ReferenceRuns, dict[str, Any]]:
+    """Observables to compare, and resolutions.
 
-    The shortest zones are pulled only until the edge has receded by some twenty zones. The longest ones take
-    more divisions each, and beyond the pull-off the contact shrinks to the zone, where the model ends and
-    nothing is compared.
+    The longest zones take more divisions each, and beyond the pull-off the contact shrinks to the zone, where
+    the model ends and nothing is compared.
     """
-    if share < THIN_BELOW:
-        skipped = SKIP_THIN if share < STEPPED_ABOVE else {}
-        return 0.008, BRIEF, {"resolutions": THIN, "skip_reasons": skipped}
     if share > WIDE_BEYOND:
         finer = {one.name: 3 * one.coarse_resolution(adhesive=True) for one in solvers()}
-        return base.AWAY, WIDE, {"resolutions": finer}
-    return base.AWAY, PEELED, {}
+        return WIDE, {"resolutions": finer}
+    return PEELED, {}
 
 
 def indenters() -> list[StabilityCase]:

@@ -183,12 +183,6 @@ def _declined(case: StabilityCase, solver: str, outcome: str, reason: str, **fac
     return _cell(case, solver, verdict, outcome, reason, source=source, **facts)
 
 
-def skipped_cell(case: StabilityCase, solver: str) -> Cell:
-    """A run that takes too long to be part of the matrix: a limit, reported as one."""
-    why = case.skip_reasons[solver]
-    return _cell(case, solver, CellVerdict.DECLINED, "not run", why, source=source_of(case.expected))
-
-
 def source_of(expected: Expectation) -> str:
     """Where the expected values come from, in words."""
     if isinstance(expected, ClosedForm):

@@ -24,7 +24,6 @@ LETTERS = {
     "completed": "c",
     "detached": "d",
     "refused": "R",
-    "not run": "–",
     "no equilibrium at the start": "N",
     "step underflow": "U",
     "step budget exhausted": "B",
@@ -40,7 +39,7 @@ LETTERS = {
 LEGEND = (
     "c completed, d detached, R refused, N no equilibrium, U step underflow, B step budget, F not finite, "
     "O out of range, Z contact as short as the process zone, T trigger not reached, I interrupted, H hung, "
-    "X crashed, – not run, "
+    "X crashed, "
     "? not compared; underlined: reports no answer; framed and crossed out: silently wrong, crashed, not "
     "finite or hung"
 )
