@@ -12,6 +12,7 @@ from validation import cases
 from validation.execution.runs import Run
 from validation.execution.tasks import TaskEnding, TaskResult
 from validation.report import terminal
+from validation.report.figures.zone_chart import draw
 from validation.report.sections.zones import section
 from validation.studies import zones
 from validation.studies.zones import ZoneRun, growth, zone_runs
@@ -70,6 +71,47 @@ def test_without_adhesion_there_is_no_zone():
     case = cases.load("cycle-v0.02")
     with pytest.raises(SceneError, match="adhesion"):
         zone_runs(replace(case, scene=replace(case.scene, adhesion=None)), ["reference"])
+
+
+def test_a_zone_of_fixed_stress_is_not_set():
+    case = cases.load("fixed-stress-si")
+    with pytest.raises(SceneError, match=r"adhesion\.stress"):
+        zone_runs(case, ["reference"])
+
+
+def test_the_other_laws_of_adhesion_stay(monkeypatch):
+    asked = []
+
+    def run(case, solver, resolution=None):
+        asked.append(case.scene.adhesion)
+        return answer(100, 1.0)
+
+    monkeypatch.setattr(zones, "run", run)
+    monkeypatch.setattr(zones, "run_tasks", lambda tasks, _: [TaskResult(tasks[0], (answer(100, 1.0), 1))])
+    case = cases.load("hysteresis-si")
+    zone_runs(case, ["reference"], (1e-3,))
+    own = case.scene.adhesion
+    assert own.work_closing is not None
+    assert asked[1] == replace(own, zone=1e-3)
+
+
+def test_the_figure_shows_all_that_the_table_has():
+    """Both errors among it; a solver's curves end where it was not run."""
+    runs = [
+        ZoneRun(
+            r, r, name, answer(100, 1.0), errors={"pull_off_force": -1e-3, "loop_energy": r}, peak_memory=9
+        )
+        for r in (1e-2, 1e-4)
+        for name in ("bem", "reference")
+    ]
+    runs.append(ZoneRun(1e-6, 1e-6, "bem", skipped="not run"))
+    axes = draw(runs).axes
+    assert len(axes) == 6
+    assert all(len(one.lines) == 2 for one in axes)
+    drawn = {one.get_ylabel(): one.lines[0].get_ydata() for one in axes}
+    assert list(drawn["error of pull off force (relative)"]) == [1e-3, 1e-3]
+    assert list(drawn["error of loop energy (relative)"]) == [1e-2, 1e-4]
+    assert list(drawn["updates of the history in a step"]) == [10.0, 10.0]
 
 
 def test_command_writes_table_figure_and_numbers(tmp_path, capsys, monkeypatch):

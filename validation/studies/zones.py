@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from contact_scene import Adhesion, SceneError
+from contact_scene import SceneError
 from validation.cases import Case
 from validation.execution.memory import peak_memory
 from validation.execution.runs import Run, run
@@ -72,6 +72,11 @@ class ZoneRun:
         return trace.counters.history_updates / trace.counters.steps
 
     @property
+    def megabytes(self) -> float | None:
+        """Most that the process of this run held, in 1e6 bytes; ``None`` if it had none of its own."""
+        return None if self.peak_memory is None else 1e-6 * self.peak_memory
+
+    @property
     def seconds(self) -> float | None:
         """Processor time."""
         return None if self.run is None or self.run.trace is None else self.run.cpu_seconds
@@ -107,11 +112,15 @@ def zone_runs(
     Raises
     ------
     SceneError
-        A scene without adhesion has no zone.
+        A scene without adhesion has no zone, and one of fixed stress sets it itself.
     """
     adhesion = case.scene.adhesion
     if adhesion is None or not case.scene.is_adhesive:
         raise SceneError("adhesion", "a study of zones needs adhesion")
+    if adhesion.stress is not None:
+        raise SceneError(
+            "adhesion.stress", "a study of zones sets their lengths", "a scene with adhesion.zone"
+        )
     own = run(case, REFERENCE)
     if own.trace is None:
         raise SceneError("scene", f"the reference has no answer to it: {own.failure}")
@@ -121,7 +130,7 @@ def zone_runs(
     given_up: set[str] = set()
     for index, ratio in enumerate(ordered):
         zone = ratio * radius
-        there = replace(case, scene=replace(case.scene, adhesion=Adhesion(adhesion.work, zone)))
+        there = replace(case, scene=replace(case.scene, adhesion=replace(adhesion, zone=zone)))
         finer = run(there, REFERENCE, 2 * SOLVERS[REFERENCE].default_resolution(there.scene))
         for place, solver in enumerate(solvers):
             if progress is not None:

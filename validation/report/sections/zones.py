@@ -31,7 +31,7 @@ def _row(one: ZoneRun) -> Record:
         "steps": formatted(one.steps, "d"),
         "updates": formatted(one.updates, ".0f"),
         "seconds": formatted(one.seconds, ".2f"),
-        "megabytes": formatted(None if one.peak_memory is None else 1e-6 * one.peak_memory, ".0f"),
+        "megabytes": formatted(one.megabytes, ".0f"),
         **{f"{plain(name)}: error": formatted(one.errors.get(name), "+.1e") for name in OBSERVED},
         "not finished": ending or ABSENT,
     }
