@@ -76,6 +76,11 @@ class Chain:
     def __len__(self) -> int:
         return len(self.relaxation)
 
+    def modulus_of_ramp(self, duration: float) -> float:
+        """Plane modulus that a steady strain has met after a duration."""
+        branches = self.stress_scale**2 / self.relaxation
+        return self.relaxed + float(branches @ self.spread(duration / self.relaxation))
+
     def decay(self, y: Array) -> Array:
         """What is left of an internal variable after ``y`` = step/time."""
         return 1.0 / (1.0 + y) if self.backward_euler else np.exp(-y)

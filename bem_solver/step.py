@@ -247,7 +247,10 @@ class TrialStep(StepStart):
             travel = abs(beyond.motion.new_edge - self.state.contact.edge)
             way = self._way_to_limit_point(edge, residual(0.0))
             return FailedStep(StepFailure.UNSTABLE, receding, way, travel)
-        return Candidate(parameter, trial, error_at_limit(self, trial, parameter - start), root.slope)
+        error = error_at_limit(
+            self, trial, parameter - start, lambda: self._trial(parameter, self.state.contact.edge)
+        )
+        return Candidate(parameter, trial, error, root.slope)
 
     def _way_to_limit_point(self, far: float, residual: float) -> float:
         """Distance of the edge from where it will run away; zero if it is within the smallest travel.

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.options import DEFAULT_RESOLUTION
 from bem_solver.run_state import StepStart
 from bem_solver.step_control import departure_from_line
+from bem_solver.surface import ContactSurface
 from bem_solver.trial import TrialContact
 
 _BENT_SHARE_OF_ZONE = 0.04
@@ -58,6 +60,11 @@ def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
     return contact.penetration if interval.control == "force" else contact.surface.force
 
 
+def free_load_of(interval: LoadingInterval, trial: TrialContact) -> float:
+    """The same of a trial."""
+    return trial.motion.new_penetration if interval.control == "force" else trial.surface.force
+
+
 def least_bent_travel(start: StepStart, edge: float) -> float:
     """Travel of a step from which on the path of an edge is a parabola."""
     finer = min(1.0, DEFAULT_RESOLUTION / start.settings.divisions)
@@ -80,39 +87,59 @@ def step_error(start: StepStart, trial: TrialContact, step: float, rate_step: fl
     -------
     float
     """
-    of_edge, of_load, _ = _departures(start, trial, step, step if rate_step is None else rate_step)
+    rates = start.state.accepted.rates(step if rate_step is None else rate_step)
+    of_edge, of_load, _ = _departures(start, trial, step, rates)
     return max(of_edge, _LOAD_WEIGHT * of_load) / start.settings.tolerance
 
 
 def load_error(start: StepStart, trial: TrialContact, step: float) -> float:
     """Departure of the load alone from a straight line, in tolerances."""
-    return _LOAD_WEIGHT * _departures(start, trial, step, step)[1] / start.settings.tolerance
+    rates = start.state.accepted.rates(step)
+    return _LOAD_WEIGHT * _departures(start, trial, step, rates)[1] / start.settings.tolerance
 
 
-def error_at_limit(start: StepStart, trial: TrialContact, step: float) -> float:
+def error_at_limit(
+    start: StepStart, trial: TrialContact, step: float, at_rest: Callable[[], TrialContact]
+) -> float:
     """Step error where the edge has travelled as far as it may: of the load, which may have a corner.
 
     It misses no more than by what the load would have changed without one, however fast the edge runs. The
     edge counts as anywhere: one that has set off within the step has not moved evenly.
+
+    Parameters
+    ----------
+    start : StepStart
+    trial : TrialContact
+        At the end of the step.
+    step : float
+    at_rest : callable() -> TrialContact
+        At the same time with the edge where it stands. Where rates are unknown, it tells how the load changes
+        until the edge sets off.
+
+    Returns
+    -------
+    float
     """
-    of_edge, of_load, change = _departures(start, trial, step, step)
-    if len(start.state.accepted.rows) > 1:  # or their rates are unknown
-        of_load = min(of_load, 0.125 * change)
-    else:
-        of_edge = 0.0
-    return max(of_edge, _LOAD_WEIGHT_AT_LIMIT * of_load) / start.settings.tolerance
+    rates = start.state.accepted.rates(step)
+    known = len(start.state.accepted.rows) > 1
+    if not known:
+        before, after = (
+            free_load(start.interval, start.state.contact),
+            free_load_of(start.interval, at_rest()),
+        )
+        rates = rates[0], (after - before) / step
+    of_edge, of_load, change = _departures(start, trial, step, rates)
+    of_load = min(of_load, 0.125 * change)
+    return max(of_edge if known else 0.0, _LOAD_WEIGHT_AT_LIMIT * of_load) / start.settings.tolerance
 
 
 def _departures(
-    start: StepStart, trial: TrialContact, step: float, rate_step: float
+    start: StepStart, trial: TrialContact, step: float, rates: tuple[float, float]
 ) -> tuple[float, float, float]:
-    """Departures of edge and load from straight lines, and the change of load on its line, to scale."""
+    """Departures of edge and load from lines of these rates, and the change of load on its line, to scale."""
     problem, interval, contact = start.problem, start.interval, start.state.contact
-    edge_rate, load_rate = start.state.accepted.rates(rate_step)
-    edge, load = trial.motion.new_edge, trial.surface.force
-    scale = _load_scale(start, edge, load)
-    if interval.control == "force":
-        load = trial.motion.new_penetration
+    (edge_rate, load_rate), edge = rates, trial.motion.new_edge
+    load, scale = free_load_of(interval, trial), _load_scale(start, trial.surface, step)
     missed = edge - contact.edge - edge_rate * step
     of_edge = departure_from_line(missed, problem.length_at(edge))
     if problem.rated and edge < contact.edge:
@@ -130,17 +157,24 @@ def _departures(
     return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
 
 
-def _load_scale(start: StepStart, edge: float, force: float) -> float:
-    """What the departure of the free load is measured against, at the end of a step."""
+def _load_scale(start: StepStart, surface: ContactSurface, step: float) -> float:
+    """What the departure of the free load is measured against, at the end of a step.
+
+    What a relaxing contact bears when it is pulled follows from the steps before, and after a hard press it
+    is far less than the largest force of the run. There departures are relative to the larger of the force
+    and its part due to the singularity of the edge. Without adhesion or history the largest force serves.
+    """
     problem, interval = start.problem, start.interval
-    stiffness = 2.0 * edge * problem.chain.relaxed
+    stiffness = 2.0 * surface.edge * problem.chain.relaxed
     softer = problem.scene.loading.compliance * stiffness if interval.control == "stage" else 0.0
     to_come = interval.span * (1.0 if interval.control == "force" else stiffness / (1.0 + softer))
-    scale = max(start.state.largest_force, abs(force), _SCALE_OF_FIRST_LOAD * to_come)
+    scale = max(abs(surface.force), abs(surface.singular_force), _SCALE_OF_FIRST_LOAD * to_come)
+    if problem.work == 0.0 or not problem.viscoelastic:
+        scale = max(scale, start.state.largest_force)
     tip = math.sqrt(8.0 * math.pi * problem.work * problem.chain.relaxed * start.state.contact.edge**3)
     scale = max(scale, _SHARE_OF_TIP_FORCE * tip)
-    if interval.control == "force":
-        return scale / stiffness
+    if interval.control == "force":  # a penetration that misses its line does so over this step
+        return scale * problem.chain.relaxed / (stiffness * problem.chain.modulus_of_ramp(step))
     return scale / max(softer, 1.0)  # on a soft spring it is the penetration that misses its line the farther
 
 

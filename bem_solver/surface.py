@@ -209,6 +209,11 @@ class ContactSurface:
         return float((4.0 * (tip - quarter) - (tip - full)) / np.sqrt(reach))
 
     @property
+    def singular_force(self) -> float:
+        """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
+        return 2.0 * self.edge * self.kappa
+
+    @property
     def stress_intensity(self) -> float:
         """``K_I``, positive in tension; zero without contact."""
         return -self.kappa / float(np.sqrt(np.pi * self.edge)) if self.edge > 0 else 0.0
