@@ -26,7 +26,16 @@ import math
 from dataclasses import dataclass, replace
 
 from contact_scene.edge_rate import PowerRate, RateTable
-from contact_scene.errors import POSITIVE, SceneError, not_negative, positive, shown
+from contact_scene.errors import (
+    LARGEST,
+    POSITIVE,
+    SMALLEST,
+    SceneError,
+    not_negative,
+    positive,
+    shown,
+    zero_or_positive,
+)
 
 
 @dataclass(frozen=True)
@@ -39,7 +48,7 @@ class Adhesion:
     Parameters
     ----------
     work : float
-        Work of adhesion >= 0 (energy per area) at which an edge opens that is at rest.
+        Work of adhesion, 0 or positive (energy per area), at which an edge opens that is at rest.
     zone : float
         Process-zone length > 0. With ``stress`` it is the length at rest, which the scene sets.
     work_closing : float, optional
@@ -57,7 +66,7 @@ class Adhesion:
     stress: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "work", not_negative(self.work, "work"))
+        object.__setattr__(self, "work", zero_or_positive(self.work, "work"))
         if self.stress is None:
             object.__setattr__(self, "zone", positive(self.zone, "zone"))
         else:
@@ -108,6 +117,6 @@ class Adhesion:
         if self.stress is None:
             return self
         zone = self.zone_for(2.0 * plane_modulus * self.work)
-        if self.work > 0.0 and not 0.0 < zone < math.inf:
+        if self.work > 0.0 and not SMALLEST <= zone <= LARGEST:
             raise SceneError("stress", f"the process zone would be {zone:.4g}", POSITIVE)
         return replace(self, zone=zone)

@@ -16,6 +16,7 @@ SMALLEST, LARGEST = 1e-60, 1e60
 FINITE = f"a finite number, at most {LARGEST:g} in magnitude"
 POSITIVE = f"a finite number > 0, from {SMALLEST:g} to {LARGEST:g}"
 NOT_NEGATIVE = f"a finite number >= 0, at most {LARGEST:g}"
+ZERO_OR_POSITIVE = f"a finite number >= 0: 0, or from {SMALLEST:g} to {LARGEST:g}"
 
 A_COLUMN = "finite numbers, one a row"
 
@@ -119,6 +120,12 @@ def positive(value: Any, key: str) -> float:
 def not_negative(value: Any, key: str) -> float:
     """A finite number >= 0 (up to ``LARGEST``)."""
     return number(value, key, NOT_NEGATIVE, low=0.0)
+
+
+def zero_or_positive(value: Any, key: str) -> float:
+    """0, or a finite number > 0 that is divided by (``SMALLEST`` to ``LARGEST``)."""
+    result = number(value, key, ZERO_OR_POSITIVE, low=0.0)
+    return number(result, key, ZERO_OR_POSITIVE, low=SMALLEST) if result else result
 
 
 def finite(value: Any, key: str) -> float:

@@ -44,6 +44,8 @@ def test_a_written_scene_is_read_as_the_same(law, tmp_path):
 
 
 BAD = {
+    "work too small": ({"work": 5e-324}, "adhesion.work", ">= 0: 0, or from 1e-60"),
+    "work just below": ({"work": 9e-61}, "adhesion.work", ">= 0: 0, or from 1e-60"),
     "closing above opening": ({"work_closing": 6e-4}, "adhesion.work_closing", "at most work"),
     "closing zero": ({"work_closing": 0.0}, "adhesion.work_closing", "> 0"),
     "rate a number": ({"rate": 3.0}, "adhesion.rate", "a table { speed, exponent }"),
@@ -105,3 +107,9 @@ def test_a_fixed_stress_has_the_width_of_maugis_at_rest():
     scene = scene_from_dict(asked(work=5e-4, stress=0.2))
     assert scene.adhesion is not None
     assert_allclose(scene.adhesion.zone, math.pi * 1.0 * 5e-4 / (4.0 * 0.2**2), rtol=1e-14)
+
+
+def test_a_stress_whose_zone_leaves_the_range_of_lengths_is_refused():
+    material, loading = Material(0.75, 0.5), Loading("relaxed", 0.0, ())
+    with pytest.raises(SceneError, match=r"^stress: the process zone would be .*from 1e-60"):
+        Scene(material, Sphere(1.0), loading, Adhesion(5e-4, stress=1e30))
