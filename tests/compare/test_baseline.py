@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import xml.etree.ElementTree as tree
 
 import pytest
@@ -219,3 +220,19 @@ def test_a_file_that_is_no_report_is_bad_input(tmp_path, capsys, content):
 def test_a_missing_baseline_is_bad_input(tmp_path, capsys):
     assert main(["report", "--baseline", str(tmp_path / "none.json"), "--out", str(tmp_path / "out")]) == 2
     assert "--baseline" in capsys.readouterr().err
+
+
+def test_what_cannot_be_read_to_its_end_is_no_baseline(tmp_path, capsys, monkeypatch):
+    fifo, large = tmp_path / "fifo", tmp_path / "large.json"
+    os.mkfifo(fifo)
+    large.write_text("[1, 2, 3]")
+    monkeypatch.setattr(regression, "LARGEST_REPORT", 5)
+    for file, reason in (
+        (fifo, "not a regular file"),
+        ("/dev/zero", "not a regular file"),
+        (large, "larger"),
+    ):
+        assert main(["report", "--baseline", str(file), "--out", str(tmp_path / "out")]) == 2
+        (said,) = capsys.readouterr().err.splitlines()
+        assert "--baseline" in said
+        assert reason in said

@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 from contact_scene.errors import SceneError
+from contact_scene.files import read_text
 from validation.cases import Case
 from validation.compare.premises import changes
 from validation.measure.check import Check
@@ -35,6 +36,8 @@ ROUND_OFF = 1e-10
 """Change, relative as for checks, below which a number counts as unchanged."""
 MORE_WORK = 0.1
 """Relative growth of a work counter beyond which it counts as moved beyond tolerance."""
+LARGEST_REPORT = 100_000_000
+"""Bytes of a file that may be an earlier report; the full suite writes a few million."""
 _NOT_COMPARED = ("wall_seconds", "cpu_seconds", "estimate_seconds")
 """Run times, which belong to the machine."""
 _ALLOWED = "a report.json written by `crosscontact report`"
@@ -129,10 +132,11 @@ def read(path: str) -> dict[str, Any]:
         If it is none.
     """
     try:
-        data = json.loads(Path(path).read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise SceneError("--baseline", f"{path} cannot be read: {reason}", _ALLOWED) from None
+        data = json.loads(read_text(Path(path), LARGEST_REPORT))
+    except SceneError as error:
+        raise SceneError("--baseline", f"{path} {error.problem}", _ALLOWED) from None
+    except (ValueError, RecursionError) as error:
+        raise SceneError("--baseline", f"{path} cannot be read: {error}", _ALLOWED) from None
     scenes = data.get("scenes") if isinstance(data, dict) else None
     whole = isinstance(scenes, list) and all(
         isinstance(scene, dict)
