@@ -133,7 +133,7 @@ def record(
         progress=progress,
     )
     outcome = _start(scene, run, monitor) or run.carry_out(scene.loading)
-    if progress is not None:
+    if progress is not None and outcome.kind is not OutcomeKind.INTERRUPTED:
         progress(1.0)
     run.counters.history_updates = setup.history.state.updates
     run.counters.factorisations = setup.history.factorisations

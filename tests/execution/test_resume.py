@@ -10,8 +10,8 @@ import pytest
 from support.resumable_runs import RICH, SHORT, TIMES, bem, fem, front, uninterrupted
 from support.stopped_runs import Stop, assert_beginning, assert_same, in_parts
 
-from contact_scene import Material
-from validation import cases
+from contact_scene import Material, OutcomeKind
+from validation import cases, solvers
 from validation.execution import checked_pickle
 
 SOLVERS = {
@@ -58,6 +58,14 @@ def test_the_very_first_and_the_very_last_look():
         (part,), resumed = in_parts(partial(front, RICH), [at])
         assert_beginning(part, whole)
         assert_same(resumed, whole)
+
+
+@pytest.mark.parametrize("name", ["bem", "fem", "reference"])
+def test_a_stopped_run_is_not_said_to_be_done(name):
+    shares: list[float] = []
+    trace = solvers.solver(name).solve(RICH, 4, monitor=Stop(30), progress=shares.append)
+    assert trace.outcome.kind is OutcomeKind.INTERRUPTED
+    assert 0.0 < shares[-1] < 1.0
 
 
 def test_a_kept_state_is_not_the_run():
