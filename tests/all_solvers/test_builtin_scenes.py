@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 from support.spring_solver import fake
 
-from contact_scene import OutcomeKind
+from contact_scene import Loading, Oscillate, OutcomeKind, Sweep
 from validation import solvers
 from validation.cases import Expected, load
 from validation.compare.against_reference import against_reference, check_case
@@ -75,6 +75,11 @@ def test_cycle_times():
     assert steady[3] == pytest.approx(3 * 2 * np.pi / 1.4)
     assert cycle_times(load("cycle-v0.1").scene.loading) == ()
     assert cycle_times(load("force-2").scene.loading) == ()
+
+
+@pytest.mark.parametrize("step", [Oscillate(1e-3, 2.0 * np.pi, 1.1e6), Sweep(1e-3, 2.2e6 * 2.0 * np.pi, 1.0)])
+def test_more_cycles_than_any_solver_takes_are_not_listed(step):
+    assert cycle_times(Loading("relaxed", 0.0, (step,))) == ()
 
 
 @pytest.fixture
