@@ -32,7 +32,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="instead: steps, points, time and error of every solver with process zones of these ratios to "
         "the contact radius (5e-2 to 1e-7)",
     )
-    fresh_option(command)
+    fresh_option(command, replaces=True)
 
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:

@@ -42,12 +42,13 @@ def run(
     Raises
     ------
     SceneError
-        If the folder holds runs on another scene of the same name.
+        If the folder holds runs on another scene of the same name, or a run of another program.
     """
     loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         for case in loaded:
+            check_unused(folder, case.scene)
             for earlier in (folder / "runs" / case.name).glob("*"):
                 check_unused(earlier, case.scene)
     store = Store(folder, fresh)

@@ -158,6 +158,7 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     stop.possible = lambda: writer.stepping
     if writer.message:
         print(f"crosscontact: {writer.message}", file=sys.stderr)
+    solvers.solver("fem").check(scene, command.resolution)  # one line of a refusal, before any warning
     warn(solvers.scene_warnings(scene))
     cost = expected_cost(scene, "fem", command.resolution)
     command.announce(cost)

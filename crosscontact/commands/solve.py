@@ -62,7 +62,7 @@ def run(
     Raises
     ------
     SceneError
-        If the folder holds the results of another scene.
+        If the folder holds the results of another scene, or the solver cannot take this one.
     KeyboardInterrupt
         If the run was interrupted; what there is, is written and said before.
     """
@@ -71,6 +71,7 @@ def run(
     if folder is not None and not fresh:
         check_unused(folder, case.scene)
     drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
+    solvers.solver(solver).check(case.scene, resolution)  # one line of a refusal, before any warning
     said = solvers.scene_warnings(case.scene)
     warn(said)
     cost = expected_cost(case.scene, solver, resolution)

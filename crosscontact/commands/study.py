@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
+from validation.execution.run_folder import check_unused
 from validation.execution.store import Store
 from validation.report import terminal
 from validation.report.sections.study import short
@@ -27,15 +28,24 @@ def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -
     jobs : int
         Processes for what is not timed.
     fresh : bool
-        Whether levels stored by an earlier, interrupted command are ignored.
+        Whether levels stored by an earlier, interrupted command are ignored, and what the folder holds does
+        not matter.
 
     Returns
     -------
     int
         1 if a level gave no answer.
+
+    Raises
+    ------
+    SceneError
+        If the folder holds a run on another scene, or of another program.
     """
     loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
+    if folder is not None and not fresh:
+        for case in loaded:
+            check_unused(folder, case.scene)
     store = Store(folder, fresh)
     progress = Progress("study")
     progress.phase("runs")

@@ -186,6 +186,24 @@ def test_a_comparison_of_another_scene_is_refused(capsys, tmp_path, scene_file, 
     assert main([*given, "--fresh"]) == 0
 
 
+@pytest.mark.parametrize("command", ["compare", "study"])
+def test_a_report_is_not_written_beside_a_foreign_trace(capsys, tmp_path, scene_file, monkeypatch, command):
+    began = []
+    monkeypatch.setattr(f"crosscontact.commands.{command}.Store", lambda *given: began.append(given) or 1 / 0)
+    foreign = tmp_path / "out/trace.csv"
+    foreign.parent.mkdir()
+    foreign.write_text("mine")
+    given = [command, scene_file, "--jobs", "1", "--out", str(tmp_path / "out")]
+    assert main(given) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "holds a trace.csv that is not of a run of this program" in line
+    assert "--fresh" in line
+    assert not began
+    with pytest.raises(ZeroDivisionError):
+        main([*given, "--fresh"])
+    assert foreign.read_text() == "mine"
+
+
 def write_runs(report, folder):
     """A report without its pages."""
     for one in report.scenes:
@@ -214,6 +232,30 @@ def test_long_and_large_runs_are_announced(capsys, scene_file, monkeypatch, cost
     assert main(["solve", scene_file, "--solver", "bem"]) == 0
     lines = [line for line in capsys.readouterr().err.splitlines() if "expected" in line]
     assert lines == ([f"crosscontact: expected: {said}"] if said else [])
+
+
+REFUSED = {
+    "contact too large": ('kind = "force"\nvalue = 1e12\nduration = 1.0', [], "grows to"),
+    "lost in the time": ('kind = "hold"\nduration = 1e17', [], "less than the time can resolve"),
+    "cycles": ('kind = "oscillate"\namplitude = 1e-3\nangular_frequency = 1e6\nduration = 1e7', [], "cycles"),
+    "mesh": ('kind = "hold"\nduration = 1.0', ["--resolution", "1000000"], "no mesh for this scene"),
+}
+
+
+@pytest.mark.parametrize("command", ["solve", "fields"])
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_refusal_is_one_line(capsys, tmp_path, monkeypatch, name, command):
+    """Nothing is said of what the answer would be worth, or would cost."""
+    step, more, reason = REFUSED[name]
+    ramps = SCENE.split("[[loading.steps]]")
+    file = tmp_path / "refused.toml"
+    file.write_text("[[loading.steps]]\n".join([ramps[0], f"{step}\n", *ramps[1:]]))
+    monkeypatch.setattr(solvers, "scene_warnings", lambda scene: ("doubtful",))
+    own = ["--solver", "fem"] if command == "solve" else ["--pull-off", "--no-figures"]
+    assert main([command, str(file), *own, *more, "--out", str(tmp_path / "out")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert reason in line
+    assert "allowed" in line
 
 
 def test_a_refused_scene_costs_nothing(capsys):

@@ -170,10 +170,24 @@ class Solver(ABC):
         SceneError
             If no solver can compute the scene, or this one does not take it or an option.
         """
+        self.check(scene, resolution)
+        return self._solve(scene, resolution, RunOptions(**options))
+
+    def check(self, scene: Scene, resolution: int | None = None) -> None:
+        """Refuse a scene as :meth:`solve` does, as far as that is told without solving it.
+
+        Parameters
+        ----------
+        scene, resolution
+            As of :meth:`solve`.
+
+        Raises
+        ------
+        SceneError
+        """
         unsupported = out_of_range(scene) or self.refusal(scene)
         if unsupported is not None:
             raise unsupported
-        return self._solve(scene, resolution, RunOptions(**options))
 
     def refusal(self, scene: Scene) -> UnsupportedScene | None:
         """Why the method does not take this scene, told without solving it; ``None`` if it does."""

@@ -149,6 +149,12 @@ class FiniteElements(Solver):
         halvings = math.log2(max(finer * work.radius_in_zones, 2.0))
         return forecast(FOLLOWING_COST, work, divisions, halvings)
 
+    def check(self, scene: Scene, resolution: int | None = None) -> None:
+        """As of every solver; a mesh that is fine along the whole path may be too large too."""
+        super().check(scene, resolution)
+        if not self.follows_edge(scene):
+            mesh_parameters(scene, resolution, self.grading, self.domain_ratio)
+
     def load(self) -> None:
         """Import the solver and scikit-fem."""
         import fem_solver  # noqa: F401
@@ -231,6 +237,29 @@ def mesh_for(
     SceneError
         If no mesh of reasonable size resolves the process zone.
     """
+    parameters = mesh_parameters(scene, resolution, grading, domain_ratio)
+    return meshes.cached(parameters) if cached else meshes.half_space(parameters)
+
+
+def mesh_parameters(
+    scene: Scene, resolution: int | None, grading: float | None = None, domain_ratio: float | None = None
+) -> meshes.MeshParameters:
+    """Parameters of the mesh fitted to a scene.
+
+    Parameters
+    ----------
+    scene, resolution, grading, domain_ratio
+        As of :func:`mesh_for`.
+
+    Returns
+    -------
+    MeshParameters
+
+    Raises
+    ------
+    SceneError
+        If no mesh of reasonable size resolves the process zone.
+    """
     largest = largest_contact_radius(scene)
     edge = scene.indenter.edge if math.isfinite(scene.indenter.edge) else None
     sizes = {"grading": grading or GRADING, **specified(domain_ratio=domain_ratio)}
@@ -247,10 +276,9 @@ def mesh_for(
         return meshes.fit(smallest, largest, zone, count, edge=edge, **sizes)
 
     try:
-        parameters = fitted(divisions)
+        return fitted(divisions)
     except ValueError as error:
         raise SceneError("", f"no mesh for this scene: {error}", _advice(fitted, divisions)) from None
-    return meshes.cached(parameters) if cached else meshes.half_space(parameters)
 
 
 def resolved_length(adhesion: Adhesion) -> float:
