@@ -90,6 +90,7 @@ class SurfaceOperator:
     def transform_radii(self, radii: Array) -> Array:
         """Radius at which each transformed component sits, read from a paraboloid.
 
-        A punch of height ``r^2`` has the transform ``2 x^2``.
+        A punch of height ``r^2`` has the transform ``2 x^2``. Radii that elements of some 1e-9 of them leave
+        within rounding of each other are put in order.
         """
-        return np.sqrt(np.maximum(0.5 * self.transform(radii**2) / self.unit, 0.0))
+        return np.sort(np.sqrt(np.maximum(0.5 * self.transform(radii**2) / self.unit, 0.0)))

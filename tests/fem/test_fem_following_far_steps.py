@@ -7,8 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact_scene import Adhesion, Branch, Cone, FlatPunch, Force, Loading, Material, Oscillate, Ramp, Scene
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Cone,
+    FlatPunch,
+    Force,
+    Loading,
+    Material,
+    Oscillate,
+    OutcomeKind,
+    Ramp,
+    Scene,
+    Sphere,
+)
 from fem_solver.following.surface_record import SurfaceRecord, interpolated
+from validation import reference
 from validation.solvers.finite_elements import FiniteElements, peels
 
 TWO = Material(0.3, 0.49, (Branch(2.0, 0.05), Branch(1.0, 5.0)))
@@ -95,6 +109,18 @@ def test_a_cone_pressed_in_slowly_and_pulled_off_at_once():
     """Steps of the approach pass over more than the fine strip, and leave a smooth surface all the same."""
     trace = FiniteElements().solve(CONE, 4)
     assert -trace.force.min() == pytest.approx(CONE_PULL_OFF, rel=4e-3)
+
+
+def test_elements_of_a_billionth_of_the_radius():
+    """The radii at which components sit are read from stiffnesses, whose rounding may exchange neighbours."""
+    loading = Loading("relaxed", 8e-7, (Ramp(-6e-6, 4e-6),))
+    material = Material(2.2e4, 0.42, (Branch(6e4, 0.03),))
+    scene = Scene(material, Sphere(3.7e-5), loading, Adhesion(0.03, 3.7e-13))
+    trace, other = FiniteElements().solve(scene), reference.solve(scene)
+    assert trace.outcome.kind is other.outcome.kind is OutcomeKind.COMPLETED
+    assert trace.force[-1] == pytest.approx(other.force[-1], rel=1e-3)
+    assert trace.contact_radius[-1] == pytest.approx(other.contact_radius[-1], rel=1e-3)
+    assert trace.external_work[-1] == pytest.approx(other.external_work[-1], rel=3e-3)
 
 
 def test_the_mesh_follows_an_edge_that_peels_from_the_rim():
