@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import dawsn, erf, erfcx
+from scipy.special import dawsn, erf, erfcx, factorial
 
 from bem_solver.retardation import creep_spectrum
 from contact_scene import Material
@@ -28,12 +28,31 @@ Array = NDArray[np.float64]
 
 SMALLEST = 1e-300
 """Stands for zero in quotients whose limit there is 1 to rounding."""
+_SHORT = 1e-2
+"""Step, in relaxation times, below which a parabola meets its middle: the right share is a thousandth off."""
+_SERIES, _TERMS = 0.5, 14
+"""Step, in relaxation times, below which moments are summed as series, and the terms that takes."""
 
 
 def phi(y: Array) -> Array:
     """``(1 - exp(-y))/y``, the average of ``exp(-y x)`` over 0 <= x <= 1; phi(0) = 1."""
     positive = np.maximum(y, SMALLEST)
     return -np.expm1(-positive) / positive
+
+
+def _decaying_moments(y: Array) -> tuple[Array, Array]:
+    """Integrals of ``exp(-y u) u (1 - u)`` and ``exp(-y u) u^2 (1 - u)`` over 0 <= u <= 1."""
+    order = np.arange(_TERMS)[:, None]
+    terms = (-np.minimum(y, _SERIES)) ** order / factorial(order)
+    series = [(terms / ((order + n) * (order + n + 1.0))).sum(axis=0) for n in (2, 3)]
+    z = np.maximum(y, _SERIES)
+    left = np.exp(-z)
+    first = (1.0 - (1.0 + z) * left) / z**2
+    second = (2.0 - (2.0 + z * (2.0 + z)) * left) / z**3
+    third = (6.0 - (6.0 + z * (6.0 + z * (3.0 + z))) * left) / z**4
+    closed = first - second, second - third
+    once, twice = (np.where(y < _SERIES, one, two) for one, two in zip(series, closed, strict=True))
+    return once, twice
 
 
 class Chain:
@@ -80,6 +99,20 @@ class Chain:
         """Plane modulus that a steady strain has met after a duration."""
         branches = self.stress_scale**2 / self.relaxation
         return self.relaxed + float(branches @ self.spread(duration / self.relaxation))
+
+    def share_to_meet(self, duration: float) -> float:
+        """Share of a step at which a parabola through its ends has to meet a penetration that is prescribed.
+
+        It misses the penetration by a multiple of ``s (1 - s) (s - s')``. With this ``s'`` a point in contact
+        bears no stress of that at the end of the step, whose error is then of fourth order: the middle of a
+        short step, two relaxation times before the end of a long one.
+        """
+        y = duration / self.relaxation
+        if not y.size or y.max() < _SHORT:
+            return 0.5
+        once, twice = _decaying_moments(y)
+        weight = self.stress_scale**2 / self.relaxation * y
+        return 1.0 - float(weight @ twice) / float(weight @ once)
 
     def decay(self, y: Array) -> Array:
         """What is left of an internal variable after ``y`` = step/time."""

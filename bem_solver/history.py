@@ -257,8 +257,8 @@ def updated_kinks(
     -----
     An edge that turned, or started from rest, leaves a kink once it is ``apart`` from there. Kinks closer
     than that to a newer one are dropped: the nodes that stay around them carry their history. One closer to
-    an edge that has not just turned takes the place of the turning until the edge has passed it: left to the
-    annuli, its inverse root would hold the edge up there.
+    an edge that has not just turned takes the place of the turning until the edge has passed it, also one
+    that it meets to its accuracy: left to the annuli, its inverse root would hold the edge up there.
     """
     farthest = edge if before.farthest is None else before.farthest
     direction, turning = before.direction, before.turning
@@ -275,6 +275,8 @@ def updated_kinks(
         turning = None
     if turning is None and len(kinks) < len(older):
         turning = min(older, key=lambda kink: abs(kink - new_edge))
+    elif turning is None and any(k != edge and abs(k - new_edge) < rest for k in before.kinks):
+        turning = new_edge
     return tuple(sorted(kinks[-_MOST_KINKS:])), direction, turning, farthest
 
 

@@ -116,14 +116,19 @@ def _solve_graded(
     kept = kept_state(monitor, SOLVER)
     counters = kept.counters if kept is not None else Counters(factorisations=1)
     cursor = kept.cursor if kept is not None else LoadingCursor()
-    problem, scale = _discretised(scene, options, counters)
+    reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
+    started = None
+    try:
+        problem, scale = _discretised(scene, options, counters)
+        started = start_state(problem, scale) if kept is None else None
+    except (ZeroDivisionError, OverflowError) as error:
+        reason = _beyond_floating_point(error)
     if kept is not None:
         state: GradedState = kept.content
     else:
-        started = start_state(problem, scale)
         if started is None:
-            reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
-            free = trace_without_contact(scene.loading.penetration, reason, counters, problem.work)
+            work = scene.adhesion.work if scene.adhesion is not None and scene.is_adhesive else 0.0
+            free = trace_without_contact(scene.loading.penetration, reason, counters, work)
             return on_machine(free, scene.machine)
         contact, energies = started
         record = TraceRecorder(shortest=float(problem.chain.relaxation.min(initial=math.inf)))
@@ -137,8 +142,15 @@ def _solve_graded(
         )
     except FloatingPointError as error:
         outcome = Outcome(OutcomeKind.NOT_FINITE, str(error), state.contact.time)
+    except (ZeroDivisionError, OverflowError) as error:
+        outcome = Outcome(OutcomeKind.OUT_OF_RANGE, _beyond_floating_point(error), state.contact.time)
     trace = state.record.trace(outcome, counters, problem.work, problem.irreversible is None)
     return on_machine(trace, scene.machine)
+
+
+def _beyond_floating_point(error: ArithmeticError) -> str:
+    """Why a run ends in which a number overflows or loses its meaning."""
+    return f"a number is beyond the range of floating point ({error})"
 
 
 def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Problem, float]:

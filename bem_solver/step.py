@@ -33,6 +33,9 @@ _BESIDE_EXTREMUM = 0.125
 """Distance of the rows on both sides of the largest tension, in steps: what lies between them exceeds the row
 by a sixty-fourth of what it would with the whole step."""
 
+_HALVINGS = 1100
+"""Trials that find any share of a step: halvings from one down to the smallest number."""
+
 
 class StepFailure(Enum):
     """Why a trial step has no candidate."""
@@ -234,7 +237,7 @@ class TrialStep(StepStart):
         if (residual(0.0) > 0.0) == (beyond.residual > 0.0):
             way = self._way_to_limit_point(edge, residual(0.0))
             return FailedStep(StepFailure.BEYOND_TRAVEL_LIMIT, receding, way)
-        share = brentq(residual, 0.0, 1.0, xtol=1e-300, rtol=accuracy)
+        share = brentq(residual, 0.0, 1.0, xtol=1e-300, rtol=accuracy, maxiter=_HALVINGS)
         parameter = start + share * self.step
         if share * self.step < self.shortest_step:  # within rounding of the time it goes at least so far
             parameter = min(start + self.shortest_step, self.interval.length)
@@ -331,10 +334,12 @@ class TrialStep(StepStart):
         duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
         prescribed = interval.prescribed(parameter)
         earlier = self._earlier(duration)
-        midway = None
+        within = None
         if interval.control == "penetration" and duration > 0.0:
-            midway = interval.prescribed(0.5 * (self.state.parameter + parameter))
-        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, earlier, midway)
+            share = self.problem.chain.share_to_meet(duration)
+            start = self.state.parameter
+            within = share * duration, interval.prescribed(start + share * (parameter - start))
+        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, earlier, within)
 
     def _earlier(self, duration: float) -> EarlierRow | None:
         """The row before the last, with its edge where the step takes the edge far enough for a curved path.

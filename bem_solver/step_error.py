@@ -164,15 +164,17 @@ def _load_scale(start: StepStart, surface: ContactSurface, step: float) -> float
     is far less than the largest force of the run. There departures are relative to the larger of the force
     and its part due to the singularity of the edge. Without adhesion or history the largest force serves.
     """
-    problem, interval = start.problem, start.interval
-    stiffness = 2.0 * surface.edge * problem.chain.relaxed
+    problem, interval, edge = start.problem, start.interval, surface.edge
+    stiffness = 2.0 * edge * problem.chain.relaxed
     softer = problem.scene.loading.compliance * stiffness if interval.control == "stage" else 0.0
     to_come = interval.span * (1.0 if interval.control == "force" else stiffness / (1.0 + softer))
-    scale = max(abs(surface.force), abs(surface.singular_force), _SCALE_OF_FIRST_LOAD * to_come)
-    if problem.work == 0.0 or not problem.viscoelastic:
-        scale = max(scale, start.state.largest_force)
-    tip = math.sqrt(8.0 * math.pi * problem.work * problem.chain.relaxed * start.state.contact.edge**3)
-    scale = max(scale, _SHARE_OF_TIP_FORCE * tip)
+    tip = math.sqrt(8.0 * math.pi * problem.work * problem.chain.relaxed * edge**3)
+    force = max(start.state.largest_force, abs(surface.force))
+    if problem.work > 0.0 and problem.viscoelastic:
+        opens = edge < start.state.contact.edge  # behind a closing edge the singularity may be a thin layer's
+        singular = min(abs(surface.singular_force), math.inf if opens else tip)
+        force = min(force, max(abs(surface.force), singular))
+    scale = max(force, _SCALE_OF_FIRST_LOAD * to_come, _SHARE_OF_TIP_FORCE * tip)
     if interval.control == "force":  # a penetration that misses its line does so over this step
         return scale * problem.chain.relaxed / (stiffness * problem.chain.modulus_of_ramp(step))
     return scale / max(softer, 1.0)  # on a soft spring it is the penetration that misses its line the farther

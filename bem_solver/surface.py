@@ -92,9 +92,8 @@ class ContactSurface:
         density = annuli.density(rest)
         kappa = annuli.edge_strength(density)
         field = annuli.outside_field(rest, kappa)
-        # the punch part of the force, 2 kappa, is exact
-        force = edge * (2.0 * kappa + annuli.areas @ (rest - kappa * annuli.punch)) + carried
-        return cls(annuli, edge, scaled, density, kappa, field, float(force), kinks, strengths)
+        force = edge * annuli.force(rest, kappa) + carried
+        return cls(annuli, edge, scaled, density, kappa, field, force, kinks, strengths)
 
     def towards(self, other: ContactSurface, share: float) -> ContactSurface:
         """The surface a share of the way to another with the same edge and kinks; all is linear in ``v``."""
@@ -156,7 +155,7 @@ class ContactSurface:
         """
         annuli, kinks, strengths = self.annuli, self.kinks, self.strengths
         if kinks is None or strengths is None:
-            return self.edge * annuli.areas * self.scaled @ displacement
+            return self.edge * annuli.work(self.scaled, displacement)
         at, roots = displacement[: annuli.count], kinks.strengths(displacement[annuli.count :])
         rest = at - kinks.displacement(self.edge * annuli.radii) @ roots
         return self._work_on_parts(kinks, strengths, rest, annuli.solve(rest), roots)
@@ -166,7 +165,7 @@ class ContactSurface:
         """``int p v`` over the contact."""
         annuli, kinks, strengths = self.annuli, self.kinks, self.strengths
         if kinks is None or strengths is None:
-            return float(self.edge * annuli.areas * self.scaled @ (annuli.matrix @ self.scaled))
+            return float(self.edge * annuli.work(self.scaled, annuli.matrix @ self.scaled))
         rest = annuli.pressure(self.density)
         return float(self._work_on_parts(kinks, strengths, annuli.matrix @ rest, rest, strengths))
 
@@ -176,7 +175,7 @@ class ContactSurface:
         """``int p g``: rest of g (M, ...), scaled pressure (M, ...) that makes it, and punches (k, ...)."""
         annuli, smooth = self.annuli, self.annuli.pressure(self.density)
         volumes = kinks.volumes(self.edge * annuli.borders).T / self.edge
-        work = self.edge * annuli.areas * smooth @ rest + strengths @ (volumes @ scaled)
+        work = self.edge * annuli.work(smooth, rest) + strengths @ (volumes @ scaled)
         return work + (volumes @ smooth + strengths @ kinks.works) @ roots
 
     @cached_property

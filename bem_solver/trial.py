@@ -62,7 +62,7 @@ def evaluate(
     control: str,
     value: float,
     earlier: EarlierRow | None = None,
-    midway: float | None = None,
+    within: tuple[float, float] | None = None,
 ) -> TrialContact:
     """The surface with the edge at ``edge`` after ``duration``, and its residual.
 
@@ -79,8 +79,9 @@ def evaluate(
     value : float
     earlier : EarlierRow, optional
         Row through which the paths of edge, load at the edge or ahead of it, and penetration are parabolas.
-    midway : float, optional
-        Prescribed penetration in the middle of the step, through which its path is a parabola instead.
+    within : (float, float), optional
+        A time within the step and the penetration prescribed there, through which its path is a parabola
+        instead (:meth:`~bem_solver.creep.Chain.share_to_meet`).
 
     Returns
     -------
@@ -94,7 +95,7 @@ def evaluate(
     nodes = np.empty(0) if between is None else between.radius
     radii = edge * problem.annuli.radii
     points = points_at(problem, state, np.concatenate((radii, readings, nodes)))
-    motion = _motion(problem, state, duration, edge, earlier, midway)
+    motion = _motion(problem, state, duration, edge, earlier, within)
     loading = LoadControl(problem, state, points, kinks, control, value, earlier, between)
     motion, surface = loading.satisfied(motion)
     points = points[: len(radii) + len(readings)]
@@ -116,13 +117,13 @@ def _motion(
     duration: float,
     edge: float,
     earlier: EarlierRow | None,
-    midway: float | None,
+    within: tuple[float, float] | None,
 ) -> Motion:
     """The step of the edge, penetration unchanged: its root and a point inside, or its path and fall."""
     singular, innermost = 0.0, None
     path = row = fall = None
-    if midway is not None:
-        row = -0.5 * duration, midway
+    if within is not None:
+        row = -within[0], within[1]
     if earlier is not None:
         row = row or (earlier.time, earlier.penetration)
     if earlier is not None and earlier.edge is not None and earlier.fall is not None:
@@ -182,7 +183,9 @@ def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge
     if rested is None or edge <= state.edge:
         return EdgeKinks.within(history.past_kinks, min(edge, state.edge), longest)
     still = 0.1 * float(problem.chain.relaxation[0])
-    reach = max(state.edge - rested, min(longest, (edge - rested) * still / (still + duration)))
+    came = history.direction > 0 and rested == state.edge  # from further in: it has not rested there
+    share = 1.0 if came else still / (still + duration)
+    reach = max(state.edge - rested, min(longest, (edge - rested) * share))
     none = EdgeKinks(np.empty(0), np.empty(0))
     return (EdgeKinks.within(history.kinks, rested, longest) or none).and_at(rested, reach)
 

@@ -148,3 +148,33 @@ def test_no_nodes_count_where_they_are_no_closer_than_asked_for():
     """Smooth load is left to the annuli: sums over nodes that come and go would be noise."""
     annuli = Annuli(*graded_annuli(12, 1e-4))
     assert LoadBetween.of(annuli, 1.0, 1.0 - np.geomspace(1.0, 1e-6, 300)) is None
+
+
+@pytest.mark.parametrize("grading", [1.0, 0.1, 1e-2])
+@pytest.mark.parametrize("depth", [1.0, 0.34])
+def test_work_on_a_displacement_is_of_third_order(depth, grading):
+    """Sphere of unit contact: ``int p v = 2 int_0^1 (D - x^2)^2 dx`` (Sneddon); by mid-points, of second."""
+    exact = 2.0 * (depth**2 - 2.0 * depth / 3.0 + 0.2)
+    errors = []
+    for count in (80, 160, 320):
+        annuli = Annuli(count, grading)
+        load = depth - 0.5 * annuli.radii**2
+        errors.append(abs(annuli.work(annuli.solve(load), load) / exact - 1.0))
+    order = np.log2(errors[0] / errors[2]) / 2.0
+    assert 2.6 < order < 3.4
+    assert errors[-1] < 5e-6
+
+
+@pytest.mark.parametrize("grading", [1.0, 1e-2])
+def test_means_over_annuli(grading):
+    """Of one exactly; of ``r^2`` the mean of its values at the borders, of ``r^4`` in closed form."""
+    annuli = Annuli(60, grading)
+    inner, outer = annuli.borders[:-1] ** 2, annuli.borders[1:] ** 2
+    pressure = 1.0 + annuli.radii
+    for power, mean in (
+        (0, 1.0),
+        (2, 0.5 * (inner + outer)),
+        (4, (inner**2 + inner * outer + outer**2) / 3.0),
+    ):
+        expected = (annuli.areas * pressure) @ np.broadcast_to(mean, 60)
+        assert_allclose(annuli.work(pressure, annuli.radii**power), expected, rtol=1e-5)

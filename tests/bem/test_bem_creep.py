@@ -1,5 +1,7 @@
 """One surface point: the two internal-variable forms of one material, and the weights of a step."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -186,3 +188,30 @@ def test_strains_and_variables_are_images_of_each_other():
     assert_allclose(chain.from_strains(there, load), variables, atol=1e-12)
     # nothing but load and no stress anywhere: the strains of the relaxed state
     assert_allclose(chain.to_strains(0.0 * variables, load), load[:, None] * chain.lag_rate)
+
+
+@pytest.mark.parametrize("times", [(1.0,), (1e-3, 1.0, 1e3)])
+@pytest.mark.parametrize("duration", [1e-4, 0.02, 0.5, 0.7, 3.0, 100.0, 1e8])
+def test_a_parabola_that_meets_a_cubic_at_the_right_share_bears_its_stress(times, duration):
+    """What is left of ``s (1 - s) (s - s')`` in a point in contact at the end of the step is nothing."""
+    chain = Chain(Material(1.0, 0.3, tuple(Branch(2.0 + k, time) for k, time in enumerate(times))))
+    share = chain.share_to_meet(duration)
+    assert 0.5 <= share <= 1.0
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    stress, size = 0.0, 0.0
+    for modulus, time in zip(chain.stress_scale**2 / chain.relaxation, chain.relaxation, strict=True):
+        y = duration / time
+        ends = np.unique(np.minimum(np.array([0.0, 1.0, 5.0, 15.0, 40.0, y]) / y, 1.0))
+        for low, high in pairwise(ends.tolist()):
+            left = low + 0.5 * (high - low) * (1.0 + nodes)  # share of the step still to come
+            weight = modulus * y * 0.5 * (high - low) * weights * np.exp(-y * left) * left * (1.0 - left)
+            stress += float(weight @ (1.0 - left - share))
+            size += float(weight @ left)
+    assert abs(stress) < 2e-3 * size
+
+
+def test_the_share_to_meet_of_short_and_long_steps():
+    chain = Chain(Material(1.0, 0.3, (Branch(2.0, 1.0),)))
+    assert chain.share_to_meet(1e-6) == 0.5
+    assert_allclose(1.0 - chain.share_to_meet(1e4), 2e-4, rtol=1e-3)
+    assert Chain(Material(1.0, 0.3)).share_to_meet(1.0) == 0.5

@@ -16,11 +16,13 @@ from contact_scene import (
     Force,
     ForceRamp,
     Hold,
+    Loading,
     Material,
     Oscillate,
     OutcomeKind,
     PowerLaw,
     Ramp,
+    Scene,
     SceneError,
     Sphere,
     Sweep,
@@ -285,3 +287,24 @@ def test_corner_of_the_force_is_not_stepped_over():
     """Glassy retraction: the edge hardly moves, then runs; the largest tension lies between."""
     question = load("retraction-fast").scene
     assert_allclose(bem(question, resolution=6).force.min(), front(question).force.min(), rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("start", "steps", "kind"),
+    [
+        (("relaxed", 8e-7), (Force(-1e20, 1.0),), OutcomeKind.NO_EQUILIBRIUM),
+        (("relaxed", 8e-7), (Oscillate(1e-7, 10.0, 1.0, 1e45),), OutcomeKind.DETACHED),
+    ],
+    ids=["force", "drift"],
+)
+def test_numbers_beyond_floating_point_end_a_run_with_a_reason(start, steps, kind):
+    question = Scene(
+        Material(2.2e4, 0.42, (Branch(6e4, 0.03),)),
+        Sphere(3.7e-5),
+        Loading(*start, steps),
+        Adhesion(0.03, 4e-7),
+    )
+    trace = solve(question, Options(resolution=6))
+    assert trace.outcome.kind is kind
+    assert trace.outcome.finished or "floating point" in trace.outcome.reason
+    assert all(np.isfinite(column).all() for column in trace.columns().values())

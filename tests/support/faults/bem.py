@@ -188,9 +188,9 @@ def _(true):
 
 @fault("the stage taken for the indenter", "trial:evaluate", ("spring-elastic",))
 def _(true):
-    def evaluate(problem, state, duration, edge, control, value, earlier=None, midway=None):
+    def evaluate(problem, state, duration, edge, control, value, earlier=None, within=None):
         rigid = "penetration" if control == "stage" else control
-        return true(problem, state, duration, edge, rigid, value, earlier, midway)
+        return true(problem, state, duration, edge, rigid, value, earlier, within)
 
     return evaluate
 
