@@ -147,7 +147,9 @@ def test_small_oscillation_with_stops_at_the_ends_of_cycles(resolution, duration
         trace = bem(question, resolution=resolution, stop_times=times)
         error = np.abs(trace.contact_radius - np.interp(trace.time, exact.time, exact.contact_radius))
         assert error.max() < share * np.ptp(exact.contact_radius)
-        assert not np.any(np.diff(trace.contact_radius) == 0.0)
+        moves = np.diff(trace.contact_radius)
+        still = np.flatnonzero(moves == 0.0)  # one row at most, and only where the edge turns
+        assert np.all(moves[still - 1] * moves[still + 1] < 0.0)
 
 
 @pytest.mark.parametrize("stop", [5.323e-4, 5.326e-4, 5.329e-4])
