@@ -36,6 +36,10 @@ by a sixty-fourth of what it would with the whole step."""
 _HALVINGS = 1100
 """Trials that find any share of a step: halvings from one down to the smallest number."""
 
+_STEP_PLACES = 20
+"""Binary places of a step: a millionth of it is far below what any error says of it, and far above what
+rounding makes of that error, which would grow from step to step."""
+
 
 class StepFailure(Enum):
     """Why a trial step has no candidate."""
@@ -85,7 +89,7 @@ def limited_step(start: StepStart) -> tuple[float, float]:
     state, interval, settings = start.state, start.interval, start.settings
     advancing = state.accepted.rates(0.0)[0] > 0.0
     limited, parameter = state.step, state.parameter
-    limited = _step_within(start, limited, 0.9 * start.reach(advancing))
+    limited = _rounded(_step_within(start, limited, 0.9 * start.reach(advancing)))
     left = interval.length - parameter
     limited = min(limited, left)
     while (departure := interval.departure_from_chord(parameter, limited) / settings.tolerance) > 1.0:
@@ -96,6 +100,12 @@ def limited_step(start: StepStart) -> tuple[float, float]:
         step = min(limited, 0.5 * left) if 2.0 * limited > left else limited
     step = min(step, _until_largest_tension(start, limited))
     return limited, max(step, min(start.shortest_step, left))
+
+
+def _rounded(step: float) -> float:
+    """The step to so few binary places that what rounding has made of it is gone from it, all but rarely."""
+    mantissa, exponent = math.frexp(step)
+    return math.ldexp(round(math.ldexp(mantissa, _STEP_PLACES)), exponent - _STEP_PLACES)
 
 
 def _step_within(start: StepStart, step: float, limit: float) -> float:
