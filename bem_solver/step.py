@@ -89,7 +89,8 @@ def limited_step(start: StepStart) -> tuple[float, float]:
     state, interval, settings = start.state, start.interval, start.settings
     advancing = state.accepted.rates(0.0)[0] > 0.0
     limited, parameter = state.step, state.parameter
-    limited = _rounded(_step_within(start, limited, 0.9 * start.reach(advancing)))
+    limited = _step_within(start, limited, 0.9 * start.reach(advancing))
+    limited = _rounded(limited / interval.length) * interval.length  # alike in all units
     left = interval.length - parameter
     limited = min(limited, left)
     while (departure := interval.departure_from_chord(parameter, limited) / settings.tolerance) > 1.0:
@@ -104,6 +105,8 @@ def limited_step(start: StepStart) -> tuple[float, float]:
 
 def _rounded(step: float) -> float:
     """The step to so few binary places that what rounding has made of it is gone from it, all but rarely."""
+    if not 0.0 < step < math.inf:
+        return step
     mantissa, exponent = math.frexp(step)
     return math.ldexp(round(math.ldexp(mantissa, _STEP_PLACES)), exponent - _STEP_PLACES)
 
