@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from crosscontact.arguments.shared_options import jobs_option
+from crosscontact.arguments.shared_options import fresh_option, jobs_option
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -12,7 +12,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("folder", metavar="DIR", help="holds answers: SCENE/trace.csv at any depth")
     command.add_argument("--out", metavar="REPORT", help="write page, Markdown, JSON and JUnit there")
     jobs_option(command)
-    command.add_argument("--fresh", action="store_true", help="start anew instead of continuing")
+    fresh_option(command, replaces=True)
 
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:

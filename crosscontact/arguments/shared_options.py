@@ -39,8 +39,9 @@ def max_steps_option(command: argparse.ArgumentParser) -> None:
 
 
 def fresh_option(command: argparse.ArgumentParser, replaces: bool = False) -> None:
-    """``--fresh``: ignore what is stored; with ``replaces`` also overwrite the results of another scene."""
-    replaced = ", and replace the results of another scene" if replaces else ""
+    """``--fresh``: ignore what is stored; with ``replaces`` also overwrite the results of another
+    scene, solver or command."""
+    replaced = ", and replace the results of another scene, solver or command" if replaces else ""
     command.add_argument(
         "--fresh",
         action="store_true",

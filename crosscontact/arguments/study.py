@@ -45,7 +45,7 @@ def carry_out(options: argparse.Namespace, jobs: int) -> int:
         raise SceneError("--zones", "given beside --poisson", "one of the two, each a study of its own")
     registry.usable()  # names those that cannot be loaded
     if options.poisson is not None:
-        return poisson.run(options.scenes, options.poisson, options.out, jobs)
+        return poisson.run(options.scenes, options.poisson, options.out, jobs, fresh=options.fresh)
     if options.zones is not None:
-        return zones.run(options.scenes, options.zones, options.out)
+        return zones.run(options.scenes, options.zones, options.out, options.fresh)
     return study.run(options.scenes, options.out, jobs, options.fresh)

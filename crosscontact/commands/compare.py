@@ -8,10 +8,10 @@ from crosscontact.commands.failures import exit_code
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
-from validation.execution.run_folder import check_unused
 from validation.execution.store import Store
 from validation.report import terminal
 from validation.report.build import build
+from validation.report.report_folder import REPORT, check_report_unused
 from validation.report.sections.scene import verdicts
 from validation.report.write import write
 
@@ -32,7 +32,8 @@ def run(
     jobs : int
         Processes.
     fresh : bool
-        Whether runs stored by an earlier, interrupted command are ignored, and another scene's replaced.
+        Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
+        replaced.
 
     Returns
     -------
@@ -42,15 +43,12 @@ def run(
     Raises
     ------
     SceneError
-        If the folder holds runs on another scene of the same name, or a run of another program.
+        If the folder holds results on another scene, of another command or another program.
     """
     loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
-        for case in loaded:
-            check_unused(folder, case.scene)
-            for earlier in (folder / "runs" / case.name).glob("*"):
-                check_unused(earlier, case.scene)
+        check_report_unused(folder, REPORT, loaded)
     store = Store(folder, fresh)
     progress = Progress("compare")
     progress.phase("runs")

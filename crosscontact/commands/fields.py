@@ -57,7 +57,8 @@ class FieldsCommand:
     max_steps : int or None
         Largest number of steps; ``None``: the solver's choice.
     fresh : bool
-        Whether what an interrupted command left is ignored, and the results of another scene are replaced.
+        Whether what an interrupted command left is ignored, and results of another scene or solver are
+        replaced.
     """
 
     case: cases.Case
@@ -130,7 +131,7 @@ def run(
     ------
     SceneError
         If no moment is requested, a time cannot lie within the loading, or the folder holds the results of
-        another scene.
+        another scene or solver.
     NoRendering
         If a requested figure cannot be drawn here.
     """
@@ -150,7 +151,7 @@ def run(
 def _into(folder: Path, command: FieldsCommand) -> int:
     scene = command.case.scene
     if not command.fresh:
-        check_unused(folder, scene)
+        check_unused(folder, scene, solver="fem")
     store = Store(folder, command.fresh)
     stop = GracefulStop()
     kept = folder / CHECKPOINT if scene.material.bulk is None else None
@@ -269,6 +270,7 @@ def _write(
     if series is None:
         return lines
     numbers = {
+        "solver": trace.solver,
         "outcome": str(trace.outcome.kind),
         "reason": trace.outcome.reason,
         "run": before,

@@ -12,6 +12,7 @@ from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.report import exam_report, terminal
+from validation.report.report_folder import EXAM, check_report_unused
 from validation.report.sections.exam import lead, overview
 
 
@@ -27,7 +28,8 @@ def run(folder: str, out: str | None, jobs: int, fresh: bool = False) -> int:
     jobs : int
         Processes.
     fresh : bool
-        Whether runs stored by an earlier, interrupted command are ignored.
+        Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
+        replaced.
 
     Returns
     -------
@@ -36,6 +38,8 @@ def run(folder: str, out: str | None, jobs: int, fresh: bool = False) -> int:
     """
     found = read_folder(Path(folder))
     target = None if out is None else output_folder(out)
+    if target is not None and not fresh:
+        check_report_unused(target, EXAM)
     store, progress = Store(target, fresh), Progress("judge")
     progress.phase("reference")
     try:

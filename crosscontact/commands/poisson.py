@@ -10,13 +10,19 @@ from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.report import terminal
+from validation.report.report_folder import check_report_unused, poisson_json
 from validation.report.sections.poisson import section
 from validation.report.write import write_poisson
 from validation.studies.poisson import RATIOS, CompressibilityComparison, compare_ratios
 
 
 def run(
-    names: Sequence[str], ratios: Sequence[float], out: str | None, jobs: int, resolution: int | None = None
+    names: Sequence[str],
+    ratios: Sequence[float],
+    out: str | None,
+    jobs: int,
+    resolution: int | None = None,
+    fresh: bool = False,
 ) -> int:
     """Compare an elastic bulk with a constant Poisson's ratio.
 
@@ -32,14 +38,24 @@ def run(
         Processes.
     resolution : int or None
         Divisions per process zone; ``None``: the solvers' choice.
+    fresh : bool
+        Whether what the folder holds is replaced, whatever it is.
 
     Returns
     -------
     int
         1 if a run does not finish, or the full path and the surface modulus disagree.
+
+    Raises
+    ------
+    SceneError
+        If the folder holds results on another scene, or of another program.
     """
     loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
+    if folder is not None and not fresh:
+        for case in loaded:
+            check_report_unused(folder, poisson_json(case.name), [case])
     code = 0
     with processes(jobs) as executor:
         for case in loaded:
@@ -51,7 +67,7 @@ def run(
                 progress.close()
             print(terminal.text(section(case.name, comparisons)))
             if folder is not None:
-                print(f"written to {write_poisson(case.name, comparisons, folder)}")
+                print(f"written to {write_poisson(case, comparisons, folder)}")
             code = max(code, _exit_code(case.name, comparisons))
     return code
 

@@ -18,6 +18,7 @@ from validation.fields import cycle_fields
 from validation.report.build import build
 from validation.report.document import counted
 from validation.report.json_data import of_report
+from validation.report.report_folder import REPORT, check_report_unused
 from validation.report.write import write
 
 
@@ -45,7 +46,8 @@ def run(
     baseline : str or None
         An earlier ``report.json`` to compare with.
     fresh : bool
-        Whether runs stored by an earlier, interrupted command are ignored.
+        Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
+        replaced.
     fields : bool
         Whether the fields under the surface are drawn too.
 
@@ -53,10 +55,17 @@ def run(
     -------
     int
         1 if a check failed or a value moved beyond tolerance from the earlier report.
+
+    Raises
+    ------
+    SceneError
+        If the folder holds results on another scene, of another command or another program.
     """
     old = None if baseline is None else regression.read(baseline)
     folder = output_folder(out)
     loaded = cases.load_all(scenes.suite(suite))
+    if not fresh:
+        check_report_unused(folder, REPORT, loaded)
     store, claims = Store(folder, fresh), suite != "quick"
     progress = Progress("report")
     progress.phase("runs")

@@ -46,7 +46,8 @@ def run(
     out : str or None
         Folder of the run, if it is to be written.
     fresh : bool
-        Whether an interrupted run found there is ignored, and the results of another scene are replaced.
+        Whether an interrupted run found there is ignored, and results of another scene or solver are
+        replaced.
     estimate : bool
         Whether the errors are estimated.
     plot : bool
@@ -62,14 +63,14 @@ def run(
     Raises
     ------
     SceneError
-        If the folder holds the results of another scene, or the solver cannot take this one.
+        If the folder holds the results of another scene or solver, or the solver cannot take this scene.
     KeyboardInterrupt
         If the run was interrupted; what there is, is written and said before.
     """
     case = cases.load(name)
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
-        check_unused(folder, case.scene)
+        check_unused(folder, case.scene, solver=solver)
     drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
     solvers.solver(solver).check(case.scene, resolution)  # one line of a refusal, before any warning
     said = solvers.scene_warnings(case.scene)

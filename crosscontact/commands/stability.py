@@ -10,6 +10,7 @@ from pathlib import Path
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
 from validation.execution.store import Store
+from validation.report.report_folder import STABILITY, check_report_unused
 from validation.report.write import write_cells, write_matrix
 from validation.solvers import SOLVERS
 from validation.stability import runner
@@ -36,14 +37,22 @@ def run(out: str | None, jobs: int, solver: str | None, only: str | None, fresh:
     only : str or None
         One of the axes of the matrix; ``None``: all.
     fresh : bool
-        Whether runs stored by an earlier, interrupted command are ignored.
+        Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
+        replaced.
 
     Returns
     -------
     int
         1 if a cell is silently wrong, not finite, crashed or hung.
+
+    Raises
+    ------
+    SceneError
+        If the folder holds results of another command or another program.
     """
     folder = None if out is None else output_folder(out)
+    if folder is not None and not fresh:
+        check_report_unused(folder, STABILITY)
     store = Store(folder, fresh)
     matrix = compute(jobs, store, (solver,) if solver else SOLVERS, only, folder)
     for line in limits(matrix.cells):

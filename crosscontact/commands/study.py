@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
-from validation.execution.run_folder import check_unused
 from validation.execution.store import Store
 from validation.report import terminal
+from validation.report.report_folder import STUDY, check_report_unused
 from validation.report.sections.study import short
 from validation.report.write import write_study
 from validation.studies.study import study
@@ -39,13 +39,12 @@ def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -
     Raises
     ------
     SceneError
-        If the folder holds a run on another scene, or of another program.
+        If the folder holds results on another scene, of another command or another program.
     """
     loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
-        for case in loaded:
-            check_unused(folder, case.scene)
+        check_report_unused(folder, STUDY, loaded)
     store = Store(folder, fresh)
     progress = Progress("study")
     progress.phase("runs")

@@ -10,13 +10,14 @@ from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.report import terminal
+from validation.report.report_folder import check_report_unused, zones_json
 from validation.report.sections.zones import section
 from validation.report.write import write_zones
 from validation.solvers import solvers
 from validation.studies.zones import RATIOS, zone_runs
 
 
-def run(names: Sequence[str], ratios: Sequence[float], out: str | None) -> int:
+def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: bool = False) -> int:
     """Run every solver with shorter and shorter zones; one after the other, for their time is measured.
 
     Parameters
@@ -27,14 +28,24 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None) -> int:
         Zones over the largest contact radius; empty: ``RATIOS``.
     out : str or None
         Folder of table, figure and numbers, if they are to be written.
+    fresh : bool
+        Whether what the folder holds is replaced, whatever it is.
 
     Returns
     -------
     int
         1 if a run that was started did not finish.
+
+    Raises
+    ------
+    SceneError
+        If the folder holds results on another scene, or of another program.
     """
     loaded = cases.load_all(names)
     folder = None if out is None else output_folder(out)
+    if folder is not None and not fresh:
+        for case in loaded:
+            check_report_unused(folder, zones_json(case.name), [case])
     code = 0
     for case in loaded:
         progress = Progress(f"{case.name} zones")
@@ -46,7 +57,7 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None) -> int:
             progress.close()
         print(terminal.text(section(case.name, runs)))
         if folder is not None:
-            print(f"written to {write_zones(case.name, runs, folder)}")
+            print(f"written to {write_zones(case, runs, folder)}")
         for one in runs:
             if one.run is not None and not one.run.finished:
                 where = f"{case.name}: {one.solver}, zone {one.ratio:g} of the radius"

@@ -215,6 +215,7 @@ def test_command_writes_what_it_says(scene_file, tmp_path, capsys):
     assert main(["fields", scene_file, *asked, "--out", str(out), "--no-figures"]) == 0
     said = capsys.readouterr().out
     numbers = json.loads((out / "moments.json").read_text(encoding="utf-8"))
+    assert numbers["solver"] == "fem"
     labels = [moment["label"] for moment in numbers["moments"]]
     assert labels.count("pull-off") == 1
     assert len(labels) > 4

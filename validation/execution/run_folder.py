@@ -35,8 +35,13 @@ OUTPUT = ("scene.toml", "trace.csv", "summary.json")
 """Files of a run."""
 
 
-def check_unused(folder: Path, scene: Scene, key: str = "--out") -> None:
-    """Refuse a folder whose files belong to another scene, or to another program.
+FIELDS = "moments.json"
+"""Numbers of the fields in the body, which say by which solver they are."""
+_STATE_SOLVER = ("summary.json", FIELDS)
+
+
+def check_unused(folder: Path, scene: Scene, key: str = "--out", solver: str | None = None) -> None:
+    """Refuse a folder whose files belong to another scene, another solver or another program.
 
     Parameters
     ----------
@@ -46,6 +51,8 @@ def check_unused(folder: Path, scene: Scene, key: str = "--out") -> None:
         Of that run.
     key : str
         What named the folder.
+    solver : str or None
+        Of that run; ``None`` where what is written is no run of one solver, and replaces none.
 
     Raises
     ------
@@ -57,12 +64,34 @@ def check_unused(folder: Path, scene: Scene, key: str = "--out") -> None:
     try:
         other = read_scene(folder / "scene.toml")
     except (SceneError, OSError):
-        problem = f"{folder} holds a {there[-1]} that is not of a run of this program"
+        problem = f"a {there[-1]} that is not of a run of this program"
     else:
-        if replace(other, title=scene.title) == scene:
+        others = _solvers_of(folder) - {solver}
+        if replace(other, title=scene.title) != scene:
+            problem = f"the results of another scene{f', {other.title!r}' if other.title else ''}"
+        elif solver is not None and others:
+            problem = f"the results of another solver, {', '.join(sorted(others))}"
+        else:
             return
-        problem = f"{folder} holds the results of another scene{f', {other.title!r}' if other.title else ''}"
-    raise SceneError(key, problem, "another folder, or --fresh to replace what it holds")
+    raise occupied(folder, problem, key)
+
+
+def occupied(folder: Path, holds: str, key: str = "--out") -> SceneError:
+    """The refusal of a folder for what it holds."""
+    return SceneError(key, f"{folder} holds {holds}", "another folder, or --fresh to replace what it holds")
+
+
+def _solvers_of(folder: Path) -> set[str]:
+    """Names of the solvers whose results a folder holds, as far as they are stated."""
+    found = set()
+    for name in _STATE_SOLVER:
+        try:
+            stated = json.loads(read_text(folder / name))["solver"]
+        except (SceneError, OSError, ValueError, TypeError, KeyError):
+            continue
+        if isinstance(stated, str):
+            found.add(stated)
+    return found
 
 
 _NO_MEASURES = (

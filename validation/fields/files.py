@@ -18,6 +18,7 @@ from xml.sax.saxutils import quoteattr
 
 from contact_scene import Scene
 from validation.execution.files import to_json, write_whole
+from validation.execution.run_folder import FIELDS
 from validation.fields.balance import EnergySums
 
 if TYPE_CHECKING:
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from fem_solver import FieldState
 
 PARTS = {"body": "vtu", "surface": "vtp", "indenter": "vtp"}
-NUMBERS = "moments.json"
 
 
 class ParaViewSeries:
@@ -51,7 +51,7 @@ class ParaViewSeries:
             for left_over in (folder / name).glob(f"{name}_[0-9]*.{kind}"):
                 if not keep:
                     left_over.unlink()
-        (folder / NUMBERS).unlink(missing_ok=True)
+        (folder / FIELDS).unlink(missing_ok=True)
 
     def add(self, state: FieldState, balance: EnergySums, there: bool = False) -> bool:
         """Write one state, unless its files are ``there``; whether they were taken over."""
@@ -79,7 +79,7 @@ class ParaViewSeries:
             files = [f"{name}/{_file(name, index)}" for index in range(len(self._times))]
             written.append(self._folder / f"{name}.pvd")
             write_whole(written[-1], collection(zip(self._times, files, strict=True)))
-        write_whole(self._folder / NUMBERS, to_json({"moments": self._moments} | numbers))
+        write_whole(self._folder / FIELDS, to_json({"moments": self._moments} | numbers))
         return written
 
 

@@ -11,6 +11,7 @@ from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
 from validation.report import html, junit, markdown
 from validation.report.document import Document, Paragraph, figures_of
+from validation.report.report_folder import EXAM
 from validation.report.sections import environment, exam
 
 FORMAT = 1
@@ -70,7 +71,7 @@ def write(judgement: Judgement, folder: Path, wall_seconds: float) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "index.html").unlink(missing_ok=True)
     document = page(judgement, wall_seconds)
-    write_whole(folder / "exam.json", to_json(data(judgement)))
+    write_whole(folder / EXAM, to_json(data(judgement)))
     suites = [
         junit.CheckSuite(code, [check for check in judgement.checks if check.solver == code])
         for code in judgement.codes

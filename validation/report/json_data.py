@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
+from validation.cases import Case
 from validation.claims.claim import Finding
 from validation.compare.premises import of_case
 from validation.compare.suite import SceneComparison
@@ -118,6 +119,7 @@ def _scene_study(scene: SceneStudy) -> Data:
     return {
         "name": scene.case.name,
         "title": scene.case.scene.title,
+        "premises": of_case(scene.case),
         "reference": scene.reference,
         "reference_uncertainty": scene.uncertainty,
         "failed_levels": len(scene.failed),
@@ -142,10 +144,11 @@ def _ladder(entry: Convergence) -> Data:
     }
 
 
-def of_compressibilities(name: str, compressibilities: Iterable[CompressibilityComparison]) -> Data:
+def of_compressibilities(case: Case, compressibilities: Iterable[CompressibilityComparison]) -> Data:
     """``poisson-SCENE.json``."""
     return {
-        "scene": name,
+        "scene": case.name,
+        "premises": of_case(case),
         "compressibilities": [
             {
                 "bulk_to_shear": one.ratio,
@@ -158,10 +161,11 @@ def of_compressibilities(name: str, compressibilities: Iterable[CompressibilityC
     }
 
 
-def of_zones(name: str, runs: Iterable[ZoneRun]) -> Data:
+def of_zones(case: Case, runs: Iterable[ZoneRun]) -> Data:
     """``zones-SCENE.json``."""
     return {
-        "scene": name,
+        "scene": case.name,
+        "premises": of_case(case),
         "runs": [
             {
                 "zone_over_radius": one.ratio,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from validation.cases import Case
 from validation.claims.all import checks as claim_checks
 from validation.drawing import export
 from validation.execution.environment import stamp
@@ -13,6 +14,7 @@ from validation.report import html, json_data, junit, markdown
 from validation.report.document import Document, figures_of
 from validation.report.figures import zone_chart
 from validation.report.report import Report
+from validation.report.report_folder import REPORT, STABILITY, STUDY, poisson_json, zones_json
 from validation.report.sections import (
     claims,
     costs,
@@ -31,8 +33,6 @@ from validation.stability.runner import StabilityMatrix
 from validation.studies.poisson import CompressibilityComparison
 from validation.studies.study import Study
 from validation.studies.zones import ZoneRun
-
-STABILITY_JSON = "stability.json"
 
 
 def page(report: Report) -> Document:
@@ -83,7 +83,7 @@ def write(report: Report, folder: Path) -> None:
     for one in report.scenes:
         for solver, run in one.runs.items():
             write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
-    write_whole(folder / "report.json", to_json(json_data.of_report(report)))
+    write_whole(folder / REPORT, to_json(json_data.of_report(report)))
     checks = junit.text(f"crosscontact {report.suite}", suites(report), report.wall_seconds)
     write_whole(folder / "junit.xml", checks)
     write_whole(folder / "summary.md", markdown.text(summary(report)))
@@ -93,7 +93,7 @@ def write(report: Report, folder: Path) -> None:
 def write_study(result: Study, folder: Path) -> None:
     """Write ``index.html``, ``study.md``, ``study.json`` and ``figures/SCENE-NAME.png`` and ``.svg``."""
     document = study.document(result)
-    write_whole(folder / "study.json", to_json(json_data.of_study(result)))
+    write_whole(folder / STUDY, to_json(json_data.of_study(result)))
     write_whole(folder / "study.md", markdown.text(document))
     _write_page(document, folder)
 
@@ -109,27 +109,28 @@ def write_matrix(matrix: StabilityMatrix, folder: Path) -> None:
 
 def write_cells(matrix: StabilityMatrix, folder: Path, complete: bool) -> None:
     """Write ``stability.json`` alone, which also holds the cells of an interrupted run."""
-    write_whole(folder / STABILITY_JSON, to_json(json_data.of_matrix(matrix, complete)))
+    write_whole(folder / STABILITY, to_json(json_data.of_matrix(matrix, complete)))
 
 
-def write_poisson(name: str, compressibilities: list[CompressibilityComparison], folder: Path) -> Path:
+def write_poisson(case: Case, compressibilities: list[CompressibilityComparison], folder: Path) -> Path:
     """Write ``poisson-NAME.md`` and ``.json``; returns the first."""
-    section, path = poisson.section(name, compressibilities), folder / f"poisson-{name}.md"
-    write_whole(path, markdown.text(Document(section.title, (), section.parts)))
-    data = json_data.of_compressibilities(name, compressibilities)
-    write_whole(path.with_suffix(".json"), to_json(data))
-    return path
+    section, path = poisson.section(case.name, compressibilities), folder / poisson_json(case.name)
+    write_whole(path, to_json(json_data.of_compressibilities(case, compressibilities)))
+    page = path.with_suffix(".md")
+    write_whole(page, markdown.text(Document(section.title, (), section.parts)))
+    return page
 
 
-def write_zones(name: str, runs: list[ZoneRun], folder: Path) -> Path:
+def write_zones(case: Case, runs: list[ZoneRun], folder: Path) -> Path:
     """Write ``zones-NAME.md``, ``.json``, ``.png`` and ``.svg``; returns the first."""
-    section, path = zones.section(name, runs), folder / f"zones-{name}.md"
-    write_whole(path, markdown.text(Document(section.title, (), section.parts)))
-    write_whole(path.with_suffix(".json"), to_json(json_data.of_zones(name, runs)))
+    section, path = zones.section(case.name, runs), folder / zones_json(case.name)
+    write_whole(path, to_json(json_data.of_zones(case, runs)))
+    page = path.with_suffix(".md")
+    write_whole(page, markdown.text(Document(section.title, (), section.parts)))
     figure = zone_chart.draw(runs)
     write_whole(path.with_suffix(".png"), export.png(figure))
     write_whole(path.with_suffix(".svg"), export.svg_file(figure))
-    return path
+    return page
 
 
 def _write_page(document: Document, folder: Path) -> None:
