@@ -30,6 +30,9 @@ SMALLEST = 1e-300
 """Stands for zero in quotients whose limit there is 1 to rounding."""
 _SHORT = 1e-2
 """Step, in relaxation times, below which a parabola meets its middle: the right share is a thousandth off."""
+_LATEST_SHARE = 1.0 - 1e-8
+"""Share of a step at which a penetration is met at the latest: between the end and an even later one rounding
+would be more than half the change, and the difference it makes is as small."""
 _SERIES, _TERMS = 0.5, 14
 """Step, in relaxation times, below which moments are summed as series, and the terms that takes."""
 
@@ -112,7 +115,7 @@ class Chain:
             return 0.5
         once, twice = _decaying_moments(y)
         weight = self.stress_scale**2 / self.relaxation * y
-        return 1.0 - float(weight @ twice) / float(weight @ once)
+        return min(1.0 - float(weight @ twice) / float(weight @ once), _LATEST_SHARE)
 
     def decay(self, y: Array) -> Array:
         """What is left of an internal variable after ``y`` = step/time."""

@@ -23,7 +23,7 @@ _ROUNDING_AT_FOLD = 3e-5
 """Contact radius, relative, to which a limit point is told from rounding: there the edge moves by the root of
 what the load does, of which up to 1e-9 is lost in the sums over annuli and states."""
 _ROUNDINGS_OF_TIME = 4.0
-"""Shortest step of a rated edge, in roundings of the time: what happens within it cannot be told apart."""
+"""Shortest step of an edge that moves in time, in roundings of it: what happens within cannot be told apart."""
 
 
 @dataclass(frozen=True)
@@ -99,11 +99,12 @@ class StepStart:
 
     @property
     def shortest_step(self) -> float:
-        """Step below which times are lost in rounding, where the work of adhesion follows the speed; else 0.
+        """Step below which times are lost in rounding, where the edge moves in time; else 0.
 
-        Such an edge never moves at once, however fast a short contact collapses.
+        Where branches or the work of adhesion follow its speed it never moves at once, however short they
+        are, or however fast a contact collapses.
         """
-        if not self.problem.rated or self.interval.jump:
+        if not (self.problem.curves or self.problem.rated) or self.interval.jump:
             return 0.0
         return _ROUNDINGS_OF_TIME * math.ulp(self.interval.time(self.interval.length))
 

@@ -215,3 +215,8 @@ def test_the_share_to_meet_of_short_and_long_steps():
     assert chain.share_to_meet(1e-6) == 0.5
     assert_allclose(1.0 - chain.share_to_meet(1e4), 2e-4, rtol=1e-3)
     assert Chain(Material(1.0, 0.3)).share_to_meet(1.0) == 0.5
+
+
+def test_a_penetration_is_met_before_the_end_of_a_step_however_short_a_branch_is():
+    chain = Chain(Material(1.0, 0.3, (Branch(2.0, 1e-40),)))
+    assert 0.999 < chain.share_to_meet(1.0) < 1.0
