@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 
 from crosscontact.commands.failures import exit_code
+from crosscontact.commands.refusals import check_taken
 from validation import cases
+from validation.compare.suite import all_pairs
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
 from validation.execution.store import Store
@@ -38,14 +41,17 @@ def run(
     Returns
     -------
     int
-        1 if solvers disagree.
+        2 if all solvers refuse a scene, else 1 if solvers disagree.
 
     Raises
     ------
     SceneError
-        If the folder holds results on another scene, of another command or another program.
+        If all solvers refuse a scene, as far as that is told without solving it, or the folder holds
+        results on another scene, of another command or another program.
     """
     loaded = cases.load_all(names)
+    for source, case in zip(dict.fromkeys(names), loaded, strict=True):
+        check_taken(source, case.scene, [solver for _, solver in all_pairs([case], solvers)])
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, REPORT, loaded)
@@ -53,6 +59,12 @@ def run(
     progress = Progress("compare")
     progress.phase("runs")
     result = build("compare", loaded, jobs, progress, store=store, solvers=solvers)
+    refused = [scene for scene in result.scenes if all(run.refused for run in scene.runs.values())]
+    for scene in refused:
+        reason = next(iter(scene.runs.values())).failure
+        print(f"crosscontact: error: {scene.case.name}: {reason}", file=sys.stderr)
+    if len(refused) == len(result.scenes):
+        return 2
     for scene in result.scenes:
         print(terminal.text(verdicts(scene)))
     if folder is not None:
@@ -61,4 +73,5 @@ def run(
             write(result, folder)
         store.clear()
         print(f"written to {folder / 'index.html'}")
-    return exit_code(result.failures)
+    code = exit_code(result.failures)
+    return 2 if refused else code

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from contact_scene import Counters, OutcomeKind, SceneError, write_scene
 from crosscontact.commands.forecast import announce, expected_cost, warn
+from crosscontact.commands.refusals import check_taken
 from validation import cases, solvers
 from validation.execution.checkpoints import CHECKPOINT, RecordedRunWriter
 from validation.execution.files import in_words, output_folder
@@ -29,10 +30,13 @@ from validation.fields.figures.figure_set import FigureSet
 from validation.fields.files import ParaViewSeries
 from validation.fields.request import FieldRequest, RecordedFields, check_times, record_fields
 from validation.solvers import Cost
+from validation.solvers.finite_elements import FiniteElements
 
 if TYPE_CHECKING:
     from fem_solver import FieldState
 
+SOLVER = FiniteElements.name
+"""Only finite elements know the body."""
 SECONDS_PER_MOMENT = 0.4
 """To compute and write the fields at one moment (s), on a mesh of some ten thousand nodes; measured."""
 SECONDS_PER_PICTURE = 1.0
@@ -130,8 +134,8 @@ def run(
     Raises
     ------
     SceneError
-        If no moment is requested, a time cannot lie within the loading, or the folder holds the results of
-        another scene or solver.
+        If no moment is requested, a time cannot lie within the loading, the scene is refused, or the folder
+        holds the results of another scene or solver.
     NoRendering
         If a requested figure cannot be drawn here.
     """
@@ -140,6 +144,7 @@ def run(
         allowed = "--at T [T ...], --pull-off, --every N, --strip, --animate, or several"
         raise SceneError("fields", "no moment asked for", allowed)
     check_times(times, case.scene.loading)  # before anything is made
+    check_taken(name, case.scene, (SOLVER,), resolution)
     request = FieldRequest(tuple(times), pull_off, every, None if figures is None else figures.rows)
     command = FieldsCommand(case, request, figures, resolution, max_steps, fresh)
     if out is not None:
@@ -151,7 +156,7 @@ def run(
 def _into(folder: Path, command: FieldsCommand) -> int:
     scene = command.case.scene
     if not command.fresh:
-        check_unused(folder, scene, solver="fem")
+        check_unused(folder, scene, solver=SOLVER)
     store = Store(folder, command.fresh)
     stop = GracefulStop()
     kept = folder / CHECKPOINT if scene.material.bulk is None else None
@@ -159,9 +164,8 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     stop.possible = lambda: writer.stepping
     if writer.message:
         print(f"crosscontact: {writer.message}", file=sys.stderr)
-    solvers.solver("fem").check(scene, command.resolution)  # one line of a refusal, before any warning
     warn(solvers.scene_warnings(scene))
-    cost = expected_cost(scene, "fem", command.resolution)
+    cost = expected_cost(scene, SOLVER, command.resolution)
     command.announce(cost)
     states: list[FieldState] = []  # to be drawn
     figures = command.figures

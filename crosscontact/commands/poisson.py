@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from crosscontact.commands.refusals import check_taken
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
@@ -13,6 +14,7 @@ from validation.report import terminal
 from validation.report.report_folder import check_report_unused, poisson_json
 from validation.report.sections.poisson import section
 from validation.report.write import write_poisson
+from validation.solvers import SOLVERS
 from validation.studies.poisson import RATIOS, CompressibilityComparison, compare_ratios
 
 
@@ -49,9 +51,11 @@ def run(
     Raises
     ------
     SceneError
-        If the folder holds results on another scene, or of another program.
+        If the scene is refused, or the folder holds results on another scene, or of another program.
     """
     loaded = cases.load_all(names)
+    for source, case in zip(dict.fromkeys(names), loaded, strict=True):
+        check_taken(source, case.scene, SOLVERS)
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         for case in loaded:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from contact_scene import OutcomeKind
 from crosscontact.commands.forecast import announce, expected_cost, warn
+from crosscontact.commands.refusals import check_taken
 from crosscontact.key_numbers import SCALES_IN_WORDS, aligned, key_numbers, table
 from crosscontact.result import Result
 from validation import cases, solvers
@@ -68,11 +69,11 @@ def run(
         If the run was interrupted; what there is, is written and said before.
     """
     case = cases.load(name)
+    check_taken(name, case.scene, (solver,), resolution)  # one line of a refusal, before anything is made
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_unused(folder, case.scene, solver=solver)
     drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
-    solvers.solver(solver).check(case.scene, resolution)  # one line of a refusal, before any warning
     said = solvers.scene_warnings(case.scene)
     warn(said)
     cost = expected_cost(case.scene, solver, resolution)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from crosscontact.commands.refusals import check_taken
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
@@ -13,6 +14,7 @@ from validation.report import terminal
 from validation.report.report_folder import STUDY, check_report_unused
 from validation.report.sections.study import short
 from validation.report.write import write_study
+from validation.solvers import SOLVERS
 from validation.studies.study import study
 
 
@@ -39,9 +41,12 @@ def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -
     Raises
     ------
     SceneError
-        If the folder holds results on another scene, of another command or another program.
+        If all solvers refuse a scene, or the folder holds results on another scene, of another command or
+        another program.
     """
     loaded = cases.load_all(names)
+    for source, case in zip(dict.fromkeys(names), loaded, strict=True):
+        check_taken(source, case.scene, SOLVERS)
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, STUDY, loaded)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from crosscontact.commands.refusals import check_taken
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
@@ -13,7 +14,7 @@ from validation.report import terminal
 from validation.report.report_folder import check_report_unused, zones_json
 from validation.report.sections.zones import section
 from validation.report.write import write_zones
-from validation.solvers import solvers
+from validation.solvers import REFERENCE, solvers
 from validation.studies.zones import RATIOS, zone_runs
 
 
@@ -39,9 +40,11 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
     Raises
     ------
     SceneError
-        If the folder holds results on another scene, or of another program.
+        If the scene is refused, or the folder holds results on another scene, or of another program.
     """
     loaded = cases.load_all(names)
+    for source, case in zip(dict.fromkeys(names), loaded, strict=True):
+        check_taken(source, case.scene, (REFERENCE,))
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         for case in loaded:
@@ -59,7 +62,7 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
         if folder is not None:
             print(f"written to {write_zones(case, runs, folder)}")
         for one in runs:
-            if one.run is not None and not one.run.finished:
+            if one.run is not None and not one.run.finished and not one.run.refused:
                 where = f"{case.name}: {one.solver}, zone {one.ratio:g} of the radius"
                 print(f"not finished: {where}: {one.run.ending}", file=sys.stderr)
                 code = 1

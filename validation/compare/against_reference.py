@@ -6,7 +6,7 @@ import math
 
 from contact_scene import OutcomeKind, Trace
 from validation.cases import Case
-from validation.compare.checks import check_run
+from validation.compare.checks import check_run, declined
 from validation.execution.runs import Run
 from validation.measure.check import Check, agreement_limit, disagreement
 from validation.measure.cycles import cycle_times
@@ -57,7 +57,7 @@ def check_case(case: Case, runs: dict[str, Run]) -> list[Check]:
     base = runs.get(REFERENCE)
     if base is not None and REFERENCE not in case.refused_by:
         for solver, result in runs.items():
-            if solver != REFERENCE and solver not in case.refused_by:
+            if solver != REFERENCE and not declined(case, result):
                 checks += against_reference(case, result, base)
     return checks
 

@@ -9,12 +9,13 @@ from validation.execution.runs import Run
 from validation.measure.check import Check
 from validation.measure.dimensionless import unit_sizes
 from validation.measure.row_interpolation import column_curve
+from validation.solvers import REFERENCE
 
 
 def check_run(case: Case, result: Run) -> list[Check]:
     """The ending of a run, and every check value stated for its scene and solver."""
     checks = [_ending(case, result)]
-    if result.solver in case.refused_by:
+    if declined(case, result):
         return checks
     for expected in case.expected:
         if expected.value is None or result.solver in expected.tolerance:
@@ -22,15 +23,24 @@ def check_run(case: Case, result: Run) -> list[Check]:
     return checks
 
 
+def declined(case: Case, result: Run) -> bool:
+    """Whether a solver need not answer: the case says so or, where nothing is known of a scene, the solver.
+
+    The reference has to: without it nothing is compared.
+    """
+    unknown = not case.outcome and result.solver != REFERENCE
+    return result.solver in case.refused_by or (result.refused and unknown)
+
+
 def _ending(case: Case, result: Run) -> Check:
     expected = case.outcome or "completed or detached"
     outcome = str(result.trace.outcome.kind) if result.trace else ("refused" if result.refused else "failed")
-    if result.solver in case.refused_by:
+    if declined(case, result):
         source, expected, passed = "a scene the method does not take", "refused", result.refused
     else:
         source = "the run reaches its end"
         passed = result.finished and (not case.outcome or outcome == case.outcome)
-    note = "" if passed else result.ending
+    note = result.ending if result.refused or not passed else ""
     return Check(case.name, result.solver, "outcome", source, expected, outcome, passed, note=note)
 
 

@@ -48,7 +48,7 @@ class LevelRun:
 
     ``wall_seconds`` and ``cpu_seconds`` are the smallest of ``repeats`` runs, imports excluded, meshing and
     assembly included. ``errors`` are signed and relative (:func:`scales`); norms are relative to the
-    largest magnitude of the reference.
+    largest magnitude of the reference. ``refused``: the scheme does not take the scene, which is no failure.
     """
 
     level: Level
@@ -60,6 +60,7 @@ class LevelRun:
     repeats: int = 0
     outcome: str = ""
     failure: str = ""
+    refused: bool = False
     details: str = ""
 
     @property

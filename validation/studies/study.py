@@ -9,7 +9,7 @@ from __future__ import annotations
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
-from contact_scene import Trace
+from contact_scene import SceneError, Trace
 from validation.cases import Case
 from validation.execution.environment import stamp
 from validation.execution.fingerprints import fingerprint
@@ -28,7 +28,7 @@ from validation.studies.convergence import (
     solve_level,
 )
 from validation.studies.ladders import Ladder, Level, finest, ladders
-from validation.studies.schemes import Settings
+from validation.studies.schemes import Settings, scheme
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,9 @@ class SceneStudy:
 
     @property
     def failed(self) -> list[tuple[Convergence, LevelRun]]:
-        """Levels without an answer."""
-        return [(study, run) for study in self.ladders for run in study.runs if run.failed]
+        """Levels without an answer to a scene that their scheme takes."""
+        runs = [(study, run) for study in self.ladders for run in study.runs]
+        return [(study, run) for study, run in runs if run.failed and not run.refused]
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,8 @@ def study(cases: list[Case], workers: int, progress: Progress, store: Store | No
 def _study_scene(case: Case, workers: int, progress: Progress, store: Store) -> SceneStudy:
     """The reference first; then the timed ladders, alone; then the others together."""
     all_ladders = ladders(case.scene)
-    total = 1 + sum(len(ladder.levels) for ladder in all_ladders)
+    declined = {ladder.scheme: _refusal(case, ladder.scheme) for ladder in all_ladders}
+    total = 1 + sum(len(ladder.levels) for ladder in all_ladders if not declined[ladder.scheme])
     done = 0
 
     def run(tasks: list[Task], executor: Executor | None = None) -> list[TaskResult]:
@@ -109,17 +111,35 @@ def _study_scene(case: Case, workers: int, progress: Progress, store: Store) -> 
     key = fingerprint("finest reference", case.scene)
     (answer,) = run([Task(key, f"{case.name} reference", _finest_reference, (case,))])
     reference, resolution, words = answer.value or (None, 0, f"no reference; {answer.failure}")
-    tasks = [_level_tasks(case, ladder, reference) for ladder in all_ladders]
+    tasks = [
+        [] if declined[ladder.scheme] else _level_tasks(case, ladder, reference) for ladder in all_ladders
+    ]
     results = {i: run(tasks[i]) for i, ladder in enumerate(all_ladders) if ladder.timed}
     shared = [i for i in range(len(tasks)) if i not in results]
     with processes(min(workers, sum(len(tasks[i]) for i in shared))) as executor:
         answers = iter(run([task for i in shared for task in tasks[i]], executor))
     results |= {i: [next(answers) for _ in tasks[i]] for i in shared}
     size = {} if reference is None else scales(reference, case.scene)
-    convergences = [
-        read(ladder, tuple(map(_level_run, results[i])), size) for i, ladder in enumerate(all_ladders)
+    runs = [
+        tuple(map(_level_run, results[i])) or _refused_levels(ladder, declined[ladder.scheme])
+        for i, ladder in enumerate(all_ladders)
     ]
+    convergences = [read(ladder, runs[i], size) for i, ladder in enumerate(all_ladders)]
     return SceneStudy(case, words, _uncertainty(resolution, convergences), convergences)
+
+
+def _refusal(case: Case, name: str) -> str:
+    """Why a scheme does not take a scene; empty if it does."""
+    try:
+        scheme(name).solver.check(case.scene)
+    except SceneError as error:
+        return f"refused: {error}"
+    return ""
+
+
+def _refused_levels(ladder: Ladder, reason: str) -> tuple[LevelRun, ...]:
+    """The levels of a scheme that does not take the scene."""
+    return tuple(LevelRun(level, failure=reason, refused=True) for level in ladder.levels)
 
 
 def _level_tasks(case: Case, ladder: Ladder, reference: Trace | None) -> list[Task]:

@@ -110,7 +110,7 @@ def _failures(axes: Axes, study: Convergence, chart: Chart, colour: str, height:
         Whether there are any.
     """
     coarsest = study.runs[0].level.size
-    failed = [run for run in study.runs if run.failed]
+    failed = [run for run in study.runs if run.failed and not run.refused]
     if not failed:
         return False
     mark: dict[str, Any] = {"linestyle": "none", "marker": "x", "markersize": 7, "color": colour}

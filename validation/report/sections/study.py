@@ -131,7 +131,12 @@ def overview(scene: SceneStudy) -> Section:
             f"{plain(name)} {scene.uncertainty[name]:.0e}" for name in HEADLINE if name in scene.uncertainty
         )
         stated.append(f"The reference's own relative error, from its ladder and second order: {shares}.")
-    stated.append(f"{len(failed)} levels failed." if failed else "Every level has an answer.")
+    refused = {
+        study.ladder.scheme: run.failure for study in scene.ladders for run in study.runs if run.refused
+    }
+    stated += [f"{scheme} is left out, {reason}." for scheme, reason in refused.items()]
+    other = "other " if refused else ""
+    stated.append(f"{len(failed)} levels failed." if failed else f"Every {other}level has an answer.")
     rows = (_headline(study, row) for study, row in _headlines(scene.timed))
     title = "Observed orders, everything refined together"
     return _section(title, [*stated, NOTES, REFERENCE_NOTE], DataTable.of(rows))
@@ -221,12 +226,18 @@ def ladder(study: Convergence) -> Section:
     return _section(title, stated, *(table for table in tables if table.rows))
 
 
+def _ended(run: LevelRun) -> VerdictCell | str:
+    if run.refused:
+        return run.failure
+    return VerdictCell(f"FAILED: {run.failure}", False) if run.failed else run.outcome
+
+
 def _level(run: LevelRun) -> Record:
     """What a level cost, and how it ended."""
     return (
         {
             "level": run.level.label,
-            "ending": VerdictCell(f"FAILED: {run.failure}", False) if run.failed else run.outcome,
+            "ending": _ended(run),
             "seconds": number(run.wall_seconds, 3),
             "processor": number(run.cpu_seconds, 3),
             "repeats": str(run.repeats) if run.repeats else ABSENT,

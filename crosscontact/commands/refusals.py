@@ -1,0 +1,48 @@
+"""Scenes that solvers refuse, told before anything is run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from contact_scene import Scene, SceneError
+from validation import solvers
+
+
+def refusals(scene: Scene, names: Iterable[str], resolution: int | None = None) -> dict[str, SceneError]:
+    """Why solvers do not take a scene, by their names; those that take it are left out."""
+    found = {}
+    for name in names:
+        try:
+            solvers.solver(name).check(scene, resolution)
+        except SceneError as error:
+            found[name] = error
+    return found
+
+
+def check_taken(source: str, scene: Scene, names: Iterable[str], resolution: int | None = None) -> None:
+    """Refuse a scene that none of the solvers takes.
+
+    Parameters
+    ----------
+    source : str
+        File or name of the scene, as it was given.
+    scene : Scene
+    names : iterable of str
+        Solvers.
+    resolution : int or None
+        Divisions per process zone; ``None``: the solvers' choice.
+
+    Raises
+    ------
+    SceneError
+        One line with the reason of every solver, once where they agree.
+    """
+    asked = tuple(names)
+    found = refusals(scene, asked, resolution)
+    if len(found) < len(asked) or not found:
+        return
+    reasons = {str(error): error for error in found.values()}
+    if len(reasons) == 1:
+        raise next(iter(found.values())).in_file(source)
+    problem = ", ".join(f"{name}: {error.key}: {error.problem}" for name, error in found.items())
+    raise SceneError("", f"no solver takes it: {problem}", "a scene that one of them takes", source)

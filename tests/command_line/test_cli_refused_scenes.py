@@ -1,0 +1,131 @@
+"""Scenes that solvers refuse: all of them in one line, some of them beside the answers of the others."""
+
+from __future__ import annotations
+
+import pytest
+from support.spring_solver import SCENE, FunctionSolver, StudiedSolver, named, small_scene, spring
+
+from contact_scene import SceneError, UnsupportedScene
+from crosscontact.cli import main
+from validation import solvers
+from validation.studies import schemes
+
+HOLD = '[[loading.steps]]\nkind = "hold"\nduration = 1e17\n'
+NO_SOLVER = "less than the time can resolve"
+
+
+class Picky(FunctionSolver):
+    """A solver that does not take what it is asked."""
+
+    def refusal(self, scene):
+        return UnsupportedScene("indenter", "is too round", "another one")
+
+
+@pytest.fixture
+def lost(tmp_path):
+    """A scene that is out of every solver's range."""
+    ramps = SCENE.split("[[loading.steps]]")
+    file = tmp_path / "lost.toml"
+    file.write_text("[[loading.steps]]".join([ramps[0] + HOLD, *ramps[1:]]))
+    return str(file)
+
+
+@pytest.fixture
+def _stand_ins(monkeypatch):
+    for name in solvers.SOLVERS:
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
+
+
+def one_line(capsys, *given: str) -> str:
+    assert main([*given]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    (line,) = err.splitlines()
+    return line
+
+
+@pytest.mark.parametrize(
+    "command", ["solve", "compare", "study", "study --poisson 10", "study --zones 0.01", "fields --at 0"]
+)
+def test_a_scene_that_no_solver_takes_is_one_line(capsys, tmp_path, lost, command):
+    name, *more = command.split()
+    line = one_line(capsys, name, lost, *more, "--out", str(tmp_path / "out"))
+    assert line.startswith(f"crosscontact: error: {lost}: loading.steps[1]: ")
+    assert NO_SOLVER in line
+    assert not list((tmp_path / "out").glob("*"))
+
+
+@pytest.mark.usefixtures("_stand_ins")
+def test_a_scene_of_several_that_no_solver_takes_is_named(capsys, tmp_path, lost):
+    assert lost in one_line(capsys, "compare", small_scene(tmp_path), lost, "--jobs", "1")
+
+
+@pytest.mark.usefixtures("_stand_ins")
+def test_different_reasons_are_told_with_their_solvers(capsys, tmp_path, monkeypatch):
+    class Pickier(FunctionSolver):
+        def refusal(self, scene):
+            return UnsupportedScene("material", "is too soft", "another one")
+
+    monkeypatch.setitem(solvers.SOLVERS, "bem", Picky(spring(), "bem"))
+    monkeypatch.setitem(solvers.SOLVERS, "reference", Pickier(spring(), "reference"))
+    line = one_line(capsys, "compare", small_scene(tmp_path), "--solvers", "bem,reference", "--jobs", "1")
+    assert "small.toml: no solver takes it" in line
+    assert "bem: indenter: is too round" in line
+    assert "reference: material: is too soft" in line
+
+
+@pytest.mark.usefixtures("_stand_ins")
+def test_a_solver_that_refuses_costs_the_others_nothing(capsys, tmp_path, monkeypatch):
+    monkeypatch.setitem(solvers.SOLVERS, "fem", Picky(spring(), "fem"))
+    assert main(["compare", small_scene(tmp_path), "--jobs", "1"]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    (row,) = [row for row in rows if row[:1] == ["fem"]]
+    assert row[1:3] == ["outcome", "refused"]
+    assert " ".join(row).endswith("refused: indenter: is too round; allowed: another one")
+    assert any(row[:2] == ["bem", "dissipated"] for row in rows)
+
+
+@pytest.mark.usefixtures("_stand_ins")
+def test_a_solver_that_disagrees_is_still_told(tmp_path, monkeypatch):
+    monkeypatch.setitem(solvers.SOLVERS, "fem", Picky(spring(), "fem"))
+    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", FunctionSolver(spring(stiffness=2.0))))
+    assert main(["compare", small_scene(tmp_path), "--jobs", "1"]) == 1
+
+
+@pytest.mark.usefixtures("_stand_ins")
+def test_without_the_reference_nothing_is_compared(capsys, tmp_path, monkeypatch):
+    monkeypatch.setitem(solvers.SOLVERS, "reference", Picky(spring(), "reference"))
+    assert main(["compare", small_scene(tmp_path), "--jobs", "1"]) == 1
+    err = capsys.readouterr().err
+    assert "reference: outcome: found refused" in err
+    assert "no reference run" in err
+
+
+@pytest.mark.usefixtures("_stand_ins")
+def test_a_refusal_that_only_the_run_tells_is_exit_code_2(capsys, tmp_path, monkeypatch):
+    def refuse(scene, resolution=None, **options):
+        raise SceneError("adhesion.zone", "too long", "a shorter one")
+
+    for name in solvers.SOLVERS:
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(refuse)))
+    out = tmp_path / "out"
+    assert main(["compare", small_scene(tmp_path), "--jobs", "1", "--out", str(out)]) == 2
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last == "crosscontact: error: small: adhesion.zone: too long; allowed: a shorter one"
+    assert not (out / "index.html").exists()
+
+
+@pytest.mark.usefixtures("_stand_ins")
+def test_a_study_leaves_out_what_does_not_take_the_scene(capsys, tmp_path, monkeypatch):
+    for name in schemes.SCHEMES:
+        stand_in = StudiedSolver(spring(), schemes.SCHEMES[name].solver.name)
+        if name == "bem":
+            monkeypatch.setattr(
+                stand_in, "refusal", lambda scene: UnsupportedScene("indenter", "is round", "x")
+            )
+        monkeypatch.setitem(schemes.SCHEMES, name, schemes.replace(schemes.SCHEMES[name], solver=stand_in))
+    assert main(["study", small_scene(tmp_path), "--jobs", "1"]) == 0
+    out, err = capsys.readouterr()
+    assert "bem together" not in err
+    assert "failed:" not in err
+    assert "0 failed" in out
