@@ -308,3 +308,16 @@ def test_numbers_beyond_floating_point_end_a_run_with_a_reason(start, steps, kin
     assert trace.outcome.kind is kind
     assert trace.outcome.finished or "floating point" in trace.outcome.reason
     assert all(np.isfinite(column).all() for column in trace.columns().values())
+
+
+@pytest.mark.parametrize(("branch_time", "rate"), [(1e-18, 4e-6), (0.03, 1e-20)])
+def test_a_collapse_faster_than_the_rounding_of_time_is_a_detachment(branch_time, rate):
+    """The contact is relaxed but for the collapse, whatever the units of time."""
+    material = Material(2.2e4, 0.42, (Branch(6e4, branch_time),))
+    pulled = Loading("relaxed", 8e-7, (Ramp(-6e-6, rate),))
+    question = Scene(material, Sphere(3.7e-5), pulled, Adhesion(0.03, 4e-7))
+    elastic = Scene(Material(2.2e4, 0.42), Sphere(3.7e-5), pulled, Adhesion(0.03, 4e-7))
+    trace, limit = (solve(one, COARSE) for one in (question, elastic))
+    assert trace.outcome.kind is limit.outcome.kind is OutcomeKind.DETACHED
+    assert_allclose(trace.force.min(), limit.force.min(), rtol=1e-4)
+    assert_allclose(trace.time[-1], limit.time[-1], rtol=1e-4)
