@@ -115,7 +115,11 @@ class Annuli:
         """Angle ``arcsin(r)`` after a number of annuli from the centre."""
         if self.grading == 1.0:
             return 0.5 * np.pi * number / self.count
-        return ellipj(ellipkm1(self.grading**2) * number / self.count, 1.0 - self.grading**2)[3]
+        return self._jacobi(number)[3]
+
+    def _jacobi(self, number: Array) -> tuple[Array, Array, Array, Array]:
+        """Jacobi's functions sn, cn, dn and am after a number of annuli from the centre."""
+        return ellipj(ellipkm1(self.grading**2) * number / self.count, 1.0 - self.grading**2)
 
     def _area_averages(self) -> Array:
         """Means (M, M) over the areas of the annuli of a field at the collocation radii, by even cubics."""
@@ -134,7 +138,7 @@ class Annuli:
         """Derivative of the angle with the number of annuli, but for a factor."""
         if self.grading == 1.0:
             return np.ones(number.shape)
-        return ellipj(ellipkm1(self.grading**2) * number / self.count, 1.0 - self.grading**2)[2]
+        return self._jacobi(number)[2]
 
     def position(self, angle: Array) -> Array:
         """Number of annuli between the centre and the radius ``sin(angle)``, inverse of the angle above."""

@@ -23,7 +23,7 @@ _ROUNDING_AT_FOLD = 3e-5
 """Contact radius, relative, to which a limit point is told from rounding: there the edge moves by the root of
 what the load does, of which up to 1e-9 is lost in the sums over annuli and states."""
 _ROUNDINGS_OF_TIME = 4.0
-"""Shortest step of an edge that moves in time, in roundings of it: what happens within cannot be told apart."""
+"""Shortest step of an edge that moves in time, in roundings of it: within them nothing can be told apart."""
 
 
 @dataclass(frozen=True)

@@ -116,24 +116,14 @@ def _solve_graded(
     kept = kept_state(monitor, SOLVER)
     counters = kept.counters if kept is not None else Counters(factorisations=1)
     cursor = kept.cursor if kept is not None else LoadingCursor()
-    reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
-    started = None
     try:
         problem, scale = _discretised(scene, options, counters)
-        started = start_state(problem, scale) if kept is None else None
+        state: GradedState | None = kept.content if kept is not None else _started(problem, scale)
     except (ZeroDivisionError, OverflowError) as error:
-        reason = _beyond_floating_point(error)
-    if kept is not None:
-        state: GradedState = kept.content
-    else:
-        if started is None:
-            work = scene.adhesion.work if scene.adhesion is not None and scene.is_adhesive else 0.0
-            free = trace_without_contact(scene.loading.penetration, reason, counters, work)
-            return on_machine(free, scene.machine)
-        contact, energies = started
-        record = TraceRecorder(shortest=float(problem.chain.relaxation.min(initial=math.inf)))
-        record.row(problem.chain, contact, energies)
-        state = GradedState(contact, energies, record, abs(contact.surface.force), contact.edge)
+        return _without_contact(scene, counters, _beyond_floating_point(error))
+    if state is None:
+        reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
+        return _without_contact(scene, counters, reason)
     settings = StepSettings(options.step_tolerance, options.divisions, scale)
     run = GradedRun(problem, settings, options.max_steps, cursor, state, monitor)
     try:
@@ -146,6 +136,23 @@ def _solve_graded(
         outcome = Outcome(OutcomeKind.OUT_OF_RANGE, _beyond_floating_point(error), state.contact.time)
     trace = state.record.trace(outcome, counters, problem.work, problem.irreversible is None)
     return on_machine(trace, scene.machine)
+
+
+def _started(problem: Problem, scale: float) -> GradedState | None:
+    """The state at the start, and its row of the trace; ``None`` without a stable contact."""
+    started = start_state(problem, scale)
+    if started is None:
+        return None
+    contact, energies = started
+    record = TraceRecorder(shortest=float(problem.chain.relaxation.min(initial=math.inf)))
+    record.row(problem.chain, contact, energies)
+    return GradedState(contact, energies, record, abs(contact.surface.force), contact.edge)
+
+
+def _without_contact(scene: Scene, counters: Counters, reason: str) -> Trace:
+    """The trace of a scene that has no contact at the start."""
+    work = scene.adhesion.work if scene.adhesion is not None and scene.is_adhesive else 0.0
+    return on_machine(trace_without_contact(scene.loading.penetration, reason, counters, work), scene.machine)
 
 
 def _beyond_floating_point(error: ArithmeticError) -> str:

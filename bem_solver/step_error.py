@@ -123,11 +123,8 @@ def error_at_limit(
     rates = start.state.accepted.rates(step)
     known = len(start.state.accepted.rows) > 1
     if not known:
-        before, after = (
-            free_load(start.interval, start.state.contact),
-            free_load_of(start.interval, at_rest()),
-        )
-        rates = rates[0], (after - before) / step
+        before = free_load(start.interval, start.state.contact)
+        rates = rates[0], (free_load_of(start.interval, at_rest()) - before) / step
     of_edge, of_load, change = _departures(start, trial, step, rates)
     of_load = min(of_load, 0.125 * change)
     return max(of_edge if known else 0.0, _LOAD_WEIGHT_AT_LIMIT * of_load) / start.settings.tolerance

@@ -32,10 +32,10 @@ from bem_solver.step import (
     FailedStep,
     StepFailure,
     TrialStep,
-    limited_step,
 )
 from bem_solver.step_control import SHARE_OF_WAY, AcceptedRow, grown, shrunk
 from bem_solver.step_error import free_load, load_error
+from bem_solver.step_limits import limited_step
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor

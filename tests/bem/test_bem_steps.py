@@ -10,8 +10,8 @@ from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
 from bem_solver.loading_intervals import LoadingInterval
-from bem_solver.step import _rounded
 from bem_solver.step_control import SHARE_OF_WAY, AcceptedRow, AcceptedSteps
+from bem_solver.step_limits import _rounded
 from contact_scene import (
     Adhesion,
     Branch,

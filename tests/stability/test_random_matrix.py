@@ -75,6 +75,21 @@ def judged(mine: TaskResult, base: Trace | None = None) -> RandomSceneAnswer:
     return {one.solver: one for one in found.answers}["bem"]
 
 
+@pytest.fixture
+def asked(monkeypatch):
+    """Solvers that a matrix asks for, each of which dies."""
+    asked: list[str] = []
+
+    def carried_out(numbered, executor, outstanding):
+        for number, task in numbered:
+            asked.append(task.arguments[1])
+            yield number, result(task.arguments[1], None, failure="died", ending=TaskEnding.DIED)
+
+    monkeypatch.setattr(random_runs, "completed_tasks", carried_out)
+    monkeypatch.setattr(random_matrix, "processes", NoProcesses)
+    return asked
+
+
 def test_a_seed_is_always_the_same_scene_and_every_kind_comes():
     assert random_scene(7) == random_scene(7)
     many = [random_scene(seed) for seed in range(1, 120)]
@@ -97,16 +112,7 @@ def test_short_zones_are_short_and_a_family_of_their_own():
     assert {one.kind for one in spheres} == set(LOADINGS)
 
 
-def test_solvers_may_be_left_out_but_not_the_reference(tmp_path, monkeypatch):
-    asked: list[str] = []
-
-    def carried_out(numbered, executor, outstanding):
-        for number, task in numbered:
-            asked.append(task.arguments[1])
-            yield number, result(task.arguments[1], None, failure="died", ending=TaskEnding.DIED)
-
-    monkeypatch.setattr(random_runs, "completed_tasks", carried_out)
-    monkeypatch.setattr(random_matrix, "processes", NoProcesses)
+def test_solvers_may_be_left_out_but_not_the_reference(tmp_path, asked):
     seed = next(seed for seed in range(1, 6) if random_matrix._possible(seed, "short-zones"))
     arguments = ["--out", str(tmp_path), "--seeds", str(seed), "--family", "short-zones", "--solvers"]
     assert random_matrix.main([*arguments, "bem"]) == 1
@@ -208,17 +214,8 @@ def test_without_an_estimate_only_a_wrong_answer_is_told():
     assert math.isinf(found.allowed)
 
 
-def test_a_stopped_matrix_goes_on(tmp_path, monkeypatch):
+def test_a_stopped_matrix_goes_on(tmp_path, asked):
     """Scenes that are done are not repeated; those at fault are written, the table counts all."""
-    asked: list[str] = []
-
-    def carried_out(numbered, executor, outstanding):
-        for number, task in numbered:
-            asked.append(task.arguments[1])
-            yield number, result(task.arguments[1], None, failure="died", ending=TaskEnding.DIED)
-
-    monkeypatch.setattr(random_runs, "completed_tasks", carried_out)
-    monkeypatch.setattr(random_matrix, "processes", NoProcesses)
     touching = [seed for seed in range(1, 6) if random_matrix._possible(seed)]
     first = random_matrix.run(tmp_path, touching[:2])
     assert [one.seed for one in random_matrix.run(tmp_path, touching[:3])] == touching[:3]
