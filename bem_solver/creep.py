@@ -35,6 +35,9 @@ _LATEST_SHARE = 1.0 - 1e-8
 would be more than half the change, and the difference it makes is as small."""
 _SERIES, _TERMS = 0.5, 14
 """Step, in relaxation times, below which moments are summed as series, and the terms that takes."""
+_ORDER = np.arange(_TERMS)[:, None]
+_MOMENTS = np.array([(1.0 / (factorial(_ORDER) * (_ORDER + n) * (_ORDER + n + 1.0)))[:, 0] for n in (2, 3)])
+"""Coefficients (2, terms) of the powers of ``-y`` in the moments of ``exp(-y u)``, first and second."""
 
 
 def phi(y: Array) -> Array:
@@ -45,9 +48,7 @@ def phi(y: Array) -> Array:
 
 def _decaying_moments(y: Array) -> tuple[Array, Array]:
     """Integrals of ``exp(-y u) u (1 - u)`` and ``exp(-y u) u^2 (1 - u)`` over 0 <= u <= 1."""
-    order = np.arange(_TERMS)[:, None]
-    terms = (-np.minimum(y, _SERIES)) ** order / factorial(order)
-    series = [(terms / ((order + n) * (order + n + 1.0))).sum(axis=0) for n in (2, 3)]
+    series = _MOMENTS @ (-np.minimum(y, _SERIES)) ** _ORDER
     z = np.maximum(y, _SERIES)
     left = np.exp(-z)
     first = (1.0 - (1.0 + z) * left) / z**2
