@@ -243,6 +243,8 @@ SHEAR, BULK = 10.0 * 0.75 / (2.0 * 1.3), 0.75 / (3.0 * (1.0 - 2.0 * 0.3))
 STARTS = {
     "dwell-10": (sphere(10.0, 0.013, JKR_WORK), 0.0, (0.04, 0.2), FORCE),
     "force-4": (sphere(1.0, 0.013, JKR_WORK), 0.032, (0.2, 0.3), FORCE),
+    "force-8": (sphere(1.0, 0.013, JKR_WORK), 0.032, (0.2, 0.3), FORCE),
+    "three-branches": (sphere(7.5 / 0.91, 0.013, JKR_WORK), 0.0, (0.04, 0.2), FORCE * 0.75 / 0.91),
     "cone-cycle": (cone(70.0, 10.0, 0.006, JKR_WORK), 0.03, (0.03, 0.12), 1.0),
     "cone-pull": (cone(75.0, 2.0 / (1.0 - 0.45**2), 4e-3, 2e-4), 0.01, (0.025, 0.05), 1.0),
     "repressed-profile": (polynomial(0.25, 6.0, 1.0, 0.03, 5e-4), 0.005, (0.12, 0.25), 1.0),
@@ -281,13 +283,14 @@ def test_slow_pull_off_of_a_cone_bounds_every_faster_one(name):
     assert 0.9999 * -force < bound < -force
 
 
-@pytest.mark.parametrize("time", [1.0, 3.0])
-def test_creep_at_the_first_radius_bounds_the_penetration_under_a_tension(time):
-    contact, depth, interval, _ = STARTS["force-4"]
+@pytest.mark.parametrize(("multiple", "time"), [(4.0, 1.0), (4.0, 3.0), (8.0, 0.5), (8.0, 1.5)])
+def test_creep_at_the_first_radius_bounds_the_penetration_under_a_tension(multiple, time):
+    name = f"force-{multiple:g}"
+    contact, depth, interval, _ = STARTS[name]
     radius, force = contact.at_depth(depth, *interval)
-    tension = 4.0 * 1.5 * math.pi * JKR_WORK
+    tension = multiple * 1.5 * math.pi * JKR_WORK
     creep = 1.0 - 0.9 * math.exp(-time / 10.0)  # relaxation time 1, Einf = 10 E0: retardation time 10
-    entries = [c for c in checks("force-4")["checks"] if c.get("at_time") == time]
+    entries = [c for c in checks(name)["checks"] if c.get("at_time") == time]
     (bound,) = [entry["at_most"] for entry in entries if entry["observable"] == "penetration"]
     assert bound == pytest.approx(depth - (tension + force) * creep / (2.0 * radius), abs=2e-7)
 

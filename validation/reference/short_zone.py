@@ -1,0 +1,348 @@
+r"""Sphere whose process zone is short against the contact: ordinary differential equations for a run.
+
+In Sneddon's coordinate every point of the contact carries its own history,
+``q(x, t) = int E*(t - s) dw(x, s)`` with ``w = D - G(x)`` in contact, ``q = 0`` outside, and
+``K = -q(a)/sqrt(pi a)`` (:mod:`..jkr`). A point that the edge covers first at ``t_c`` starts there
+with the glassy jump ``E*(0) (D(t_c) - G(x))``.
+
+Within a zone ``da`` the edge moves as one in an infinite body that has always moved at its present speed
+(:mod:`..steady_crack`, whose laws are of the near field alone): an opening edge at
+
+    dg = (q(a)^2/(2 pi a)) (1/da) int_0^da J*(y/v) dy,
+
+a closing edge, which has a free surface ahead of it that was never loaded, at
+
+    dg = ((D - G(a))^2/(2 pi a)) (1/da) int_0^da E*(y/v) dy.
+
+Each gives the speed; where no speed is fast enough, ``dg < J*(0) q(a)^2/(2 pi a)``, the edge jumps. Unlike
+:mod:`..steady_edge` nothing is supposed of the half-space beyond the zone: it relaxes at its own rate.
+
+The force is the sum of ``f_k = 2 int_0^a q_k dx`` over the branches of the material, and
+
+    f_k' = 2 E_k* D' a + 2 q_k(a) a' - f_k/tau_k,
+
+where ``q_k(a) = E_k* (D - G(a))`` at a closing edge. After a reversal the edge closes on until its speed is
+zero; the stress that opens it again is that one zone inside, since the last points have only been covered.
+
+**Where it holds.** What is left out is of the order of ``da/a``; after a reversal, where the edge goes a few
+zones while its speed falls to nothing, of some lower order. ``F > 0`` presses; units are those of the input.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq, minimize_scalar
+
+from contact_scene import Material, Sphere
+from validation.reference.jkr import JKR, State
+from validation.reference.prony_integrals import mean_creep, mean_relaxation, plane_factor
+
+Array = NDArray[np.float64]
+
+CROSSING_TIMES = 1e-9, 1e15
+"""Bounds of the time in which the edge crosses its zone, over the shortest and longest relaxation time: an
+edge that jumps has the first."""
+LOST = 1e-2
+"""Radius of a contact that jumps, relative to that at the start, at which the integration ends."""
+ACCURACY = 1e-10
+"""Relative tolerance of the integration."""
+AT_REST = 1e-6
+"""Speed, in zones per longest relaxation time, below which a closing edge is at rest."""
+TINY = 1e-300
+"""Least speed of an edge about to come to rest, in place of zero."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A run until contact is lost.
+
+    Parameters
+    ----------
+    time, radius, penetration, force : ndarray, shape (n,)
+        Rising times; the last is that of the detachment.
+    pull_off_force, pull_off_penetration : float
+        Largest tension, and where.
+    loop_energy : float
+        ``int F dD``.
+    """
+
+    time: Array
+    radius: Array
+    penetration: Array
+    force: Array
+    pull_off_force: float
+    pull_off_penetration: float
+    loop_energy: float
+
+
+@dataclass(frozen=True)
+class _Ramp:
+    """Penetration ``level`` at ``begin``, changing at ``rate``."""
+
+    begin: float
+    level: float
+    rate: float
+
+    def depth(self, time: Any) -> Any:
+        return self.level + self.rate * (time - self.begin)
+
+
+@dataclass(frozen=True)
+class _Branches:
+    """Spring (index 0, without a time) and branches of the half-space, as plane moduli."""
+
+    moduli: Array
+    rates: Array
+
+    def strained(self, loads: Array, rate: float, duration: float) -> Array:
+        """Loads ``q_k`` after a time at a rate of strain."""
+        y = self.rates * duration
+        mean = np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
+        return loads * np.exp(-y) + self.moduli * rate * duration * mean
+
+
+@dataclass(frozen=True)
+class ShortZone:
+    """A sphere whose ``zone`` is short against every contact radius that matters."""
+
+    material: Material
+    radius: float
+    work: float
+    zone: float
+
+    def retraction(self, start: float, rate: float) -> Motion:
+        """From the relaxed equilibrium at the penetration ``start``, at a speed, until contact is lost."""
+        first = JKR(Sphere(self.radius), self._relaxed, self.work).at_penetration(start)
+        state = np.zeros(len(self._branches.moduli) + 2)
+        state[:2] = first.contact_radius, first.force
+
+        def edge_loads(a: float, time: float) -> Array:
+            loads = np.zeros_like(self._branches.moduli)
+            loads[0] = self._relaxed * (start - a * a / self.radius)
+            return self._branches.strained(loads, -rate, time)
+
+        return self._opened(_Ramp(0.0, start, -rate), state, edge_loads)
+
+    def approach(self, start: float, deepest: float, rate: float) -> State:
+        """Where the glassy equilibrium at ``start`` has come to when it reaches ``deepest`` at a speed."""
+        pressed = _Ramp(0.0, start, rate)
+        radius, *loads, _ = self._closed(pressed, (deepest - start) / rate, self._glassy_state(start)).y[
+            :, -1
+        ]
+        return State(float(radius), deepest, float(sum(loads)))
+
+    def cycle(self, start: float, deepest: float, approach: float, retraction: float) -> Motion:
+        """From the glassy equilibrium at ``start`` to ``deepest``, and back until contact is lost.
+
+        Parameters
+        ----------
+        start, deepest : float
+            Penetrations.
+        approach, retraction : float
+            Speeds.
+        """
+        branches = self._branches
+        reversal = (deepest - start) / approach
+        pressed, pulled = _Ramp(0.0, start, approach), _Ramp(reversal, deepest, -retraction)
+        way = self._closed(pressed, reversal, self._glassy_state(start))
+        on = self._closed(pulled, math.inf, way.y[:, -1])
+        times, radii = np.append(way.t, on.t), np.append(way.y[0], on.y[0])
+
+        def depth(time: float) -> float:
+            return pressed.depth(time) if time <= reversal else pulled.depth(time)
+
+        radii = np.maximum.accumulate(radii)
+        rising = np.concatenate(([True], np.diff(radii) > 0.0))
+        times, radii = times[rising], radii[rising]
+        slopes = [1.0 / max(self.closing_speed(a, depth(t)), TINY) for a, t in zip(radii, times, strict=True)]
+        covered = CubicHermiteSpline(radii, times, np.array(slopes))
+
+        def edge_loads(a: float, time: float) -> Array:
+            at = min(max(float(covered(a)), 0.0), float(times[-1])) if a > radii[0] else 0.0
+            loads = branches.moduli * (depth(at) - a * a / self.radius)
+            if at < reversal:
+                loads = branches.strained(loads, approach, reversal - at)
+            return branches.strained(loads, -retraction, time - max(at, reversal))
+
+        inside = float(radii[-1]) - self.zone
+        return self._opened(pulled, on.y[:, -1], edge_loads, float(on.t[-1]), inside)
+
+    def opening_speed(self, contact_radius: float, load: float) -> float:
+        """Of an edge with ``q(a) = load``: 0 where it is at rest, very large where it jumps."""
+        needed = self.compliance_needed(contact_radius, load)
+        if needed * self._relaxed >= 1.0 - 1e-14:
+            return 0.0
+        return self.zone / self._crossing(mean_creep, needed)
+
+    def crossing_time(self, contact_radius: float, load: float) -> float:
+        """Time in which an opening edge with ``q(a) = load`` crosses its zone; 0 where it jumps."""
+        needed = self.compliance_needed(contact_radius, load)
+        return self._crossing(mean_creep, needed) if needed * self._glassy > 1.0 else 0.0
+
+    def closing_speed(self, contact_radius: float, penetration: float) -> float:
+        """Of an edge that advances; 0 where it is at rest, very large where it jumps."""
+        stretch = contact_radius**2 / self.radius - penetration
+        needed = 2.0 * math.pi * contact_radius * self.work / stretch**2 if stretch > 0.0 else math.inf
+        if needed <= self._relaxed * (1.0 + 1e-14):
+            return 0.0
+        return self.zone / self._crossing(mean_relaxation, needed)
+
+    def compliance_needed(self, contact_radius: float, load: float) -> float:
+        """Mean creep compliance at which the edge takes up the work of adhesion."""
+        return 2.0 * math.pi * contact_radius * self.work / load**2 if load < 0.0 else math.inf
+
+    def _crossing(self, mean: Callable[[Material, float], Array], value: float) -> float:
+        times = self.material.spectrum[1]
+        low, high = CROSSING_TIMES[0] * times.min(), CROSSING_TIMES[1] * times.max()
+        rising = mean is mean_creep
+        fastest, slowest = float(mean(self.material, low)), float(mean(self.material, high))
+        if (fastest >= value) if rising else (fastest <= value):
+            return float(low)
+        if (slowest <= value) if rising else (slowest >= value):
+            return float(high)
+
+        def excess(logarithm: float) -> float:
+            return float(mean(self.material, math.exp(logarithm))) - value
+
+        return math.exp(brentq(excess, math.log(low), math.log(high), xtol=1e-13, rtol=1e-14))
+
+    @cached_property
+    def _branches(self) -> _Branches:
+        moduli, times = self.material.spectrum
+        factor = plane_factor(self.material)
+        return _Branches(
+            factor * np.concatenate(([self.material.modulus], moduli)), np.concatenate(([0.0], 1.0 / times))
+        )
+
+    @property
+    def _relaxed(self) -> float:
+        return self.material.relaxed_plane_modulus
+
+    @property
+    def _glassy(self) -> float:
+        return self.material.glassy_plane_modulus
+
+    def _rates(self, state: Array, rate: float, speed: float, edge_loads: Array) -> Array:
+        """Rates of radius, loads ``f_k`` and work, where the edge moves outwards at ``speed``."""
+        radius, loads = float(state[0]), state[1:-1]
+        branches = self._branches
+        changes = 2.0 * (branches.moduli * rate * radius + edge_loads * speed) - branches.rates * loads
+        return np.array([speed, *changes, rate * float(loads.sum())])
+
+    def _glassy_state(self, start: float) -> Array:
+        """Radius, loads ``f_k`` and work of the glassy equilibrium at a penetration."""
+        first = JKR(Sphere(self.radius), self._glassy, self.work).at_penetration(start)
+        return np.array([first.contact_radius, *(self._branches.moduli / self._glassy * first.force), 0.0])
+
+    def _closed(self, leg: _Ramp, end: float, state: Array) -> Any:
+        """The edge from a state on until it comes to rest or, at the latest, ``end``."""
+
+        def speed(time: float, state: Array) -> float:
+            return self.closing_speed(float(state[0]), leg.depth(time))
+
+        def moved(time: float, state: Array) -> Array:
+            at_edge = self._branches.moduli * (leg.depth(time) - state[0] ** 2 / self.radius)
+            return self._rates(state, leg.rate, speed(time, state), at_edge)
+
+        def at_rest(time: float, state: Array) -> float:
+            return speed(time, state) - AT_REST * self.zone / self.material.spectrum[1].max()
+
+        at_rest.terminal = True  # type: ignore[attr-defined]
+        return _integrated(moved, (leg.begin, end), state, (at_rest,) if math.isinf(end) else ())
+
+    def _opened(
+        self,
+        pulled: _Ramp,
+        state: Array,
+        edge_loads: Callable[[float, float], Array],
+        begin: float = 0.0,
+        within: float = math.inf,
+    ) -> Motion:
+        """A retraction from a state on until contact is lost.
+
+        Parameters
+        ----------
+        pulled : _Ramp
+        state : ndarray
+            Radius, loads ``f_k`` and work at the time ``begin``.
+        edge_loads : callable
+            ``q_k(a)`` at any radius and time.
+        begin : float
+        within : float
+            Radius outside which the stress that drives the edge is the one there.
+        """
+        smallest = LOST * float(state[0])
+
+        def driving(a: float, time: float) -> float:
+            return float(edge_loads(min(a, within), time).sum())
+
+        def moved(time: float, state: Array) -> Array:
+            a = float(state[0])
+            speed = self.opening_speed(a, driving(a, time))
+            return self._rates(state, pulled.rate, -speed, edge_loads(a, time))
+
+        def left(time: float, state: Array) -> float:
+            return float(state[0]) - smallest
+
+        def jumps(time: float) -> bool:
+            radius = float(run.sol(time)[0])
+            needed = self.compliance_needed(radius, driving(radius, time))
+            return needed * self._glassy <= 1.0
+
+        left.terminal = True  # type: ignore[attr-defined]
+        run = _integrated(moved, (begin, math.inf), state, (left,))
+        held, lost = float(run.t[[not jumps(t) for t in run.t]][-1]), float(run.t[-1])
+        while lost - held > 1e-13 * lost:
+            middle = 0.5 * (held + lost)
+            held, lost = (held, middle) if jumps(middle) else (middle, lost)
+        time = np.concatenate((run.t[run.t < lost], [lost]))
+        states = run.sol(time)
+        force = states[1:-1].sum(axis=0)
+        least = int(np.argmin(force))
+        near = time[max(least - 1, 0)], time[min(least + 1, len(time) - 1)]
+        at = float(
+            minimize_scalar(
+                lambda t: run.sol(t)[1:-1].sum(),
+                bounds=near,
+                method="bounded",
+                options={"xatol": 1e-9 * lost},
+            ).x
+        )
+        return Motion(
+            time,
+            states[0],
+            pulled.depth(time),
+            force,
+            -float(run.sol(at)[1:-1].sum()),
+            pulled.depth(at),
+            float(states[-1, -1]),
+        )
+
+
+def _integrated(
+    rates: Callable[[float, Array], Array],
+    span: tuple[float, float],
+    state: Array,
+    events: Sequence[Callable[[float, Array], float]] = (),
+) -> Any:
+    """SciPy's solution, with dense output; sizes of the state are those at its start."""
+    small = ACCURACY * np.maximum(np.abs(state), ACCURACY * np.abs(state).max())
+    return solve_ivp(
+        rates,
+        span,
+        state,
+        method="LSODA",
+        rtol=ACCURACY,
+        atol=small,
+        events=events or None,
+        dense_output=True,
+    )
