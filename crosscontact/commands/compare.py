@@ -17,6 +17,7 @@ from validation.report.build import build
 from validation.report.report_folder import REPORT, check_report_unused
 from validation.report.sections.scene import verdicts
 from validation.report.write import write
+from validation.solvers import SOLVERS
 
 
 def run(
@@ -51,7 +52,7 @@ def run(
     """
     loaded = cases.load_all(names)
     for source, case in zip(dict.fromkeys(names), loaded, strict=True):
-        check_taken(source, case.scene, [solver for _, solver in all_pairs([case], solvers)])
+        check_taken(source, case.scene, [SOLVERS[name] for _, name in all_pairs([case], solvers)])
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, REPORT, loaded)

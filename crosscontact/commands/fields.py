@@ -35,8 +35,8 @@ from validation.solvers.finite_elements import FiniteElements
 if TYPE_CHECKING:
     from fem_solver import FieldState
 
-SOLVER = FiniteElements.name
-"""Only finite elements know the body."""
+METHOD = FiniteElements(following=False)
+"""Only finite elements know the body; their mesh stays where it is."""
 SECONDS_PER_MOMENT = 0.4
 """To compute and write the fields at one moment (s), on a mesh of some ten thousand nodes; measured."""
 SECONDS_PER_PICTURE = 1.0
@@ -144,7 +144,7 @@ def run(
         allowed = "--at T [T ...], --pull-off, --every N, --strip, --animate, or several"
         raise SceneError("fields", "no moment asked for", allowed)
     check_times(times, case.scene.loading)  # before anything is made
-    check_taken(name, case.scene, (SOLVER,), resolution)
+    check_taken(name, case.scene, (METHOD,), resolution)
     request = FieldRequest(tuple(times), pull_off, every, None if figures is None else figures.rows)
     command = FieldsCommand(case, request, figures, resolution, max_steps, fresh)
     if out is not None:
@@ -156,7 +156,7 @@ def run(
 def _into(folder: Path, command: FieldsCommand) -> int:
     scene = command.case.scene
     if not command.fresh:
-        check_unused(folder, scene, solver=SOLVER)
+        check_unused(folder, scene, solver=METHOD.name)
     store = Store(folder, command.fresh)
     stop = GracefulStop()
     kept = folder / CHECKPOINT if scene.material.bulk is None else None
@@ -165,7 +165,7 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     if writer.message:
         print(f"crosscontact: {writer.message}", file=sys.stderr)
     warn(solvers.scene_warnings(scene))
-    cost = expected_cost(scene, SOLVER, command.resolution)
+    cost = expected_cost(scene, METHOD, command.resolution)
     command.announce(cost)
     states: list[FieldState] = []  # to be drawn
     figures = command.figures

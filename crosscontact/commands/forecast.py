@@ -6,10 +6,9 @@ import sys
 from collections.abc import Iterable
 
 from contact_scene import Scene, SceneError
-from validation import solvers
 from validation.execution.files import in_words
 from validation.execution.progress import duration
-from validation.solvers import Cost
+from validation.solvers import Cost, Solver
 
 LONG = 10.0
 """Seconds of processor time from which an expected cost is said: what a user waits for without a word."""
@@ -19,10 +18,10 @@ ESTIMATE_SHARE = 0.5
 """Time of the coarser run from which errors are estimated, relative to the run."""
 
 
-def expected_cost(scene: Scene, solver: str, resolution: int | None) -> Cost | None:
+def expected_cost(scene: Scene, method: Solver, resolution: int | None) -> Cost | None:
     """The solver's forecast; ``None`` for a scene that it refuses, as its run will say."""
     try:
-        return solvers.solver(solver).expected_cost(scene, resolution)
+        return method.expected_cost(scene, resolution)
     except SceneError:
         return None
 

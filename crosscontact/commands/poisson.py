@@ -14,7 +14,7 @@ from validation.report import terminal
 from validation.report.report_folder import check_report_unused, poisson_json
 from validation.report.sections.poisson import section
 from validation.report.write import write_poisson
-from validation.solvers import SOLVERS
+from validation.solvers import solvers
 from validation.studies.poisson import RATIOS, CompressibilityComparison, compare_ratios
 
 
@@ -55,7 +55,7 @@ def run(
     """
     loaded = cases.load_all(names)
     for source, case in zip(dict.fromkeys(names), loaded, strict=True):
-        check_taken(source, case.scene, SOLVERS)
+        check_taken(source, case.scene, solvers())
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         for case in loaded:

@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from contact_scene import Scene, SceneError
-from validation import solvers
+from validation.solvers import Solver
 
 
-def refusals(scene: Scene, names: Iterable[str], resolution: int | None = None) -> dict[str, SceneError]:
+def refusals(scene: Scene, methods: Iterable[Solver], resolution: int | None = None) -> dict[str, SceneError]:
     """Why solvers do not take a scene, by their names; those that take it are left out."""
     found = {}
-    for name in names:
+    for method in methods:
         try:
-            solvers.solver(name).check(scene, resolution)
+            method.check(scene, resolution)
         except SceneError as error:
-            found[name] = error
+            found[method.name] = error
     return found
 
 
-def check_taken(source: str, scene: Scene, names: Iterable[str], resolution: int | None = None) -> None:
+def check_taken(source: str, scene: Scene, methods: Iterable[Solver], resolution: int | None = None) -> None:
     """Refuse a scene that none of the solvers takes.
 
     Parameters
@@ -27,8 +27,7 @@ def check_taken(source: str, scene: Scene, names: Iterable[str], resolution: int
     source : str
         File or name of the scene, as it was given.
     scene : Scene
-    names : iterable of str
-        Solvers.
+    methods : iterable of Solver
     resolution : int or None
         Divisions per process zone; ``None``: the solvers' choice.
 
@@ -37,7 +36,7 @@ def check_taken(source: str, scene: Scene, names: Iterable[str], resolution: int
     SceneError
         One line with the reason of every solver, once where they agree.
     """
-    asked = tuple(names)
+    asked = tuple(methods)
     found = refusals(scene, asked, resolution)
     if len(found) < len(asked) or not found:
         return

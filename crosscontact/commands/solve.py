@@ -68,15 +68,15 @@ def run(
     KeyboardInterrupt
         If the run was interrupted; what there is, is written and said before.
     """
-    case = cases.load(name)
-    check_taken(name, case.scene, (solver,), resolution)  # one line of a refusal, before anything is made
+    case, method = cases.load(name), solvers.solver(solver)
+    check_taken(name, case.scene, (method,), resolution)  # one line of a refusal, before anything is made
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_unused(folder, case.scene, solver=solver)
     drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
     said = solvers.scene_warnings(case.scene)
     warn(said)
-    cost = expected_cost(case.scene, solver, resolution)
+    cost = expected_cost(case.scene, method, resolution)
     announce(cost, estimate)
     with Progress(f"{case.name} {solver}") as progress:
         progress.phase("set-up")

@@ -14,7 +14,7 @@ from validation.report import terminal
 from validation.report.report_folder import STUDY, check_report_unused
 from validation.report.sections.study import short
 from validation.report.write import write_study
-from validation.solvers import SOLVERS
+from validation.solvers import solvers
 from validation.studies.study import study
 
 
@@ -46,7 +46,7 @@ def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -
     """
     loaded = cases.load_all(names)
     for source, case in zip(dict.fromkeys(names), loaded, strict=True):
-        check_taken(source, case.scene, SOLVERS)
+        check_taken(source, case.scene, solvers())
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, STUDY, loaded)

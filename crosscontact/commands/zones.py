@@ -14,7 +14,7 @@ from validation.report import terminal
 from validation.report.report_folder import check_report_unused, zones_json
 from validation.report.sections.zones import section
 from validation.report.write import write_zones
-from validation.solvers import REFERENCE, solvers
+from validation.solvers import REFERENCE, SOLVERS, solvers
 from validation.studies.zones import RATIOS, zone_runs
 
 
@@ -44,7 +44,7 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
     """
     loaded = cases.load_all(names)
     for source, case in zip(dict.fromkeys(names), loaded, strict=True):
-        check_taken(source, case.scene, (REFERENCE,))
+        check_taken(source, case.scene, (SOLVERS[REFERENCE],))
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         for case in loaded:

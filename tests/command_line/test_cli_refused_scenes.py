@@ -5,12 +5,16 @@ from __future__ import annotations
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, StudiedSolver, named, small_scene, spring
 
-from contact_scene import SceneError, UnsupportedScene
+from contact_scene import SceneError, UnsupportedScene, read_scene
 from crosscontact.cli import main
+from crosscontact.commands.fields import METHOD
 from validation import solvers
+from validation.scenes import FOLDER
+from validation.solvers.finite_elements import FiniteElements
 from validation.studies import schemes
 
 HOLD = '[[loading.steps]]\nkind = "hold"\nduration = 1e17\n'
+BRANCH = "branches = [{ modulus = 6.75, time = 1.0 }]\n"
 NO_SOLVER = "less than the time can resolve"
 
 
@@ -129,3 +133,26 @@ def test_a_study_leaves_out_what_does_not_take_the_scene(capsys, tmp_path, monke
     assert "bem together" not in err
     assert "failed:" not in err
     assert "0 failed" in out
+
+
+@pytest.mark.parametrize(
+    "command", ["solve --solver bem", "solve --solver fem", "fields --at 0 --no-figures"]
+)
+@pytest.mark.parametrize("zone", [0.013, 0.0013])
+def test_a_resolution_that_a_solver_does_not_take_is_one_line(capsys, tmp_path, command, zone):
+    """On a mesh that is fine along the whole path of the edge and on one that follows it: none is made."""
+    file = tmp_path / "fine.toml"
+    file.write_text(SCENE.replace("0.013", f"{zone}").replace("[indenter]", BRANCH + "[indenter]"))
+    name, *more = command.split()
+    line = one_line(capsys, name, str(file), *more, "--resolution", "1000000", "--out", str(tmp_path / "out"))
+    assert line.startswith(f"crosscontact: error: {file}: ")
+    assert "allowed: " in line
+    assert not list((tmp_path / "out").glob("*"))
+
+
+def test_fields_are_told_what_their_own_mesh_costs():
+    """It does not follow the edge, whatever that of ``solve`` does."""
+    scene = read_scene(FOLDER / "pdms-cycle-1um.toml")
+    assert FiniteElements().follows_edge(scene)
+    assert not METHOD.follows_edge(scene)
+    assert METHOD.expected_cost(scene) != FiniteElements().expected_cost(scene)

@@ -70,6 +70,11 @@ class BoundaryElements(Solver):
         own = Options(resolution, annuli=self.annuli, scheme=self.scheme, step=self.step, **options.of_solver)
         return solve(scene, own, options.progress, options.monitor)
 
+    def check(self, scene: Scene, resolution: int | None = None) -> None:
+        """As of every solver; its resolution has an upper bound."""
+        super().check(scene, resolution)
+        Options(resolution)
+
     def refusal(self, scene: Scene) -> UnsupportedScene | None:
         """A bulk modulus that relaxes apart from shear."""
         return refusal(scene)

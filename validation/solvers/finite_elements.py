@@ -61,6 +61,8 @@ class FiniteElements(Solver):
         Divisions per process zone that the time steps resolve, where they differ from those of the mesh.
     cached_mesh : bool
         Take the mesh from the cache; otherwise build it anew, so that meshing is part of the run time.
+    following : bool
+        Whether the mesh may follow the edge; fields in the body are computed on one mesh.
     """
 
     grading: float | None = None
@@ -69,6 +71,7 @@ class FiniteElements(Solver):
     far_field: bool = True
     step_resolution: int | None = None
     cached_mesh: bool = True
+    following: bool = True
 
     name = "fem"
     title = "finite elements"
@@ -130,6 +133,8 @@ class FiniteElements(Solver):
         It takes a Poisson's ratio that does not change in time. An edge that leaves the rim of a punch
         at once has no path.
         """
+        if not self.following:
+            return False
         relaxes_apart = scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
         if relaxes_apart or self.path == "quadrature" or not scene.is_adhesive or scene.adhesion is None:
             return False
@@ -150,10 +155,10 @@ class FiniteElements(Solver):
         return forecast(FOLLOWING_COST, work, divisions, halvings)
 
     def check(self, scene: Scene, resolution: int | None = None) -> None:
-        """As of every solver; a mesh that is fine along the whole path may be too large too."""
+        """As of every solver; a mesh may be too large too."""
         super().check(scene, resolution)
-        if not self.follows_edge(scene):
-            mesh_parameters(scene, resolution, self.grading, self.domain_ratio)
+        parameters = edge_mesh_parameters if self.follows_edge(scene) else mesh_parameters
+        parameters(scene, resolution, self.grading, self.domain_ratio)
 
     def load(self) -> None:
         """Import the solver and scikit-fem."""
@@ -204,6 +209,34 @@ def edge_meshes(
     return meshes.EdgeMeshes(
         resolved_length(scene.adhesion), divisions, largest, grading or GRADING, domain_ratio, cached
     )
+
+
+def edge_mesh_parameters(
+    scene: Scene, resolution: int | None, grading: float | None = None, domain_ratio: float | None = None
+) -> meshes.MeshParameters:
+    """Parameters of the mesh around the edge of the largest contact.
+
+    Parameters
+    ----------
+    scene, resolution, grading, domain_ratio
+        As of :func:`edge_meshes`.
+
+    Returns
+    -------
+    MeshParameters
+
+    Raises
+    ------
+    SceneError
+        If no mesh of reasonable size resolves the process zone.
+    """
+    largest = largest_contact_radius(scene)
+
+    def fitted(count: int) -> meshes.MeshParameters:
+        made = edge_meshes(scene, count, grading, domain_ratio)
+        return made.parameters(made.place(largest).level)
+
+    return _fitted_or_refused(fitted, resolution or DIVISIONS)
 
 
 def mesh_for(
@@ -275,6 +308,13 @@ def mesh_parameters(
     def fitted(count: int) -> meshes.MeshParameters:
         return meshes.fit(smallest, largest, zone, count, edge=edge, **sizes)
 
+    return _fitted_or_refused(fitted, divisions)
+
+
+def _fitted_or_refused(
+    fitted: Callable[[int], meshes.MeshParameters], divisions: int
+) -> meshes.MeshParameters:
+    """Parameters of a mesh, or the refusal of one that is too large."""
     try:
         return fitted(divisions)
     except ValueError as error:
