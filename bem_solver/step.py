@@ -179,14 +179,16 @@ class TrialStep(StepStart):
                 known[share] = self._trial(start + share * self.step, edge)
             return known[share].residual
 
-        if (residual(0.0) > 0.0) == (beyond.residual > 0.0):
-            way = self._way_to_limit_point(edge, residual(0.0))
-            return FailedStep(StepFailure.BEYOND_TRAVEL_LIMIT, receding, way)
-        share = brentq(residual, 0.0, 1.0, xtol=1e-300, rtol=accuracy, maxiter=_HALVINGS)
-        parameter = start + share * self.step
-        if share * self.step < self.shortest_step:  # within rounding of the time it goes at least so far
+        shortest = min(self.shortest_step / self.step, 1.0)
+        if (residual(shortest) > 0.0) == (beyond.residual > 0.0):
+            if (residual(0.0) > 0.0) == (beyond.residual > 0.0):
+                way = self._way_to_limit_point(edge, residual(0.0))
+                return FailedStep(StepFailure.BEYOND_TRAVEL_LIMIT, receding, way)
+            # within rounding of the time it goes at least so far
             parameter = min(start + self.shortest_step, self.interval.length)
             return Candidate(parameter, self._trial(parameter, edge), 0.0)
+        share = brentq(residual, shortest, 1.0, xtol=1e-300, rtol=accuracy, maxiter=_HALVINGS)
+        parameter = start + share * self.step
         if parameter <= start:
             return FailedStep(StepFailure.UNRESOLVED, receding)
         trial = known[share]
