@@ -325,10 +325,10 @@ def test_a_collapse_faster_than_the_rounding_of_time_is_a_detachment(branch_time
 
 
 def test_within_the_rounding_of_time_the_time_of_a_step_is_not_sought():
-    """A dead load under a law of rate: the collapse takes most of the steps, and none of the time."""
+    """A dead load under a law of rate: the collapse takes half of the steps, and none of the time."""
     adhesion = Adhesion(1e-4, 1e-4, rate=PowerRate(1e-3, 0.3))
     pulled = Loading("relaxed", 0.01, (Force(-2e-3, 1.0),))
     trace = solve(Scene(Material(1.0, 0.4), Sphere(1.0), pulled, adhesion), COARSE)
     assert trace.outcome.kind is OutcomeKind.BELOW_ZONE
-    assert np.count_nonzero(trace.time > trace.time[-1] * (1.0 - 1e-12)) > 0.5 * len(trace)
+    assert np.count_nonzero(trace.time > trace.time[-1] * (1.0 - 1e-12)) > 0.3 * len(trace)
     assert trace.counters.closure_evaluations < 8 * trace.counters.steps
