@@ -9,7 +9,7 @@ import pytest
 from support.spring_solver import SCENE, FunctionSolver, fake, named
 from support.spring_solver import spring as spring_solve
 
-from contact_scene import Counters, Loading, Outcome, OutcomeKind, Trace
+from contact_scene import Counters, Loading, Outcome, OutcomeKind, Ramp, Trace
 from crosscontact import registry
 from crosscontact.cli import main
 from validation import solvers
@@ -17,7 +17,7 @@ from validation.cases import load
 from validation.compare.against_reference import against_reference, check_case
 from validation.execution.runs import Run, run
 from validation.measure.error_estimate import SAFETY, from_own, from_two_runs
-from validation.measure.norms import interpolation_error
+from validation.measure.norms import distance, interpolation_error
 from validation.measure.scalars import measure
 from validation.measure.scaling import scale
 
@@ -54,9 +54,10 @@ def test_estimate_covers_the_error_at_the_known_order(solver, order):
 def test_a_scalar_is_no_better_than_its_curves():
     fine = spring(1.0)
     bent = dataclasses.replace(fine, force=fine.force * (1.0 + 0.1 * np.sin(2 * np.pi * fine.time)))
-    found = estimates(fine, bent)
-    assert found["approach_force"] == pytest.approx(found["force"])
-    assert found["force"] > 1e-3
+    found, apart = estimates(fine, bent), distance(bent, fine, "force")
+    assert found["force"] == pytest.approx(apart.rms, abs=2e-5)  # second order: factor 3 of 3
+    assert found["approach_force"] == pytest.approx(apart.mean, abs=2e-5)
+    assert found["force"] > found["approach_force"] > 1e-3
 
 
 def pulled(time, tension) -> Trace:
@@ -126,6 +127,51 @@ def test_the_place_of_the_largest_tension_is_as_uncertain_as_the_way_its_error_r
     found = from_own(run, {"pull_off_force": 1.0, "pull_off_time": 10.0})
     assert found["pull_off_force"] == pytest.approx(0.25)
     assert found["pull_off_time"] == pytest.approx(0.25 + 2.5 / 10.0)
+
+
+def peaked(level: float, tilt: float) -> Trace:
+    """A tension that rises to 1 at t = 10 and falls again, with an error that changes with time."""
+    t = np.arange(21.0)
+    return pulled(t, 1.0 - 0.01 * (t - 10.0) ** 2 + level + tilt * (t - 10.0))
+
+
+def place_error(level: float, tilt: float) -> float:
+    run, other = (dataclasses.replace(peaked(*of), solver="bem") for of in ((0.0, 0.0), (level, tilt)))
+    scalars = [
+        {"pull_off_force": float((-r.force).max()), "pull_off_time": float(r.time[np.argmax(-r.force)])}
+        for r in (run, other)
+    ]
+    return 10.0 * from_two_runs(run, other, *scalars)["pull_off_time"]
+
+
+def test_an_error_that_is_the_same_everywhere_hardly_moves_the_largest_tension():
+    """By its root it might, 0.03 by 1.7 at 0.01 (t - 10)^2; half of that is kept for what two runs hide."""
+    known = SAFETY * 0.01
+    rows = 1.0  # between rows the tension is straight
+    assert np.sqrt(0.5 * known / 0.01) - 0.2 <= place_error(0.01, 0.0) <= np.sqrt(0.5 * known / 0.01) + rows
+    assert place_error(0.01, 0.0) < np.sqrt(known / 0.01)
+
+
+@pytest.mark.parametrize("tilt", [4e-3, -4e-3, 1.5e-2])
+def test_an_error_that_changes_with_time_moves_the_largest_tension(tilt):
+    """The peak of ``1 - 0.01 s^2 + tilt s`` is at ``s = 50 tilt``; its error is thrice that."""
+    assert SAFETY * 50.0 * abs(tilt) <= place_error(0.0, tilt) <= 4.5 * SAFETY * 50.0 * abs(tilt)
+
+
+def test_a_corner_at_the_end_of_a_load_step_is_located():
+    """Rows far apart before a corner: the line through the rows before overshoots it, which says nothing."""
+    t = np.array([0.0, 1.0, 2.0, 2.1, 2.2, 2.3])
+    depth = np.array([0.0, 0.6, 1.0, 0.98, 0.96, 0.94])
+    outcome = Outcome(OutcomeKind.COMPLETED, "as told", 2.3)
+    run = Trace(
+        "bem", t, depth, depth, np.ones(6), *([np.ones(6)] * 3), outcome, Counters(), errors={"force": 0.0}
+    )
+    named = {"approach_penetration": 1.0, "approach_force": 1.0, "approach_time": 2.0}
+    unknown = from_own(run, named)
+    known = from_own(run, named, Loading("relaxed", 0.0, (Ramp(1.0, 0.5), Ramp(0.0, 0.2))))
+    assert unknown["approach_force"] > 0.01
+    assert known["approach_force"] == 0.0
+    assert known["approach_time"] == 0.0
 
 
 def test_the_end_of_a_plateau_of_the_force_is_an_event():

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 from validation.measure.observables import ROUND_OFF
 
-SEVERAL = 10.0
+SEVERAL = 3.5
 """Largest error estimate, relative to the tolerance, of a run that is worth comparing. Estimates hold a
-safety factor of three: beyond this the two runs they come from differ by more than three tolerances, and
-where they agree with the reference, they do so by accident."""
+safety factor of three: beyond this the two runs they come from differ by more than the tolerance, and where
+they agree with the reference, they do so by accident. What limits it is the force at which finite elements
+lose a contact that was pulled fast (``retraction-fast``: 3.1 tolerances), where the edge runs away."""
 
 
 @dataclass(frozen=True)
