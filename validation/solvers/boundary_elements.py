@@ -56,11 +56,17 @@ class BoundaryElements(Solver):
     coarse_tolerance = 1e-2
     cost_model = CostModel(
         most_zones_of_radius=50.0,
-        adhesionless_steps_per_division=0.3,
+        steps_per_division=0.45,
+        adhesionless_steps_per_division=0.15,
+        steps_per_division_of_cycle=0.07,
+        steps_per_decade=8.0,
+        steps_per_interval=2.0,
+        steps_per_cycle=60.0,
         steps_of_elastic_interval=60.0,
-        seconds_of_step=(5e-3,),
-        share_of_branch=0.05,
-        share_of_elastic_step=0.2,
+        seconds_of_step=(6.5e-3,),
+        share_of_branch=0.2,
+        share_of_elastic_step=0.15,
+        share_of_adhesionless_step=0.25,
     )
     curve_style: ClassVar[Mapping[str, Any]] = {"color": "#0072b2", "linestyle": "-", "linewidth": 1.4}
     marker = "o"

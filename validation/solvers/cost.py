@@ -6,7 +6,8 @@ farthest, and a step is counted
 - for every division of a process zone (without adhesion, of a hundredth of the largest contact radius) that
   the edge passes,
 - for the times between the shortest relaxation and the duration of a load step, by decades,
-- for every cycle of an oscillation, at least the steps that follow a sine.
+- for every cycle of an oscillation, the steps that follow a sine and a share of the divisions that the edge
+  passes in it.
 
 How many of each a solver takes, and what a step costs, is its :class:`CostModel`, measured by
 ``python -m validation.solvers.cost_benchmark``. A forecast is meant within a factor of three.
@@ -64,6 +65,8 @@ class CostModel:
         kinks of the load.
     adhesionless_steps_per_division : float
         The first without adhesion.
+    steps_per_division_of_cycle : float
+        What a division that the edge passes in a cycle adds to its steps.
     steps_of_elastic_interval : float or None
         Steps of such an interval where nothing relaxes and there is adhesion, whatever the process zone;
         ``None`` if the solver steps through the zones there too.
@@ -74,6 +77,10 @@ class CostModel:
         What a branch of the material adds to the time of a step, relative.
     share_of_elastic_step : float
         Time of a step without branches, relative to one with a branch.
+    share_of_adhesionless_step : float
+        Time of a step without adhesion, relative to one with it.
+    share_of_turn : float
+        What a turn of the load adds to the time of a step with branches, relative: the history grows.
     bytes_of_row : float
         Memory of a row.
     most_zones_of_radius : float
@@ -86,11 +93,14 @@ class CostModel:
     steps_per_cycle: float = 40.0
     steps_per_interval: float = 4.0
     adhesionless_steps_per_division: float = 1.0
+    steps_per_division_of_cycle: float = 0.5
     steps_of_elastic_interval: float | None = None
     seconds_of_setup: tuple[float, ...] = (0.1,)
     seconds_of_step: tuple[float, ...] = (5e-3,)
     share_of_branch: float = 0.1
     share_of_elastic_step: float = 1.0
+    share_of_adhesionless_step: float = 1.0
+    share_of_turn: float = 0.0
     bytes_of_run: tuple[float, ...] = (1e7,)
     bytes_of_row: float = 500.0
     most_zones_of_radius: float = math.inf
@@ -103,15 +113,18 @@ class SceneWork:
     Parameters
     ----------
     zones : float
-        Process zones (without adhesion hundredths of the largest contact radius) that the edge passes.
+        Process zones (without adhesion hundredths of the largest contact radius) that the edge passes outside
+        of cycles.
+    zones_of_cycles : float
+        The same in cycles.
     radius_in_zones : float
         Largest contact radius in process zones.
     decades : float
         Decades of time from the shortest relaxation to the duration, summed over the load steps.
     cycles : float
-        Of all oscillations and sweeps.
+        Of all oscillations and sweeps until contact is lost.
     intervals : float
-        Intervals of the load between its kinks.
+        Intervals of the load between its kinks until then.
     branches : int
         Of the material that have a modulus, those of the bulk included.
     adhesive : bool
@@ -119,6 +132,7 @@ class SceneWork:
     """
 
     zones: float
+    zones_of_cycles: float
     radius_in_zones: float
     decades: float
     cycles: float
@@ -131,24 +145,30 @@ def scene_work(scene: Scene) -> SceneWork:
     """Count what a scene asks; a scene that never touches asks nothing."""
     branches = len(scene.material.spectrum[0]) + len(getattr(scene.material.bulk, "branches", ()))
     adhesive = scene.adhesion is not None and scene.is_adhesive
-    cycles = cycle_count(scene)
     try:
         largest = largest_contact_radius(scene)
     except SceneError:
-        return SceneWork(0.0, 0.0, 0.0, cycles, float(len(scene.loading.steps)), branches, adhesive)
+        steps = float(len(scene.loading.steps))
+        return SceneWork(0.0, 0.0, 0.0, 0.0, cycle_count(scene), steps, branches, adhesive)
     zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.01 * largest
-    travel, intervals = _edge_travel(scene, largest)
-    return SceneWork(travel / zone, largest / zone, _decades(scene), cycles, intervals, branches, adhesive)
+    path = _edge_path(scene, largest)
+    return SceneWork(
+        path.length / zone,
+        path.length_of_cycles / zone,
+        largest / zone,
+        _decades(scene),
+        path.cycles,
+        path.intervals,
+        branches,
+        adhesive,
+    )
 
 
 def cycle_count(scene: Scene) -> float:
     """Cycles of all oscillations and sweeps of a loading."""
     cycles = 0.0
     for step in scene.loading.steps:
-        if isinstance(step, Oscillate):
-            cycles += step.angular_frequency * step.duration / (2.0 * math.pi)
-        elif isinstance(step, Sweep):
-            cycles += step.chirp * step.duration**2 / (4.0 * math.pi)
+        cycles += _cycles(step)
     return cycles
 
 
@@ -170,14 +190,16 @@ def forecast(model: CostModel, work: SceneWork, resolution: int, unknowns: float
     -------
     Cost
     """
+    zones, zones_of_cycles = work.zones, work.zones_of_cycles
+    if work.adhesive and work.radius_in_zones > model.most_zones_of_radius:
+        zones *= model.most_zones_of_radius / work.radius_in_zones
+        zones_of_cycles *= model.most_zones_of_radius / work.radius_in_zones
     least = model.steps_per_interval * work.intervals + model.steps_per_cycle * work.cycles
+    least += model.steps_per_division_of_cycle * resolution * zones_of_cycles
     if work.branches == 0 and work.adhesive and model.steps_of_elastic_interval is not None:
         steps = least + model.steps_of_elastic_interval * work.intervals
     else:
         per_division = model.steps_per_division if work.adhesive else model.adhesionless_steps_per_division
-        zones = work.zones
-        if work.adhesive and work.radius_in_zones > model.most_zones_of_radius:
-            zones *= model.most_zones_of_radius / work.radius_in_zones
         steps = least + per_division * resolution * zones + model.steps_per_decade * work.decades
     unknowns = min(unknowns, MOST_UNKNOWNS)
     setup, step, memory = (
@@ -187,13 +209,34 @@ def forecast(model: CostModel, work: SceneWork, resolution: int, unknowns: float
     share = (
         1.0 + model.share_of_branch * (work.branches - 1) if work.branches else model.share_of_elastic_step
     )
+    if work.branches:
+        share *= 1.0 + model.share_of_turn * (work.intervals + 2.0 * work.cycles)
+    if not work.adhesive:
+        share *= model.share_of_adhesionless_step
     seconds = setup + steps * step * share
     return Cost(steps, seconds, memory + steps * model.bytes_of_row)
 
 
+@dataclass(frozen=True)
+class EdgePath:
+    """What the edge of the relaxed contact does until contact is lost; upper bounds.
+
+    Parameters
+    ----------
+    length, length_of_cycles : float
+        Of its path outside of cycles, and in them.
+    cycles, intervals : float
+        Cycles, and intervals of the load between its kinks.
+    """
+
+    length: float
+    length_of_cycles: float
+    cycles: float
+    intervals: float
+
+
 @np.errstate(over="ignore", invalid="ignore", under="ignore")
-def _edge_travel(scene: Scene, largest: float) -> tuple[float, float]:
-    """Length of the path of the edge of the relaxed contact, and intervals of the load; both upper bounds."""
+def _edge_path(scene: Scene, largest: float) -> EdgePath:
     stiffness = scene.material.relaxed_plane_modulus
     work = scene.adhesion.work if scene.adhesion is not None else 0.0
     radii = largest * RADII
@@ -216,6 +259,7 @@ def _edge_travel(scene: Scene, largest: float) -> tuple[float, float]:
 
     present = radius(scene.loading.start_control, scene.loading.penetration)
     travel, intervals, force = present if work == 0.0 else 0.0, 0.0, 0.0
+    travel_of_cycles, cycles = 0.0, 0.0
     depth = scene.loading.penetration
 
     def state(step: Step) -> tuple[float, float]:
@@ -226,7 +270,12 @@ def _edge_travel(scene: Scene, largest: float) -> tuple[float, float]:
         if amplitude > 0.0:
             control, middle = segment.control, segment.value(segment.start)
             between = abs(radius(control, middle + amplitude) - radius(control, middle - amplitude))
-            travel += 2.0 * between * _cycles(step)
+            lost = work == 0.0 and _shakes_off(scene, step, middle)
+            carried_out = min(_cycles(step), 1.0) if lost else _cycles(step)
+            travel_of_cycles += 2.0 * between * carried_out
+            cycles += carried_out
+            if lost:
+                break
         times = (segment.start, *segment.kinks, segment.end)
         values = [segment.value(at) for at in times]
         path = [present, *(radius(segment.control, value) for value in values)]
@@ -244,7 +293,20 @@ def _edge_travel(scene: Scene, largest: float) -> tuple[float, float]:
             depth = values[-1]
         if present == 0.0 and work > 0.0:
             break  # contact is lost, which ends the run
-    return travel, intervals
+    return EdgePath(travel, travel_of_cycles, cycles, intervals)
+
+
+def _shakes_off(scene: Scene, step: Step, middle: float) -> bool:
+    """Whether an oscillation ends the contact of a punch without adhesion, and about that of other shapes.
+
+    Its force has the amplitude ``|E*(i w)| A`` about ``E0 D``, relative to one stiffness.
+    """
+    if not isinstance(step, Oscillate):
+        return False
+    moduli, times = scene.material.spectrum
+    turns = 1j * step.angular_frequency * times
+    dynamic = scene.material.modulus + np.sum(moduli * turns / (1.0 + turns))
+    return bool(abs(dynamic) * abs(step.amplitude) > scene.material.modulus * middle)
 
 
 def _cycles(step: Step) -> float:

@@ -12,7 +12,7 @@ import meshes
 from contact_scene import Adhesion, Scene, SceneError, Trace
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver, specified
 from validation.solvers.contact_range import largest_contact_radius
-from validation.solvers.cost import Cost, CostModel, forecast, scene_work
+from validation.solvers.cost import Cost, CostModel, SceneWork, forecast, scene_work
 
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""
@@ -26,17 +26,29 @@ FOLLOWED_BEYOND = 48.0
 a mesh that is fine along the whole path takes as long, not measured closer."""
 FOLLOWING_COST = CostModel(
     steps_per_division=0.5,
-    steps_per_interval=20.0,
-    steps_per_decade=4.0,
-    steps_per_cycle=150.0,
+    steps_per_division_of_cycle=1.3,
+    steps_per_interval=4.0,
+    steps_per_decade=6.0,
+    steps_per_cycle=45.0,
     steps_of_elastic_interval=200.0,
     most_zones_of_radius=20.0,
-    seconds_of_setup=(2.0, 0.2),
-    seconds_of_step=(5e-3, 2e-3),
-    share_of_branch=0.1,
-    bytes_of_run=(1.2e8, 4e6),
+    seconds_of_setup=(1.0, 0.03, 2.2e-3),
+    seconds_of_step=(5e-3, 3e-4),
+    share_of_branch=0.01,
+    bytes_of_run=(2e7, 1.75e7),
 )
-"""Where the mesh follows the edge; unknowns are the halvings of the radius down to the process zone."""
+"""Where the mesh follows the edge; unknowns are the elements in a process zone."""
+VOLUME_COST = CostModel(
+    steps_per_division=5.0,
+    adhesionless_steps_per_division=0.6,
+    steps_of_elastic_interval=400.0,
+    seconds_of_setup=(0.1, 9e-3, 1.6e-5),
+    seconds_of_step=(4e-3, 1e-4, 2.4e-8),
+    share_of_branch=0.05,
+    bytes_of_run=(6e7, 1.3e6, 700.0),
+    bytes_of_row=3e5,
+)
+"""Where the history is carried at quadrature points and every step solves for the whole body."""
 LEAST_DIVISIONS = 4
 """Smallest resolution that a user may choose; coarser meshes serve estimates of the error alone. The zone of
 a closing edge then has an element at least: with less the edge closes in steps, behind where it should be."""
@@ -94,12 +106,12 @@ class FiniteElements(Solver):
     coarse_tolerance = 2e-2
     cost_model = CostModel(
         steps_per_division=5.0,
-        adhesionless_steps_per_division=1.2,
+        adhesionless_steps_per_division=0.6,
         steps_of_elastic_interval=400.0,
-        seconds_of_setup=(0.5, 9e-3, 0.0, 3.2e-9),
+        seconds_of_setup=(0.1, 3.5e-3, 2.5e-6, 1e-9),
         seconds_of_step=(1e-3, 0.0, 1.6e-8),
-        share_of_branch=0.02,
-        bytes_of_run=(2e7, 6e5, 200.0),
+        share_of_branch=5e-3,
+        bytes_of_run=(6e7, 6e5, 200.0),
     )
     least_resolution = 1
     skipped_work: ClassVar[Mapping[str, str]] = {
@@ -133,26 +145,32 @@ class FiniteElements(Solver):
         It takes a Poisson's ratio that does not change in time. An edge that leaves the rim of a punch
         at once has no path.
         """
-        if not self.following:
-            return False
-        relaxes_apart = scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
-        if relaxes_apart or self.path == "quadrature" or not scene.is_adhesive or scene.adhesion is None:
+        if not self.following or self.solves_volume(scene) or not scene.is_adhesive or scene.adhesion is None:
             return False
         long = largest_contact_radius(scene) > FOLLOWED_BEYOND * resolved_length(scene.adhesion)
         return long and (not math.isfinite(scene.indenter.edge) or peels(scene))
 
+    def solves_volume(self, scene: Scene) -> bool:
+        """Whether every step solves for the whole body: Poisson's ratio changes in time."""
+        relaxes_apart = scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
+        return relaxes_apart or self.path == "quadrature"
+
     def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
-        """Forecast of a run, as of every solver; a mesh that follows the edge has its own constants."""
+        """Forecast of a run, as of every solver, with constants for each way to carry it out."""
         try:
             follows = self.follows_edge(scene)
         except SceneError:  # the scene never touches
             follows = False
         divisions = resolution or self.default_resolution(scene)
-        if not follows:
-            return super().expected_cost(scene, divisions_of_zone(scene, divisions))
-        work, finer = scene_work(scene), divisions_of_zone(scene, divisions) / divisions
-        halvings = math.log2(max(finer * work.radius_in_zones, 2.0))
-        return forecast(FOLLOWING_COST, work, divisions, halvings)
+        work, finer = scene_work(scene), divisions_of_zone(scene, divisions)
+        if follows:
+            return forecast(FOLLOWING_COST, work, divisions, finer)
+        model = VOLUME_COST if self.solves_volume(scene) else self.cost_model
+        return forecast(model, work, finer, self._unknowns(work, finer))
+
+    def _unknowns(self, work: SceneWork, resolution: int) -> float:
+        """Elements along the surface; without adhesion two divisions are one."""
+        return super()._unknowns(work, resolution) * (1.0 if work.adhesive else 0.5)
 
     def check(self, scene: Scene, resolution: int | None = None) -> None:
         """As of every solver; a mesh may be too large too."""
