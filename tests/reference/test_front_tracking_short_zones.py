@@ -29,6 +29,7 @@ from contact_scene import (
     Sphere,
     Trace,
 )
+from validation.cases import load
 from validation.measure.observables import observe
 from validation.reference import Options, solve, steady_crack
 from validation.reference.finite_zone import FiniteZone
@@ -241,6 +242,24 @@ def test_estimates_cover_the_errors(loading: Loading) -> None:
     ):
         assert abs(found / exact - 1.0) < 3.0 * trace.errors[name], name
         assert trace.errors[name] < 3.0 * DEFAULT_ERROR, name
+
+
+@pytest.mark.parametrize(
+    ("name", "time"),
+    [
+        ("force-8", 1.721914918),
+        ("force-4", 30.07007421),
+        pytest.param("pdms-dead-load-1um", 10.72547869, marks=SLOW),
+        pytest.param("pdms-dead-load-100nm", 104.2025024, marks=SLOW),
+    ],
+)
+def test_delayed_detachment_and_its_estimate(name: str, time: float) -> None:
+    """Times of the same at four times the resolution; the estimate has to be as small as the error."""
+    trace = solve(load(name).scene, Options(estimate_errors=True))
+    assert observe(trace).detachment_time == pytest.approx(time, rel=2e-6)
+    assert abs(trace.outcome.time / time - 1.0) < trace.errors["detachment_time"] + 1e-7
+    for quantity in ("detachment_time", "detachment_penetration", "loop_energy"):
+        assert trace.errors[quantity] < DEFAULT_ERROR, quantity
 
 
 @SLOW

@@ -24,11 +24,13 @@ NEARBY = 48
 corner, among which the nearest is sought: where an edge collapses, a small shift in time is many rows."""
 
 
-def estimated_errors(fine: Columns, coarse: Columns) -> dict[str, float]:
+def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> dict[str, float]:
     """Relative errors of the finer run.
 
     ``pull_off_force`` and ``loop_energy`` as they are (a loop that almost closes: relative to a thousandth of
     the work done to and fro), ``contact_radius`` and ``force`` largest over the run, relative to the largest.
+    Of runs that both lose contact (``detached``) also ``detachment_time`` and ``detachment_penetration``,
+    relative to the largest and no better than the loop energy: two such moments can agree by accident.
     """
     errors = {}
     tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
@@ -38,6 +40,14 @@ def estimated_errors(fine: Columns, coarse: Columns) -> dict[str, float]:
     turnover = float(np.abs(np.diff(fine["external_work"])).sum())
     if turnover > 0.0:
         errors["loop_energy"] = RICHARDSON * abs(loops[0] - loops[1]) / max(abs(loops[0]), 1e-3 * turnover)
+    if detached:
+        ends = [int(np.flatnonzero(run["contact_radius"] > 0.0)[-1]) for run in (fine, coarse)]
+        for name in ("time", "penetration"):
+            values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
+            largest = float(np.abs(fine[name]).max())
+            if largest > 0.0:
+                own = RICHARDSON * abs(values[0] - values[1]) / largest
+                errors[f"detachment_{name}"] = max(own, errors.get("loop_energy", 0.0))
     for name in ("contact_radius", "force"):
         errors[name] = RICHARDSON * _curve_distance(fine, coarse, name)
     return errors

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 GRADING = 1.75
 """Grading of nodes towards the end of a step: distances shrink by the factor ``1 - GRADING/divisions``."""
-FREE_GRADING = 1.2
+FREE_GRADING = 0.95
 """The same for steps over process zones under a controlled force: no penetration takes back there what the
 speed, which follows from these nodes, is off by."""
 STEEPEST = 0.1

@@ -29,8 +29,10 @@ to 1e-7 by it."""
 LONG_STEP_SHARE = 0.3
 """Allowed deviation of a step over process zones, in those of shorter ones, which stay far below theirs: an
 accelerating edge magnifies errors."""
-FREE_STEP_SHARE = 0.05
+FREE_STEP_SHARE = 0.035
 """The same under a controlled force, where no penetration holds the edge back: there by up to ten."""
+FREE_SHARE = 0.7
+"""Allowed deviation of shorter steps under a controlled force: when contact is lost is a sum of all times."""
 ZONES_FROM_TURN = 2
 """Steps end at so many zones from a turn; farther on the radius is smooth enough (see ``zone_from_turn``)."""
 ELASTIC_TRAVEL = 0.08
@@ -155,10 +157,13 @@ class FrontProblem:
             PENETRATION: max(state.largest_depth, abs(to.surface.penetration)),
         }
         over_zones = self.over_zones(state.surface.radius)
-        share = FREE_STEP_SHARE if segment.control == "force" else LONG_STEP_SHARE
+        free = segment.control == "force"
+        share = (
+            (FREE_STEP_SHARE if free else LONG_STEP_SHARE) if over_zones else (FREE_SHARE if free else 1.0)
+        )
         return StepErrorEstimator(
             state.history,
-            (share if over_zones else 1.0) * self.fineness.deviation,
+            share * self.fineness.deviation,
             free_columns(segment.control),
             scales,
             self.condition.zone_length if over_zones else 0.0,

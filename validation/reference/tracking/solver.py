@@ -100,7 +100,8 @@ def solve(
     if options.estimate_errors and result.outcome.finished:
         stops = replace(options, stop_times=options.stop_times + options.profile_times, profile_times=())
         coarser = _run(scene, stops, fineness.coarser(), DENSE_ROW_TOLERANCES)
-        errors = estimated_errors(result.columns, coarser.columns)
+        kinds = {result.outcome.kind, coarser.outcome.kind}
+        errors = estimated_errors(result.columns, coarser.columns, kinds == {OutcomeKind.DETACHED})
     return Trace(
         solver=NAME,
         **{name: result.columns[name] for name in COLUMNS},
