@@ -7,14 +7,13 @@ Nothing heavy is imported until a command needs it.
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
-from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from crosscontact.arguments import parser
-from validation.execution.memory import keep_freed
-from validation.execution.signals import interrupting
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Callable
 
 # The dense systems here are small: more threads than one cost time, and results must not depend on them.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -23,7 +22,10 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
-    try:
+    try:  # around the imports, too: an interruption in them is told as any other
+        from crosscontact.arguments import parser
+        from validation.execution.signals import interrupting
+
         with interrupting():
             options = parser().parse_args(arguments)  # imports too, where an option asks for names
             if options.command is None:
@@ -52,6 +54,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     """Run the command, alone in its folder."""
+    from validation.execution.memory import keep_freed
+
     keep_freed()
     jobs = getattr(options, "jobs", None) or _available_cores()
     carry_out: Callable[[argparse.Namespace, int], int] = options.carry_out

@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 from typing import NoReturn
 
-from crosscontact import __version__
+import crosscontact
 from crosscontact.arguments import (
     compare,
     exam,
@@ -50,13 +50,21 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: error: {' '.join(message.split())}\n")
 
 
+class _Version(argparse.Action):
+    """Looks the version up where it is asked for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *given: object) -> NoReturn:
+        print(f"crosscontact {crosscontact.__version__}")
+        parser.exit()
+
+
 def parser() -> argparse.ArgumentParser:
     """The parser of the whole command line; ``carry_out`` of what it parses runs the command."""
     top = _Parser(
         prog="crosscontact",
         description="Adhesive viscoelastic contact of a rigid indenter, solved independently and compared.",
     )
-    top.add_argument("--version", action="version", version=f"crosscontact {__version__}")
+    top.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
     commands = top.add_subparsers(dest="command", metavar="COMMAND")
     for name, module, text in COMMANDS:
         command = commands.add_parser(name, help=text)

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from crosscontact.commands.failures import exit_code
+from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import check_taken
 from validation import cases
 from validation.compare.suite import all_pairs
@@ -57,9 +58,10 @@ def run(
     if folder is not None and not fresh:
         check_report_unused(folder, REPORT, loaded)
     store = Store(folder, fresh)
-    progress = Progress("compare")
-    progress.phase("runs")
-    result = build("compare", loaded, jobs, progress, store=store, solvers=solvers)
+    with telling_what_is_kept(folder, store):
+        progress = Progress("compare")
+        progress.phase("runs")
+        result = build("compare", loaded, jobs, progress, store=store, solvers=solvers)
     refused = [scene for scene in result.scenes if all(run.refused for run in scene.runs.values())]
     for scene in refused:
         reason = next(iter(scene.runs.values())).failure

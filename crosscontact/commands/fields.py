@@ -23,7 +23,7 @@ from validation.execution.fingerprints import fingerprint
 from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused
-from validation.execution.signals import GracefulStop
+from validation.execution.signals import GracefulStop, interrupting
 from validation.execution.store import FOLDER, Store
 from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import FigureSet
@@ -170,7 +170,7 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     states: list[FieldState] = []  # to be drawn
     figures = command.figures
     try:
-        with Progress(f"{command.case.name} fields") as progress:
+        with interrupting(), Progress(f"{command.case.name} fields") as progress:
             progress.phase("set-up")
             steps = StepProgress(progress, 1.0 if cost is None else cost.steps, "computing and writing")
             with stop.handling_signals():

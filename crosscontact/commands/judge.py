@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from crosscontact.commands.interruption import telling_what_is_kept
 from validation.exam.answer_folder import read_folder
 from validation.exam.judge import judge_folder
 from validation.execution.files import output_folder
@@ -43,7 +44,10 @@ def run(folder: str, out: str | None, jobs: int, fresh: bool = False) -> int:
     store, progress = Store(target, fresh), Progress("judge")
     progress.phase("reference")
     try:
-        with processes(min(jobs, len(found.cases))) as executor:
+        with (
+            telling_what_is_kept(target, store),
+            processes(min(jobs, len(found.cases))) as executor,
+        ):
             judgement = judge_folder(found, executor, store, progress)
     finally:
         progress.close()

@@ -5,11 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import check_taken
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
+from validation.execution.store import Store
 from validation.report import terminal
 from validation.report.report_folder import check_report_unused, poisson_json
 from validation.report.sections.poisson import section
@@ -41,7 +43,8 @@ def run(
     resolution : int or None
         Divisions per process zone; ``None``: the solvers' choice.
     fresh : bool
-        Whether what the folder holds is replaced, whatever it is.
+        Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
+        replaced.
 
     Returns
     -------
@@ -60,19 +63,20 @@ def run(
     if folder is not None and not fresh:
         for case in loaded:
             check_report_unused(folder, poisson_json(case.name), [case])
-    code = 0
-    with processes(jobs) as executor:
+    code, store = 0, Store(folder, fresh)
+    with telling_what_is_kept(folder, store), processes(jobs) as executor:
         for case in loaded:
             progress = Progress(f"{case.name} poisson")
             progress.phase("runs")
             try:
-                comparisons = compare_ratios(case, ratios or RATIOS, resolution, executor, progress)
+                comparisons = compare_ratios(case, ratios or RATIOS, resolution, executor, progress, store)
             finally:
                 progress.close()
             print(terminal.text(section(case.name, comparisons)))
             if folder is not None:
                 print(f"written to {write_poisson(case, comparisons, folder)}")
             code = max(code, _exit_code(case.name, comparisons))
+    store.clear()
     return code
 
 

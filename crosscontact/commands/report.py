@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from crosscontact.commands import stability
 from crosscontact.commands.failures import exit_code, short
+from crosscontact.commands.interruption import telling_what_is_kept
 from validation import cases, scenes
 from validation.compare import regression
 from validation.compare.suite import SceneComparison
@@ -67,13 +68,14 @@ def run(
     if not fresh:
         check_report_unused(folder, REPORT, loaded)
     store, claims = Store(folder, fresh), suite != "quick"
-    progress = Progress("report")
-    progress.phase("runs")
-    result = build(suite, loaded, jobs, progress, estimate, claims, store)
-    if suite == "full":
-        result = replace(result, stability=stability.compute(jobs, store))
-    if fields:
-        result = replace(result, fields=_fields(result.scenes))
+    with telling_what_is_kept(folder, store):
+        progress = Progress("report")
+        progress.phase("runs")
+        result = build(suite, loaded, jobs, progress, estimate, claims, store)
+        if suite == "full":
+            result = replace(result, stability=stability.compute(jobs, store))
+        if fields:
+            result = replace(result, fields=_fields(result.scenes))
     if baseline is not None and old is not None:
         result = replace(result, baseline=regression.compare(baseline, old, of_report(result), loaded))
     with Progress("report") as writing:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Collection
 from pathlib import Path
 
+from crosscontact.commands.interruption import telling_what_is_kept
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
 from validation.execution.store import Store
@@ -54,7 +55,8 @@ def run(out: str | None, jobs: int, solver: str | None, only: str | None, fresh:
     if folder is not None and not fresh:
         check_report_unused(folder, STABILITY)
     store = Store(folder, fresh)
-    matrix = compute(jobs, store, (solver,) if solver else SOLVERS, only, folder)
+    with telling_what_is_kept(folder, store):
+        matrix = compute(jobs, store, (solver,) if solver else SOLVERS, only, folder)
     for line in limits(matrix.cells):
         print(line)
     if folder is not None:

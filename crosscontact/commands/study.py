@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import check_taken
 from validation import cases
 from validation.execution.files import output_folder
@@ -51,9 +52,10 @@ def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -
     if folder is not None and not fresh:
         check_report_unused(folder, STUDY, loaded)
     store = Store(folder, fresh)
-    progress = Progress("study")
-    progress.phase("runs")
-    result = study(loaded, jobs, progress, store)
+    with telling_what_is_kept(folder, store):
+        progress = Progress("study")
+        progress.phase("runs")
+        result = study(loaded, jobs, progress, store)
     print(terminal.text(short(result)))
     if folder is not None:
         with Progress("study") as writing:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import check_taken
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
+from validation.execution.store import Store
 from validation.report import terminal
 from validation.report.report_folder import check_report_unused, zones_json
 from validation.report.sections.zones import section
@@ -30,7 +32,8 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
     out : str or None
         Folder of table, figure and numbers, if they are to be written.
     fresh : bool
-        Whether what the folder holds is replaced, whatever it is.
+        Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
+        replaced.
 
     Returns
     -------
@@ -49,13 +52,16 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
     if folder is not None and not fresh:
         for case in loaded:
             check_report_unused(folder, zones_json(case.name), [case])
-    code = 0
+    code, store = 0, Store(folder, fresh)
     for case in loaded:
         progress = Progress(f"{case.name} zones")
         try:
-            with processes(1, isolated=True, tasks_per_process=1) as executor:
+            with (
+                telling_what_is_kept(folder, store),
+                processes(1, isolated=True, tasks_per_process=1) as executor,
+            ):
                 names = [one.name for one in solvers()]
-                runs = zone_runs(case, names, ratios or RATIOS, progress, executor)
+                runs = zone_runs(case, names, ratios or RATIOS, progress, executor, store)
         finally:
             progress.close()
         print(terminal.text(section(case.name, runs)))
@@ -66,4 +72,5 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
                 where = f"{case.name}: {one.solver}, zone {one.ratio:g} of the radius"
                 print(f"not finished: {where}: {one.run.ending}", file=sys.stderr)
                 code = 1
+    store.clear()
     return code

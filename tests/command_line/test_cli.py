@@ -294,7 +294,8 @@ def test_two_files_of_one_name_are_kept_apart(capsys, tmp_path, scene_file, fake
 
 def test_quick_questions_load_nothing_heavy():
     probe = (
-        "import sys; from crosscontact.cli import main, parser; parser().format_help(); main(['scenes']);"
+        "import sys; from crosscontact.arguments import parser; from crosscontact.cli import main;"
+        "parser().format_help(); main(['scenes']);"
         "print(sorted({'numpy', 'scipy', 'matplotlib', 'skfem', 'gmsh', 'pyvista'} & set(sys.modules)))"
     )
     said = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)

@@ -15,7 +15,7 @@ from validation.report import terminal
 from validation.report.figures.zone_chart import draw
 from validation.report.sections.zones import section
 from validation.studies import zones
-from validation.studies.zones import ZoneRun, growth, zone_runs
+from validation.studies.zones import MeasuredRun, ZoneRun, growth, zone_runs
 
 ROWS = {name: np.array([0.0, 1.0]) for name in ("time", "penetration", "force", "contact_radius")}
 ENERGIES = {name: np.zeros(2) for name in ("stored_energy", "external_work", "dissipated_energy")}
@@ -45,11 +45,11 @@ def test_a_slow_solver_is_asked_no_further(monkeypatch):
         asked.append((solver, case.scene.adhesion.zone, resolution))
         return answer(100, 1.0)
 
-    def run_tasks(tasks, executor):
+    def run_tasks(tasks, executor, store):
         assert all(task.time_limit == zones.PATIENCE for task in tasks)
         case, solver = tasks[0].arguments[1:3]
         slow = solver == "bem" and case.scene.adhesion.zone < 0.05
-        value = None if slow else (answer(100, 4.0), 2_000_000)
+        value = None if slow else MeasuredRun(answer(100, 4.0), 2_000_000)
         ending = TaskEnding.TIMED_OUT if slow else TaskEnding.ANSWERED
         asked.append((solver, case.scene.adhesion.zone, None))
         return [TaskResult(tasks[0], value, "no answer within 60 s" if slow else "", ending=ending)]
@@ -87,7 +87,8 @@ def test_the_other_laws_of_adhesion_stay(monkeypatch):
         return answer(100, 1.0)
 
     monkeypatch.setattr(zones, "run", run)
-    monkeypatch.setattr(zones, "run_tasks", lambda tasks, _: [TaskResult(tasks[0], (answer(100, 1.0), 1))])
+    taken = MeasuredRun(answer(100, 1.0), 1)
+    monkeypatch.setattr(zones, "run_tasks", lambda tasks, *others: [TaskResult(tasks[0], taken)])
     case = cases.load("hysteresis-si")
     zone_runs(case, ["reference"], (1e-3,))
     own = case.scene.adhesion
@@ -116,8 +117,8 @@ def test_the_figure_shows_all_that_the_table_has():
 
 def test_command_writes_table_figure_and_numbers(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(zones, "run", lambda case, solver, resolution=None: answer(100, 1.0))
-    taken = (answer(100, 1.0), 250_000_000)
-    monkeypatch.setattr(zones, "run_tasks", lambda tasks, executor: [TaskResult(tasks[0], taken)])
+    taken = MeasuredRun(answer(100, 1.0), 250_000_000)
+    monkeypatch.setattr(zones, "run_tasks", lambda tasks, *others: [TaskResult(tasks[0], taken)])
     code = main(["study", "cycle-v0.02", "--zones", "1e-2", "1e-4", "1e-6", "--out", str(tmp_path)])
     assert code == 0
     shown = capsys.readouterr().out

@@ -13,7 +13,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 @contextmanager
 def interrupting() -> Iterator[None]:
-    """Either signal raises ``KeyboardInterrupt``."""
+    """Either signal raises ``KeyboardInterrupt``, whatever it has become by the end of the block."""
     with _handled(_interrupt):
         yield
 
@@ -50,10 +50,24 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
     if threading.current_thread() is not threading.main_thread():  # where no handler may be set
         yield
         return
+    interrupted = False
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        nonlocal interrupted
+        try:
+            handler(number, frame)
+        except KeyboardInterrupt:
+            interrupted = True
+            raise
+
     not_ignored = [number for number in _SIGNALS if signal.getsignal(number) not in (signal.SIG_IGN, None)]
-    before = {number: signal.signal(number, handler) for number in not_ignored}
+    before = {number: signal.signal(number, handle) for number in not_ignored}
     try:
         yield
+    except Exception as error:
+        if interrupted:  # libraries turn the interruption into errors of their own, as imports of VTK do
+            raise KeyboardInterrupt from error
+        raise
     finally:
         for number, old in before.items():
             signal.signal(number, old)

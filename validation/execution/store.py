@@ -45,6 +45,11 @@ class Store:
         """Time spent on the command so far, earlier attempts included."""
         return self._seconds_before + time.perf_counter() - self._began
 
+    @property
+    def holds_answers(self) -> bool:
+        """Whether an answer is stored, of this attempt or an earlier one."""
+        return self._folder is not None and self._folder.is_dir() and any(self._folder.iterdir())
+
     def get(self, fingerprint: str) -> Any:
         """The stored answer, or ``None``."""
         if self._folder is None:

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from validation.cases import Case
 from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_of, run_task
+from validation.execution.store import Store
 from validation.execution.tasks import run_tasks
 from validation.measure.norms import distance
 from validation.measure.scaling import scale
@@ -120,6 +121,7 @@ def compare_ratios(
     resolution: int | None = None,
     executor: Executor | None = None,
     progress: Callable[[float, str], None] | None = None,
+    store: Store | None = None,
 ) -> list[CompressibilityComparison]:
     """Run everything, for every ratio.
 
@@ -130,7 +132,7 @@ def compare_ratios(
         ``K/G`` of the relaxed solid.
     resolution : int or None
         Divisions per process zone of the finite elements.
-    executor, progress
+    executor, progress, store
         As of :func:`~validation.execution.tasks.run_tasks`.
 
     Returns
@@ -152,7 +154,7 @@ def compare_ratios(
         for ratio, pairs in named.items()
         for name, (of, solver) in pairs.items()
     ]
-    runs = map(run_of, run_tasks(tasks, executor, progress=progress))
+    runs = map(run_of, run_tasks(tasks, executor, store, progress))
     comparisons = []
     for ratio, pairs in named.items():
         initial, final = materials.poisson_range(pairs[FULL][0].scene.material)

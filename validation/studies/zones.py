@@ -17,9 +17,11 @@ import numpy as np
 
 from contact_scene import SceneError
 from validation.cases import Case
+from validation.execution.fingerprints import fingerprint
 from validation.execution.memory import peak_memory
 from validation.execution.runs import Run, run
 from validation.execution.solver_tasks import run_of, run_task
+from validation.execution.store import Store
 from validation.execution.tasks import TaskEnding, run_tasks
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE, SOLVERS
@@ -82,12 +84,26 @@ class ZoneRun:
         return None if self.run is None or self.run.trace is None else self.run.cpu_seconds
 
 
+@dataclass(frozen=True)
+class MeasuredRun:
+    """A run, and the most bytes that its process held by then."""
+
+    run: Run
+    peak_memory: int | None
+
+    @property
+    def breakdown(self) -> str:
+        """Why there is no answer, where the next attempt may give one."""
+        return self.run.breakdown
+
+
 def zone_runs(
     case: Case,
     solvers: Sequence[str],
     ratios: Iterable[float] = RATIOS,
     progress: Callable[[float, str], None] | None = None,
     executor: Executor | None = None,
+    store: Store | None = None,
 ) -> list[ZoneRun]:
     """Run a scene with zones of all ratios.
 
@@ -103,6 +119,8 @@ def zone_runs(
     executor : Executor, optional
         With processes of its own, which alone can end a run that takes too long; one task a process, for
         memory is measured as well.
+    store : Store, optional
+        Runs of an earlier attempt are taken over, run times and memory included.
 
     Returns
     -------
@@ -138,31 +156,36 @@ def zone_runs(
                 progress(done, f"{solver}, zone {ratio:.0e} of the radius")
             one = ZoneRun(ratio, zone, solver, skipped="not run: too long at a longer zone")
             if solver not in given_up:
-                one = _zone_run(one, there, finer, executor)
+                one = _zone_run(one, there, finer, executor, store)
             if one.skipped:
                 given_up.add(solver)
             made.append(one)
     return made
 
 
-def _zone_run(one: ZoneRun, case: Case, finer: Run, executor: Executor | None) -> ZoneRun:
+def _zone_run(
+    one: ZoneRun, case: Case, finer: Run, executor: Executor | None, store: Store | None
+) -> ZoneRun:
     """The run, or that it took too long."""
     plain = run_task(case, one.solver)
     task = replace(
-        plain, function=_measured, arguments=(plain.function, *plain.arguments), time_limit=PATIENCE
+        plain,
+        key=fingerprint("memory", plain.key),
+        function=_measured,
+        arguments=(plain.function, *plain.arguments),
+        time_limit=PATIENCE,
     )
-    (answer,) = run_tasks([task], executor)
+    (answer,) = run_tasks([task], executor, store)
     if answer.ending is TaskEnding.TIMED_OUT:
         return replace(one, skipped=answer.failure)
-    value, peak = answer.value or (None, None)
-    result = run_of(replace(answer, task=plain, value=value))
-    peak = None if executor is None else peak
+    measured: MeasuredRun | None = answer.value
+    result = run_of(replace(answer, task=plain, value=None if measured is None else measured.run))
+    peak = None if executor is None or measured is None else measured.peak_memory
     return replace(one, run=result, skipped="", errors=relative_errors(result, finer), peak_memory=peak)
 
 
-def _measured(function: Callable[..., Run], *arguments: Any) -> tuple[Run, int | None]:
-    """The run, and the most bytes that its process held by then."""
-    return function(*arguments), peak_memory()
+def _measured(function: Callable[..., Run], *arguments: Any) -> MeasuredRun:
+    return MeasuredRun(function(*arguments), peak_memory())
 
 
 def relative_errors(result: Run, finer: Run, names: Iterable[str] = OBSERVED) -> dict[str, float]:

@@ -1,0 +1,128 @@
+"""Commands of many runs that are interrupted: what is kept is said, and taken over by the next attempt."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+from support.spring_solver import FunctionSolver, named, small_scene, spring
+
+from crosscontact.cli import main
+from crosscontact.commands.interruption import telling_what_is_kept
+from validation import cases, solvers
+from validation.execution import tasks
+from validation.execution.store import Store
+from validation.studies.poisson import compare_ratios
+from validation.studies.zones import zone_runs
+
+WORK = {
+    "compare SCENE": "compare.build",
+    "study SCENE": "study.study",
+    "study SCENE --poisson 10": "poisson.compare_ratios",
+    "study SCENE --zones 0.01": "zones.zone_runs",
+    "stability": "stability.compute",
+    "report": "report.build",
+}
+"""Commands of many runs, and the function that does the work of each."""
+
+
+@pytest.mark.parametrize("done", [0, 1])
+@pytest.mark.parametrize("command", WORK)
+def test_what_is_kept_is_said(capsys, tmp_path, monkeypatch, command, done):
+    out = tmp_path / "out"
+
+    def work(*given, **more):
+        (store,) = (one for one in (*given, *more.values()) if isinstance(one, Store))
+        for number in range(done):
+            store.put(f"run {number}", number)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"crosscontact.commands.{WORK[command]}", work)
+    given = [small_scene(tmp_path) if word == "SCENE" else word for word in command.split()]
+    assert main([*given, "--jobs", "1", "--out", str(out)]) == 1
+    kept = f"{out} holds what is done: the same command goes on with it"
+    words = kept if done else "no run is done: there is nothing to keep"
+    said = capsys.readouterr().err.splitlines()
+    assert said[-2:] == [f"crosscontact: {words}", "crosscontact: interrupted"]
+
+
+def test_without_a_folder_nothing_is_kept(capsys):
+    with pytest.raises(KeyboardInterrupt), telling_what_is_kept(None, Store()):
+        raise KeyboardInterrupt
+    assert capsys.readouterr().err == "crosscontact: without --out DIR nothing is kept\n"
+
+
+def test_an_interruption_that_a_library_made_an_error_of_is_one(capsys):
+    """Compiled modules of VTK answer Ctrl-C during their import with an ImportError."""
+
+    def load():
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+        except KeyboardInterrupt:
+            raise ImportError("no module named vtk") from None
+
+    with pytest.raises(KeyboardInterrupt), telling_what_is_kept(None, Store()):
+        load()
+    assert "nothing is kept" in capsys.readouterr().err
+    with pytest.raises(ImportError), telling_what_is_kept(None, Store()):
+        raise ImportError("without an interruption it stays an error")
+
+
+def test_an_interruption_while_the_program_is_loaded_is_one_line():
+    stopping = """
+import sys
+class Stop:
+    def find_spec(self, name, *given):
+        if name == "argparse":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Stop())
+from crosscontact.cli import main
+sys.exit(main(["scenes"]))
+"""
+    done = subprocess.run([sys.executable, "-c", stopping], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", "crosscontact: interrupted\n")
+
+
+def by_poisson(case, store, progress=None):
+    found = compare_ratios(case, (10.0, 30.0), None, None, progress, store)
+    return [run.measures for one in found for run in one.runs.values()]
+
+
+def by_zones(case, store, progress=None):
+    runs = zone_runs(case, ["bem", "reference"], (0.05, 0.01), progress, store=store)
+    return [(one.solver, one.ratio, one.steps, one.errors) for one in runs]
+
+
+@pytest.mark.parametrize("study", [by_poisson, by_zones])
+def test_an_interrupted_study_does_what_is_missing(tmp_path, monkeypatch, study):
+    for name in solvers.SOLVERS:
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
+    case, begun, execute = cases.load(small_scene(tmp_path)), [], tasks.execute
+
+    def counted(function, arguments):
+        begun.append(function)
+        if len(begun) == stop_at:
+            raise KeyboardInterrupt
+        return execute(function, arguments)
+
+    monkeypatch.setattr(tasks, "execute", counted)
+    stop_at = 0
+    whole = study(case, Store())
+    count = len(begun)
+    stop_at = count + 3
+    with pytest.raises(KeyboardInterrupt):
+        study(case, Store(tmp_path))
+    begun.clear()
+    stop_at = 0
+    store = Store(tmp_path)
+    again = study(case, store)
+    assert (len(begun), store.taken_over) == (count - 2, 2)
+    seconds = ("wall_seconds", "cpu_seconds")
+    if study is by_poisson:
+        for run in (*whole, *again):
+            for name in seconds:
+                run.pop(name, None)
+    assert again == whole
