@@ -56,6 +56,9 @@ SCENES = {
     "a thousand small cycles": shaken(1000, 1e-7),
     "cycles with hysteresis": replace(shaken(30, 1e-6), adhesion=Adhesion(0.05, 1e-6, work_closing=0.02)),
     "elastic cycles": replace(shaken(100, 1e-6), material=Material(1e6, 0.49)),
+    "drifting off": replace(
+        PULL, loading=Loading("relaxed", 2e-6, (Oscillate(2e-7, 62.83, 10.0, drift=1e-6),))
+    ),
     "shaken off": replace(shaken(50, 1e-6), adhesion=None),
     "negligible branch": replace(PULL, material=Material(1e6, 0.49, (Branch(1e-60, 1.0),))),
     "20 branches": replace(CYCLE, material=branches(20, 2e5, 6.0)),
@@ -93,6 +96,9 @@ MEASURED = [
     ("cycles with hysteresis", "bem", 2155, 19.0),
     ("elastic cycles", "bem", 6432, 4.7),
     ("elastic cycles", "reference", 9803, 15.0),
+    ("drifting off", "fem", 2850, 17.0),
+    ("drifting off", "bem", 2056, 16.0),
+    ("drifting off", "reference", 4447, 14.0),
     ("shaken off", "fem", 253, 0.9),
     ("shaken off", "bem", 351, 1.0),
     ("shaken off", "reference", 572, 0.6),

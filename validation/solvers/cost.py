@@ -258,7 +258,8 @@ def _edge_path(scene: Scene, largest: float) -> EdgePath:
         return float(radii[held[-1]]) if held.size else 0.0
 
     present = radius(scene.loading.start_control, scene.loading.penetration)
-    travel, intervals, force = present if work == 0.0 else 0.0, 0.0, 0.0
+    rests = work > 0.0 or math.isfinite(edge)  # on the rim of a punch, too
+    travel, intervals, force = 0.0 if rests else present, 0.0, 0.0
     travel_of_cycles, cycles = 0.0, 0.0
     depth = scene.loading.penetration
 
@@ -270,8 +271,12 @@ def _edge_path(scene: Scene, largest: float) -> EdgePath:
         if amplitude > 0.0:
             control, middle = segment.control, segment.value(segment.start)
             between = abs(radius(control, middle + amplitude) - radius(control, middle - amplitude))
-            lost = work == 0.0 and _shakes_off(scene, step, middle)
-            carried_out = min(_cycles(step), 1.0) if lost else _cycles(step)
+            share = _share_in_contact(step, middle - float(loads[control].min()))
+            if work == 0.0 and _shakes_off(scene, step, middle):
+                share = 0.0
+            lost, carried_out = share < 1.0, _cycles(step)
+            if lost:
+                carried_out = min(carried_out, max(share * carried_out, 1.0))
             travel_of_cycles += 2.0 * between * carried_out
             cycles += carried_out
             if lost:
@@ -294,6 +299,14 @@ def _edge_path(scene: Scene, largest: float) -> EdgePath:
         if present == 0.0 and work > 0.0:
             break  # contact is lost, which ends the run
     return EdgePath(travel, travel_of_cycles, cycles, intervals)
+
+
+def _share_in_contact(step: Step, above: float) -> float:
+    """Share of an oscillation by whose end its drift has taken it out of contact, ``above`` at its start."""
+    drifted = getattr(step, "drift", 0.0) * getattr(step, "duration", 0.0)
+    if drifted <= 0.0:
+        return 1.0
+    return min(max(above - abs(getattr(step, "amplitude", 0.0)), 0.0) / drifted, 1.0)
 
 
 def _shakes_off(scene: Scene, step: Step, middle: float) -> bool:
