@@ -32,6 +32,9 @@ ELASTIC = Material(0.75, 0.5)
 """Plane modulus 1."""
 STRESS = 0.2
 TOLERANCES = {"reference": 1e-3, "bem": 1e-3, "fem": 5e-3}
+ELASTIC_TOLERANCES = {"reference": 1e-9, "bem": 6e-5, "fem": 1.2e-4}
+"""Of the radius; of the force twice that. A zone one per cent too short makes 1e-4 in boundary elements,
+one two per cent too long 1.7e-4 in finite elements."""
 RESOLUTION = {"reference": None, "bem": None, "fem": 6}
 
 
@@ -53,8 +56,9 @@ def test_an_elastic_contact_has_the_zone_its_tension_asks_for(solver):
         state = law.at_penetration(depth)
         zone = law.zone_at(state.contact_radius, depth)
         assert 0.8 * at_rest < zone < 0.9 * at_rest  # pressure farther inside shortens it
-        assert_allclose(trace.contact_radius[row], state.contact_radius, rtol=TOLERANCES[solver])
-        assert_allclose(trace.force[row], state.force, atol=TOLERANCES[solver] * 1.5 * math.pi * WORK)
+        allowed = ELASTIC_TOLERANCES[solver]
+        assert_allclose(trace.contact_radius[row], state.contact_radius, rtol=allowed)
+        assert_allclose(trace.force[row], state.force, atol=2.0 * allowed * 1.5 * math.pi * WORK)
 
 
 @pytest.mark.slow

@@ -61,6 +61,17 @@ def test_a_parabola_is_followed_between_sparse_rows():
     assert interpolation_error(run(sparse, sparse + sparse**2), "force") == pytest.approx(apart.rms, rel=1e-6)
 
 
+def test_a_value_between_rows_is_on_the_curve_of_the_norms():
+    """A parabola over nine rows, whose straight lines are off by h^2/4 = 0.4 % in the middle."""
+    rows = np.linspace(0.0, 1.0, 9)
+    curve = RowCurve(rows, rows + rows**2)
+    for middle in rows[1:-2] + 0.0625:
+        assert curve.at(float(middle)) == pytest.approx(middle + middle**2, abs=4e-4)
+    assert curve.at(float(rows[3])) == pytest.approx(rows[3] + rows[3] ** 2, rel=1e-14)
+    straight = np.interp(0.5625, rows, rows + rows**2)
+    assert straight - (0.5625 + 0.5625**2) > 3e-3
+
+
 @pytest.mark.parametrize("rows", [13, 25, 49])
 def test_the_interpolation_error_is_of_the_size_of_the_true_one(rows):
     sparse, dense = np.linspace(0.0, 3.0, rows) ** 1.25, np.linspace(0.0, 3.0**1.25, 4001)

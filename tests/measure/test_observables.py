@@ -21,7 +21,7 @@ from contact_scene import (
 )
 from contact_scene.run_control import below_zone_outcome
 from validation.measure.norms import distance, parting_time
-from validation.measure.observables import cycle_losses, end_of_approach, observe
+from validation.measure.observables import at_last_contact, cycle_losses, end_of_approach, observe
 
 
 def trace(time, penetration, force, radius=None, loss=None, kind=OutcomeKind.COMPLETED, events=()):
@@ -68,6 +68,19 @@ def test_the_solver_s_own_event_locates_the_detachment():
     seen = observe(trace([0, 1, 2], [1, 0, -1], [1, -1, 0], kind=OutcomeKind.DETACHED, events=events))
     assert (seen.detachment_time, seen.detachment_penetration) == (1.5, -0.25)
     assert (seen.detachment_radius, seen.detachment_force) == (0.125, -0.5)
+
+
+@pytest.mark.parametrize("kind", [OutcomeKind.DETACHED, OutcomeKind.COMPLETED])
+def test_what_a_run_has_lost_is_read_before_the_snap_to_the_free_surface(kind):
+    """The last row of a run that detached is the free surface; what it sets free is no viscous loss."""
+    lost = trace(
+        [0, 1, 2, 2], [0, -1, -2, -2], [0, -1, -1, 0], [1, 1, 0.5, 0 if kind == "detached" else 0.5],
+        loss=[0, 1, 2, 9], kind=kind,
+    )  # fmt: skip
+    expected = 2.0 if kind is OutcomeKind.DETACHED else 9.0
+    assert at_last_contact(lost, "dissipated_energy") == expected
+    assert observe(lost).dissipated_energy == expected
+    assert at_last_contact(lost, "branch_dissipation") is None
 
 
 def test_a_contact_shorter_than_its_zone_has_left_the_model():

@@ -29,6 +29,7 @@ from validation.reference import Options, solve
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.tracking import problem
 from validation.reference.tracking.energy import branch_power
+from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.recorder import Recorder
 from validation.reference.tracking.rheology import Rheology
 from validation.studies.reference_accuracy import COLUMNS, cycle, levels, order
@@ -222,6 +223,28 @@ def test_default_settings_against_a_finer_run(material: str) -> None:
     one, two = _seen(usual), _seen(fine)
     for name in ("approach_force", "approach_radius", "pull_off_force", "loop_energy"):
         assert getattr(one, name) == pytest.approx(getattr(two, name), rel=2e-5), name
+
+
+def test_estimates_are_a_third_of_the_difference_from_twice_the_step() -> None:
+    """Two runs by hand: tensions 1 and 1.03, works -2 and -2.06, and contact lost at t = 2 and 2.3."""
+
+    def columns(share: float, end: float) -> dict[str, np.ndarray]:
+        return {
+            "time": np.array([0.0, 1.0, end, end]),
+            "penetration": np.array([4.0, 0.0, -end, -end]),
+            "force": share * np.array([0.0, -1.0, -0.5, 0.0]),
+            "contact_radius": np.array([1.0, 1.0, 0.5, 0.0]),
+            "external_work": share * np.array([0.0, -1.0, -2.0, -2.0]),
+        }
+
+    found = estimated_errors(columns(1.0, 2.0), columns(1.03, 2.3), True)
+    assert found["pull_off_force"] == pytest.approx(0.01)
+    assert found["loop_energy"] == pytest.approx(0.01)
+    assert found["detachment_time"] == pytest.approx(0.05)
+    assert found["detachment_penetration"] == pytest.approx(0.025)
+    agreeing = estimated_errors(columns(1.0, 2.0), columns(1.03, 2.0), True)
+    assert agreeing["detachment_time"] == agreeing["loop_energy"] == pytest.approx(0.01)
+    assert "detachment_time" not in estimated_errors(columns(1.0, 2.0), columns(1.03, 2.3))
 
 
 @pytest.mark.parametrize("speed", [0.02, *(pytest.param(v, marks=pytest.mark.slow) for v in (0.1, 0.002))])
