@@ -205,3 +205,23 @@ def _(true):
         return replace(row, penetration=row.penetration + deflection)
 
     return earlier
+
+
+@fault("the edge takes up 1 % more", "edge_energy:energy_taken", ("hysteresis-si",))
+def _(true):
+    return lambda *given: 1.01 * true(*given)
+
+
+@fault("the edge 2 % too fast for its law", "edge_energy:end_velocity", ("rated-edge-si",))
+def _(true):
+    return lambda *given: 1.02 * true(*given)
+
+
+@fault("external work 0.5 % too large", "external_work:external_work", ("adhesionless-cycle",))
+def _(true):
+    return lambda *given: 1.005 * true(*given)
+
+
+@fault("closure over a zone 1 % too short", "trial:_zone", ("cone-pull",))
+def _(true):
+    return lambda *given: 0.99 * true(*given)

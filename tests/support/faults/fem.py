@@ -228,3 +228,18 @@ def _(true):
 @fault("the stage taken for the indenter", "release:ContactProblem.penetration", ("spring-elastic",))
 def _(true):
     return lambda self, s: self.value if self.control == "stage" else true(self, s)
+
+
+@fault("the edge 2 % too fast for its law", "release:EdgeOrigin.opening_speed", ("rated-edge-si",))
+def _(true):
+    return lambda *given: 1.02 * true(*given)
+
+
+@fault("the edge spends 1 % more", "irreversible_edge:energy_spent", ("hysteresis-si",))
+def _(true):
+    return lambda *given: 1.01 * true(*given)
+
+
+@fault("branches dissipate 2 % too much", "prony:Prony.loss_weights", ("adhesionless-cycle",))
+def _(true):
+    return lambda *given: 1.02 * true(*given)

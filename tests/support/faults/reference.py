@@ -144,3 +144,17 @@ def _(true):
         return true(surface, body, replace(segment, compliance=1.02 * segment.compliance), *given)
 
     return balanced
+
+
+@fault("the wake recovers 1 % too slowly", "surface_step:field_update", ("cycle-v0.002",))
+def _(true):
+    def update(*given):
+        found = true(*given)
+        return replace(found, recovery=found.recovery**0.99)
+
+    return update
+
+
+@fault("the interface takes up 1 % more", "interface_work:taken_at", ("rated-edge-si",))
+def _(true):
+    return lambda *given: 1.01 * true(*given)

@@ -21,6 +21,7 @@ _, measure_fault = registry("reference", "validation.measure", FAULTS, shared=Tr
 _, elements_fault = registry("fem", "contact_scene", FAULTS, shared=True)
 _, mesh_fault = registry("fem", "meshes", FAULTS, shared=False)
 PUNCH, CONE, SPRING = ("punch-programme",), ("cone-force-ramp",), ("spring-elastic",)
+RATED, HYSTERESIS = ("rated-edge-si",), ("hysteresis-si",)
 
 
 @scene_fault("holds half as long", "load_steps:Hold.segment", PUNCH)
@@ -71,6 +72,35 @@ def _(true):
         )
 
     return segment
+
+
+@scene_fault("oscillations 0.5 % too fast", "load_steps:Oscillate.segment", PUNCH)
+def _(true):
+    return lambda self, *given: true(replace(self, angular_frequency=1.005 * self.angular_frequency), *given)
+
+
+@scene_fault("exponent of the rate 1 % too large", "edge_rate:PowerRate.work", RATED)
+def _(true):
+    return lambda self, *given: true(replace(self, exponent=1.01 * self.exponent), *given)
+
+
+@scene_fault("speed of the rate 3 % too large", "edge_rate:PowerRate.work", RATED)
+def _(true):
+    return lambda self, *given: true(replace(self, speed=1.03 * self.speed), *given)
+
+
+@scene_fault("closes at 2 % more than it should", "adhesion:Adhesion.closing", HYSTERESIS)
+def _(true):
+    return lambda self: min(1.02 * true(self), self.work)
+
+
+@scene_fault("losses of instabilities 3 % too small", "machine:machine_columns", SPRING)
+def _(true):
+    def columns(of, machine, events):
+        found = true(of, machine, events)
+        return found | {"instability_loss": 0.97 * found["instability_loss"]}
+
+    return columns
 
 
 @scene_fault("forces 0.3 % too large", "load_steps:Force.segment", PUNCH)
@@ -173,6 +203,31 @@ def _(true):
         return replace(found, detachment_radius=(found.detachment_radius or 0.0) + 0.5 * zone)
 
     return observe
+
+
+@measure_fault("pull-off 2 % too far out", "observables:observe", ("elastic-glassy", "cycle-v0.002"))
+def _(true):
+    def observe(trace, *given):
+        found = true(trace, *given)
+        return replace(found, pull_off_radius=1.02 * (found.pull_off_radius or 0.0))
+
+    return observe
+
+
+@measure_fault("stage at detachment 1 % too high", "observables:observe", SPRING)
+def _(true):
+    def observe(trace, *given):
+        found = true(trace, *given)
+        return replace(found, stage_at_detachment=1.01 * (found.stage_at_detachment or 0.0))
+
+    return observe
+
+
+@measure_fault("units of an energy 1 % too large", "dimensionless:unit_sizes", ("cycle-si-small",))
+def _(true):
+    return lambda scene: {
+        name: size * (1.01 if name == "energy" else 1.0) for name, size in true(scene).items()
+    }
 
 
 @measure_fault("cycles half a period late", "cycles:cycle_times", PUNCH)
