@@ -21,8 +21,10 @@ from contact_scene import (
     Ramp,
     Scene,
     Sphere,
+    read_scene,
 )
 from crosscontact.commands.forecast import LONG
+from validation.scenes import FOLDER
 from validation.solvers import SOLVERS
 
 RUBBER = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
@@ -77,6 +79,7 @@ SCENES = {
     "weak spring": replace(
         PULL, loading=Loading("jump-in", 0.0, (Ramp(5e-5, 1e-5),), Machine(1e-20)), adhesion=PULL.adhesion
     ),
+    "pdms-cycle-10nm": read_scene(FOLDER / "pdms-cycle-10nm.toml"),
     "elastic bulk": replace(UNIT, material=replace(UNIT.material, bulk="elastic")),
 }
 MEASURED = [
@@ -115,6 +118,7 @@ MEASURED = [
     ("400 load steps", "reference", 6561, 31.0),
     ("hold", "fem", 115, 1.5),
     ("weak spring", "bem", 136, 2.1),
+    ("pdms-cycle-10nm", "fem", 230, 11.0),
     ("elastic bulk", "fem", 1341, 27.0),
 ]
 

@@ -37,7 +37,9 @@ FOLLOWING_COST = CostModel(
     share_of_branch=0.01,
     bytes_of_run=(2e7, 1.75e7),
 )
-"""Where the mesh follows the edge; unknowns are the elements in a process zone."""
+"""Where the mesh follows the edge; unknowns are the elements in a process zone, more where it is short."""
+FEW_HALVINGS = 8.0
+"""Halvings of the largest contact radius down to the process zone beyond which the rest of the mesh counts."""
 VOLUME_COST = CostModel(
     steps_per_division=5.0,
     adhesionless_steps_per_division=0.6,
@@ -164,7 +166,8 @@ class FiniteElements(Solver):
         divisions = resolution or self.default_resolution(scene)
         work, finer = scene_work(scene), divisions_of_zone(scene, divisions)
         if follows:
-            return forecast(FOLLOWING_COST, work, divisions, finer)
+            halvings = math.log2(max(work.radius_in_zones, 1.0))
+            return forecast(FOLLOWING_COST, work, divisions, finer * max(halvings / FEW_HALVINGS, 1.0))
         model = VOLUME_COST if self.solves_volume(scene) else self.cost_model
         return forecast(model, work, finer, self._unknowns(work, finer))
 
