@@ -119,7 +119,10 @@ def _motion(
     earlier: EarlierRow | None,
     within: tuple[float, float] | None,
 ) -> Motion:
-    """The step of the edge, penetration unchanged: its root and a point inside, or its path and fall."""
+    """The step of the edge, penetration unchanged: its root and a point inside, or its path and fall.
+
+    The path of an edge that advances over short zones is straight: parabolas are unstable in long steps.
+    """
     singular, innermost = 0.0, None
     path = row = fall = None
     if within is not None:
@@ -128,7 +131,11 @@ def _motion(
         row = row or (earlier.time, earlier.penetration)
     if earlier is not None and earlier.edge is not None and earlier.fall is not None:
         if edge != state.edge:
-            path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge, earlier.further)
+            if edge > state.edge and problem.over_zones(state.edge):
+                path = BentPath.straight(state.edge, edge)
+            else:
+                before = earlier.time, earlier.edge
+                path = BentPath.through(before, state.edge, duration, edge, earlier.further)
             fall = earlier.fall
     elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)
