@@ -39,7 +39,7 @@ FOLLOWING_COST = CostModel(
 )
 """Where the mesh follows the edge; unknowns are the elements in a process zone, more where it is short."""
 FEW_HALVINGS = 8.0
-"""Halvings of the largest contact radius down to the process zone beyond which the rest of the mesh counts."""
+"""Halvings of the contact radius down to the process zone above which the rest of the mesh counts."""
 VOLUME_COST = CostModel(
     steps_per_division=5.0,
     adhesionless_steps_per_division=0.6,
