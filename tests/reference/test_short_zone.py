@@ -27,7 +27,7 @@ SLOW = pytest.mark.slow
 SOURCE = "equation of motion of the edge of a short zone"
 KINDS = ("cycle", "retraction", "dead-load")
 SIZES = {1e-6: "1um", 1e-7: "100nm", 1e-8: "10nm"}
-SCENES = [*(f"pdms-{kind}-{size}" for kind in KINDS for size in SIZES.values()), "force-4", "force-8"]
+SCENES = [*(f"pdms-{kind}-{size}" for kind in KINDS for size in SIZES.values()), "force-4"]
 
 
 def law(scene: Scene) -> ShortZone:
