@@ -171,7 +171,7 @@ def test_a_punch_creeps_under_a_dead_load():
 
 
 def test_an_edge_that_closes_slowly_moves_evenly_in_long_steps():
-    """With a parabola for its path its speed swings by a tenth from row to row, and no step grows longer."""
+    """With all the bend of a parabola its speed swings by a tenth, and no step grows longer."""
     material = Material(1.0, 0.5, (Branch(15.8, 0.041),))
     pressed = Loading("jump-in", 0.0025645, (Ramp(0.0030181, 2.268e-5),))
     trace = bem(Scene(material, Sphere(1.0), pressed, Adhesion(1.5127e-5, 3.2766e-7)))
