@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from support.report_commands import WORK
 from support.spring_solver import FunctionSolver, named, small_scene, spring
 
 from crosscontact.cli import main
@@ -17,16 +18,6 @@ from validation.execution import tasks
 from validation.execution.store import Store
 from validation.studies.poisson import compare_ratios
 from validation.studies.zones import zone_runs
-
-WORK = {
-    "compare SCENE": "compare.build",
-    "study SCENE": "study.study",
-    "study SCENE --poisson 10": "poisson.compare_ratios",
-    "study SCENE --zones 0.01": "zones.zone_runs",
-    "stability": "stability.compute",
-    "report": "report.build",
-}
-"""Commands of many runs, and the function that does the work of each."""
 
 
 @pytest.mark.parametrize("done", [0, 1])

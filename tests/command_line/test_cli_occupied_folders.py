@@ -8,6 +8,7 @@ import signal
 import tomllib
 
 import pytest
+from support.report_commands import WORK
 from support.spring_solver import SCENE, FunctionSolver, named, resumable, small_scene, spring
 
 from contact_scene.scenefile import scene_from_dict
@@ -27,15 +28,6 @@ from validation.report.report_folder import (
     zones_json,
 )
 
-WORK = {
-    "compare SCENE": "compare.build",
-    "study SCENE": "study.study",
-    "study SCENE --poisson 10": "poisson.compare_ratios",
-    "study SCENE --zones 0.01": "zones.zone_runs",
-    "stability": "stability.compute",
-    "report": "report.build",
-}
-"""Commands that write reports, and the function that does the work of each."""
 OWN = {
     "compare SCENE": "report.json",
     "study SCENE": "study.json",

@@ -1,0 +1,11 @@
+"""The commands of many runs, which write a report of them."""
+
+WORK = {
+    "compare SCENE": "compare.build",
+    "study SCENE": "study.study",
+    "study SCENE --poisson 10": "poisson.compare_ratios",
+    "study SCENE --zones 0.01": "zones.zone_runs",
+    "stability": "stability.compute",
+    "report": "report.build",
+}
+"""The function, in ``crosscontact.commands``, that does the work of each."""
