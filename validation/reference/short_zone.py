@@ -38,7 +38,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
+from scipy.integrate import LSODA, OdeSolution, solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq, minimize_scalar
 
@@ -290,16 +290,17 @@ class ShortZone:
             speed = self.opening_speed(a, driving(a, time))
             return self._rates(state, pulled.rate, -speed, edge_loads(a, time))
 
-        def left(time: float, state: Array) -> float:
-            return float(state[0]) - smallest
-
-        def jumps(time: float) -> bool:
-            radius = float(run.sol(time)[0])
+        def runs_away(time: float, state: Array) -> bool:
+            radius = float(state[0])
             needed = self.compliance_needed(radius, driving(radius, time))
             return needed * self._glassy <= 1.0
 
-        left.terminal = True  # type: ignore[attr-defined]
-        run = _integrated(moved, (begin, math.inf), state, (left,))
+        def jumps(time: float) -> bool:
+            return runs_away(time, run.sol(time))
+
+        run = _integrated_until(
+            lambda time, state: runs_away(time, state) or bool(state[0] <= smallest), moved, begin, state
+        )
         held, lost = float(run.t[[not jumps(t) for t in run.t]][-1]), float(run.t[-1])
         while lost - held > 1e-13 * lost:
             middle = 0.5 * (held + lost)
@@ -328,21 +329,51 @@ class ShortZone:
         )
 
 
+@dataclass(frozen=True)
+class _Run:
+    """Times of the steps of an integration, and its dense output."""
+
+    t: Array
+    sol: OdeSolution
+
+
+def _integrated_until(
+    ended: Callable[[float, Array], bool], rates: Callable[[float, Array], Array], begin: float, state: Array
+) -> _Run:
+    """The integration up to the first step after which it has ``ended``.
+
+    SciPy's events are located in the dense output, which a state that runs away within a step leaves; and a
+    step beyond that moment is shorter than the rounding of the time.
+    """
+    solver = LSODA(rates, begin, state, math.inf, rtol=ACCURACY, atol=_tolerances(state))
+    times, pieces = [begin], []
+    while solver.status == "running" and not ended(solver.t, solver.y):
+        solver.step()
+        if solver.t > times[-1]:
+            times.append(solver.t)
+            pieces.append(solver.dense_output())
+    return _Run(np.array(times), OdeSolution(times, pieces))
+
+
+def _tolerances(state: Array) -> Array:
+    """Absolute tolerances by the sizes of the state at its start."""
+    return ACCURACY * np.maximum(np.abs(state), ACCURACY * np.abs(state).max())
+
+
 def _integrated(
     rates: Callable[[float, Array], Array],
     span: tuple[float, float],
     state: Array,
     events: Sequence[Callable[[float, Array], float]] = (),
 ) -> Any:
-    """SciPy's solution, with dense output; sizes of the state are those at its start."""
-    small = ACCURACY * np.maximum(np.abs(state), ACCURACY * np.abs(state).max())
+    """SciPy's solution, with dense output."""
     return solve_ivp(
         rates,
         span,
         state,
         method="LSODA",
         rtol=ACCURACY,
-        atol=small,
+        atol=_tolerances(state),
         events=events or None,
         dense_output=True,
     )
