@@ -3,11 +3,10 @@
 What the closure sees at the end of such a step was left behind within it, at times that follow from the path,
 and the condition there is one on the speed of the edge. The path is the parabola through the edge at the
 last two rows and at the end of the step: with rows of equal spacing its speed there is the second-order
-backward differentiation formula. That of a receding edge is the cubic through one more row, of third order.
-The closure of an advancing one hardly depends on its speed, but on how its wake has relaxed: over short zones
-its path has half the bend of the parabola, with which its speed swings ever farther about the true one in
-steps of more than two relaxation times. Times count from the end of the step backwards, because what matters
-happens just before it: ``g`` is the share of the step still to come.
+backward differentiation formula. That of a receding edge is the cubic through one more row, of third order;
+the closure of an advancing one hardly depends on its speed, so that the unevenness of more rows would come
+back magnified. Times count from the end of the step backwards, because what matters happens just before it:
+``g`` is the share of the step still to come.
 """
 
 from __future__ import annotations

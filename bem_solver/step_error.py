@@ -146,7 +146,7 @@ def _departures(
     if passes and problem.curves and start.state.accepted.curved:
         of_path = _departure_from_path(start, edge, step)
         of_edge = min(of_edge, of_path) if problem.over_zones(contact.edge) else of_path
-    if problem.over_zones(contact.edge) and not (problem.rated and edge < contact.edge):  # told by its speed
+    if problem.over_zones(contact.edge) and not problem.rated:  # a rated edge is told by its speed
         if start.state.accepted.curved:
             missed = edge - start.state.accepted.edge_after(step)
         of_edge = min(of_edge, _departure_of_closure(start, edge, abs(missed)))

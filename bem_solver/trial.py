@@ -6,7 +6,7 @@ displacement positive downwards, force and pressure positive in compression; rad
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,6 @@ Array = NDArray[np.float64]
 
 EDGE_ACCURACY = 1e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
-
-_BEND_OF_CLOSING = 0.5
-"""Part of a parabola's bend in the path of an edge that closes over short zones. With all of it its speed
-swings about the true one in long steps (``bent_path``); with none of it radii are twice as far off."""
 
 _DEPTH_OF_LOAD = 4.0
 """Distance of the point whose load stands for that of the contact inside an advancing edge without adhesion,
@@ -133,8 +129,6 @@ def _motion(
     if earlier is not None and earlier.edge is not None and earlier.fall is not None:
         if edge != state.edge:
             path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge, earlier.further)
-            if edge > state.edge and problem.over_zones(state.edge):
-                path = replace(path, bend=_BEND_OF_CLOSING * path.bend)
             fall = earlier.fall
     elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)

@@ -28,7 +28,6 @@ from contact_scene import (
     Oscillate,
     Ramp,
     Scene,
-    Sphere,
 )
 
 
@@ -168,16 +167,3 @@ def test_a_punch_creeps_under_a_dead_load():
     exact = 0.01 + 0.02 * creep
     assert np.diff(trace.time).max() > 0.2 * chain.retardation[0]
     assert_allclose(trace.penetration[late], exact[late], rtol=4e-3)
-
-
-def test_an_edge_that_closes_slowly_moves_evenly_in_long_steps():
-    """With all the bend of a parabola its speed swings by a tenth, and no step grows longer."""
-    material = Material(1.0, 0.5, (Branch(15.8, 0.041),))
-    pressed = Loading("jump-in", 0.0025645, (Ramp(0.0030181, 2.268e-5),))
-    trace = bem(Scene(material, Sphere(1.0), pressed, Adhesion(1.5127e-5, 3.2766e-7)))
-    later = trace.time > 0.3 * trace.time[-1]
-    time, radius = trace.time[later], trace.contact_radius[later]
-    speed = np.diff(radius) / np.diff(time)
-    assert np.abs(np.diff(speed) / speed[1:]).max() < 0.05
-    assert np.median(np.diff(time)) > 10.0 * 0.041
-    assert 4 < len(speed) < 40
