@@ -108,6 +108,7 @@ class FiniteElements(Solver):
     coarse_tolerance = 2e-2
     cost_model = CostModel(
         steps_per_division=5.0,
+        steps_per_cycle=100.0,
         adhesionless_steps_per_division=0.6,
         steps_of_elastic_interval=400.0,
         seconds_of_setup=(0.1, 3.5e-3, 2.5e-6, 1e-9),
