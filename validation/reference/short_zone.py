@@ -62,7 +62,7 @@ TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class Motion:
+class EdgeMotion:
     """A run until contact is lost.
 
     Parameters
@@ -119,7 +119,7 @@ class ShortZone:
     work: float
     zone: float
 
-    def retraction(self, start: float, rate: float) -> Motion:
+    def retraction(self, start: float, rate: float) -> EdgeMotion:
         """From the relaxed equilibrium at the penetration ``start``, at a speed, until contact is lost."""
         first = JKR(Sphere(self.radius), self._relaxed, self.work).at_penetration(start)
         state = np.zeros(len(self._branches.moduli) + 2)
@@ -140,7 +140,7 @@ class ShortZone:
         ]
         return State(float(radius), deepest, float(sum(loads)))
 
-    def cycle(self, start: float, deepest: float, approach: float, retraction: float) -> Motion:
+    def cycle(self, start: float, deepest: float, approach: float, retraction: float) -> EdgeMotion:
         """From the glassy equilibrium at ``start`` to ``deepest``, and back until contact is lost.
 
         Parameters
@@ -266,7 +266,7 @@ class ShortZone:
         edge_loads: Callable[[float, float], Array],
         begin: float = 0.0,
         within: float = math.inf,
-    ) -> Motion:
+    ) -> EdgeMotion:
         """A retraction from a state on until contact is lost.
 
         Parameters
@@ -318,7 +318,7 @@ class ShortZone:
                 options={"xatol": 1e-9 * lost},
             ).x
         )
-        return Motion(
+        return EdgeMotion(
             time,
             states[0],
             pulled.depth(time),

@@ -157,10 +157,10 @@ class FrontProblem:
             PENETRATION: max(state.largest_depth, abs(to.surface.penetration)),
         }
         over_zones = self.over_zones(state.surface.radius)
-        free = segment.control == "force"
-        share = (
-            (FREE_STEP_SHARE if free else LONG_STEP_SHARE) if over_zones else (FREE_SHARE if free else 1.0)
-        )
+        if segment.control == "force":
+            share = FREE_STEP_SHARE if over_zones else FREE_SHARE
+        else:
+            share = LONG_STEP_SHARE if over_zones else 1.0
         return StepErrorEstimator(
             state.history,
             share * self.fineness.deviation,
