@@ -102,27 +102,24 @@ def sweep(
         If an argument is wrong or the scene refuses a value, before anything runs; one line.
     """
     check_installed()
-    if not isinstance(values, Mapping) or not values:
-        raise SceneError("values", f"got {shown(values)}", "values by dotted path of the scene")
+    table = {
+        "solver": solver,
+        "resolution": resolution,
+        "max_steps": max_steps,
+        "design": design,
+        "seed": seed,
+        "estimate": estimate_errors,
+        "measures": measures,
+        "traces": traces,
+        "coordinates": _coordinates(values, design in SAMPLES),
+    }
+    if points is not None:
+        table["points"] = points
     with ExitStack() as opened:
-        base = _base(scene, opened)
-        table = {
-            "solver": solver,
-            "resolution": resolution,
-            "max_steps": max_steps,
-            "design": design,
-            "seed": seed,
-            "estimate": estimate_errors,
-            "measures": measures,
-            "traces": traces,
-            "coordinates": [_entry(key, entry, design in SAMPLES) for key, entry in values.items()],
-        } | ({} if points is None else {"points": points})
-        plan = _checked_plan(table, base, out is not None)
+        plan = _checked_plan(table, _base(scene, opened), out is not None)
         folder = None if out is None else opened.enter_context(locked_folder(checked_path(out), "out"))
         stored = opened.enter_context(RunTable(folder))
-        engine = _engine(opened, executor, jobs)
-        if batch_seconds is not None:
-            engine = replace(engine, batch_seconds=float(batch_seconds))
+        engine = _engine(opened, executor, jobs, batch_seconds)
         runs = carry_out(plan, stored, engine, progress)
         return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)
 
@@ -146,14 +143,25 @@ def _checked_plan(table: dict[str, Any], base: SceneTable, has_folder: bool) -> 
     return plan
 
 
-def _engine(opened: ExitStack, executor: Executor | JobQueue | None, jobs: int) -> Engine:
+def _engine(
+    opened: ExitStack, executor: Executor | JobQueue | None, jobs: int, batch_seconds: float | None
+) -> Engine:
     """What carries out the runs: the user's executor, or processes that end when ``opened`` is closed."""
     if executor is not None:
-        return opened.enter_context(engine_of(executor))
-    return opened.enter_context(own_engine(whole_number(jobs, "jobs", 1)))
+        engine = opened.enter_context(engine_of(executor))
+    else:
+        engine = opened.enter_context(own_engine(whole_number(jobs, "jobs", 1)))
+    return engine if batch_seconds is None else replace(engine, batch_seconds=float(batch_seconds))
 
 
-def _entry(key: Any, entry: Any, sampled: bool) -> dict[str, Any]:
+def _coordinates(values: Mapping[str | tuple[str, ...], Any], sampled: bool) -> list[dict[str, Any]]:
+    """The coordinates as a plan file has them."""
+    if not isinstance(values, Mapping) or not values:
+        raise SceneError("values", f"got {shown(values)}", "values by dotted path of the scene")
+    return [_coordinate(key, entry, sampled) for key, entry in values.items()]
+
+
+def _coordinate(key: Any, entry: Any, sampled: bool) -> dict[str, Any]:
     """A coordinate as a plan file has it; its name is its first key."""
     paths = list(key) if isinstance(key, tuple) else [key]
     if not paths or not all(isinstance(path, str) for path in paths):
