@@ -22,9 +22,10 @@ from contact_scene import (
     Sphere,
 )
 from validation.solvers import SOLVERS, Cost
-from validation.solvers.cost import CostModel, forecast, scene_work
+from validation.solvers.cost import CostModel, forecast
 from validation.solvers.cost_benchmark import SCENES
 from validation.solvers.finite_elements import FiniteElements
+from validation.solvers.scene_work import scene_work
 
 ELASTIC = Material(0.75, 0.5)
 HERTZ = Scene(ELASTIC, Sphere(1.0), Loading("relaxed", 0.0, (Ramp(0.04, 0.01), Ramp(0.01, 0.01))))

@@ -9,8 +9,9 @@ from functools import partial
 from typing import Any, ClassVar
 
 from contact_scene import COLUMNS, RunMonitor, Scene, Trace, UnsupportedScene
-from validation.solvers.cost import Cost, CostModel, SceneWork, forecast, scene_work
+from validation.solvers.cost import Cost, CostModel, forecast
 from validation.solvers.model_range import out_of_range
+from validation.solvers.scene_work import SceneWork, scene_work
 
 Progress = Callable[[float], None]
 

@@ -12,7 +12,8 @@ import meshes
 from contact_scene import Adhesion, Scene, SceneError, Trace
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver, specified
 from validation.solvers.contact_range import largest_contact_radius
-from validation.solvers.cost import Cost, CostModel, SceneWork, forecast, scene_work
+from validation.solvers.cost import Cost, CostModel, forecast
+from validation.solvers.scene_work import SceneWork, scene_work
 
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""

@@ -16,7 +16,7 @@ import numpy as np
 from contact_scene import Scene, SceneError, Sphere, TabulatedProfile, Trace
 from contact_scene.scene import zone_too_long
 from validation.solvers.contact_range import largest_contact_radius, start_radius
-from validation.solvers.cost import cycle_count
+from validation.solvers.scene_work import cycle_count
 
 MOST_CYCLES = 1e6
 """Cycles of a loading. A cycle has ten rows or more: ten million of them are what a trace can hold."""
