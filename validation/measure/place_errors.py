@@ -1,0 +1,167 @@
+"""Errors of what is read off where the rows do not locate the place: end of approach, pull-off, detachment.
+
+The largest tension is a row of the trace: it is also uncertain by what the tension between the rows beside it
+may exceed it. Its place is uncertain by that over which the tension falls by the change of its error on the
+way, or by half the error, and by that between the rows over which it may be larger. The edge may have gone on
+after the last row in contact, where it runs away.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from contact_scene import OutcomeKind, Trace
+from contact_scene.trace import Array
+from validation.measure.missed_maximum import MissedMaximum, missed_maximum, reach_of_maximum
+from validation.measure.observables import ROUND_OFF, end_of_approach, pull_off_row
+from validation.measure.scaling import column_of, scale
+
+RUNAWAY = 1.0 / (math.sqrt(2.0) - 1.0)
+"""Distance of the edge from where contact is lost over its last step, if it is lost within one more step of
+that duration: before a limit point the edge moves as the root of the time that is left."""
+LEAST_VARIED = 0.5
+"""Least change of the error of the force near its extremum, relative to that error: how two runs differ from
+row to row may vanish by accident."""
+
+
+def add_at_approach(errors: dict[str, float], trace: Trace, depth_error: float, spans: Array) -> None:
+    """Add to the errors at the end of approach how far the rest goes while the penetration hardly changes.
+
+    The largest penetration is a corner where it is prescribed, and known exactly; where the force is, it is
+    smooth, and the row at which it is largest is a matter of its error and of where the rows are. Where load
+    steps begin and end, it may have a corner as well.
+
+    Parameters
+    ----------
+    errors : dict of str to float
+        Relative, by observable; added to.
+    trace : Trace
+    depth_error : float
+        Error of the largest penetration, a length; 0 if it is not known.
+    spans : ndarray, shape (k, 2)
+        Begin and end of every window of the run.
+    """
+    if "approach_penetration" not in errors:
+        return
+    depth = trace.penetration
+    row = end_of_approach(trace)
+    missed = MissedMaximum(0.0, float(trace.time[row]), float(trace.time[row]))
+    if trace.contact_radius[row] > 0.0:
+        near = ROUND_OFF * float(np.ptp(trace.time))
+        corner = bool(np.isclose(_turns(trace, spans), trace.time[row], rtol=0.0, atol=near).any())
+        missed = missed_maximum(trace, depth, row, corner)
+    if missed.excess + depth_error <= ROUND_OFF * float(np.ptp(depth)):
+        return
+    for name in ("force", "radius", "time"):
+        column = trace.columns()[column_of(name)]
+        relative_to = scale(f"approach_{name}", float(column[row]), trace)
+        if f"approach_{name}" in errors and relative_to > 0.0:
+            away = 0.0
+            if depth_error > 0.0:
+                away = reach_of_maximum(depth, column, row, depth[row] - depth_error)
+            errors[f"approach_{name}"] += (away + missed.away(trace, column, row)) / relative_to
+
+
+def add_at_pull_off(
+    errors: dict[str, float], trace: Trace, apart: Array | None = None, usual: float = 0.0
+) -> None:
+    """Add to the errors of the pull-off what the rows leave open, between which the extremum may lie.
+
+    Its place is anywhere where the tension may be as large as in its row. An error that is the same in all
+    rows does not move it: where the errors of the rows are estimated their difference counts if it is less,
+    but at least half the error itself.
+
+    Parameters
+    ----------
+    errors : dict of str to float
+        Relative, by observable; added to.
+    trace : Trace
+    apart : ndarray, shape (n,), optional
+        Estimated error of the force in every row, nan where there is none; given if ``errors`` come from the
+        difference of two runs, which has what the place adds in it.
+    usual : float
+        Its root mean square over the run, relative.
+    """
+    row = pull_off_row(trace)
+    if row is None or _on_plateau(trace, row):
+        return
+    tension = -trace.force
+    missed = missed_maximum(trace, tension, row)
+    if "pull_off_force" in errors:
+        errors["pull_off_force"] += missed.excess / scale("pull_off_force", float(trace.force[row]), trace)
+    level = max(errors.get("pull_off_force", 0.0), usual) * float(tension[row])
+    uncertain = np.full(len(trace), level)
+    if apart is not None and np.isfinite(apart[row]):
+        known = np.isfinite(apart)
+        varied = np.abs(apart[known] - apart[row]) + missed.excess
+        uncertain[known] = np.clip(varied, LEAST_VARIED * level, level)
+    possible = tension + uncertain
+    for name in ("penetration", "radius", "time"):
+        key, column = f"pull_off_{name}", trace.columns()[column_of(name)]
+        relative_to = scale(key, float(column[row]), trace)
+        if key in errors and relative_to > 0.0:
+            within_error = reach_of_maximum(possible, column, row, float(tension[row]))
+            away = max(within_error, missed.away(trace, column, row))
+            errors[key] = _joined(errors, key, away / relative_to, apart is not None)
+
+
+def add_at_detachment(errors: dict[str, float], trace: Trace, compared: bool = False) -> None:
+    """Add to the errors of radius and force at detachment what they may have lost after the last row.
+
+    Time and penetration are those of an event, but the edge runs away there.
+
+    Parameters
+    ----------
+    errors : dict of str to float
+        Relative, by observable; added to.
+    trace : Trace
+    compared : bool
+        Whether they come from the difference of two runs, which has what the place adds in it.
+    """
+    touching = np.flatnonzero(trace.contact_radius > 0.0)
+    if trace.outcome.kind is not OutcomeKind.DETACHED or touching.size < 2:
+        return
+    before, last = touching[-2], touching[-1]
+    if trace.contact_radius[before] == trace.contact_radius[last]:
+        return  # the edge is at rest, and contact is lost all at once
+    for name in ("force", "radius"):
+        key, column = f"detachment_{name}", trace.columns()[column_of(name)]
+        relative_to = scale(key, float(column[last]), trace)
+        if key in errors and relative_to > 0.0:
+            away = RUNAWAY * abs(float(column[last] - column[before]))
+            errors[key] = _joined(errors, key, min(away, abs(float(column[last]))) / relative_to, compared)
+
+
+def _joined(errors: Mapping[str, float], name: str, away: float, compared: bool) -> float:
+    """Error of a scalar whose place is uncertain: that at its place, and how far it goes ``away`` from it.
+
+    The difference of two runs has both in it. Where they are ``compared`` the larger of that and of the way,
+    with the error of the curve, is the estimate.
+    """
+    if not compared:
+        return errors[name] + away
+    curve = "contact_radius" if name.endswith("radius") else "force"
+    return max(errors[name], errors.get(curve, 0.0) + away)
+
+
+def _on_plateau(trace: Trace, row: int) -> bool:
+    """Whether the tension is prescribed up to this row: it ends at once, with the contact or in a jump."""
+    before = trace.time[:row] < trace.time[row]
+    later = row + 1 < len(trace) and trace.contact_radius[row + 1] > 0.0
+    if not before.any() or (later and trace.time[row + 1] > trace.time[row]):
+        return False
+    last = int(np.flatnonzero(before)[-1])
+    return bool(abs(trace.force[last] - trace.force[row]) <= ROUND_OFF * abs(trace.force[row]))
+
+
+def _turns(trace: Trace, spans: Array) -> Array:
+    """Times at which load steps begin and end, and at which a stage turns, which may be where it has pressed
+    the indenter to some force."""
+    stage = trace.extra.get("stage")
+    if stage is None:
+        return spans.ravel()
+    moved = np.sign(np.diff(stage))
+    return np.concatenate((spans.ravel(), trace.time[1:-1][moved[1:] * moved[:-1] < 0.0]))
