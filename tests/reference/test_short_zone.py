@@ -20,7 +20,7 @@ from validation.measure.observables import observe
 from validation.reference import Options, solve
 from validation.reference.jkr import JKR
 from validation.reference.prony_integrals import relaxation_integral
-from validation.reference.short_zone import EdgeMotion, ShortZone
+from validation.reference.short_zone import ShortZone, ShortZoneRun
 from validation.reference.short_zone_dead_load import DeadLoad, dead_load
 
 SLOW = pytest.mark.slow
@@ -34,7 +34,7 @@ def law(scene: Scene) -> ShortZone:
     return ShortZone(scene.material, scene.indenter.radius, scene.adhesion.work, scene.adhesion.zone)
 
 
-def predicted(scene: Scene) -> EdgeMotion | DeadLoad:
+def predicted(scene: Scene) -> ShortZoneRun | DeadLoad:
     first, start = scene.loading.steps[0], scene.loading.penetration
     if first.kind == "force":
         return dead_load(law(scene), start, first.value)

@@ -3,19 +3,8 @@ r"""Sphere whose process zone is short against the contact: ordinary differentia
 In Sneddon's coordinate every point of the contact carries its own history,
 ``q(x, t) = int E*(t - s) dw(x, s)`` with ``w = D - G(x)`` in contact, ``q = 0`` outside, and
 ``K = -q(a)/sqrt(pi a)`` (:mod:`..jkr`). A point that the edge covers first at ``t_c`` starts there
-with the glassy jump ``E*(0) (D(t_c) - G(x))``.
-
-Within a zone ``da`` the edge moves as one in an infinite body that has always moved at its present speed
-(:mod:`..steady_crack`, whose laws are of the near field alone): an opening edge at
-
-    dg = (q(a)^2/(2 pi a)) (1/da) int_0^da J*(y/v) dy,
-
-a closing edge, which has a free surface ahead of it that was never loaded, at
-
-    dg = ((D - G(a))^2/(2 pi a)) (1/da) int_0^da E*(y/v) dy.
-
-Each gives the speed; where no speed is fast enough, ``dg < J*(0) q(a)^2/(2 pi a)``, the edge jumps. Unlike
-:mod:`..steady_edge` nothing is supposed of the half-space beyond the zone: it relaxes at its own rate.
+with the glassy jump ``E*(0) (D(t_c) - G(x))``. The speed of the edge follows from its load
+(:mod:`..short_zone_edge`).
 
 The force is the sum of ``f_k = 2 int_0^a q_k dx`` over the branches of the material, and
 
@@ -40,17 +29,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import LSODA, OdeSolution, solve_ivp
 from scipy.interpolate import CubicHermiteSpline
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
-from contact_scene import Material, Sphere
+from contact_scene import Sphere
 from validation.reference.jkr import JKR, State
-from validation.reference.prony_integrals import mean_creep, mean_relaxation, plane_factor
+from validation.reference.prony_integrals import plane_factor
+from validation.reference.short_zone_edge import ShortZoneEdge
 
 Array = NDArray[np.float64]
 
-CROSSING_TIMES = 1e-9, 1e15
-"""Bounds of the time in which the edge crosses its zone, over the shortest and longest relaxation time: an
-edge that jumps has the first."""
 LOST = 1e-2
 """Radius of a contact that jumps, relative to that at the start, at which the integration ends."""
 ACCURACY = 1e-10
@@ -62,17 +49,17 @@ TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class EdgeMotion:
-    """A run until contact is lost.
+class ShortZoneRun:
+    """A retraction, or the retraction of a cycle, until contact is lost.
 
     Parameters
     ----------
     time, radius, penetration, force : ndarray, shape (n,)
-        Rising times; the last is that of the detachment.
+        Rising times from that on at which the edge may open; the last is that of the detachment.
     pull_off_force, pull_off_penetration : float
         Largest tension, and where.
     loop_energy : float
-        ``int F dD``.
+        ``int F dD`` over the run, the approach included.
     """
 
     time: Array
@@ -111,16 +98,29 @@ class _Branches:
 
 
 @dataclass(frozen=True)
-class ShortZone:
-    """A sphere whose ``zone`` is short against every contact radius that matters."""
+class ShortZone(ShortZoneEdge):
+    """A sphere on a half-space that it touches with a short process zone, driven at constant speeds."""
 
-    material: Material
-    radius: float
-    work: float
-    zone: float
+    def retraction(self, start: float, rate: float) -> ShortZoneRun:
+        """From the relaxed equilibrium at the penetration ``start``, at a speed, until contact is lost.
 
-    def retraction(self, start: float, rate: float) -> EdgeMotion:
-        """From the relaxed equilibrium at the penetration ``start``, at a speed, until contact is lost."""
+        Parameters
+        ----------
+        start : float
+            Penetration.
+        rate : float
+            Speed of the retraction, length over time.
+
+        Returns
+        -------
+        ShortZoneRun
+            Its first row is the start.
+
+        Raises
+        ------
+        NoEquilibrium
+            If there is no relaxed contact at ``start``.
+        """
         first = JKR(Sphere(self.radius), self._relaxed, self.work).at_penetration(start)
         state = np.zeros(len(self._branches.moduli) + 2)
         state[:2] = first.contact_radius, first.force
@@ -133,14 +133,26 @@ class ShortZone:
         return self._opened(_Ramp(0.0, start, -rate), state, edge_loads)
 
     def approach(self, start: float, deepest: float, rate: float) -> State:
-        """Where the glassy equilibrium at ``start`` has come to when it reaches ``deepest`` at a speed."""
+        """Where the glassy equilibrium at ``start`` has come to when it reaches ``deepest`` at a speed.
+
+        Parameters
+        ----------
+        start, deepest : float
+            Penetrations.
+        rate : float
+            Speed of the approach, length over time.
+
+        Returns
+        -------
+        State
+        """
         pressed = _Ramp(0.0, start, rate)
         radius, *loads, _ = self._closed(pressed, (deepest - start) / rate, self._glassy_state(start)).y[
             :, -1
         ]
         return State(float(radius), deepest, float(sum(loads)))
 
-    def cycle(self, start: float, deepest: float, approach: float, retraction: float) -> EdgeMotion:
+    def cycle(self, start: float, deepest: float, approach: float, retraction: float) -> ShortZoneRun:
         """From the glassy equilibrium at ``start`` to ``deepest``, and back until contact is lost.
 
         Parameters
@@ -148,7 +160,12 @@ class ShortZone:
         start, deepest : float
             Penetrations.
         approach, retraction : float
-            Speeds.
+            Speeds, length over time.
+
+        Returns
+        -------
+        ShortZoneRun
+            From the moment on at which the edge that still closes has come to rest.
         """
         branches = self._branches
         reversal = (deepest - start) / approach
@@ -176,45 +193,6 @@ class ShortZone:
         inside = float(radii[-1]) - self.zone
         return self._opened(pulled, on.y[:, -1], edge_loads, float(on.t[-1]), inside)
 
-    def opening_speed(self, contact_radius: float, load: float) -> float:
-        """Of an edge with ``q(a) = load``: 0 where it is at rest, very large where it jumps."""
-        needed = self.compliance_needed(contact_radius, load)
-        if needed * self._relaxed >= 1.0 - 1e-14:
-            return 0.0
-        return self.zone / self._crossing(mean_creep, needed)
-
-    def crossing_time(self, contact_radius: float, load: float) -> float:
-        """Time in which an opening edge with ``q(a) = load`` crosses its zone; 0 where it jumps."""
-        needed = self.compliance_needed(contact_radius, load)
-        return self._crossing(mean_creep, needed) if needed * self._glassy > 1.0 else 0.0
-
-    def closing_speed(self, contact_radius: float, penetration: float) -> float:
-        """Of an edge that advances; 0 where it is at rest, very large where it jumps."""
-        stretch = contact_radius**2 / self.radius - penetration
-        needed = 2.0 * math.pi * contact_radius * self.work / stretch**2 if stretch > 0.0 else math.inf
-        if needed <= self._relaxed * (1.0 + 1e-14):
-            return 0.0
-        return self.zone / self._crossing(mean_relaxation, needed)
-
-    def compliance_needed(self, contact_radius: float, load: float) -> float:
-        """Mean creep compliance at which the edge takes up the work of adhesion."""
-        return 2.0 * math.pi * contact_radius * self.work / load**2 if load < 0.0 else math.inf
-
-    def _crossing(self, mean: Callable[[Material, float], Array], value: float) -> float:
-        times = self.material.spectrum[1]
-        low, high = CROSSING_TIMES[0] * times.min(), CROSSING_TIMES[1] * times.max()
-        rising = mean is mean_creep
-        fastest, slowest = float(mean(self.material, low)), float(mean(self.material, high))
-        if (fastest >= value) if rising else (fastest <= value):
-            return float(low)
-        if (slowest <= value) if rising else (slowest >= value):
-            return float(high)
-
-        def excess(logarithm: float) -> float:
-            return float(mean(self.material, math.exp(logarithm))) - value
-
-        return math.exp(brentq(excess, math.log(low), math.log(high), xtol=1e-13, rtol=1e-14))
-
     @cached_property
     def _branches(self) -> _Branches:
         moduli, times = self.material.spectrum
@@ -222,14 +200,6 @@ class ShortZone:
         return _Branches(
             factor * np.concatenate(([self.material.modulus], moduli)), np.concatenate(([0.0], 1.0 / times))
         )
-
-    @property
-    def _relaxed(self) -> float:
-        return self.material.relaxed_plane_modulus
-
-    @property
-    def _glassy(self) -> float:
-        return self.material.glassy_plane_modulus
 
     def _rates(self, state: Array, rate: float, speed: float, edge_loads: Array) -> Array:
         """Rates of radius, loads ``f_k`` and work, where the edge moves outwards at ``speed``."""
@@ -266,7 +236,7 @@ class ShortZone:
         edge_loads: Callable[[float, float], Array],
         begin: float = 0.0,
         within: float = math.inf,
-    ) -> EdgeMotion:
+    ) -> ShortZoneRun:
         """A retraction from a state on until contact is lost.
 
         Parameters
@@ -301,24 +271,12 @@ class ShortZone:
         run = _integrated_until(
             lambda time, state: runs_away(time, state) or bool(state[0] <= smallest), moved, begin, state
         )
-        held, lost = float(run.t[[not jumps(t) for t in run.t]][-1]), float(run.t[-1])
-        while lost - held > 1e-13 * lost:
-            middle = 0.5 * (held + lost)
-            held, lost = (held, middle) if jumps(middle) else (middle, lost)
+        lost = _moment_of_loss(jumps, run.t)
         time = np.concatenate((run.t[run.t < lost], [lost]))
         states = run.sol(time)
         force = states[1:-1].sum(axis=0)
-        least = int(np.argmin(force))
-        near = time[max(least - 1, 0)], time[min(least + 1, len(time) - 1)]
-        at = float(
-            minimize_scalar(
-                lambda t: run.sol(t)[1:-1].sum(),
-                bounds=near,
-                method="bounded",
-                options={"xatol": 1e-9 * lost},
-            ).x
-        )
-        return EdgeMotion(
+        at = _pull_off_time(run, time, force)
+        return ShortZoneRun(
             time,
             states[0],
             pulled.depth(time),
@@ -330,7 +288,7 @@ class ShortZone:
 
 
 @dataclass(frozen=True)
-class _Run:
+class _Integration:
     """Times of the steps of an integration, and its dense output."""
 
     t: Array
@@ -339,7 +297,7 @@ class _Run:
 
 def _integrated_until(
     ended: Callable[[float, Array], bool], rates: Callable[[float, Array], Array], begin: float, state: Array
-) -> _Run:
+) -> _Integration:
     """The integration up to the first step after which it has ``ended``.
 
     SciPy's events are located in the dense output, which a state that runs away within a step leaves; and a
@@ -352,7 +310,29 @@ def _integrated_until(
         if solver.t > times[-1]:
             times.append(solver.t)
             pieces.append(solver.dense_output())
-    return _Run(np.array(times), OdeSolution(times, pieces))
+    return _Integration(np.array(times), OdeSolution(times, pieces))
+
+
+def _moment_of_loss(jumps: Callable[[float], bool], times: Array) -> float:
+    """The first moment at which the edge jumps, to round-off; at the last of ``times`` it does."""
+    held, lost = float(times[[not jumps(t) for t in times]][-1]), float(times[-1])
+    while lost - held > 1e-13 * lost:
+        middle = 0.5 * (held + lost)
+        held, lost = (held, middle) if jumps(middle) else (middle, lost)
+    return lost
+
+
+def _pull_off_time(run: _Integration, time: Array, force: Array) -> float:
+    """When the force is least, in the dense output around the least of its values."""
+    least = int(np.argmin(force))
+    near = time[max(least - 1, 0)], time[min(least + 1, len(time) - 1)]
+    found = minimize_scalar(
+        lambda t: run.sol(t)[1:-1].sum(),
+        bounds=near,
+        method="bounded",
+        options={"xatol": 1e-9 * time[-1]},
+    )
+    return float(found.x)
 
 
 def _tolerances(state: Array) -> Array:

@@ -22,7 +22,8 @@ from scipy.optimize import brentq, minimize_scalar
 from contact_scene import Sphere
 from validation.reference.jkr import JKR
 from validation.reference.prony_integrals import creep
-from validation.reference.short_zone import LOST, ShortZone
+from validation.reference.short_zone import LOST
+from validation.reference.short_zone_edge import ShortZoneEdge
 
 _PLACES = np.linspace(0.0, 1.0, 2001)
 
@@ -46,7 +47,7 @@ class DeadLoad:
     detachment_penetration: float
 
 
-def dead_load(law: ShortZone, start: float, force: float) -> DeadLoad:
+def dead_load(law: ShortZoneEdge, start: float, force: float) -> DeadLoad:
     """The relaxed contact at the penetration ``start`` under a tension (negative) until it is lost.
 
     Raises
