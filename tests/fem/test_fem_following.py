@@ -36,7 +36,8 @@ from fem_solver.following.problem import FollowingProblem
 from fem_solver.prony import Prony
 from meshes import EdgeMeshes
 from validation.cases import load
-from validation.solvers.finite_elements import FOLLOWED_BEYOND, FiniteElements, edge_meshes
+from validation.solvers.finite_elements import FOLLOWED_BEYOND, FiniteElements
+from validation.solvers.fitted_meshes import edge_meshes
 
 SHEAR = Prony(0.3, np.array([1.0, 2.0, 0.5]), np.array([1e-3, 0.7, 40.0]))
 STEPS = 4000

@@ -23,7 +23,8 @@ from contact_scene import (
 )
 from fem_solver.following.surface_record import SurfaceRecord, interpolated
 from validation import reference
-from validation.solvers.finite_elements import FiniteElements, peels
+from validation.solvers.finite_elements import FiniteElements
+from validation.solvers.fitted_meshes import peels
 
 TWO = Material(0.3, 0.49, (Branch(2.0, 0.05), Branch(1.0, 5.0)))
 PRESSED = Loading("jump-in", 10.0, (Ramp(20.0, 1.0), Ramp(-200.0, 20.0)))

@@ -30,7 +30,8 @@ from fem_solver.following.problem import FollowingProblem
 from fem_solver.following.state import interface_energy, transferred
 from fem_solver.prony import Prony
 from validation.measure.observables import observe
-from validation.solvers.finite_elements import FiniteElements, edge_meshes
+from validation.solvers.finite_elements import FiniteElements
+from validation.solvers.fitted_meshes import edge_meshes
 
 ZONE = 1.3e-3
 RETRACTION = Loading("relaxed", 0.032, (Ramp(-0.5, 0.002),))

@@ -29,7 +29,8 @@ from contact_scene import (
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 from validation.solvers.contact_range import SPARE, largest_contact_radius
-from validation.solvers.finite_elements import LEAST_DIVISIONS, FiniteElements, mesh_for
+from validation.solvers.finite_elements import FiniteElements
+from validation.solvers.fitted_meshes import LEAST_DIVISIONS, mesh_for
 
 
 def scene(*steps, indenter=None, adhesion=None, depth=0.0):

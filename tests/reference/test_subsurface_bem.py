@@ -26,7 +26,7 @@ from fem_solver.fields.states import field_states
 from fem_solver.solver import record
 from validation import cases
 from validation.reference import subsurface
-from validation.solvers.finite_elements import mesh_for
+from validation.solvers.fitted_meshes import mesh_for
 
 MODULUS, POISSON, WORK = 3.0, 0.3, 2e-3
 PLANE = MODULUS / (1.0 - POISSON**2)

@@ -23,7 +23,7 @@ from contact_scene import (
     Trace,
 )
 from validation import reference
-from validation.solvers.finite_elements import mesh_for
+from validation.solvers.fitted_meshes import mesh_for
 
 TIMES = (0.0, 0.05, 0.35)  # of profiles: the start, within the approach, within the oscillation
 TWO = Material(0.75, 0.5, (Branch(3.0, 0.1), Branch(3.75, 1.0)))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from contact_scene import Loading, RunMonitor, Scene, SceneError, Trace
 from validation.measure.observables import ROUND_OFF, largest_tension
 from validation.solvers.base import specified
-from validation.solvers.finite_elements import mesh_for
+from validation.solvers.fitted_meshes import mesh_for
 
 if TYPE_CHECKING:
     from fem_solver import FieldState, Recording
