@@ -12,6 +12,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from contact_scene import Segment
+from validation.reference.tracking.arrest import arrest_radius
 from validation.reference.tracking.law import Griffith, NoTension
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.state import FrontState
@@ -238,7 +239,7 @@ def _arrest(
         stride = ADHESIONLESS_STRIDE * max(begin, state.largest_radius)
     if finer < 1.0 and not outward:
         limit = max(limit, begin - FINER_REACH * finer * stride)
-    radius = trial.arrest_radius(begin, finer * stride, outward, limit)
+    radius = arrest_radius(trial, begin, finer * stride, outward, limit)
     return None if radius is None or radius == 0.0 else radius
 
 

@@ -29,12 +29,6 @@ Array = NDArray[np.float64]
 
 MOST_NODES = 400
 """Most nodes left behind by an unstable edge in one step."""
-SEARCH_GROWTH = 1.1
-"""Ratio of successive search intervals for the arrest of an unstable edge."""
-SEARCH_OFFSETS = np.linspace(-1.0, 1.0, 9)
-"""Distances, in process zones, at which an arrest is looked for around features of the fields."""
-SEARCH_CELL = 0.15
-"""Least distance of the radii at which an arrest is looked for, in process zones."""
 FIRST_CONTACT_NODES = np.arange(1, 16) / 16.0
 """Nodes of a contact that has just begun, as fractions of the step."""
 SHORTER = 1e-3
@@ -102,9 +96,21 @@ class Trial:
     _paths: dict[float, PathFamily] = field(default_factory=dict)
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
-        """The surface when the edge is at ``radius``; if not ``whole``, only the fields near the edge.
+        """The surface at the end of a step.
 
-        The whole one knows the energy that the edge released on its way.
+        Parameters
+        ----------
+        duration : float
+            Of the step, a time.
+        radius : float
+            Of the edge at its end.
+        whole : bool
+            All of the surface, with the energy that the edge released on its way; otherwise only the fields
+            near the edge.
+
+        Returns
+        -------
+        Surface
         """
         return self._surface_along(self._edge_path(duration, radius), duration, whole)
 
@@ -153,9 +159,21 @@ class Trial:
         return fractions
 
     def residual(self, duration: float, radius: float, outward: bool | None = None) -> float:
-        """Residual of the edge condition with the edge moved to ``radius``.
+        """Residual of the edge condition at the end of a step.
 
-        ``outward``: the direction in which it arrives there, where that is not the one from its start.
+        Parameters
+        ----------
+        duration : float
+            Of the step, a time.
+        radius : float
+            Of the edge at its end.
+        outward : bool, optional
+            Whether it arrives there outwards, where that does not follow from its start.
+
+        Returns
+        -------
+        float
+            In units of the condition; rises with the radius at a stable edge.
         """
         self.counters.closure_evaluations += 1
         path = self._edge_path(duration, radius)
@@ -165,11 +183,6 @@ class Trial:
         else:
             velocity = math.copysign(math.inf, change) if change != 0.0 else 0.0
         return self.condition.residual(self._surface_along(path, duration, False), self.body, velocity)
-
-    def edge_velocity(self, duration: float, radius: float) -> float:
-        """Rate of the radius at the end of a step to ``radius``; infinite in no time."""
-        change = self._edge_path(duration, radius).end_slope
-        return change / duration if duration > 0.0 else math.copysign(math.inf, change)
 
     def forces_at_once(self, radius: float) -> tuple[float, float]:
         """Inward and outward driving force on an edge that has come to ``radius`` at fixed time."""
@@ -235,9 +248,21 @@ class Trial:
         return EdgeSearch(limit, up and limit >= self.largest_radius)
 
     def duration_to_radius(self, radius: float, longest: float, guess: float = 0.0) -> float | None:
-        """Duration after which the edge arrives at ``radius``; ``None`` if it would be beyond at once.
+        """Duration after which the edge arrives at a radius.
 
-        ``guess``: expected duration, 0 if unknown; saves evaluations.
+        Parameters
+        ----------
+        radius : float
+            Other than that at the start.
+        longest : float
+            Duration up to which to search, a time.
+        guess : float
+            Expected duration, 0 if unknown; saves evaluations.
+
+        Returns
+        -------
+        float or None
+            ``longest`` if it does not arrive before; ``None`` if it would be beyond at once.
         """
         outward = radius > self.surface.radius
 
@@ -289,67 +314,3 @@ class Trial:
                     NARROW * longest,
                 )
         return None
-
-    def arrest_radius(self, begin: float, stride: float, outward: bool, limit: float) -> float | None:
-        """The next stable radius at fixed time for an unstable edge.
-
-        Searched in intervals, outward in growing ones: there the residual is positive in the end on any
-        profile. Where zones are short the intervals grow inwards, too, up to a part of the radius, but pass
-        over no place where the fields have features of the length of a zone.
-
-        Parameters
-        ----------
-        begin : float
-            Radius at which the edge is unstable.
-        stride : float
-            First search interval.
-        outward : bool
-            Whether the edge runs outward.
-        limit : float
-            Radius up to which to search.
-
-        Returns
-        -------
-        float or None
-            ``None`` if the edge is not arrested within ``limit``.
-        """
-        tolerance = self.condition.tolerance
-        first = stride
-        radius = begin
-        value = -tolerance if outward else tolerance
-        marks = self._search_radii(begin, limit) if self.over_zones and not outward else []
-        growing = outward or self.over_zones
-        while radius != limit:
-            before, at_before = radius, value
-            radius = min(radius + stride, limit) if outward else max(radius - stride, limit)
-            while marks and marks[-1] >= before:
-                marks.pop()
-            if marks and marks[-1] > radius:
-                radius = marks.pop()
-            value = self.residual(0.0, radius, outward)
-            if value > tolerance if outward else value < -tolerance:
-                return bracketed(
-                    lambda a: self.residual(0.0, a, outward),
-                    before,
-                    at_before,
-                    radius,
-                    value,
-                    tolerance,
-                    NARROW * radius,
-                )
-            stride *= SEARCH_GROWTH if growing else 1.0
-            if not outward:
-                stride = min(stride, max(self.spacing, first))
-        return limit if outward and limit >= self.largest_radius else None
-
-    def _search_radii(self, begin: float, limit: float) -> list[float]:
-        """Radii between ``limit`` and ``begin``, rising, around nodes closer to each other than a zone."""
-        nodes, zone = self.surface.inside, self.condition.zone_length
-        close = np.diff(nodes) < zone
-        features = nodes[:-1][close] + 0.5 * np.diff(nodes)[close]
-        around = (features[:, None] + zone * SEARCH_OFFSETS).ravel()
-        around = np.sort(around[(around > limit) & (around < begin)])
-        if not len(around):
-            return []
-        cells = np.floor(around / (SEARCH_CELL * zone))
-        return list(around[np.concatenate(([True], np.diff(cells) > 0.0))])
