@@ -64,5 +64,18 @@ class Approach(Step):
         return Trigger("force", self.force)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        """No control law of its own: it stands for other steps once its bound is known."""
+        """No control law of its own: it stands for other steps once its bound is known.
+
+        Parameters
+        ----------
+        time : float
+            At which it starts.
+        penetration, force : float
+            From which it starts.
+
+        Raises
+        ------
+        SceneError
+            Always.
+        """
         raise SceneError("to", "is missing in a loading without a scene", "a bound of the approach")

@@ -31,7 +31,21 @@ MARKS = 16  # circles along each cycle
 
 
 def on_spring(scene: Scene, share: float, length: float, force: float, time: float) -> Scene:
-    """The cycle driven by a stage that moves the indenter as fast as without a spring, in given units."""
+    """The cycle driven by a stage that moves the indenter as fast as without a spring, in given units.
+
+    Parameters
+    ----------
+    scene : Scene
+        The cycle under a rigid machine, in these units.
+    share : float
+        Stiffness of the spring over that of the contact.
+    length, force, time : float
+        The units.
+
+    Returns
+    -------
+    Scene
+    """
     stiffness = share * STIFFNESS * force / length
     speed = SPEED * (1.0 + 1.0 / share) * length / time
     farthest = 0.1 * length + 2.0 * TOP * force / stiffness

@@ -92,7 +92,9 @@ class Components:
 
         Returns
         -------
-        v, b, work : ndarray
+        v : ndarray, shape (m,)
+        b : ndarray, shape (branches, m)
+        work : ndarray, shape (m,)
         """
         before, relaxed = self.force(v, b), self.shear.relaxed
         y = self._rates[:, None] * dt
@@ -149,9 +151,27 @@ class Components:
     ) -> Array:
         """What the radii of nodes dissipate, each of which is covered all at once in its turn.
 
-        The reverse of :meth:`lost_by_release`, with the same parameters: the free radii recover, are covered
-        one after the other and relax from the jump of their own covering. What the radii of a node in contact
-        then hold beyond their mean counts as lost.
+        The reverse of :meth:`lost_by_release`: the free radii recover, are covered one after the other and
+        relax from the jump of their own covering. What the radii of a node in contact then hold beyond their
+        mean counts as lost.
+
+        Parameters
+        ----------
+        dt : ndarray, shape (m,)
+            Time of the covering.
+        shares : tuple of ndarray, shape (m,)
+            Share of each node in contact at its begin, and at its end.
+        contact : tuple of ndarray
+            ``v`` and ``b`` of the radii in contact at the begin.
+        reached : ndarray, shape (m,)
+            Their ``v`` at the end.
+        free : ndarray, shape (branches, m)
+            ``b`` of the free radii at the begin.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            Energies.
         """
         before, after = shares
         y, z, covered = dt / self._times, self._rates[:, None] * dt, after - before
@@ -233,7 +253,20 @@ class Components:
         return self._weighted_loss(self._prony.loss_weights(dt), b, reached - v)  # type: ignore[arg-type]
 
     def mean_loss(self, v: Array, b: Array, dt: Array | float, reached: Array) -> Array:
-        """Mean of :meth:`loss` over shares of the time, evenly distributed, at the same rate of ``v``."""
+        """Mean of :meth:`loss` over shares of the time, evenly distributed, at the same rate of ``v``.
+
+        Parameters
+        ----------
+        v, reached : ndarray, shape (m,)
+        b : ndarray, shape (branches, m)
+        dt : ndarray, shape (m,), or float
+            Time in which ``v`` goes to ``reached``.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            Energies.
+        """
         return self._weighted_loss(self._prony.mean_loss_weights(dt), b, reached - v)  # type: ignore[arg-type]
 
     def _weighted_loss(self, weights: Array, b: Array, change: Array) -> Array:

@@ -54,7 +54,26 @@ class ParaViewSeries:
         (folder / FIELDS).unlink(missing_ok=True)
 
     def add(self, state: FieldState, balance: EnergySums, there: bool = False) -> bool:
-        """Write one state, unless its files are ``there``; whether they were taken over."""
+        """Write one state.
+
+        Parameters
+        ----------
+        state : FieldState
+        balance : EnergySums
+            What its densities add up to.
+        there : bool
+            Whether its files may be there, to be taken over.
+
+        Returns
+        -------
+        bool
+            Whether they were taken over.
+
+        Raises
+        ------
+        OSError
+            If a file cannot be written.
+        """
         from validation.fields.grid import grid, indenter, surface
 
         index = len(self._times)

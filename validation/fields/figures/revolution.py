@@ -50,6 +50,10 @@ def figure(
     common : Alike or None
         Magnification, view and colours of all pictures; ``None``: of its own.
 
+    Returns
+    -------
+    Figure
+
     Raises
     ------
     NoRendering

@@ -67,7 +67,20 @@ class Griffith:
         return closure_integral(edge, zone, body.rheology.relaxed, body.transform)
 
     def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:
-        """Residual at an edge that has just moved to its present radius; at rest that of opening."""
+        """Residual at an edge that has just moved to its present radius; at rest that of opening.
+
+        Parameters
+        ----------
+        surface : Surface
+        body : Body
+        velocity : float
+            Rate of the radius.
+
+        Returns
+        -------
+        float
+            Dimensionless.
+        """
         adhesion = self.adhesion
         taken = adhesion.closing if velocity > 0.0 else adhesion.opening(-velocity)
         return self.closure(surface, body) / taken - 1.0
@@ -75,7 +88,19 @@ class Griffith:
     def driving_forces(self, surface: Surface, body: Body, at_once: bool = False) -> tuple[float, float]:
         """Inward and outward: what the integral exceeds opening by, and falls short of closing.
 
-        It is continuous as the edge departs. ``at_once``: at fixed time, where the edge has no finite speed.
+        It is continuous as the edge departs.
+
+        Parameters
+        ----------
+        surface : Surface
+        body : Body
+        at_once : bool
+            At fixed time, where the edge has no finite speed.
+
+        Returns
+        -------
+        tuple of float
+            Dimensionless; positive where the edge moves.
         """
         value = self.closure(surface, body)
         taken = self.adhesion.opening(math.inf) if at_once else self.adhesion.work
@@ -94,11 +119,33 @@ class NoTension:
     rated: ClassVar[bool] = False
 
     def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:
-        """Residual at an edge that has just moved to its present radius, at any velocity."""
+        """Residual at an edge that has just moved to its present radius, at any velocity.
+
+        Parameters
+        ----------
+        surface, body, velocity
+            As of :meth:`Griffith.residual`.
+
+        Returns
+        -------
+        float
+            Dimensionless.
+        """
         return -surface.edge_stress(body) / self.scale
 
     def driving_forces(self, surface: Surface, body: Body, at_once: bool = False) -> tuple[float, float]:
-        """Tension at the edge, and overlap next to it; both negative while the edge is at rest."""
+        """Tension at the edge, and overlap next to it; both negative while the edge is at rest.
+
+        Parameters
+        ----------
+        surface, body, at_once
+            As of :meth:`Griffith.driving_forces`.
+
+        Returns
+        -------
+        tuple of float
+            Dimensionless.
+        """
         inward = -surface.edge_stress(body) / self.scale if surface.radius > 0.0 else -1.0
         return inward, surface.edge_overlap(body) * body.rheology.glassy / self.scale
 

@@ -68,7 +68,20 @@ class PenetrationPath:
         return float(self.penetration(self.duration))
 
     def memory(self, begin: Array, until: Array, times: Array) -> Array:
-        """``int exp(-(until - s)/tau_k) D'(s) ds`` over ``begin < s < until``, both (m,); shape (m, n)."""
+        """What branches gain by this path, per unit of their moduli: ``int exp(-(until - s)/tau_k) D'(s) ds``.
+
+        Parameters
+        ----------
+        begin, until : ndarray, shape (m,)
+            Limits of the integral, times from the start of the step.
+        times : ndarray, shape (n,)
+            Relaxation times ``tau_k``.
+
+        Returns
+        -------
+        ndarray, shape (m, n)
+            Lengths.
+        """
         c1, c2, c3 = self.rates
         h = (until - begin)[:, None]
         y = h / times

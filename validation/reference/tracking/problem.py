@@ -102,7 +102,20 @@ class FrontProblem:
         return self.longest_travel(radius) > self.largest_travel
 
     def trial(self, state: FrontState, segment: Segment, travel: float = 0.0) -> Trial:
-        """A trial step from the present state; ``travel`` is expected of its edge."""
+        """A trial step from the present state.
+
+        Parameters
+        ----------
+        state : FrontState
+        segment : Segment
+            Load step.
+        travel : float
+            Expected travel of the edge, signed.
+
+        Returns
+        -------
+        Trial
+        """
         over_zones = self.over_zones(state.surface.radius)
         return Trial(
             self.body,
@@ -146,11 +159,37 @@ class FrontProblem:
         return segment.rate(state.time) / scale if scale > 0.0 else 0.0
 
     def candidate(self, time: float, surface: Surface, intervals: int = 0) -> FrontCandidate:
-        """A candidate with its force."""
+        """A candidate with its force.
+
+        Parameters
+        ----------
+        time : float
+        surface : Surface
+        intervals : int
+            As of :class:`FrontCandidate`.
+
+        Returns
+        -------
+        FrontCandidate
+        """
         return FrontCandidate(time, surface, surface.force(self.body), intervals)
 
     def step_error(self, state: FrontState, segment: Segment, to: FrontCandidate) -> StepErrorEstimator:
-        """Error estimator of a step to a candidate."""
+        """Error estimator of a step.
+
+        Parameters
+        ----------
+        state : FrontState
+            At its start.
+        segment : Segment
+            Load step.
+        to : FrontCandidate
+            At its end.
+
+        Returns
+        -------
+        StepErrorEstimator
+        """
         scales = {
             RADIUS: state.largest_radius,
             FORCE: max(state.largest_force, abs(to.force)),

@@ -75,7 +75,15 @@ class Recorder:
     recorded: RecordedRows = field(default_factory=RecordedRows)
 
     def add(self, time: float, surface: Surface, force: float) -> None:
-        """One row for a surface in contact, or free where its radius is 0."""
+        """One row.
+
+        Parameters
+        ----------
+        time : float
+        surface : Surface
+            In contact, or free where its radius is 0.
+        force : float
+        """
         radius = surface.radius
         stress = surface.edge_stress(self.body) if radius > 0.0 else 0.0
         energy = stored_energy(surface, self.body)
@@ -97,10 +105,17 @@ class Recorder:
         )
 
     def interpolate(self, time: float, depth: float | None, back: int, radius: float | None = None) -> None:
-        """Add a row by interpolation, in the ``back``-th step from the last.
+        """Add a row by interpolation.
 
-        ``depth`` is the penetration there if it is prescribed, ``radius`` the radius in a step that is smooth
-        over it.
+        Parameters
+        ----------
+        time : float
+        depth : float or None
+            Penetration there, if it is prescribed.
+        back : int
+            In which step, counted back from the last, which is 1.
+        radius : float, optional
+            Contact radius there, in a step that is smooth over it.
         """
         self.recorded.interpolated.append((len(self.recorded.rows) - 1 - back, time, depth, radius))
 

@@ -96,10 +96,23 @@ class StepErrorEstimator:
         return min(math.ceil(math.sqrt(bent / (allowed * self.deviation))), MOST_INTERVALS) or 1
 
     def intervals_before_limit_point(self, row: HistoryRow, left: float, allowed: float) -> int:
-        """The same for a step over the radius that ends ``left`` before a limit point.
+        """The same for a step over the radius that ends shortly before a limit point.
 
         At a distance ``s`` from it the time goes as ``s^2``. A chord over ``ds`` is off by ``ds^2/(8 s)``: by
         the same everywhere if chords are even in the root of ``s``.
+
+        Parameters
+        ----------
+        row : HistoryRow
+            At its end.
+        left : float
+            Distance of the edge from the limit point there.
+        allowed : float
+            As of :meth:`intervals`.
+
+        Returns
+        -------
+        int
         """
         before = self.history.rows[-1]
         travel = abs(row[RADIUS] - before[RADIUS])

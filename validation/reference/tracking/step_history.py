@@ -139,10 +139,22 @@ class StepHistory:
         return h
 
     def extremum_within(self, column: int, back: int, least: float) -> tuple[float, float] | None:
-        """Time of an extremum in the ``back``-th interval from the last, and the length of the interval.
+        """Time of an extremum of a column in one interval between rows, and the length of the interval.
 
-        Zero of the derivative of the polynomial through the rows nearby; ``None`` if there is none, or if the
-        extremum lies within ``least`` of the values at the ends of the interval.
+        Zero of the derivative of the polynomial through the rows nearby.
+
+        Parameters
+        ----------
+        column : int
+        back : int
+            Which interval, counted back from the last, which is 1.
+        least : float
+            Least distance of the extremum from the values at the ends of the interval.
+
+        Returns
+        -------
+        tuple of float or None
+            ``None`` if there is none, or none that far.
         """
         rises = [later[column] - earlier[column] for earlier, later in pairwise(self.rows)]
         if len(self.rows) <= back or min(rises) >= 0.0 or max(rises) <= 0.0:
