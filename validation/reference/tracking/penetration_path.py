@@ -68,7 +68,7 @@ class PenetrationPath:
         return float(self.penetration(self.duration))
 
     def memory(self, begin: Array, until: Array, times: Array) -> Array:
-        """What branches gain by this path, per unit of their moduli: ``int exp(-(until - s)/tau_k) D'(s) ds``.
+        """What branches gain, per unit of their moduli: ``int exp(-(until - s)/tau_k) D'(s) ds``.
 
         Parameters
         ----------
