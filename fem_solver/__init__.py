@@ -1,6 +1,5 @@
 """Adhesive contact of a viscoelastic half-space by finite elements and node release."""
 
-from fem_solver.cost import RunCost, run_cost
 from fem_solver.fields.recording import Recording
 from fem_solver.fields.states import FieldState, field_states
 from fem_solver.options import Options
@@ -10,9 +9,7 @@ __all__ = [
     "FieldState",
     "Options",
     "Recording",
-    "RunCost",
     "field_states",
     "record",
-    "run_cost",
     "solve",
 ]

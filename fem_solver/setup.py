@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from contact_scene import Scene, SceneError, UnsupportedScene
 from fem_solver.condensed import CondensedHistory
-from fem_solver.cost import run_cost
 from fem_solver.edge import AdhesionlessEdge, EdgeLaw
 from fem_solver.edge_geometry import SURFACE_MARGIN, EdgeGeometry, surface_margin
 from fem_solver.halfspace import Factorisation, HalfSpace
@@ -21,6 +20,7 @@ from fem_solver.irreversible_edge import edge_law
 from fem_solver.moduli import Moduli, moduli
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.quadrature import QuadratureHistory
+from fem_solver.setup_memory import setup_memory
 from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
@@ -124,7 +124,7 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
 
     material = moduli(scene.material)
     _check(material, options)
-    _check_memory(mesh, len(material.shear.times), not material.alike)
+    _check_memory(mesh, not material.alike)
     space = HalfSpace(mesh, options.form == "mixed", options.far_field)
     stage_done()
     reach = float(mesh.parameters.fine_to)
@@ -179,14 +179,14 @@ def _check(material: Moduli, options: Options) -> None:
         raise UnsupportedScene("material.bulk", "separate relaxation is not condensable", "path quadrature")
 
 
-def _check_memory(mesh: Any, branches: int, apart: bool) -> None:
+def _check_memory(mesh: Any, apart: bool) -> None:
     """Refuse a mesh too large for the memory of the machine, before anything is assembled."""
     if not hasattr(os, "sysconf") or "SC_PHYS_PAGES" not in os.sysconf_names:
         return
     installed = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     radii = mesh.points[0][mesh.points[1] == 0.0]
     intervals = int(np.count_nonzero(radii <= SURFACE_MARGIN * float(mesh.parameters.fine_to))) - 1
-    needed = run_cost(intervals, mesh.points.shape[1], branches, apart).bytes_of_setup
+    needed = setup_memory(intervals, mesh.points.shape[1], apart)
     if needed > installed:
         problem = f"takes about {1e-9 * needed:.3g} GB of memory, {1e-9 * installed:.3g} GB are installed"
         raise SceneError("mesh", problem, "a coarser mesh, or a contact of fewer process zones")

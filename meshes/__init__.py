@@ -11,7 +11,7 @@ from meshes.files import read, write
 from meshes.halfspace import half_space
 from meshes.mesh import BOUNDARIES, HalfSpaceMesh, Quality
 from meshes.parameters import FAMILIES, MeshParameters, fit
-from meshes.structured import expected_vertices, structured_half_space
+from meshes.structured import structured_half_space
 from meshes.surface import surface_radii
 
 __all__ = [
@@ -23,7 +23,6 @@ __all__ = [
     "Quality",
     "cache_directory",
     "cached",
-    "expected_vertices",
     "fit",
     "half_space",
     "read",

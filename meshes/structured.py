@@ -54,12 +54,6 @@ def structured_half_space(parameters: MeshParameters) -> HalfSpaceMesh:
     return assemble(points, triangles, replace(parameters, family="structured"))
 
 
-def expected_vertices(parameters: MeshParameters) -> int:
-    """Number of vertices of the structured mesh, without making it; the other family has about as many."""
-    plan = layers(parameters)
-    return sum(_row(plan, parameters, level, 0).points.shape[1] for level in range(plan.offsets.size))
-
-
 def _row(plan: Layers, parameters: MeshParameters, level: int, first: int) -> _Row:
     start, stop, d = plan.strip[0], plan.strip[-1], plan.offsets[level]
     if level == 0:

@@ -23,10 +23,11 @@ from contact_scene import (
     Ramp,
     SceneError,
 )
-from fem_solver import Options, record, run_cost, solve
+from fem_solver import Options, record, solve
 from fem_solver.release import ContactProblem
 from fem_solver.setup import SetUpInterrupted
-from meshes import expected_vertices, fit, structured_half_space
+from fem_solver.setup_memory import NODES_PER_INTERVAL, UNKNOWNS_PER_VERTEX, setup_memory
+from meshes import fit, structured_half_space
 
 LONG = 0.08
 WEAK = Adhesion(0.1 * WORK, LONG)
@@ -196,19 +197,17 @@ def test_a_set_up_is_stopped_between_its_stages(material):
             record(scene, mesh(divisions=1), monitor=Monitor(after))
 
 
-def test_cost_is_forecast_from_the_size_of_the_mesh(monkeypatch):
+def test_memory_is_forecast_from_the_size_of_the_mesh(monkeypatch):
     parameters = fit(0.0, 0.26, ZONE, 4)
     grid = structured_half_space(parameters)
-    assert expected_vertices(parameters) == grid.points.shape[1]
     scene = scene_of()
-    recording = record(scene, grid)
+    setup, vertices = record(scene, grid).setup, grid.points.shape[1]
     intervals = 1.2 * parameters.fine_to / parameters.fine_size
-    cost = run_cost(intervals, expected_vertices(parameters), 1)
-    assert cost.nodes == pytest.approx(len(recording.setup.radii), rel=0.25)
-    assert cost.unknowns == pytest.approx(recording.setup.space.unknowns, rel=0.1)
-    finer, apart = run_cost(2.0 * intervals, 2.0 * grid.points.shape[1], 1), run_cost(intervals, 1e3, 1, True)
-    assert finer.bytes_of_setup > 2.0 * cost.bytes_of_setup
-    assert apart.seconds_of_setup > 5.0 * run_cost(intervals, 1e3, 1).seconds_of_setup
+    assert NODES_PER_INTERVAL * intervals == pytest.approx(len(setup.radii), rel=0.25)
+    assert UNKNOWNS_PER_VERTEX * vertices == pytest.approx(setup.space.unknowns, rel=0.1)
+    memory = setup_memory(intervals, vertices)
+    assert setup_memory(2.0 * intervals, 2.0 * vertices) > 2.0 * memory
+    assert setup_memory(intervals, vertices, apart=True) > 3.0 * memory
     pages = os.sysconf
 
     def small(name):
