@@ -23,8 +23,6 @@ from fem_solver.profiles import profile
 
 Array = NDArray[np.float64]
 
-COMPONENTS = ("rr", "zz", "tt", "rz")
-
 
 @dataclass(frozen=True)
 class FieldState:

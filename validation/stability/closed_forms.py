@@ -7,7 +7,7 @@ import math
 from scipy.integrate import quad
 
 from contact_scene import Adhesion, Indenter, Material, OutcomeKind, Scene, Sphere
-from validation.reference import prony_integrals, punch
+from validation.reference import prony_integrals
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import State
 from validation.reference.ting import Ting
@@ -159,27 +159,3 @@ def punch_ramp(material: Material, radius: float, speed: float, top: float) -> C
     carried = float(prony_integrals.relaxation_integral(material, top / speed))
     values = (Value("final_force", 2.0 * radius * speed * carried), Value("final_radius", radius))
     return ClosedForm(values, "Boussinesq's punch under the relaxation integral")
-
-
-def punch_rest(plane_modulus: float, radius: float, penetration: float, which: str) -> ClosedForm:
-    """A flat punch at rest: ``F = 2 a E* D`` (:func:`validation.reference.punch.force`).
-
-    Parameters
-    ----------
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``, relaxed or glassy.
-    radius : float
-        Radius of the punch.
-    penetration : float
-    which : str
-        Which modulus it is, for the source.
-
-    Returns
-    -------
-    ClosedForm
-        Final force and radius.
-    """
-    value = float(punch.force(penetration, radius, plane_modulus))
-    return ClosedForm(
-        (Value("final_force", value), Value("final_radius", radius)), f"Boussinesq's punch, {which}"
-    )
