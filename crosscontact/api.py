@@ -5,16 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from html import escape
 from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import NOT_NEGATIVE, number, shown
 from contact_scene.run_control import whole_number
 from crosscontact import registry, run_figure
-from crosscontact.key_numbers import aligned
 from crosscontact.limits import SMALLEST_RESOLUTION
 from crosscontact.result import Result
+from crosscontact.tables import aligned, cell, html_table
 from validation import cases
 from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
@@ -189,21 +188,15 @@ class SolverComparison:
         return "\n".join([f"{self.scene.title or 'a scene'}: {verdict}", *aligned(self._rows())])
 
     def _repr_html_(self) -> str:
-        head, *rows = self._rows()
-        lines = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
-        heading = "".join(f"<th>{cell}</th>" for cell in head)
-        return f"<table><thead><tr>{heading}</tr></thead><tbody>{lines}</tbody></table>"
+        return html_table(self._rows())
 
 
 def _row(check: Check) -> tuple[str, ...]:
-    def text(value: object) -> str:
-        return "-" if value is None else format(value, ".6g") if isinstance(value, float) else str(value)
-
     return (
         check.solver,
         check.quantity,
-        text(check.found),
-        f"{'' if check.relation == '=' else check.relation + ' '}{text(check.expected)}",
+        cell(check.found),
+        f"{'' if check.relation == '=' else check.relation + ' '}{cell(check.expected)}",
         "-" if check.difference is None else f"{check.difference:+.1e}",
         "-" if check.limit is None else f"{check.limit:.1e}",
         "pass" if check.passed else "FAIL",

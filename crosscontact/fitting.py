@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
 from crosscontact import registry
-from crosscontact.key_numbers import aligned
 from crosscontact.result import checked_path
+from crosscontact.tables import aligned, html_table
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.store import Store
@@ -91,14 +91,8 @@ class Fit:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        head, *rows = self._rows()
-        cells = "".join(f"<th>{escape(cell)}</th>" for cell in head)
-        body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
         notes = "".join(f"<li>{escape(one)}</li>" for one in self.statements)
-        return (
-            f"<p><b>{escape(lead(self.result).text)}</b></p><table><thead><tr>{cells}</tr></thead>"
-            f"<tbody>{body}</tbody></table><ul>{notes}</ul>"
-        )
+        return f"<p><b>{escape(lead(self.result).text)}</b></p>{html_table(self._rows())}<ul>{notes}</ul>"
 
 
 def fit(

@@ -99,15 +99,3 @@ def table(numbers: list[KeyNumber]) -> list[tuple[str, ...]]:
     rows = [number.cells() for number in numbers]
     filled = [index for index in range(len(HEAD)) if any(row[index] for row in rows)]
     return [tuple(row[index] for index in filled) for row in (HEAD, *rows)]
-
-
-def aligned(rows: list[tuple[str, ...]]) -> list[str]:
-    """The rows of a table as lines, columns aligned."""
-    widths = [
-        max(24 if column == 0 else 16, *map(len, cells))
-        for column, cells in enumerate(zip(*rows, strict=True))
-    ]
-    return [
-        "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from contact_scene import Outcome, Scene, SceneError
 from contact_scene.errors import shown
 from crosscontact import run_figure
-from crosscontact.key_numbers import aligned, key_numbers, table
+from crosscontact.key_numbers import key_numbers, table
+from crosscontact.tables import aligned, html_table
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
 from validation.execution.files import output_folder
@@ -192,18 +193,14 @@ class Result:
         return f"{self.name} by {self.solver}: {self.outcome.kind}: {self.outcome.reason}"
 
     def _repr_html_(self) -> str:
-        head, *rows = table(key_numbers(self.scene, self.measures, self.errors))
-        cells = "".join(f"<th>{escape(cell)}</th>" for cell in head)
-        lines = "".join(
-            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in (row[0].replace('_', ' '), *row[1:]))}</tr>"
-            for row in rows
-        )
+        rows = table(key_numbers(self.scene, self.measures, self.errors))
+        in_words = [(name.replace("_", " "), *numbers) for name, *numbers in rows]
         picture = base64.b64encode(png(self.figure(), 80)).decode()
         return (
             f"<p><b>{escape(self._heading())}</b></p>"
             f'<img alt="{run_figure.in_words(run_figure.has_stage(self.trace))}" '
             f'src="data:image/png;base64,{picture}">'
-            f"<table><thead><tr>{cells}</tr></thead><tbody>{lines}</tbody></table>"
+            f"{html_table(in_words)}"
         )
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:

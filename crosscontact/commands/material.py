@@ -14,7 +14,7 @@ from contact_scene.prony import TOLERANCE, PronyFit, fit_prony, young_over
 from contact_scene.readers import FORMATS, MEASURED, format_of, measured_data
 from contact_scene.scenefile import write_material
 from crosscontact.commands.forecast import warn
-from crosscontact.key_numbers import aligned
+from crosscontact.tables import aligned
 from validation.drawing.export import png, svg_file
 from validation.drawing.material_figure import draw_fit, draw_series
 from validation.execution.files import output_folder, write_whole

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from crosscontact.commands import stability
-from crosscontact.commands.failures import exit_code, short
+from crosscontact.commands.failures import exit_code
 from crosscontact.commands.interruption import telling_what_is_kept
+from crosscontact.tables import cell
 from validation import cases, scenes
 from validation.compare import regression
 from validation.compare.suite import SceneComparison
@@ -91,7 +92,7 @@ def run(
     print(result.baseline.verdict)
     for move in result.baseline.beyond:
         print(
-            f"moved: {move.scene}: {move.solver}: {move.what}: {short(move.before)} -> {short(move.after)}",
+            f"moved: {move.scene}: {move.solver}: {move.what}: {cell(move.before)} -> {cell(move.after)}",
             file=sys.stderr,
         )
     return 1 if result.baseline.beyond else code

@@ -8,8 +8,9 @@ from pathlib import Path
 from contact_scene import OutcomeKind
 from crosscontact.commands.forecast import announce, expected_cost, warn
 from crosscontact.commands.refusals import check_taken
-from crosscontact.key_numbers import SCALES_IN_WORDS, aligned, key_numbers, table
+from crosscontact.key_numbers import SCALES_IN_WORDS, key_numbers, table
 from crosscontact.result import Result
+from crosscontact.tables import aligned
 from validation import cases, solvers
 from validation.drawing.export import png, svg_file
 from validation.execution.checkpoints import CHECKPOINT, CheckpointWriter, run_with_checkpoints

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from contact_scene import SceneError
 from crosscontact import registry
-from crosscontact.key_numbers import aligned
+from crosscontact.tables import aligned
 from validation.execution.engines import own_engine
 from validation.execution.files import in_words
 from validation.execution.folder_lock import locked_folder
