@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 from crosscontact.commands.failures import exit_code
 from crosscontact.commands.interruption import telling_what_is_kept
-from crosscontact.commands.refusals import check_taken
-from validation import cases
+from crosscontact.commands.refusals import load_taken
 from validation.compare.suite import all_pairs
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
@@ -51,9 +50,7 @@ def run(
         If all solvers refuse a scene, as far as that is told without solving it, or the folder holds
         results on another scene, of another command or another program.
     """
-    loaded = cases.load_all(names)
-    for source, case in zip(dict.fromkeys(names), loaded, strict=True):
-        check_taken(source, case.scene, [SOLVERS[name] for _, name in all_pairs([case], solvers)])
+    loaded = load_taken(names, lambda case: [SOLVERS[name] for _, name in all_pairs([case], solvers)])
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, REPORT, loaded)

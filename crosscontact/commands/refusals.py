@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from contact_scene import Scene, SceneError
+from validation import cases
+from validation.cases import Case
 from validation.solvers import Solver
 
 
@@ -17,6 +19,32 @@ def refusals(scene: Scene, methods: Iterable[Solver], resolution: int | None = N
         except SceneError as error:
             found[method.name] = error
     return found
+
+
+def load_taken(names: Iterable[str], methods: Callable[[Case], Iterable[Solver]]) -> list[Case]:
+    """Load scenes, each of which one of the solvers that are to run it has to take.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Scene files or names of built-in scenes; one named twice counts once.
+    methods : callable
+        The solvers for a case.
+
+    Returns
+    -------
+    list of Case
+
+    Raises
+    ------
+    SceneError
+        If a scene cannot be read, or no solver takes it.
+    """
+    sources = tuple(dict.fromkeys(names))
+    loaded = cases.load_all(sources)
+    for source, case in zip(sources, loaded, strict=True):
+        check_taken(source, case.scene, methods(case))
+    return loaded
 
 
 def check_taken(source: str, scene: Scene, methods: Iterable[Solver], resolution: int | None = None) -> None:

@@ -6,8 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from crosscontact.commands.interruption import telling_what_is_kept
-from crosscontact.commands.refusals import check_taken
-from validation import cases
+from crosscontact.commands.refusals import load_taken
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
 from validation.execution.store import Store
@@ -45,9 +44,7 @@ def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -
         If all solvers refuse a scene, or the folder holds results on another scene, of another command or
         another program.
     """
-    loaded = cases.load_all(names)
-    for source, case in zip(dict.fromkeys(names), loaded, strict=True):
-        check_taken(source, case.scene, solvers())
+    loaded = load_taken(names, lambda case: solvers())
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, STUDY, loaded)

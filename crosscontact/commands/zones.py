@@ -6,8 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from crosscontact.commands.interruption import telling_what_is_kept
-from crosscontact.commands.refusals import check_taken
-from validation import cases
+from crosscontact.commands.refusals import load_taken
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
@@ -45,9 +44,7 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
     SceneError
         If the scene is refused, or the folder holds results on another scene, or of another program.
     """
-    loaded = cases.load_all(names)
-    for source, case in zip(dict.fromkeys(names), loaded, strict=True):
-        check_taken(source, case.scene, (SOLVERS[REFERENCE],))
+    loaded = load_taken(names, lambda case: (SOLVERS[REFERENCE],))
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         for case in loaded:
