@@ -9,13 +9,12 @@ from contact_scene import Scene, SceneError
 from validation.execution.files import in_words
 from validation.execution.progress import duration
 from validation.solvers import Cost, Solver
+from validation.solvers.cost import ESTIMATE_SHARE
 
 LONG = 10.0
 """Seconds of processor time from which an expected cost is said: what a user waits for without a word."""
 LARGE = 1e9
 """Bytes of memory from which it is said however short the run: what other programs of a machine may lack."""
-ESTIMATE_SHARE = 0.5
-"""Time of the coarser run from which errors are estimated, relative to the run."""
 
 
 def expected_cost(scene: Scene, method: Solver, resolution: int | None) -> Cost | None:

@@ -12,6 +12,7 @@ from crosscontact.cli import main
 from validation import cases
 from validation.execution import solver_tasks
 from validation.execution.runs import Run, run
+from validation.measure.norms import CURVES
 from validation.measure.scalars import measure
 from validation.studies import poisson, poisson_material
 
@@ -90,7 +91,7 @@ def answered(case, solver, resolution=None, progress=None, estimate=False):
         solver, steps, 1.0 - (steps - 1.0) ** 2, force, radius, *3 * [0.0 * steps],
         Outcome(OutcomeKind.DETACHED, "done", 2.0), Counters(),
     )  # fmt: skip
-    errors = dict.fromkeys((*poisson.OBSERVED, *poisson.CURVES), 1e-6)
+    errors = dict.fromkeys((*poisson.OBSERVED, *CURVES), 1e-6)
     return Run(case.name, solver, trace, measures=measure(trace, case.scene, 0.0), errors=errors)
 
 
@@ -146,7 +147,7 @@ def test_finite_elements_with_elastic_bulk_meet_the_modulus_of_the_surface():
     for one in poisson.compare_ratios(case, (10.0, 100.0), resolution=4):
         assert one.finished
         assert one.disagreements == []
-        for name in (*poisson.OBSERVED, *poisson.CURVES):
+        for name in (*poisson.OBSERVED, *CURVES):
             assert abs(one.difference(poisson.FULL, name).value) < 2e-4, name
         # a constant ratio takes the fast response too stiff, far beyond any error
         cost = {name: one.difference(name, "pull_off_force").value for name in poisson.ASSUMPTIONS}

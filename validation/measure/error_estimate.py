@@ -36,6 +36,7 @@ import numpy as np
 from contact_scene import Loading, Trace
 from contact_scene.trace import Array
 from validation.measure.norms import (
+    CURVES,
     distance,
     interpolation_error,
     movement_bound,
@@ -58,7 +59,6 @@ OF_SQUARE = 2.0
 AT_LIMIT_POINTS = ("detachment_radius", "detachment_force")
 """Quantities of first order where others are of second: the edge runs away as the root of the load."""
 ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
-CURVES = ("force", "contact_radius")
 MOVEMENT = "_movement"
 """Ending of the name of an error of a curve relative to its excursion in the worst window."""
 Measures = Mapping[str, float | None]

@@ -23,6 +23,8 @@ from validation.measure.row_interpolation import POINTS, WEIGHTS, column_curve
 
 Array = NDArray[np.float64]
 
+CURVES = ("force", "contact_radius")
+"""Columns that runs are compared by, as curves over time."""
 LEAST_EXCURSION = 5e-3
 """Least excursion that a difference is divided by, relative to the largest magnitude of the column: the
 tolerance of curves relative to their size, within which lies whatever moves less."""

@@ -16,6 +16,7 @@ from validation.compare.suite import SceneComparison
 from validation.execution.fingerprints import version
 from validation.execution.run_folder import summary
 from validation.execution.runs import Run
+from validation.measure.norms import CURVES
 from validation.report.report import Report
 from validation.report.sections.costs import spent
 from validation.report.sections.scene import skipped_work
@@ -25,7 +26,7 @@ from validation.stability.limits import limits
 from validation.stability.runner import StabilityMatrix
 from validation.studies import work_precision
 from validation.studies.convergence import Convergence
-from validation.studies.poisson import CURVES, OBSERVED, CompressibilityComparison
+from validation.studies.poisson import OBSERVED, CompressibilityComparison
 from validation.studies.study import SceneStudy, Study
 from validation.studies.zones import ZoneRun
 

@@ -22,6 +22,8 @@ from validation.solvers.scene_work import SceneWork
 
 MOST_UNKNOWNS = 1e30
 """Bounds the powers of a number of unknowns that no run could have."""
+ESTIMATE_SHARE = 0.5
+"""Time of the coarser run from which errors are estimated, relative to the run."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ import numpy as np
 from contact_scene import Trace
 from validation.execution.runs import Run
 from validation.execution.tasks import TaskEnding, TaskResult
-from validation.measure.norms import distance
+from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE
 from validation.solvers.contact_range import largest_contact_radius
@@ -36,7 +36,6 @@ LEAST_MOVEMENT = 5e-3
 relative to that magnitude: what the solvers are held to in a curve by default."""
 STEP_ACCURACY = 4e-3
 """Of an energy, relative to the effort of the run: the coarsest step tolerance of any solver."""
-CURVES = ("force", "contact_radius")
 SCALARS = (
     "start_force",
     "start_radius",

@@ -22,7 +22,7 @@ from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
 from validation.execution.tasks import run_tasks
-from validation.measure.norms import distance
+from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE
 from validation.solvers.finite_elements import FiniteElements
@@ -31,7 +31,6 @@ from validation.studies import poisson_material as materials
 RATIOS = (10.0, 30.0, 100.0, 300.0, 1000.0)
 """``K/G`` of the relaxed solid."""
 OBSERVED = ("pull_off_force", "loop_energy", "approach_radius", "approach_force")
-CURVES = ("force", "contact_radius")
 FULL, SURFACE = "full", "surface"
 """Names of the runs with separate bulk relaxation and with the modulus at the surface."""
 ASSUMPTIONS = {

@@ -17,7 +17,7 @@ from contact_scene import Adhesion, Oscillate, Scene, SceneError
 from validation import cases
 from validation.cases import Case
 from validation.execution.runs import Run, run
-from validation.measure.norms import distance
+from validation.measure.norms import CURVES, distance
 from validation.solvers import REFERENCE, SOLVERS, solver
 from validation.studies.zones import RATIOS, relative_errors
 
@@ -39,7 +39,6 @@ SCENES = (
 CYCLES = 10
 """Cycles of an oscillation: those that follow repeat them."""
 MEASURES = ("pull_off_force", "loop_energy", "detachment_time")
-CURVES = ("force", "contact_radius")
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,12 @@ from validation import solvers
 from validation.cases import Case
 from validation.execution.run_table import RunTable
 from validation.execution.solver_tasks import expected_seconds
+from validation.solvers.cost import ESTIMATE_SHARE
 from validation.sweeps.batch import SweepOptions
 from validation.sweeps.plan import SweepPlan
 from validation.sweeps.plan_entries import measure_names
 from validation.sweeps.run_plan import missing_runs, options_of
 
-ESTIMATE_SHARE = 0.5
-"""Time of the error estimate relative to the run, as it is forecast for single runs."""
 SAMPLED = 200
 """Runs whose cost is forecast one by one; of more, so many are, evenly chosen."""
 TRACE_COLUMNS = 12

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from validation.measure.norms import CURVES
 from validation.report.document import ABSENT, DataTable, Paragraph, Section, formatted, plain
 from validation.report.sections.checks import estimates
 from validation.studies.poisson import (
     ASSUMPTIONS,
-    CURVES,
     FULL,
     OBSERVED,
     CompressibilityComparison,
