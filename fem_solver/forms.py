@@ -60,7 +60,8 @@ def deviator(components: Array) -> Array:
 def strain_operator(basis: Any) -> sparse.csr_matrix:
     """Matrix from nodal displacements to strains ``(rr, zz, tt, rz)`` at the quadrature points.
 
-    Its rows run over component, element and point; times ``measure`` and transposed it gives nodal forces.
+    Its rows run over component, element and point; times the volume weights and transposed it gives nodal
+    forces.
     """
     radius = basis.global_coordinates()[0]
     cells, points = radius.shape
@@ -76,7 +77,7 @@ def strain_operator(basis: Any) -> sparse.csr_matrix:
     return operator
 
 
-def measure(basis: Any) -> Array:
+def volume_weights(basis: Any) -> Array:
     """``2 pi r`` times the quadrature weights; shape (elements, points)."""
     return 2.0 * np.pi * basis.global_coordinates()[0] * basis.dx
 

@@ -52,10 +52,10 @@ class QuadratureHistory:
         self.shear_modulus, self.bulk_modulus = shear, bulk
         self.glassy_modulus = shear.glassy
         self.strain = forms.strain_operator(space.basis)
-        measure = forms.measure(space.basis)
-        self._measure = np.concatenate([weight * measure.ravel() for weight in forms.CONTRACTION])
-        self._points = measure.ravel()
-        volume_size = space.pressure_basis.N if space.mixed else measure.size
+        weights = forms.volume_weights(space.basis)
+        self._weights = np.concatenate([factor * weights.ravel() for factor in forms.CONTRACTION])
+        self._points = weights.ravel()
+        volume_size = space.pressure_basis.N if space.mixed else weights.size
         joined = shear if bulk is None else bulk.scaled(3.0).plus(shear)
         self.state = QuadratureState(
             unknowns=np.zeros(space.unknowns),
@@ -71,7 +71,7 @@ class QuadratureHistory:
         self.factor, self.operator = self._operator(self._ratio(np.inf))
         self._surface_modulus = _surface_modulus(shear, None if bulk is None else joined, self._ratio(0.0))
         far_strain = [self._deviator(shape[: space.basis.N]) for shape in space.far_shapes]
-        self._far_shear = np.stack([0.5 * self._measure * field for field in far_strain])
+        self._far_shear = np.stack([0.5 * self._weights * field for field in far_strain])
         self._far_volume = np.stack([self._volume_force(shape) for shape in space.far_shapes])
 
     @property
@@ -187,7 +187,7 @@ class QuadratureHistory:
             stress = stress + np.concatenate([np.tile(volume, 3), np.zeros_like(volume)])
         elif self.bulk_modulus is not None:
             load[space.basis.N :] = -(space.mass @ volume) / self.bulk_modulus.increment(dt).modulus
-        load[: space.basis.N] = -(self.strain.T @ (self._measure * stress)) / modulus
+        load[: space.basis.N] = -(self.strain.T @ (self._weights * stress)) / modulus
         far = [-part.memory(dt)[0] / part.modulus.increment(dt).modulus for part in self.state.far]
         if self.bulk_modulus is None:
             far[1] = 0.0
@@ -216,7 +216,7 @@ class QuadratureHistory:
         return self._points * strains[:3].sum(axis=0)
 
     def _shear_form(self, a: Array, b: Array) -> float:
-        inner = 0.5 * float((self._measure * a[:-2]) @ b[:-2])
+        inner = 0.5 * float((self._weights * a[:-2]) @ b[:-2])
         outer = b[-2:] @ (self._far_shear @ a[:-2]) + a[-2:] @ (self._far_shear @ b[:-2])
         return inner - float(outer)
 

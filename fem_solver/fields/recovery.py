@@ -62,8 +62,8 @@ class Recovery:
         self.triangles = np.concatenate([np.stack(part, axis=1) for part in parts])
         self._factor = splu(_mass.assemble(self._basis).tocsc())
         self._load = self._test_operator()
-        self._measure = forms.measure(basis)
-        self.volumes: Array = self._measure.sum(axis=1)
+        self._weights = forms.volume_weights(basis)
+        self.volumes: Array = self._weights.sum(axis=1)
         self.solves = 0
 
     def _test_operator(self) -> sparse.csr_matrix:
@@ -91,8 +91,8 @@ class Recovery:
 
     def means(self, values: Array) -> Array:
         """Mean over each element's volume (of revolution); shapes (k, points) to (k, m)."""
-        cells = values.reshape(len(values), *self._measure.shape)
-        return np.einsum("cp,kcp->kc", self._measure, cells) / self.volumes
+        cells = values.reshape(len(values), *self._weights.shape)
+        return np.einsum("cp,kcp->kc", self._weights, cells) / self.volumes
 
     def displacement(self, unknowns: Array) -> Array:
         """Nodal displacement ``(u_r, u_z)``; shape (n, 2)."""

@@ -25,7 +25,7 @@ from validation.stability.case import (
     Value,
 )
 from validation.stability.case_runs import CaseAnswer, CaseRun, solve_case
-from validation.stability.growth import fit
+from validation.stability.growth import work_growth
 from validation.stability.limits import limits
 from validation.stability.matrix import AXES, cases
 from validation.stability.runner import run
@@ -184,15 +184,15 @@ def cells_of(steps: dict[float, int]) -> list[Cell]:
 
 
 def test_logarithmic_growth_is_told_from_faster_growth():
-    (slow,) = fit(cells_of({10.0**k: 100 + 20 * k for k in range(8)}))
+    (slow,) = work_growth(cells_of({10.0**k: 100 + 20 * k for k in range(8)}))
     assert slow.logarithmic
     assert slow.per_decade == pytest.approx(20.0)
     assert slow.at_first == pytest.approx(100.0)
-    (fast,) = fit(cells_of({10.0**k: round(100 * 10 ** (0.3 * k)) for k in range(8)}))
+    (fast,) = work_growth(cells_of({10.0**k: round(100 * 10 ** (0.3 * k)) for k in range(8)}))
     assert not fast.logarithmic
     assert fast.power == pytest.approx(0.3, abs=0.01)
     assert any("FASTER" in line for line in limits(cells_of({10.0**k: 10 * 3**k for k in range(8)})))
-    assert fit(cells_of({1.0: 10, 10.0: 20})) == []
+    assert work_growth(cells_of({1.0: 10, 10.0: 20})) == []
 
 
 def test_the_matrix_has_every_axis_and_every_name_once():

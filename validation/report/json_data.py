@@ -21,7 +21,7 @@ from validation.report.report import Report
 from validation.report.sections.costs import spent
 from validation.report.sections.scene import skipped_work
 from validation.report.sections.stability import numbers
-from validation.stability.growth import fit
+from validation.stability.growth import work_growth
 from validation.stability.limits import limits
 from validation.stability.runner import StabilityMatrix
 from validation.studies import work_precision
@@ -90,7 +90,9 @@ def _matrix(matrix: StabilityMatrix, complete: bool) -> Data:
         "complete": complete,
         "wall_seconds": matrix.wall_seconds,
         "limits": limits(matrix.cells),
-        "growth": [asdict(growth) | {"logarithmic": growth.logarithmic} for growth in fit(matrix.cells)],
+        "growth": [
+            asdict(growth) | {"logarithmic": growth.logarithmic} for growth in work_growth(matrix.cells)
+        ],
         "cells": [
             asdict(cell)
             | {"number": counted[cell.axis, cell.label], "error": cell.error, "worst": cell.worst}

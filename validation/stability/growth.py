@@ -58,7 +58,7 @@ class WorkGrowth:
         )
 
 
-def fit(cells: Iterable[Cell]) -> list[WorkGrowth]:
+def work_growth(cells: Iterable[Cell]) -> list[WorkGrowth]:
     """Every series of every solver, from the cells that have an answer within tolerance."""
     series_steps: dict[tuple[str, str, str], dict[float, int]] = defaultdict(dict)
     for cell in cells:
@@ -66,10 +66,10 @@ def fit(cells: Iterable[Cell]) -> list[WorkGrowth]:
             series_steps[cell.axis, cell.series, cell.solver][cell.stiffness] = (
                 cell.steps + cell.rejected_steps
             )
-    return [_fit(*key, work) for key, work in series_steps.items() if len(work) >= FEWEST]
+    return [_growth_of(*key, work) for key, work in series_steps.items() if len(work) >= FEWEST]
 
 
-def _fit(axis: str, series: str, solver: str, work: dict[float, int]) -> WorkGrowth:
+def _growth_of(axis: str, series: str, solver: str, work: dict[float, int]) -> WorkGrowth:
     stiffness, steps = zip(*sorted(work.items()), strict=True)
     decades = np.log10(np.array(stiffness) / stiffness[0])
     per_decade, at_first = np.polyfit(decades, steps, 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from validation.stability.growth import fit
+from validation.stability.growth import work_growth
 from validation.stability.verdict import Cell, CellVerdict
 
 UNBALANCED = 0.05
@@ -22,7 +22,7 @@ def limits(cells: Sequence[Cell]) -> list[str]:
     unknown = [cell.name for cell in cells if cell.verdict is CellVerdict.UNKNOWN]
     if unknown:
         sentences.append(f"Not compared, the expected values are missing: {'; '.join(unknown)}.")
-    growths = fit(cells)
+    growths = work_growth(cells)
     fast = [growth for growth in growths if not growth.logarithmic]
     if growths:
         sentences.append(

@@ -140,7 +140,7 @@ def exact_shear(poisson: float) -> tuple[float, float]:
     return float(depth[np.argmax(shear)]), float(shear.max())
 
 
-def losses(name: str, resolution: int | None = None) -> list[tuple[FieldState, EnergySums]]:
+def states_and_sums(name: str, resolution: int | None = None) -> list[tuple[FieldState, EnergySums]]:
     """A built-in cycle when its approach ends and at pull-off, with what its densities add up to."""
     scene = cases.load(name).scene
     fields = record_fields(scene, FieldRequest(pull_off=True, picked=_turn), resolution)
@@ -170,7 +170,7 @@ def main() -> None:
                 print(f"{exact[1]:.4f} p0 at {exact[0]:.4f} a")
     for name in CYCLES:
         print(f"{name}: energy dissipated in the branches, sum over the mesh")
-        for state, sums in losses(name):
+        for state, sums in states_and_sums(name):
             open_balance = sums.dissipated / sums.work_less_stored - 1.0
             print(f"  {state.label:<18}against the trace's integral {sums.error or 0.0:+.2e}", end="")
             print(f", against work less stored energy {open_balance:+.2e}")

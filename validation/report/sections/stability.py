@@ -21,7 +21,7 @@ from validation.report.document import (
 from validation.report.figures import stability_map
 from validation.report.pictures import with_drawing
 from validation.stability import verdict as judged
-from validation.stability.growth import fit
+from validation.stability.growth import work_growth
 from validation.stability.limits import limits
 from validation.stability.runner import StabilityMatrix
 
@@ -39,7 +39,7 @@ MAP_DOTS = 150  # per inch of a heat map saved as PNG: its numbers are small
 
 def section(matrix: StabilityMatrix) -> Section:
     """Everything about the matrix."""
-    growth = tuple(one.words for one in fit(matrix.cells))
+    growth = tuple(one.words for one in work_growth(matrix.cells))
     work = Bullets(growth) if growth else Paragraph("No series was long enough.")
     return Section(
         TITLE,
