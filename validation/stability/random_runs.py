@@ -115,7 +115,7 @@ def judged_scenes(
         if not all(each in collected for each in settings.solvers):
             continue
         judged = examine(chosen, {each: collected[each] for each in settings.solvers})
-        again = _undecided(chosen, judged) if settings.screened and chosen.seed not in first else []
+        again = _undecided(judged) if settings.screened and chosen.seed not in first else []
         if again:
             first[chosen.seed] = judged
             for each in again:
@@ -127,7 +127,7 @@ def judged_scenes(
         yield chosen, judged
 
 
-def _undecided(chosen: RandomScene, judged: JudgedScene) -> Sequence[str]:
+def _undecided(judged: JudgedScene) -> Sequence[str]:
     """Solvers whose answers differ by more than they may at a coarse resolution: their estimates decide."""
     return [
         answer.solver

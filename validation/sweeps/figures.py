@@ -70,7 +70,7 @@ def _figure(data: xarray.Dataset, name: str) -> Figure:
     for one, chosen in zip(axes, panels, strict=True):
         part = measure.isel(chosen)
         if len(across) == 2:
-            picture = _map(one, data, name, part, across[0], across[1], limits)
+            picture = _map(one, data, part, across[0], across[1], limits)
         else:
             _curve(one, data, name, part, across[0] if across else outer[0], 0, "")
         one.set_title(_title(data, chosen), fontsize="small")
@@ -108,7 +108,7 @@ def _curve(
 
 
 def _map(
-    axes: Axes, data: xarray.Dataset, name: str, part: xarray.DataArray, across: str, up: str,
+    axes: Axes, data: xarray.Dataset, part: xarray.DataArray, across: str, up: str,
     limits: tuple[float, float],
 ) -> Any:  # fmt: skip
     x, y, z = data[across].values, data[up].values, part.transpose(up, across).values

@@ -93,7 +93,7 @@ def section(scene: SceneJudgement) -> Section:
 def answers(scene: SceneJudgement) -> Section:
     """The same without the single differences."""
     parts: list[Part] = [Paragraph(f"Tags: {', '.join(tags(scene.case.scene))}.")]
-    rows = [_row(one, graded) for one in scene.verdicts for graded in one.answers]
+    rows = [_row(graded) for one in scene.verdicts for graded in one.answers]
     if rows:
         parts.append(DataTable.of(rows))
     others = [f"{one.code}: {one.verdict} ({one.reason})" for one in scene.verdicts if one.reason]
@@ -122,7 +122,7 @@ def _titled(verdict: CodeOnScene, graded: GradedAnswer) -> str:
     return f"All differences: {verdict.code}{f', resolution {size}' if size else ''}"
 
 
-def _row(verdict: CodeOnScene, graded: GradedAnswer) -> Record:
+def _row(graded: GradedAnswer) -> Record:
     header, grade = graded.answer.header, graded.grade
     worst = None if grade is None else grade.worst
     reached = VerdictCell(f"1e-{graded.decade}" if graded.decade else "none", None)
