@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from scipy.integrate import quad
@@ -30,19 +29,6 @@ from validation.reference import sneddon
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
 from validation.reference.jkr import JKR, NoEquilibrium, State
-
-
-class EquilibriumCurve(Protocol):
-    """Elastic equilibria by their radius, with the limits of both ideal machines."""
-
-    plane_modulus: float
-    work: float
-
-    def state(self, contact_radius: float) -> State: ...
-
-    def pull_off_force_control(self) -> State: ...
-
-    def pull_off_penetration_control(self) -> State: ...
 
 
 @dataclass(frozen=True)
