@@ -104,6 +104,23 @@ class Chain:
         branches = self.stress_scale**2 / self.relaxation
         return self.relaxed + float(branches @ self.spread(duration / self.relaxation))
 
+    def moduli_of_passage(self, time: Array) -> tuple[Array, Array]:
+        """Plane moduli (m,) met by strains that follow a steady edge, a time (m,) after its passage.
+
+        Parameters
+        ----------
+        time : ndarray (m,)
+
+        Returns
+        -------
+        of_inverse_root, of_root : ndarray (m,)
+            Of strains in proportion to ``1/sqrt(s)`` and ``sqrt(s)``, s the distance behind the edge.
+        """
+        branches = self.stress_scale**2 / self.relaxation
+        root = np.sqrt(time[:, None] / self.relaxation)
+        share = np.divide(dawsn(root), root, out=np.ones_like(root), where=root > 0.0)
+        return self.relaxed + (1.0 - 2.0 * root**2 * share) @ branches, self.relaxed + share @ branches
+
     def share_to_meet(self, duration: float) -> float:
         """Share of a step at which a parabola through its ends has to meet a penetration that is prescribed.
 

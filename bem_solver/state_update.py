@@ -20,9 +20,7 @@ from bem_solver.history import (
     midpoints_of_wide_intervals,
     updated_kinks,
 )
-from bem_solver.motion import Motion
 from bem_solver.problem import Problem
-from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import advanced, load_inside
 from bem_solver.tip_release import energy_of_tip, reached_jumps, release_jumps, tip_release
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
@@ -131,7 +129,7 @@ def updated_state(
     else:
         problem.counters.history_updates += 1
         length = problem.length_at(motion.new_edge)
-        history = _new_history(problem, state, motion, surface, length, divisions, tolerance)
+        history = _new_history(problem, state, trial, length, divisions, tolerance)
         variables = advanced(problem.chain, points, motion, None)
     increment = work_increment(
         problem.chain,
@@ -159,12 +157,12 @@ def updated_state(
 def _new_history(
     problem: Problem,
     state: HalfSpaceState,
-    motion: Motion,
-    surface: ContactSurface,
+    trial: TrialContact,
     length: float,
     divisions: int,
     tolerance: float,
 ) -> SurfaceHistory:
+    motion, surface = trial.motion, trial.surface
     chain, edge, radii = problem.chain, motion.new_edge, problem.annuli.radii
     reach = max(abs(edge - motion.edge), 0.25 * length)
     smallest = 0.5 * edge * problem.annuli.outermost
@@ -183,7 +181,11 @@ def _new_history(
     halves = midpoints_of_wide_intervals(radius, 0.5 * (allowed[1:] + allowed[:-1]))
     radius = np.sort(np.concatenate((radius, halves)))
     load = surface.outside(np.maximum(radius, edge))
-    variables = advanced(chain, points_at(problem, state, radius), motion, load)
+    points = points_at(problem, state, radius)
+    variables = advanced(chain, points, motion, load)
+    if trial.creep is not None:
+        outside = radius > edge
+        variables[outside] = trial.creep.settled(points[outside], variables[outside], load[outside])
     at_edge = motion.new_penetration - float(problem.scene.indenter.height(edge))
     inner, outer = split_at_edge(chain, radius, variables, load, edge, at_edge, kinks, rest)
     allowed_change = _COARSENING * tolerance * float(np.abs(variables).max(initial=0.0))

@@ -120,6 +120,8 @@ class TrialStep(StepStart):
             if (root.x - edge) * excess > 0.0:
                 low, high = (low, edge) if excess > 0.0 else (edge, high)
                 root = self._root(at_end, edge, low, high)
+        if root.position == "converged" and 0.0 < root.x - edge <= self.accuracy:
+            return Candidate(self.end, at_end(edge), step_error(self, at_end(edge), step), root.slope)
         if root.position == "converged" or (root.position == "above" and high == limit):
             return Candidate(self.end, root.trial, step_error(self, root.trial, step), root.slope)
         receding = root.position == "below"
@@ -240,7 +242,8 @@ class TrialStep(StepStart):
         trial = self._trial(self.end, edge)
         if trial.residual <= 0.0:
             return Candidate(self.end, trial, step_error(self, trial, self.end - start, self.step))
-        if self._trial(start, edge).residual >= -1e-6 * trial.residual:
+        known = _RESIDUAL_ACCURACY * self.settings.tolerance * self.problem.work
+        if self._trial(start, edge).residual >= -max(1e-6 * trial.residual, known):
             return None
         end = brentq(lambda p: self._trial(p, edge).residual, start, self.end, xtol=1e-12 * self.end)
         if end <= start:

@@ -113,6 +113,10 @@ class ContactSurface:
         """Normal stress (tension positive) at ``distance`` inside the edge, singular there; without kinks."""
         return self._tension(self.density, distance)
 
+    def singular_tension(self, distance: Array) -> Array:
+        """Its part with the density at the edge."""
+        return self._tension(np.full_like(self.density, self.kappa / np.pi), distance)
+
     def _tension(self, density: Array, distance: Array) -> Array:
         cosine = np.sqrt(distance * (2.0 * self.edge - distance)) / self.edge
         return -even_cubic(density, self.annuli.position_at(distance, self.edge)) / (cosine * self.edge)

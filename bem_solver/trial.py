@@ -15,6 +15,7 @@ from bem_solver.bent_path import BentPath, EarlierRow
 from bem_solver.between_annuli import LoadBetween
 from bem_solver.cohesive_zone import zone_at
 from bem_solver.edge_energy import end_velocity, energy_taken
+from bem_solver.free_creep import FreeCreep
 from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.kinks import EdgeKinks
 from bem_solver.load_control import LoadControl
@@ -42,6 +43,7 @@ class TrialContact:
 
     ``points`` are the collocation radii inside its edge at the start of the step; ``zone`` is the length of
     the process zone, and ``tip_gap`` (2,) the gap outside the edge at ``tip_distance`` (2,), with adhesion.
+    ``creep`` tells the surface outside an edge that has not receded in a step over zones.
     """
 
     motion: Motion
@@ -52,6 +54,7 @@ class TrialContact:
     zone: float = 0.0
     tip_gap: Array | None = None
     tip_distance: Array | None = None
+    creep: FreeCreep | None = None
 
 
 def evaluate(
@@ -98,10 +101,11 @@ def evaluate(
     motion = _motion(problem, state, duration, edge, earlier, within)
     loading = LoadControl(problem, state, points, kinks, control, value, earlier, between)
     motion, surface = loading.satisfied(motion)
+    creep = FreeCreep.within(problem, state, motion, points, kinks, between)
     points = points[: len(radii) + len(readings)]
     if problem.work == 0.0:
         return TrialContact(motion, surface, points, -surface.kappa, 0.0)
-    return _adhesive_contact(problem, state, motion, surface, points)
+    return _adhesive_contact(problem, state, motion, surface, points, creep)
 
 
 def _load_between(problem: Problem, state: HalfSpaceState, edge: float) -> LoadBetween | None:
@@ -144,20 +148,27 @@ def _motion(
 
 
 def _adhesive_contact(
-    problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface, points: SurfacePoints
+    problem: Problem,
+    state: HalfSpaceState,
+    motion: Motion,
+    surface: ContactSurface,
+    points: SurfacePoints,
+    creep: FreeCreep | None,
 ) -> TrialContact:
     """The contact after a motion, and by how much it misses the closure."""
     problem.counters.closure_evaluations += 1
     zone = _zone(problem, surface)
     distance = tip_distances(problem, state.history, motion, zone)
-    closure, gap = _closure(problem, state, motion, surface, zone, distance)
-    if surface.kappa > 0.0:
+    closure, gap = _closure(problem, state, motion, surface, zone, distance, creep)
+    if (surface if creep is None else creep.pressed).kappa > 0.0:  # gap and tension have the wrong sign
         closure = -abs(closure)
+    residual = closure - problem.work
     if problem.irreversible is None:
-        return TrialContact(motion, surface, points, closure - problem.work, closure, zone, gap, distance)
+        return TrialContact(motion, surface, points, residual, closure, zone, gap, distance, creep)
     velocity = end_velocity(state.edge, motion.new_edge, motion.duration, state.last_step)
     excess = closure / energy_taken(problem.irreversible, velocity) - 1.0
-    return TrialContact(motion, surface, points, excess * problem.work, closure, zone, gap, distance)
+    residual = excess * problem.work
+    return TrialContact(motion, surface, points, residual, closure, zone, gap, distance, creep)
 
 
 def _zone(problem: Problem, surface: ContactSurface) -> float:
@@ -197,30 +208,41 @@ def _closure(
     surface: ContactSurface,
     zone: float,
     tip_distance: Array,
+    creep: FreeCreep | None,
 ) -> tuple[float, Array]:
     """``I``, the punches at kinks integrated from their own edges on, and the gap at the tip."""
     rule, edge, kinks = problem.rule, surface.edge, surface.kinks
     inner, count = rule.inside(zone, edge), len(rule.distance)
     offsets = np.concatenate((inner, zone - tip_distance))
+    tension = surface.tension(inner)
     if kinks is None or surface.strengths is None:
-        gap = gap_outside(problem, state, motion, surface, edge + zone - offsets)
-        return rule.integral(surface.tension(inner), gap[:count], zone, edge), gap[count:]
+        gap = gap_outside(problem, state, motion, surface, edge + zone - offsets, creep)
+        if creep is not None:
+            tension = creep.tension(inner, tension)
+        return rule.integral(tension, gap[:count], zone, edge), gap[count:]
     depth = edge - kinks.radius
     near = np.flatnonzero(depth < min(zone, edge))
     own = (min(zone, edge) - depth[near, None]) * rule.distance  # distances inside each kink
     offsets = np.concatenate((offsets, (depth[near, None] + own).ravel()))
-    gap = gap_outside(problem, state, motion, surface, edge + zone - offsets)
-    value = rule.integral(surface.tension(inner), gap[:count], zone, edge)
+    gap = gap_outside(problem, state, motion, surface, edge + zone - offsets, creep)
+    if creep is not None and not near.size:
+        tension = creep.tension(inner, tension)
+    value = rule.integral(tension, gap[:count], zone, edge)
     count_tip = count + len(tip_distance)
     tip_gap, gaps = gap[count:count_tip], gap[count_tip:].reshape(own.shape)
     for index, distance, facing in zip(near.tolist(), own, gaps, strict=True):
-        tension = surface.strengths[index] * kinks.tension(index, distance)
-        value += (min(zone, edge) - depth[index]) * (rule.weight @ (tension * facing)) / (2.0 * zone)
+        at_kink = surface.strengths[index] * kinks.tension(index, distance)
+        value += (min(zone, edge) - depth[index]) * (rule.weight @ (at_kink * facing)) / (2.0 * zone)
     return float(value), tip_gap
 
 
 def gap_outside(
-    problem: Problem, state: HalfSpaceState, motion: Motion, surface: ContactSurface, radius: Array
+    problem: Problem,
+    state: HalfSpaceState,
+    motion: Motion,
+    surface: ContactSurface,
+    radius: Array,
+    creep: FreeCreep | None = None,
 ) -> Array:
     """Gap outside the new edge at the end of the step.
 
@@ -233,11 +255,16 @@ def gap_outside(
     surface : ContactSurface
         After the step.
     radius : ndarray (m,)
+    creep : FreeCreep, optional
+        Where it tells the displacement.
 
     Returns
     -------
     ndarray (m,)
     """
+    if creep is not None:
+        points = points_at(problem, state, radius)
+        return points.height - motion.new_penetration + creep.displacement(points)
     load = surface.outside(radius)
     if not problem.viscoelastic:
         height = problem.scene.indenter.height(radius)
