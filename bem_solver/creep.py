@@ -70,8 +70,8 @@ class Chain:
         Relaxation times ``tau`` and retardation times ``theta``.
     stress_scale, lag_scale : ndarray (K,)
         ``sqrt(E_j tau_j)`` and ``sqrt(J_k theta_k)``: stored variable -> stress, lag.
-    lag_rate : ndarray (K,)
-        ``sqrt(J_k/theta_k)``: rise of a stored lag with ``v``.
+    stress_rate, lag_rate : ndarray (K,)
+        ``sqrt(E_j/tau_j)`` and ``sqrt(J_k/theta_k)``: stored stress per ``w``, stored lag per ``v``.
     rotation : ndarray (K, K)
         ``Q``; lags = Q @ stresses (both scaled).
     compliances : ndarray (K,)
@@ -91,6 +91,7 @@ class Chain:
         self.retardation = retardation
         self.compliances = plane * compliances
         self.stress_scale = np.sqrt(moduli / plane * times)
+        self.stress_rate = self.stress_scale / times
         self.share_in_creep = self.compliances / (1.0 / self.glassy + np.cumsum(self.compliances))
         self.lag_scale = np.sqrt(self.compliances * self.retardation)
         self.lag_rate = self.lag_scale / self.retardation

@@ -7,22 +7,26 @@ field ``sum e exp(-y)``, therefore misses ``w`` by the displacement of a pressur
 is known there, where ``w`` is prescribed: one contact problem gives the rest outside.
 
 Inside, that pressure follows an edge that passes as its inverse root, and the stress is ``int E* d`` of it:
-the more relaxed, the longer the passage is past. Displacement and penetration positive downwards, radii from
-the axis.
+the more relaxed, the longer the passage is past. Ahead, the displacement at both ends of the step is known,
+and moves with the edge in between: what a point bears when it is covered relaxes from that, and hardly
+depends on how well its strains are known; from these alone it would be ``Einf*/E0*`` times their error.
+Displacement and penetration positive downwards, radii from the axis.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bem_solver.bent_path import BentPath
 from bem_solver.between_annuli import LoadBetween
 from bem_solver.creep import Chain
-from bem_solver.half_space_state import HalfSpaceState
+from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.kinks import EdgeKinks
-from bem_solver.motion import Motion, SurfacePoints
+from bem_solver.motion import CarriedDisplacement, Motion, SurfacePoints
+from bem_solver.outer_fall import OuterFall, distances_outside
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import displacement_outside
@@ -38,6 +42,12 @@ class FreeCreep:
     motion: Motion
     pressed: ContactSurface
 
+    @staticmethod
+    def takes(problem: Problem, motion: Motion) -> bool:
+        """Whether a step is one over process zones, that takes time, of an edge that has not receded."""
+        over_zones = problem.over_zones(motion.edge)
+        return over_zones and motion.duration > 0.0 and motion.new_edge >= motion.edge > 0.0
+
     @classmethod
     def within(
         cls,
@@ -48,7 +58,7 @@ class FreeCreep:
         kinks: EdgeKinks | None,
         between: LoadBetween | None,
     ) -> FreeCreep | None:
-        """Of a step over process zones.
+        """Of a step over process zones; its motion then tells what its edge carries along.
 
         Parameters
         ----------
@@ -64,15 +74,29 @@ class FreeCreep:
         Returns
         -------
         FreeCreep or None
-            ``None`` if the edge has receded, has made contact first, or moves within a zone by few of them.
+            ``None`` for any other step (:meth:`takes`).
         """
-        if motion.duration == 0.0 or not motion.new_edge >= motion.edge > 0.0:
-            return None
-        if not problem.over_zones(state.edge):
+        if not cls.takes(problem, motion):
             return None
         missed = motion.new_penetration - points.height - _crept(problem.chain, points, motion)
         pressed = ContactSurface.under(problem.annuli, motion.new_edge, missed, kinks, between)
-        return cls(problem.chain, motion, pressed)
+        creep = cls(problem.chain, motion, pressed)
+        return creep if motion.new_edge == motion.edge else creep._carrying(problem, state)
+
+    def _carrying(self, problem: Problem, state: HalfSpaceState) -> FreeCreep:
+        """The same with the displacement that its edge carries along."""
+        motion, distance = self.motion, np.append(0.0, distances_outside(self.motion.edge, problem.zone))
+        path = motion.path or BentPath.straight(motion.edge, motion.new_edge)
+        before = points_at(problem, state, motion.edge + distance).displacement
+        after = self.displacement(points_at(problem, state, motion.new_edge + distance))
+        fall, new_fall = ((w[0] - w[1:]) / np.sqrt(distance[1:]) for w in (before, after))
+        shares = np.array([0.0, 0.5, 1.0])
+        start, middle, end = motion.penetration_at(shares) - problem.scene.indenter.height(
+            path.edge(1.0 - shares)
+        )
+        bend = 2.0 * (start + end) - 4.0 * middle
+        carried = CarriedDisplacement(path, OuterFall.between(distance[1:], fall, new_fall), float(bend))
+        return replace(self, motion=replace(motion, carried=carried))
 
     def displacement(self, points: SurfacePoints) -> Array:
         """``w`` (m,) at the end of the step at points outside the edge."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bem_solver.bent_path import EarlierRow, parabola_bend
 from bem_solver.between_annuli import LoadBetween
+from bem_solver.free_creep import FreeCreep
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.kinks import EdgeKinks
 from bem_solver.motion import Motion, SurfacePoints
@@ -49,6 +50,8 @@ class LoadControl:
     def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration and the end that belong to the control, and its surface."""
         motion, surface = self._controlled(motion)
+        if FreeCreep.takes(self.problem, motion):
+            return self._ending(motion, surface), surface
         if motion.fall is None and (self.earlier is None or self.earlier.edge is None):
             return motion, surface
         motion = self._ending(motion, surface)
@@ -107,7 +110,8 @@ class LoadControl:
 
     def _surface(self, motion: Motion) -> ContactSurface:
         """The surface after a motion whose penetration is known."""
-        load = _required_load(self.problem, self.points, motion)
+        creep = FreeCreep.within(self.problem, self.state, motion, self.points, self.kinks, self.between)
+        load = _required_load(self.problem, self.points, motion if creep is None else creep.motion)
         return ContactSurface.under(self.problem.annuli, motion.new_edge, load, self.kinks, self.between)
 
 

@@ -22,6 +22,42 @@ _ROUNDING = 1e-14
 
 
 @dataclass(frozen=True)
+class CarriedDisplacement:
+    """Displacement ahead of an advancing edge: at the edge less a fall that moves with it.
+
+    ``bend`` is ``c`` in the displacement at the edge after a share s of the step: ``... + c s (s - 1)``.
+    """
+
+    path: BentPath
+    fall: OuterFall
+    bend: float
+
+    def stresses(self, chain: Chain, duration: float, radius: Array, end: Array) -> Array:
+        """Scaled Maxwell stresses it leaves in points outside, beyond those of an even change.
+
+        Parameters
+        ----------
+        chain : Chain
+        duration : float
+            Of the step.
+        radius : ndarray (m,)
+        end : ndarray (m,)
+            Share of the step still to come, up to which they are outside.
+
+        Returns
+        -------
+        ndarray (m, K)
+        """
+
+        def of(distance: Array, left: Array) -> Array:
+            return self.fall(distance, 1.0 - left)
+
+        share, y = (1.0 - end)[:, None], duration / chain.relaxation
+        change = self.path.recent_change(of, radius, y, np.ones_like(end), end, chain.spread(share * y))
+        return chain.stress_rate * (self.bend * share**2 * chain.spread_bent(share * y) - change)
+
+
+@dataclass(frozen=True)
 class Motion:
     """One step: duration, edge and penetration at both ends, and the strength of the edge's square root.
 
@@ -31,6 +67,7 @@ class Motion:
     other edge, after a share s of the step: ``... + c s (s - 1)``.
     ``earlier`` a row (time before the start, penetration) through which the penetration is a parabola, where
     it is prescribed its value within the step (time negative), or None where it is linear.
+    ``carried`` is the displacement ahead of an edge that advances over process zones, where it is known.
     ``innermost`` (1 point) the state of a point inside the edge throughout the step. It is given
     without adhesion only: an adhesive edge that moves leaves behind the load that its singularity put there.
     """
@@ -46,6 +83,7 @@ class Motion:
     fall: OuterFall | None = None
     earlier: tuple[float, float] | None = None
     load_bend: float = 0.0
+    carried: CarriedDisplacement | None = None
 
     @cached_property
     def bend(self) -> float:

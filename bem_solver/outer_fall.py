@@ -33,6 +33,13 @@ _CUBIC = cubic_weights(1.0 + np.arange(_ENTRIES) / _ENTRIES)
 """Weights (4, entries) of the readings around an interval of them."""
 
 
+def distances_outside(edge: float, zone: float) -> Array:
+    """Distances (n,) outside a contact of some radius > 0 at which B is tabulated."""
+    near, far = _NEAREST * zone, _FARTHEST * edge
+    count = int(_PER_DECADE * np.log10(far / near))
+    return near * (far / near) ** (np.arange(count) / count)
+
+
 @dataclass(frozen=True)
 class OuterFall:
     """B at both ends of a step, ``start`` and ``end`` (n,), at ``distance`` (n,) in equal ratios.
@@ -54,9 +61,7 @@ class OuterFall:
     @classmethod
     def outside(cls, surface: ContactSurface, zone: float) -> OuterFall:
         """The fall outside a contact of some radius > 0, the same at both ends."""
-        near, far = _NEAREST * zone, _FARTHEST * surface.edge
-        count = int(_PER_DECADE * np.log10(far / near))
-        distance = near * (far / near) ** (np.arange(count) / count)
+        distance = distances_outside(surface.edge, zone)
         strength = _strength(surface, distance)
         return cls.between(distance, strength, strength)
 

@@ -128,8 +128,9 @@ def error_at_limit(
         rates = rates[0], (free_load_of(start.interval, at_rest()) - before) / step
     of_edge, of_load, change = _departures(start, trial, step, rates)
     of_load = min(of_load, 0.125 * change)
-    relaxes = trial.motion.duration > start.problem.chain.relaxation.min(initial=math.inf)
-    return max(of_edge if known or relaxes else 0.0, _LOAD_WEIGHT_AT_LIMIT * of_load) / start.settings.tolerance
+    if not known and trial.motion.duration <= start.problem.chain.relaxation.min(initial=math.inf):
+        of_edge = 0.0
+    return max(of_edge, _LOAD_WEIGHT_AT_LIMIT * of_load) / start.settings.tolerance
 
 
 def _departures(

@@ -7,8 +7,9 @@ time, and of a rest that is linear in time; the recursions are exact for all. Th
 at the edge, or ahead of an edge that hardly moves, a parabola through an earlier row; without adhesion that
 at a point inside all the time, near the edge, falling off as ``v``. So both sides of an edge at rest change
 alike: a step between them would be read as a root by an edge that advances a little. Where a step passes over
-process zones, the speed of the edge is not constant but that of its path (``bent_path``). A covered point
-meets the indenter at the moment the edge passes; a released one leaves it, glassy, at that moment.
+process zones, the speed of the edge is not constant but that of its path (``bent_path``); ahead of an edge
+that advances over them displacement is known as well (``free_creep``), and the Maxwell recursion serves. A
+covered point meets the indenter at the moment the edge passes; a released one leaves it, glassy, then.
 Displacement ``w``, load ``v`` and penetration are positive downwards.
 """
 
@@ -43,7 +44,7 @@ def pressed(
     ndarray (m, K)
     """
     y = np.asarray(duration, float)[..., None] / chain.relaxation
-    rate = chain.stress_scale / chain.relaxation
+    rate = chain.stress_rate
     result = chain.decay(y) * variables + rate * chain.spread(y) * rise[:, None]
     if not (isinstance(bend, float) and bend == 0.0):
         result += rate * chain.spread_bent(y) * np.asarray(bend, float)[..., None]
@@ -94,6 +95,22 @@ def bend(chain: Chain, points: SurfacePoints, motion: Motion, first: Array, last
 def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     """Variables of points that the advancing edge passes."""
     share, left = motion.passing(points.radius)
+    meeting = motion.penetration_at(share) - points.height
+    if motion.carried is None:
+        variables = _met_under_load(chain, points, motion, share, left, meeting)
+    else:
+        rise, y = meeting - points.displacement, share[:, None] * (motion.duration / chain.relaxation)
+        variables = chain.decay(y) * points.variables + chain.stress_rate * chain.spread(y) * rise[:, None]
+        variables += motion.carried.stresses(chain, motion.duration, points.radius, left)
+    pushed = motion.new_penetration - points.height - meeting
+    bent = motion.bend * left**2 if motion.bend != 0.0 else 0.0
+    return pressed(chain, variables, pushed, left * motion.duration, bent)
+
+
+def _met_under_load(
+    chain: Chain, points: SurfacePoints, motion: Motion, share: Array, left: Array, meeting: Array
+) -> Array:
+    """Variables where the indenter is met, at a displacement ``meeting``, under a load of known course."""
     y = (share * motion.duration)[:, None] / chain.retardation
     even = chain.spread(y)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
@@ -105,14 +122,11 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
         lags += motion.lags_of_fall(chain, points.radius, np.ones_like(share), left)
     if motion.innermost is not None:
         lags += bend(chain, points, motion, np.zeros_like(share), share)
-    meeting = motion.penetration_at(share) - points.height
     # w = v/E0 - sum l at the moment of contact, with even * (v - v_n) still to come into l
     per_load = even @ chain.compliances
     load = (meeting + chain.lag(lags) - per_load * points.load) / (1.0 / chain.relaxed - per_load)
     lags += even * chain.lag_rate * (load - points.load)[:, None]
-    pushed = motion.new_penetration - points.height - meeting
-    bent = motion.bend * left**2 if motion.bend != 0.0 else 0.0
-    return pressed(chain, lags @ chain.rotation, pushed, left * motion.duration, bent)
+    return lags @ chain.rotation
 
 
 def released(

@@ -102,6 +102,8 @@ def evaluate(
     loading = LoadControl(problem, state, points, kinks, control, value, earlier, between)
     motion, surface = loading.satisfied(motion)
     creep = FreeCreep.within(problem, state, motion, points, kinks, between)
+    if creep is not None:
+        motion = creep.motion
     points = points[: len(radii) + len(readings)]
     if problem.work == 0.0:
         return TrialContact(motion, surface, points, -surface.kappa, 0.0)

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from support.bem_runs import bem, front
 
-from bem_solver import Options, load_control, solve
+from bem_solver import Options, solve
 from bem_solver.annuli import Annuli
 from bem_solver.bent_path import BentPath
 from bem_solver.creep import Chain
@@ -85,23 +85,8 @@ def closed(to, rate):
 def test_steps_over_what_an_edge_covers():
     """Steps of up to 200 zones; radius by front tracking at four times its default resolution."""
     trace = closed(0.001, 1e-6)
-    assert_allclose(trace.contact_radius[-1], 0.0796962, rtol=1e-3)
-    assert trace.counters.steps < 180
-
-
-@pytest.mark.slow
-def test_a_load_at_the_edge_that_keeps_to_a_straight_line_is_seen(monkeypatch):
-    """Its bend counts ``Einf/E0 - 1`` times in the load that a point has when it is covered."""
-    assert closed(0.004, 1e-4).counters.steps < 200
-    monkeypatch.setattr(load_control, "parabola_bend", lambda *a: 0.0)
-    assert closed(0.004, 1e-4).counters.steps > 400
-
-
-@pytest.mark.slow
-def test_end_of_a_step_that_is_not_its_own_is_seen(monkeypatch):
-    whole = load_control._change_of_fall
-    monkeypatch.setattr(load_control, "_change_of_fall", lambda one, other: 0.0 * whole(one, other))
-    assert abs(closed(0.001, 1e-6).contact_radius[-1] / 0.0796962 - 1.0) > 5e-3
+    assert_allclose(trace.contact_radius[-1], 0.0796962, rtol=2e-4)
+    assert trace.counters.steps < 90
 
 
 def test_limit_point_of_a_very_short_zone():
