@@ -163,15 +163,15 @@ def fit(
     measured = _measured(curves)
     _check_solvers(solver=solver, check_solver=check_solver)
     settings = FitSettings(
-        vary=tuple(vary) if not isinstance(vary, str) else (vary,),
-        tie=tuple(tie),
-        per_curve=tuple(per_curve),
-        free=tuple(free),
+        vary=_names(vary),
+        tie=_names(tie),
+        per_curve=_names(per_curve),
+        free=_names(free),
         prony=tuple(prony),
         regularisation=REGULARISATION if regularisation is None else regularisation,
         starts=starts,
         seed=seed,
-        profile=tuple(profile),
+        profile=_names(profile),
         solver=solver,
         resolution=resolution,
         check_solver=check_solver,
@@ -188,6 +188,11 @@ def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
     for one in several:
         measured += [one] if isinstance(one, MeasuredCurve) else read_curves(one)
     return measured
+
+
+def _names(given: Sequence[str]) -> tuple[str, ...]:
+    """Paths and names as given; one of them may come without a sequence around it."""
+    return (given,) if isinstance(given, str) else tuple(given)
 
 
 def _check_solvers(**solvers: str | None) -> None:

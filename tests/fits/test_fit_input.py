@@ -77,6 +77,14 @@ def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path
     assert "material has no modulos" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["tie", "per_curve", "free", "profile"])
+def test_one_name_needs_no_sequence_around_it(name):
+    """Taken apart into letters it was refused by its first."""
+    options = {"solver": "closed-form", "check_solver": None, name: "none-such"}
+    with pytest.raises(SceneError, match="none-such"):
+        cc.fit(hertz_curve(), elastic_scene(GUESS), "material.modulus", **options)
+
+
 def test_a_first_guess_from_which_no_parameter_matters_is_refused():
     away = Loading("relaxed", 0.0, (Ramp(1.0, 1.0),))  # the first row of the record is out of contact
     scene = replace(elastic_scene(), loading=away, adhesion=Adhesion(1e-6, 1e-7))
