@@ -94,8 +94,9 @@ def test_what_an_edge_carries_along_counts(monkeypatch):
 
 @pytest.mark.slow
 def test_strains_that_do_not_follow_the_displacement_are_seen(monkeypatch):
+    assert solve(SLOW, Options(6)).counters.steps < 100
     monkeypatch.setattr(free_creep.FreeCreep, "settled", lambda self, points, variables, load: variables)
-    assert solve(SLOW, Options(6)).counters.steps > 2 * bem(SLOW, resolution=6).counters.steps
+    assert solve(SLOW, Options(6)).counters.steps > 300
 
 
 @pytest.mark.parametrize("time", [0.0, 1e-4, 0.3, 20.0, 1e4])
