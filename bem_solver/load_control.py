@@ -8,7 +8,7 @@ pressure positive in compression; radii from the axis.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,7 @@ class LoadControl:
     value: float
     earlier: EarlierRow | None = None
     between: LoadBetween | None = None
+    _creep: dict[float, FreeCreep | None] = field(default_factory=dict)
 
     def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration and the end that belong to the control, and its surface."""
@@ -58,6 +59,15 @@ class LoadControl:
         if motion.new_edge <= motion.edge:
             return motion, surface
         return self._controlled(motion) if motion.fall is None else self._settled(motion, surface)
+
+    def creep(self, motion: Motion) -> FreeCreep | None:
+        """What free creep tells of a motion; within a step their penetration alone differs."""
+        depth = motion.new_penetration
+        if depth not in self._creep:
+            self._creep[depth] = FreeCreep.within(
+                self.problem, self.state, motion, self.points, self.kinks, self.between
+            )
+        return self._creep[depth]
 
     def _settled(self, motion: Motion, surface: ContactSurface) -> tuple[Motion, ContactSurface]:
         """Motion and surface of an advancing edge.
@@ -110,7 +120,7 @@ class LoadControl:
 
     def _surface(self, motion: Motion) -> ContactSurface:
         """The surface after a motion whose penetration is known."""
-        creep = FreeCreep.within(self.problem, self.state, motion, self.points, self.kinks, self.between)
+        creep = self.creep(motion)
         load = _required_load(self.problem, self.points, motion if creep is None else creep.motion)
         return ContactSurface.under(self.problem.annuli, motion.new_edge, load, self.kinks, self.between)
 

@@ -55,7 +55,19 @@ class OuterFall:
 
     @classmethod
     def between(cls, distance: Array, start: Array, end: Array) -> OuterFall:
-        """The fall of given readings."""
+        """The fall of given readings.
+
+        Parameters
+        ----------
+        distance : ndarray (n,)
+            In equal ratios.
+        start, end : ndarray (n,)
+            B there, at both ends of the step.
+
+        Returns
+        -------
+        OuterFall
+        """
         return cls(distance, start, end, _entries(start))
 
     @classmethod

@@ -6,7 +6,7 @@ displacement positive downwards, force and pressure positive in compression; rad
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,9 +101,9 @@ def evaluate(
     motion = _motion(problem, state, duration, edge, earlier, within)
     loading = LoadControl(problem, state, points, kinks, control, value, earlier, between)
     motion, surface = loading.satisfied(motion)
-    creep = FreeCreep.within(problem, state, motion, points, kinks, between)
+    creep = loading.creep(motion)
     if creep is not None:
-        motion = creep.motion
+        motion = replace(motion, carried=creep.motion.carried)
     points = points[: len(radii) + len(readings)]
     if problem.work == 0.0:
         return TrialContact(motion, surface, points, -surface.kappa, 0.0)
