@@ -20,8 +20,9 @@ Array = NDArray[np.float64]
 
 NODES_APART = 0.05
 """How far apart nodes are, as a part of their distance from the edge, where that is several zones."""
-_MOST_KINKS = 8
-"""Kinks represented at once; the oldest are dropped."""
+_HALVINGS = 16
+"""Nodes beyond a kink that stand for it, at its reach halved once, twice and so on, and their mirror images:
+a long interval beside a short one with the root in it would overshoot with the slope between them."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,40 @@ class NodalVariables:
         first = np.array([low for low in self._bounds[:-1] if low > 0], np.intp)
         _, width = self._intervals
         return self.radius[first], self._cubics[first, 1] / width[first, None]
+
+    def with_distinct_kinks(self, faded: float, edge: float, apart: float) -> NodalVariables:
+        """Without kinks whose root has faded, and without one of two that the edge cannot tell apart.
+
+        Parameters
+        ----------
+        faded : float
+            What a root that has faded reaches at most, in the unit of the variables, over a distance as long
+            as the radius of its kink.
+        edge : float
+        apart : float
+            Least distance of two kinks as a part of theirs from the edge.
+
+        Returns
+        -------
+        NodalVariables
+            Of two close kinks that of the stronger root stays, and nodes keep what the other one leaves.
+        """
+        kinks, strength = self.roots_at_kinks()
+        size = np.abs(strength).max(axis=1, initial=0.0) * np.sqrt(kinks)
+        gone = size <= faded
+        double = np.zeros(len(kinks), bool)
+        for inner, outer in pairwise(np.flatnonzero(~gone).tolist()):
+            if not double[inner] and kinks[outer] - kinks[inner] < apart * abs(kinks[inner] - edge):
+                double[inner if size[inner] < size[outer] else outer] = True
+        if not (gone | double).any():
+            return self
+        bounds = np.concatenate((self.radius[:1], kinks, self.radius[-1:]))
+        inside, beyond = (kinks - bounds[:-2])[double, None], (bounds[2:] - kinks)[double, None]
+        steps = np.minimum(beyond, kinks[double, None]) * 0.5 ** np.arange(1.0, _HALVINGS + 1.0)
+        nodes = kinks[double, None] + np.concatenate((steps, -np.minimum(steps, inside)), axis=1)
+        radius = np.union1d(self.radius, nodes)
+        left = tuple(kink for kink in self.kinks if kink not in kinks[gone | double])
+        return NodalVariables(radius, self.at(radius), left, self.rest)
 
     def coarsened(self, tolerance: float, spacing: Array, parity: int) -> NodalVariables:
         """Without every second node that its neighbours reproduce; both ends stay.
@@ -277,7 +312,7 @@ def updated_kinks(
         turning = min(older, key=lambda kink: abs(kink - new_edge))
     elif turning is None and any(k != edge and abs(k - new_edge) < rest for k in before.kinks):
         turning = new_edge
-    return tuple(sorted(kinks[-_MOST_KINKS:])), direction, turning, farthest
+    return tuple(sorted(kinks)), direction, turning, farthest
 
 
 def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:

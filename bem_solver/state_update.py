@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 
 _COARSENING = 0.002
 """Change of an internal variable that a removed node may cause, in step tolerances of the largest one."""
+_FADED = 0.01 * _COARSENING
+"""The same of a root that no longer counts: the edge that left it has hardly set out when it is as weak as a
+removed node."""
 
 
 def split_at_edge(
@@ -188,10 +191,11 @@ def _new_history(
         variables[outside] = trial.creep.settled(points[outside], variables[outside], load[outside])
     at_edge = motion.new_penetration - float(problem.scene.indenter.height(edge))
     inner, outer = split_at_edge(chain, radius, variables, load, edge, at_edge, kinks, rest)
-    allowed_change = _COARSENING * tolerance * float(np.abs(variables).max(initial=0.0))
+    unit = tolerance * float(np.abs(variables).max(initial=0.0))
     parity = problem.counters.steps % 2
 
     def coarsen(side: NodalVariables) -> NodalVariables:
-        return side.coarsened(allowed_change, spacing(side.radius, edge, length, divisions), parity)
+        side = side.with_distinct_kinks(_FADED * unit, edge, tolerance)
+        return side.coarsened(_COARSENING * unit, spacing(side.radius, edge, length, divisions), parity)
 
     return SurfaceHistory(coarsen(inner), coarsen(outer), direction, turning, farthest)

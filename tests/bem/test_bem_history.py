@@ -155,15 +155,47 @@ def test_edge_at_rest_keeps_its_direction():
     assert (kinks, direction, turning) == ((), 1, 0.15)
 
 
-def test_kinks_near_the_edge_are_dropped_and_few_are_kept():
+def test_kinks_near_the_edge_are_dropped_and_all_others_kept():
     many = tuple(0.01 * k for k in range(1, 20))
     before = SurfaceHistory(
         track_to(0.5), NodalVariables(np.array([0.5, 1.0]), np.zeros((2, 1)), (*many, 0.5)), 1, None
     )
     kinks, *_ = updated_kinks(before, 0.5, 0.51, 1e-4, 1e-6)
-    assert len(kinks) <= 8
+    assert kinks == many
     kinks, *_ = updated_kinks(before, 0.5, 0.1501, 1e-3, 1e-6)
     assert min(abs(k - 0.1501) for k in kinks) >= 1e-3
+
+
+def surface_with_roots(kinks, strengths):
+    """Roots of given strengths at kinks, on nodes graded towards each."""
+    near = np.concatenate([kink + np.geomspace(1e-8, 0.5, 80) for kink in kinks])
+    radius = np.unique(np.concatenate(([0.0], kinks, near[near < 0.5], [0.5])))
+    beyond = np.sqrt(np.maximum(radius[:, None] - np.array(kinks), 0.0))
+    return NodalVariables(radius, columns(beyond @ np.array(strengths)), tuple(kinks))
+
+
+def test_kinks_that_the_edge_tells_apart_stay_whatever_their_number():
+    many = [0.01 * k for k in range(1, 40)]
+    surface = surface_with_roots(many, np.ones(len(many)))
+    assert surface.with_distinct_kinks(1e-6, 0.5, 1e-2) is surface
+
+
+@pytest.mark.parametrize("strengths", [(1.0, 0.5), (0.5, 1.0)])
+def test_of_two_close_kinks_the_stronger_stays_once_the_edge_is_far(strengths):
+    kinks = [0.1, 0.1001]
+    surface = surface_with_roots(kinks, strengths)
+    assert surface.with_distinct_kinks(1e-6, 0.11, 1e-3) is surface
+    one = surface.with_distinct_kinks(1e-6, 0.5, 1e-3)
+    assert one.kinks == ((0.1,) if strengths[0] > strengths[1] else (0.1001,))
+    radius = np.linspace(0.0, 0.5, 4001)
+    left_out = 0.5 * np.sqrt(kinks[1] - kinks[0])
+    assert np.abs(one.at(radius) - surface.at(radius)).max() < 0.2 * left_out
+
+
+def test_a_root_that_has_faded_is_no_kink():
+    surface = surface_with_roots([0.1, 0.2], (1.0, 1e-6))
+    assert surface.with_distinct_kinks(1e-5, 0.5, 1e-3).kinks == (0.1,)
+    assert surface.with_distinct_kinks(1e-8, 0.5, 1e-3) is surface
 
 
 def test_a_kink_that_the_edge_comes_near_is_held_until_it_is_far():

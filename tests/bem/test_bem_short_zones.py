@@ -19,7 +19,7 @@ from bem_solver.creep import Chain
 from bem_solver.outer_fall import OuterFall
 from bem_solver.size_estimates import edge_step, graded_annuli
 from bem_solver.surface import ContactSurface
-from contact_scene import Adhesion, Branch, Force, Hold, Loading, Material, Ramp, Scene, Sphere
+from contact_scene import Adhesion, Branch, Force, Hold, Loading, Material, Oscillate, Ramp, Scene, Sphere
 
 PULL_OFF = {1.3e-3: 0.02028430, 1.3e-4: 0.02305769, 1.3e-5: 0.02343383, 1.3e-6: 0.02347723}
 DISTANCES = np.array([1e-9, 1e-7, 1e-5, 1e-3, 0.1, 0.5])
@@ -304,3 +304,15 @@ def test_edge_returns_over_what_it_has_left_and_beyond():
     trace = solve(question, Options(max_steps=400))
     assert trace.outcome.kind == "completed"
     assert_allclose(trace.contact_radius[-1], 1.736266741e-4, rtol=2e-4)  # by front tracking
+
+
+@pytest.mark.slow
+def test_third_opening_of_an_oscillation_over_a_short_zone():
+    """Each turn leaves a place of rest; the edge meets the first ones again. Radius by front tracking.
+
+    With the outermost eight places kept alone it is a seventieth of its swing too small.
+    """
+    material = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
+    loading = Loading("relaxed", 2e-5, (Oscillate(5e-6, 6.28, 2.67),))
+    trace = bem(Scene(material, Sphere(1e-3), loading, Adhesion(0.05, 1.5e-9)))
+    assert_allclose(trace.contact_radius[-1], 1.516111e-4, atol=1e-3 * np.ptp(trace.contact_radius))
