@@ -41,6 +41,10 @@ def export(folder: str, suite: str, with_reference: bool, jobs: int) -> int:
         try:
             with processes(min(jobs, len(cases))) as executor:
                 runs = reference_runs(cases, executor, progress=progress)
+        except KeyboardInterrupt:
+            kept = f"{target} holds the scenes; answers of the reference are kept only when all are done"
+            print(f"crosscontact: {kept}", file=sys.stderr)
+            raise
         finally:
             progress.close()
         export_reference(target, cases, runs)
@@ -77,6 +81,9 @@ def answer(folder: str, solvers: Sequence[str], resolutions: Sequence[int | None
     try:
         with processes(jobs) as executor:
             failed = answer_all(target, cases, solvers, resolutions, executor, progress)
+    except KeyboardInterrupt:
+        print("crosscontact: answers are kept only when all are done", file=sys.stderr)
+        raise
     finally:
         progress.close()
     for run in failed:

@@ -40,6 +40,32 @@ def test_what_is_kept_is_said(capsys, tmp_path, monkeypatch, command, done):
     assert said[-2:] == [f"crosscontact: {words}", "crosscontact: interrupted"]
 
 
+@pytest.mark.parametrize(
+    ("action", "work", "words"),
+    [
+        (
+            "export",
+            "reference_runs",
+            "holds the scenes; answers of the reference are kept only when all are done",
+        ),
+        ("answer", "answer_all", "answers are kept only when all are done"),
+    ],
+)
+def test_what_an_exam_keeps_is_said(capsys, tmp_path, monkeypatch, action, work, words):
+    def stopped(*given, **more):
+        raise KeyboardInterrupt
+
+    assert main(["exam", "export", str(tmp_path)]) == 0
+    written = sorted(tmp_path.rglob("*"))
+    monkeypatch.setattr(f"crosscontact.commands.exam.{work}", stopped)
+    more = ["--with-reference"] if action == "export" else ["--solvers", "reference"]
+    assert main(["exam", action, str(tmp_path), *more, "--jobs", "1"]) == 1
+    place = f"{tmp_path} " if action == "export" else ""
+    said = capsys.readouterr().err.splitlines()
+    assert said[-2:] == [f"crosscontact: {place}{words}", "crosscontact: interrupted"]
+    assert sorted(tmp_path.rglob("*")) == written
+
+
 def test_without_a_folder_nothing_is_kept(capsys):
     with pytest.raises(KeyboardInterrupt), telling_what_is_kept(None, Store()):
         raise KeyboardInterrupt
