@@ -20,14 +20,13 @@ zones while its speed falls to nothing, of some lower order. ``F > 0`` presses; 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import LSODA, OdeSolution, solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import minimize_scalar
 
@@ -35,13 +34,17 @@ from contact_scene import Sphere
 from validation.reference.jkr import JKR, State
 from validation.reference.prony_integrals import plane_factor
 from validation.reference.short_zone_edge import ShortZoneEdge
+from validation.reference.short_zone_integration import (
+    Integration,
+    integrated,
+    integrated_until,
+    moment_of_loss,
+)
 
 Array = NDArray[np.float64]
 
 LOST = 1e-2
 """Radius of a contact that jumps, relative to that at the start, at which the integration ends."""
-ACCURACY = 1e-10
-"""Relative tolerance of the integration."""
 AT_REST = 1e-6
 """Speed, in zones per longest relaxation time, below which a closing edge is at rest."""
 TINY = 1e-300
@@ -91,7 +94,20 @@ class _Branches:
     rates: Array
 
     def strained(self, loads: Array, rate: float, duration: float) -> Array:
-        """Loads ``q_k`` after a time at a rate of strain."""
+        """Loads ``q_k`` after a time at a rate of strain.
+
+        Parameters
+        ----------
+        loads : ndarray, shape (branches + 1,)
+            ``q_k`` before, stress times length.
+        rate : float
+            Speed of the penetration, length over time.
+        duration : float
+
+        Returns
+        -------
+        ndarray, shape (branches + 1,)
+        """
         y = self.rates * duration
         mean = np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
         return loads * np.exp(-y) + self.moduli * rate * duration * mean
@@ -202,7 +218,22 @@ class ShortZone(ShortZoneEdge):
         )
 
     def _rates(self, state: Array, rate: float, speed: float, edge_loads: Array) -> Array:
-        """Rates of radius, loads ``f_k`` and work, where the edge moves outwards at ``speed``."""
+        """Rates of radius, loads ``f_k`` and work, where the edge moves outwards at ``speed``.
+
+        Parameters
+        ----------
+        state : ndarray, shape (branches + 3,)
+            Radius, loads ``f_k`` and work.
+        rate : float
+            Of the penetration.
+        speed : float
+        edge_loads : ndarray, shape (branches + 1,)
+            ``q_k(a)``.
+
+        Returns
+        -------
+        ndarray, shape (branches + 3,)
+        """
         radius, loads = float(state[0]), state[1:-1]
         branches = self._branches
         changes = 2.0 * (branches.moduli * rate * radius + edge_loads * speed) - branches.rates * loads
@@ -227,7 +258,7 @@ class ShortZone(ShortZoneEdge):
             return speed(time, state) - AT_REST * self.zone / self.material.spectrum[1].max()
 
         at_rest.terminal = True  # type: ignore[attr-defined]
-        return _integrated(moved, (leg.begin, end), state, (at_rest,) if math.isinf(end) else ())
+        return integrated(moved, (leg.begin, end), state, (at_rest,) if math.isinf(end) else ())
 
     def _opened(
         self,
@@ -268,10 +299,10 @@ class ShortZone(ShortZoneEdge):
         def jumps(time: float) -> bool:
             return runs_away(time, run.sol(time))
 
-        run = _integrated_until(
+        run = integrated_until(
             lambda time, state: runs_away(time, state) or bool(state[0] <= smallest), moved, begin, state
         )
-        lost = _moment_of_loss(jumps, run.t)
+        lost = moment_of_loss(jumps, run.t)
         time = np.concatenate((run.t[run.t < lost], [lost]))
         states = run.sol(time)
         force = states[1:-1].sum(axis=0)
@@ -287,42 +318,7 @@ class ShortZone(ShortZoneEdge):
         )
 
 
-@dataclass(frozen=True)
-class _Integration:
-    """Times of the steps of an integration, and its dense output."""
-
-    t: Array
-    sol: OdeSolution
-
-
-def _integrated_until(
-    ended: Callable[[float, Array], bool], rates: Callable[[float, Array], Array], begin: float, state: Array
-) -> _Integration:
-    """The integration up to the first step after which it has ``ended``.
-
-    SciPy's events are located in the dense output, which a state that runs away within a step leaves; and a
-    step beyond that moment is shorter than the rounding of the time.
-    """
-    solver = LSODA(rates, begin, state, math.inf, rtol=ACCURACY, atol=_tolerances(state))
-    times, pieces = [begin], []
-    while solver.status == "running" and not ended(solver.t, solver.y):
-        solver.step()
-        if solver.t > times[-1]:
-            times.append(solver.t)
-            pieces.append(solver.dense_output())
-    return _Integration(np.array(times), OdeSolution(times, pieces))
-
-
-def _moment_of_loss(jumps: Callable[[float], bool], times: Array) -> float:
-    """The first moment at which the edge jumps, to round-off; at the last of ``times`` it does."""
-    held, lost = float(times[[not jumps(t) for t in times]][-1]), float(times[-1])
-    while lost - held > 1e-13 * lost:
-        middle = 0.5 * (held + lost)
-        held, lost = (held, middle) if jumps(middle) else (middle, lost)
-    return lost
-
-
-def _pull_off_time(run: _Integration, time: Array, force: Array) -> float:
+def _pull_off_time(run: Integration, time: Array, force: Array) -> float:
     """When the force is least, in the dense output around the least of its values."""
     least = int(np.argmin(force))
     near = time[max(least - 1, 0)], time[min(least + 1, len(time) - 1)]
@@ -333,27 +329,3 @@ def _pull_off_time(run: _Integration, time: Array, force: Array) -> float:
         options={"xatol": 1e-9 * time[-1]},
     )
     return float(found.x)
-
-
-def _tolerances(state: Array) -> Array:
-    """Absolute tolerances by the sizes of the state at its start."""
-    return ACCURACY * np.maximum(np.abs(state), ACCURACY * np.abs(state).max())
-
-
-def _integrated(
-    rates: Callable[[float, Array], Array],
-    span: tuple[float, float],
-    state: Array,
-    events: Sequence[Callable[[float, Array], float]] = (),
-) -> Any:
-    """SciPy's solution, with dense output."""
-    return solve_ivp(
-        rates,
-        span,
-        state,
-        method="LSODA",
-        rtol=ACCURACY,
-        atol=_tolerances(state),
-        events=events or None,
-        dense_output=True,
-    )
