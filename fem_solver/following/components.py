@@ -157,16 +157,8 @@ class Components:
 
         Parameters
         ----------
-        dt : ndarray, shape (m,)
-            Time of the covering.
-        shares : tuple of ndarray, shape (m,)
-            Share of each node in contact at its begin, and at its end.
-        contact : tuple of ndarray
-            ``v`` and ``b`` of the radii in contact at the begin.
-        reached : ndarray, shape (m,)
-            Their ``v`` at the end.
-        free : ndarray, shape (branches, m)
-            ``b`` of the free radii at the begin.
+        dt, shares, contact, reached, free
+            As of :meth:`lost_by_release`, for a covering.
 
         Returns
         -------
