@@ -72,7 +72,7 @@ def run(
     with telling_what_is_kept(folder, store):
         progress = Progress("report")
         progress.phase("runs")
-        result = build(suite, loaded, jobs, progress, estimate, claims, store)
+        result = build(suite, loaded, jobs, progress, estimate=estimate, claims=claims, store=store)
         if suite == "full":
             result = replace(result, stability=stability.compute(jobs, store))
         if fields:

@@ -85,7 +85,7 @@ def run(
         steps = StepProgress(progress, 1.0 if cost is None else cost.steps, after)
         try:
             result, writer = run_with_checkpoints(
-                case, solver, resolution, steps, folder, fresh, estimate, max_steps
+                case, solver, resolution, steps, folder, fresh=fresh, estimate=estimate, max_steps=max_steps
             )
         except KeyboardInterrupt:
             _say_what_is_kept(None if folder is None else folder / CHECKPOINT)

@@ -122,7 +122,7 @@ def test_the_full_report_has_the_matrix_and_fails_with_it(tmp_path, monkeypatch,
 
     empty = Report("full", [], {"processor": "made up"}, 1.0)
     asked = []
-    monkeypatch.setattr("crosscontact.commands.report.build", lambda *given: empty)
+    monkeypatch.setattr("crosscontact.commands.report.build", lambda *given, **more: empty)
     monkeypatch.setattr(command, "compute", lambda jobs, store: asked.append(jobs) or MATRIX)
     with without_layout():
         assert main(["report", "--suite", "full", "--jobs", "2", "--out", str(tmp_path / "full")]) == 1

@@ -34,6 +34,7 @@ def compare_scenes(
     cases: Sequence[Case],
     workers: int,
     progress: Progress,
+    *,
     estimate: bool = True,
     store: Store | None = None,
     further: Sequence[tuple[Case, str]] = (),

@@ -142,6 +142,7 @@ def run_with_checkpoints(
     resolution: int | None,
     progress: solvers.Progress,
     folder: Path | None,
+    *,
     fresh: bool = False,
     estimate: bool = False,
     max_steps: int | None = None,
@@ -181,7 +182,14 @@ def run_with_checkpoints(
     with stop.handling_signals():
         estimation = StopMonitor(lambda: stop.requested)
         result = run(
-            case, solver, resolution, progress, estimate, writer, max_steps, estimate_monitor=estimation
+            case,
+            solver,
+            resolution,
+            progress,
+            estimate,
+            monitor=writer,
+            max_steps=max_steps,
+            estimate_monitor=estimation,
         )
     writer.stopped = stop.requested
     wall, cpu = result.wall_seconds + writer.seconds, result.cpu_seconds + writer.cpu_seconds

@@ -91,6 +91,7 @@ def run(
     resolution: int | None = None,
     progress: solvers.Progress | None = None,
     estimate: bool = False,
+    *,
     monitor: RunMonitor | None = None,
     max_steps: int | None = None,
     estimate_monitor: RunMonitor | None = None,
@@ -109,7 +110,14 @@ def run(
     begin, spent = time.perf_counter(), time.process_time()
     try:
         return run_or_raise(
-            case, solver, resolution, progress, estimate, monitor, (), max_steps, estimate_monitor
+            case,
+            solver,
+            resolution,
+            progress,
+            estimate,
+            monitor=monitor,
+            max_steps=max_steps,
+            estimate_monitor=estimate_monitor,
         )
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
@@ -130,6 +138,7 @@ def run_or_raise(
     resolution: int | None = None,
     progress: solvers.Progress | None = None,
     estimate: bool = False,
+    *,
     monitor: RunMonitor | None = None,
     stop_times: Collection[float] = (),
     max_steps: int | None = None,

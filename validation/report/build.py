@@ -19,6 +19,7 @@ def build(
     loaded: list[Case],
     workers: int,
     progress: Progress,
+    *,
     estimate: bool = True,
     claims: bool = False,
     store: Store | None = None,
@@ -46,7 +47,9 @@ def build(
     store = store or Store()
     pairs = all_pairs(loaded, solvers)
     further = evidence.missing_runs(pairs) if claims else []
-    pages, runs = compare_scenes(loaded, workers, progress, estimate, store, further, solvers)
+    pages, runs = compare_scenes(
+        loaded, workers, progress, estimate=estimate, store=store, further=further, solvers=solvers
+    )
     judged = None
     if claims:
         collected = evidence.collect([*pairs, *further], runs)
