@@ -159,9 +159,16 @@ class ContactSolver:
 
     def _problem(self, dt: float, control: Control, value: float) -> ContactProblem:
         setup = self.setup
-        response = setup.history.respond(dt)
-        compliance, origin = setup.compliance, self.origin()
-        return ContactProblem(setup.geometry, response, setup.height, control, value, compliance, dt, origin)
+        return ContactProblem(
+            setup.geometry,
+            setup.history.respond(dt),
+            setup.height,
+            control,
+            value,
+            compliance=setup.compliance,
+            dt=dt,
+            origin=self.origin(),
+        )
 
     def _searched(
         self, dt: float, problem: ContactProblem, search: Callable[[], EdgePosition]

@@ -86,6 +86,7 @@ class EdgeGeometry:
         zone: float | None,
         reach: float,
         edge: float,
+        *,
         stress: float | None = None,
         shortest: float | None = None,
         margin: float | None = None,

@@ -59,6 +59,7 @@ class ContactProblem:
         height: Array,
         control: str,
         value: float,
+        *,
         compliance: float = 0.0,
         dt: float = 0.0,
         origin: EdgeOrigin | None = None,

@@ -147,7 +147,9 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     # contact radii are those of the glassy response, in which the edge moves
     effective = glassy.effective_radii(material.unit_plane_modulus)
     shortest = scene.adhesion.closing_zone if zone is not None and scene.adhesion is not None else None
-    geometry = EdgeGeometry(radii, effective, zone, reach, scene.indenter.edge, stress, shortest)
+    geometry = EdgeGeometry(
+        radii, effective, zone, reach, scene.indenter.edge, stress=stress, shortest=shortest
+    )
     law: EdgeLaw
     if scene.adhesion is not None and zone is not None:
         law = edge_law(geometry, scene.adhesion)

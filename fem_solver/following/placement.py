@@ -192,9 +192,16 @@ class Surfaces:
         radii, root = scale * level.radii, np.sqrt(scale)
         height = self._scene.indenter.height(radii)
         low, high = (scale * end for end in level.strip)
-        # the rim of a punch lies between two nodes; the search ends there
-        sizes = self.zone, high, math.inf, self._stress, self._shortest, self._unit
-        geometry = EdgeGeometry(radii, scale * level.effective, *sizes)
+        geometry = EdgeGeometry(
+            radii,
+            scale * level.effective,
+            self.zone,
+            reach=high,
+            edge=math.inf,  # the rim of a punch lies between two nodes; the search ends there
+            stress=self._stress,
+            shortest=self._shortest,
+            margin=self._unit,
+        )
         return Placement(
             place=place,
             root=level.root,
