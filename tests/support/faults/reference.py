@@ -140,8 +140,8 @@ def _(true):
 
 @fault("the spring 2 % too soft in the balance", "control:balanced", ("spring-elastic",))
 def _(true):
-    def balanced(surface, body, segment, *given):
-        return true(surface, body, replace(segment, compliance=1.02 * segment.compliance), *given)
+    def balanced(surface, body, segment, *given, **more):
+        return true(surface, body, replace(segment, compliance=1.02 * segment.compliance), *given, **more)
 
     return balanced
 

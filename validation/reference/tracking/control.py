@@ -59,6 +59,7 @@ def balanced(
     depths: RowExtrapolation,
     path: EdgePath,
     fractions: Array,
+    *,
     over_zones: bool = False,
     with_tip_energy: bool = False,
 ) -> Surface:

@@ -128,8 +128,8 @@ class Trial:
                 self.depths,
                 path,
                 fractions,
-                self.over_zones,
-                whole,
+                over_zones=self.over_zones,
+                with_tip_energy=whole,
             )
         update = self._updates.get(duration)
         if update is None:
