@@ -50,10 +50,8 @@ class Ramp(Step):
 
         Parameters
         ----------
-        time : float
-            At which it starts.
-        penetration, force : float
-            From which it starts.
+        time, penetration, force
+            As of :meth:`contact_scene.segment.Step.segment`.
 
         Returns
         -------
@@ -85,10 +83,8 @@ class Hold(Step):
 
         Parameters
         ----------
-        time : float
-            At which it starts.
-        penetration, force : float
-            From which it starts.
+        time, penetration, force
+            As of :meth:`contact_scene.segment.Step.segment`.
 
         Returns
         -------
@@ -126,10 +122,8 @@ class Force(Step):
 
         Parameters
         ----------
-        time : float
-            At which it starts.
-        penetration, force : float
-            From which it starts.
+        time, penetration, force
+            As of :meth:`contact_scene.segment.Step.segment`.
 
         Returns
         -------
@@ -156,10 +150,8 @@ class ForceRamp(Step):
 
         Parameters
         ----------
-        time : float
-            At which it starts.
-        penetration, force : float
-            From which it starts.
+        time, penetration, force
+            As of :meth:`contact_scene.segment.Step.segment`.
 
         Returns
         -------
@@ -189,10 +181,8 @@ class Oscillate(Step):
 
         Parameters
         ----------
-        time : float
-            At which it starts.
-        penetration, force : float
-            From which it starts.
+        time, penetration, force
+            As of :meth:`contact_scene.segment.Step.segment`.
 
         Returns
         -------
@@ -229,10 +219,8 @@ class Sweep(Step):
 
         Parameters
         ----------
-        time : float
-            At which it starts.
-        penetration, force : float
-            From which it starts.
+        time, penetration, force
+            As of :meth:`contact_scene.segment.Step.segment`.
 
         Returns
         -------

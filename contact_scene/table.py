@@ -62,10 +62,8 @@ class Table(Step):
 
         Parameters
         ----------
-        time : float
-            At which it starts.
-        penetration, force : float
-            From which it starts.
+        time, penetration, force
+            As of :meth:`contact_scene.segment.Step.segment`.
 
         Returns
         -------
