@@ -58,15 +58,10 @@ class FollowingContactSolver:
 
         Parameters
         ----------
-        dt : float
-            Length of the step; 0 for a glassy response.
-        control : "penetration", "force" or "stage"
-        value : float
-            Of the controlled quantity at the end of the step.
+        dt, control, value, limits
+            As of :meth:`fem_solver.contact_solver.ContactSolver.trial`.
         start : float
             Edge position before the step.
-        limits : tuple of float
-            Least and largest edge position searched.
 
         Returns
         -------
