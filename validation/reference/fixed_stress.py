@@ -91,7 +91,21 @@ def closed_at_fixed_stress(
 
 
 def opening(material: Material, zone: float, speed: ArrayLike) -> Array:
-    """``G/dg`` of an edge that recedes at ``speed > 0`` at fixed stress; ``zone`` is its length at rest."""
+    """``G/dg`` of an edge that recedes at ``speed > 0`` at fixed stress; ``zone`` is its length at rest.
+
+    Parameters
+    ----------
+    material : Material
+    zone : float
+        Length of the process zone at rest.
+    speed : array_like
+        Of the edge, length over time; > 0.
+
+    Returns
+    -------
+    ndarray
+        ``G/dg``, of the shape of ``speed``.
+    """
     return np.vectorize(
         lambda v: closed_at_fixed_stress(steady_crack.opening, material, zone, v), otypes=[float]
     )(speed)

@@ -19,17 +19,54 @@ def penetration(contact_radius: ArrayLike, radius: float) -> Array:
 
 
 def force(contact_radius: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``F = 4 E* a^3/(3 R)``."""
+    """``F = 4 E* a^3/(3 R)``.
+
+    Parameters
+    ----------
+    contact_radius : array_like
+    radius : float
+        Radius of the indenter.
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+
+    Returns
+    -------
+    ndarray
+        Force, of the shape of ``contact_radius``.
+    """
     return 4.0 * plane_modulus * np.asarray(contact_radius, float) ** 3 / (3.0 * radius)
 
 
 def contact_radius(force: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``a = (3 F R/(4 E*))^(1/3)`` for ``force >= 0``."""
+    """``a = (3 F R/(4 E*))^(1/3)`` for ``force >= 0``.
+
+    Parameters
+    ----------
+    force : array_like
+    radius, plane_modulus
+        As of :func:`force`.
+
+    Returns
+    -------
+    ndarray
+        Length, of the shape of ``force``.
+    """
     return np.cbrt(3.0 * np.asarray(force, float) * radius / (4.0 * plane_modulus))
 
 
 def stored_energy(contact_radius: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``U = 8 E* a^5/(15 R^2)``, the work ``int F dD`` of loading."""
+    """``U = 8 E* a^5/(15 R^2)``, the work ``int F dD`` of loading.
+
+    Parameters
+    ----------
+    contact_radius, radius, plane_modulus
+        As of :func:`force`.
+
+    Returns
+    -------
+    ndarray
+        Energy, of the shape of ``contact_radius``.
+    """
     return 8.0 * plane_modulus * np.asarray(contact_radius, float) ** 5 / (15.0 * radius**2)
 
 
@@ -59,6 +96,19 @@ def displacement(r: ArrayLike, contact_radius: float, radius: float) -> Array:
     """Surface displacement: ``D - r^2/(2R)`` inside and, outside,
 
     ``u = (1/(pi R)) [(2 a^2 - r^2) arcsin(a/r) + a sqrt(r^2 - a^2)]``; same shape as ``r``.
+
+    Parameters
+    ----------
+    r : array_like
+        Radius of the points.
+    contact_radius : float
+    radius : float
+        Radius of the indenter.
+
+    Returns
+    -------
+    ndarray
+        Length, of the shape of ``r``.
     """
     a, r = contact_radius, np.asarray(r, float)
     outer = np.maximum(r, a)

@@ -20,7 +20,21 @@ Array = NDArray[np.float64]
 
 
 def force(penetration: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``F = 2 a E* D``."""
+    """``F = 2 a E* D``.
+
+    Parameters
+    ----------
+    penetration : array_like
+    radius : float
+        Radius of the punch.
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+
+    Returns
+    -------
+    ndarray
+        Force, of the shape of ``penetration``.
+    """
     return 2.0 * radius * plane_modulus * np.asarray(penetration, float)
 
 
@@ -46,17 +60,50 @@ def pressure(r: ArrayLike, penetration: float, radius: float, plane_modulus: flo
 
 
 def energy_release_rate(penetration: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``E* D^2/(2 pi a)``."""
+    """``E* D^2/(2 pi a)``.
+
+    Parameters
+    ----------
+    penetration, radius, plane_modulus
+        As of :func:`force`.
+
+    Returns
+    -------
+    ndarray
+        Energy over area, of the shape of ``penetration``.
+    """
     return plane_modulus * np.asarray(penetration, float) ** 2 / (2.0 * np.pi * radius)
 
 
 def pull_off_force(radius: float, plane_modulus: float, work: float) -> float:
-    """Tension at detachment, positive: ``sqrt(8 pi a^3 E* dg)``."""
+    """Tension at detachment, positive: ``sqrt(8 pi a^3 E* dg)``.
+
+    Parameters
+    ----------
+    radius, plane_modulus
+        As of :func:`force`.
+    work : float
+        Work of adhesion ``dg``, energy over area.
+
+    Returns
+    -------
+    float
+    """
     return float(np.sqrt(8.0 * np.pi * radius**3 * plane_modulus * work))
 
 
 def pull_off_penetration(radius: float, plane_modulus: float, work: float) -> float:
-    """``D = -sqrt(2 pi a dg/E*)``."""
+    """``D = -sqrt(2 pi a dg/E*)``.
+
+    Parameters
+    ----------
+    radius, plane_modulus, work
+        As of :func:`pull_off_force`.
+
+    Returns
+    -------
+    float
+    """
     return -float(np.sqrt(2.0 * np.pi * radius * work / plane_modulus))
 
 
@@ -64,6 +111,16 @@ def viscoelastic_bounds(material: Material, radius: float, work: float) -> tuple
     """Pull-off force of infinitely slow and of infinitely fast retraction, both positive.
 
     Their ratio is ``sqrt(Einf/E0)``.
+
+    Parameters
+    ----------
+    material : Material
+    radius, work
+        As of :func:`pull_off_force`.
+
+    Returns
+    -------
+    slow, fast : float
     """
     return (
         pull_off_force(radius, material.relaxed_plane_modulus, work),

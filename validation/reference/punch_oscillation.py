@@ -23,7 +23,20 @@ Array = NDArray[np.float64]
 def dynamic_stiffness(
     material: Material, radius: float, angular_frequency: ArrayLike
 ) -> NDArray[np.complex128]:
-    """``2 a E*(w)``, storage + i loss; same shape as ``angular_frequency``."""
+    """``2 a E*(w)``, storage + i loss.
+
+    Parameters
+    ----------
+    material : Material
+    radius : float
+        Radius of the punch.
+    angular_frequency : array_like
+
+    Returns
+    -------
+    ndarray of complex
+        Force over length, of the shape of ``angular_frequency``.
+    """
     return 2.0 * radius * plane_factor(material) * material.complex_modulus(angular_frequency)
 
 

@@ -46,7 +46,20 @@ def enhancement(material: Material, zone: float, speed: ArrayLike, fraction: flo
 
 
 def fixed_stress_enhancement(material: Material, zone: float, speed: ArrayLike) -> Array:
-    """``G/dg`` at fixed failure stress: ``alpha = zone G/dg``, with ``zone`` its length at rest."""
+    """``G/dg`` at fixed failure stress: ``alpha = zone G/dg``, with ``zone`` its length at rest.
+
+    Parameters
+    ----------
+    material, speed
+        As of :func:`enhancement`.
+    zone : float
+        Length of the failure zone at rest.
+
+    Returns
+    -------
+    ndarray
+        ``G/dg``, of the shape of ``speed``.
+    """
     return np.vectorize(lambda v: closed_at_fixed_stress(enhancement, material, zone, v), otypes=[float])(
         speed
     )

@@ -50,6 +50,18 @@ class DeadLoad:
 def dead_load(law: ShortZoneEdge, start: float, force: float) -> DeadLoad:
     """The relaxed contact at the penetration ``start`` under a tension (negative) until it is lost.
 
+    Parameters
+    ----------
+    law : ShortZoneEdge
+    start : float
+        Penetration.
+    force : float
+        Negative; applied at once and kept.
+
+    Returns
+    -------
+    DeadLoad
+
     Raises
     ------
     NoEquilibrium

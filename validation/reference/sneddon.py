@@ -97,13 +97,37 @@ def radius_at(rising: Callable[[float], float], target: float) -> float:
 
 
 def unit_force(indenter: Indenter, contact_radius: ArrayLike, penetration: ArrayLike) -> Array:
-    """``F/E* = 2 (a D - H(a))`` for any contact radius and penetration, adhesive or not."""
+    """``F/E* = 2 (a D - H(a))`` for any contact radius and penetration, adhesive or not.
+
+    Parameters
+    ----------
+    indenter : Indenter
+    contact_radius, penetration : array_like
+
+    Returns
+    -------
+    ndarray
+        Area, of the broadcast shape of the two.
+    """
     a = np.asarray(contact_radius, float)
     return 2.0 * (a * np.asarray(penetration, float) - depth_integral(indenter, a))
 
 
 def force(indenter: Indenter, contact_radius: ArrayLike, plane_modulus: float) -> Array:
-    """``F(a) = 2 E* (a G(a) - H(a))``, the adhesionless force: ``2 E* n H(a)`` for a power ``n``."""
+    """``F(a) = 2 E* (a G(a) - H(a))``, the adhesionless force: ``2 E* n H(a)`` for a power ``n``.
+
+    Parameters
+    ----------
+    indenter : Indenter
+    contact_radius : array_like
+    plane_modulus : float
+        ``E* = E/(1 - nu^2)``.
+
+    Returns
+    -------
+    ndarray
+        Force, of the shape of ``contact_radius``.
+    """
     if (law := power_law(indenter)) is not None:
         with np.errstate(over="ignore"):
             return np.asarray(2.0 * plane_modulus * law[0] * depth_integral(indenter, contact_radius))

@@ -32,6 +32,17 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
 
     A flat face is in contact up to its rim unless that opens.
 
+    Parameters
+    ----------
+    scene : Scene
+        Its loading gives the penetration, or stage, and whether the half-space is glassy or relaxed.
+    body : Body
+    law : EdgeCondition
+
+    Returns
+    -------
+    Surface or None
+
     Raises
     ------
     SceneError
@@ -115,7 +126,21 @@ def _outermost(residual: Callable[[float], float], lowest: float, highest: float
 
 
 def touching_radius(body: Body, depth: float, edge: float) -> float:
-    """Radius of the adhesionless elastic contact, ``G(a) = D``."""
+    """Radius of the adhesionless elastic contact, ``G(a) = D``.
+
+    Parameters
+    ----------
+    body : Body
+    depth : float
+        Penetration ``D``; no contact where it is not positive.
+    edge : float
+        Largest radius the indenter touches; infinite without one.
+
+    Returns
+    -------
+    float
+        At most ``edge``.
+    """
     if depth <= 0.0:
         return 0.0
     low, high = 0.0, 1.0 if math.isinf(edge) else edge
@@ -134,7 +159,20 @@ def touching_radius(body: Body, depth: float, edge: float) -> float:
 
 
 def pressed_radius(body: Body, force: float, edge: float) -> float:
-    """Radius of the adhesionless relaxed contact under a force, ``F = 2 E0* (a G(a) - int_0^a G)``."""
+    """Radius of the adhesionless relaxed contact under a force, ``F = 2 E0* (a G(a) - int_0^a G)``.
+
+    Parameters
+    ----------
+    body, edge
+        As of :func:`touching_radius`.
+    force : float
+        Positive in compression; no contact where it is not positive.
+
+    Returns
+    -------
+    float
+        At most ``edge``.
+    """
     if force <= 0.0:
         return 0.0
 

@@ -31,6 +31,17 @@ def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> 
     the work done to and fro), ``contact_radius`` and ``force`` largest over the run, relative to the largest.
     Of runs that both lose contact (``detached``) also ``detachment_time`` and ``detachment_penetration``,
     relative to the largest and no better than the loop energy: two such moments can agree by accident.
+
+    Parameters
+    ----------
+    fine, coarse : mapping of str to ndarray
+        Columns of the traces of both runs, by name.
+    detached : bool
+        Whether both runs lose contact.
+
+    Returns
+    -------
+    dict of str to float
     """
     errors = {}
     tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]

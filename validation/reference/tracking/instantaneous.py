@@ -52,7 +52,19 @@ def at_rest(segment: Segment, value: float) -> Segment:
 
 
 def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> StepOutcome:
-    """The load jumps to the first value of the segment."""
+    """The load jumps to the first value of the segment.
+
+    Parameters
+    ----------
+    problem, state : FrontProblem, FrontState
+        Present state.
+    segment : Segment
+        Load step that begins now.
+
+    Returns
+    -------
+    StepOutcome
+    """
     start, force_controlled = state.surface, segment.control == "force"
     before = segment.present(start.penetration, state.force)
     change = segment.value(segment.start) - before
@@ -271,7 +283,19 @@ def unstable_edge(
 
 
 def flat_first_contact(problem: FrontProblem, state: FrontState, segment: Segment) -> FrontCandidate | None:
-    """Contact over the whole face of a punch that has just come to touch; ``None`` if it has not."""
+    """Contact over the whole face of a punch that has just come to touch; ``None`` if it has not.
+
+    Parameters
+    ----------
+    problem, state : FrontProblem, FrontState
+        Present state.
+    segment : Segment
+        Load step.
+
+    Returns
+    -------
+    FrontCandidate or None
+    """
     edge = problem.edge_radius
     if math.isinf(edge) or state.surface.radius > 0.0 or isinstance(problem.condition, Griffith):
         return None

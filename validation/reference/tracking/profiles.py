@@ -66,7 +66,20 @@ def surface_profile(
 
 
 def pressure(surface: Surface, body: Body, radius: Array) -> Array:
-    """``p(r)`` for ``0 <= r < a``, shape (m,)."""
+    """``p(r)`` for ``0 <= r < a``, shape (m,).
+
+    Parameters
+    ----------
+    surface : Surface
+    body : Body
+    radius : ndarray, shape (m,)
+        Of the points, less than the contact radius.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Stress, positive in compression.
+    """
     a = surface.radius
     nodes = surface.inside
     fine = np.unique(np.concatenate((nodes, 0.75 * nodes[:-1] + 0.25 * nodes[1:], np.linspace(0.0, a, 400))))
@@ -94,7 +107,20 @@ def pressure(surface: Surface, body: Body, radius: Array) -> Array:
 
 
 def gap(surface: Surface, body: Body, radius: Array) -> Array:
-    """``g(r)`` for ``r >= a``, shape (m,)."""
+    """``g(r)`` for ``r >= a``, shape (m,).
+
+    Parameters
+    ----------
+    surface, body
+        As of :func:`pressure`.
+    radius : ndarray, shape (m,)
+        Of the points, no less than the contact radius.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Length.
+    """
     nodes, strain = surface.outside, surface.units.sum(axis=1)
     slope = hermite.slopes(nodes, strain)
     r = np.where(radius > 0.0, radius, 1.0)[:, None]

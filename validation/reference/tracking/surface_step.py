@@ -38,7 +38,20 @@ class FieldUpdate:
 
 
 def field_update(surface: Surface, body: Body, depth: PenetrationPath) -> FieldUpdate:
-    """Update of a surface under a penetration that follows ``depth``."""
+    """Update of a surface under a penetration that follows ``depth``.
+
+    Parameters
+    ----------
+    surface : Surface
+        At the start of the step.
+    body : Body
+    depth : PenetrationPath
+        Penetration during the step; its duration is that of the step.
+
+    Returns
+    -------
+    FieldUpdate
+    """
     rheology, h = body.rheology, depth.duration
     decay = np.exp(-h / rheology.times)
     memory = depth.memory(np.zeros(1), np.array([h]), rheology.times)[0]
