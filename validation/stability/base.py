@@ -56,7 +56,19 @@ def material(
 
 
 def press_and_pull(speed: float, top: float = TOP, away: float = AWAY) -> tuple[Step, ...]:
-    """Press to ``top`` and pull to ``away``."""
+    """Press to ``top`` and pull to ``away``.
+
+    Parameters
+    ----------
+    speed : float
+        Length over time.
+    top, away : float
+        Penetrations.
+
+    Returns
+    -------
+    tuple of Step
+    """
     return (Ramp(top, speed), Ramp(away, speed))
 
 

@@ -30,6 +30,17 @@ def against_trace(trace: Trace, reference: Trace, observables: ReferenceRuns) ->
     """Relative difference of every observable of two runs; ``CURVE`` is the whole curve ``F(t)``.
 
     What it is relative to is stated in :mod:`validation.measure.scaling`, but for those ``of_largest``.
+
+    Parameters
+    ----------
+    trace, reference : Trace
+    observables : ReferenceRuns
+        Names the observables, and those ``of_largest``.
+
+    Returns
+    -------
+    dict of str to float
+        By observable; ``MISSING`` where only one run has it.
     """
     measured, expected = observe(trace).as_dict(), observe(reference).as_dict()
     errors = {}
@@ -53,6 +64,19 @@ def against_equivalent(trace: Trace, base: Trace, equivalent: EquivalentScene) -
     """Largest difference of any row, relative to the column's largest magnitude.
 
     Runs that have not the same number of rows are compared as curves instead.
+
+    Parameters
+    ----------
+    trace : Trace
+    base : Trace
+        Run on ``equivalent.scene``.
+    equivalent : EquivalentScene
+        Its factors turn the columns of ``base`` into those of ``trace``.
+
+    Returns
+    -------
+    dict of str to float
+        By column, or of the curve alone.
     """
     force, energy = equivalent.stress * equivalent.length**2, equivalent.stress * equivalent.length**3
     factors = (equivalent.time, equivalent.length, force, equivalent.length, energy, energy, energy)

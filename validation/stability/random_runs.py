@@ -75,7 +75,18 @@ class _RunStream(Iterator[tuple[int, Task]]):
         return self._waiting.popleft()
 
     def ask(self, chosen: RandomScene, name: str, estimate: bool, times: float = 1.0) -> None:
-        """Have a scene run by a solver, within so many times the usual limit."""
+        """Have a scene run by a solver.
+
+        Parameters
+        ----------
+        chosen : RandomScene
+        name : str
+            Of the solver.
+        estimate : bool
+            Whether its errors are estimated.
+        times : float
+            Time limit of the run, over the usual one.
+        """
         case = Case(f"seed-{chosen.seed}", chosen.scene, profile_times=chosen.profile_times)
         task = run_task(case, name, self._settings.resolution_of(name, chosen), estimate=estimate)
         self.asked[self._count] = chosen, name

@@ -95,7 +95,20 @@ def drawn_sizes(random: RandomNumbers) -> tuple[Material, float, SceneSizes]:
 
 
 def drawn_material(random: RandomNumbers, modulus: float, time: float) -> Material:
-    """None to six branches over six decades of time, in one scene of three close together."""
+    """None to six branches over six decades of time, in one scene of three close together.
+
+    Parameters
+    ----------
+    random : RandomNumbers
+    modulus : float
+        Relaxed modulus.
+    time : float
+        In the middle of the decades of the relaxation times.
+
+    Returns
+    -------
+    Material
+    """
     poisson = random.one_of((0.0, 0.3, 0.45, 0.49, 0.5, 0.5))
     spread = 0.02 if random.happens(0.33) else 3.0
     branches = tuple(
@@ -106,7 +119,20 @@ def drawn_material(random: RandomNumbers, modulus: float, time: float) -> Materi
 
 
 def drawn_indenter(random: RandomNumbers, radius: float, sizes: SceneSizes) -> Indenter:
-    """About as wide as ``sizes.radius`` at ``sizes.depth``."""
+    """About as wide as ``sizes.radius`` at ``sizes.depth``.
+
+    Parameters
+    ----------
+    random : RandomNumbers
+    radius : float
+        Of a sphere.
+    sizes : SceneSizes
+        Of the contact.
+
+    Returns
+    -------
+    Indenter
+    """
     shape = random.one_of(("sphere", "sphere", "sphere", "cone", "punch", "power", "profile"))
     if shape == "cone":
         return Cone(math.degrees(math.atan(sizes.radius / sizes.depth)))
@@ -138,7 +164,20 @@ def drawn_work(random: RandomNumbers, material: Material, sizes: SceneSizes) -> 
 
 
 def drawn_law(random: RandomNumbers, adhesion: Adhesion, sizes: SceneSizes) -> Adhesion:
-    """The same, in part closing at less than it opens, and taking up more the faster it opens."""
+    """The same, in part closing at less than it opens, and taking up more the faster it opens.
+
+    Parameters
+    ----------
+    random : RandomNumbers
+    adhesion : Adhesion
+        With a work and a zone only.
+    sizes : SceneSizes
+        Of the contact.
+
+    Returns
+    -------
+    Adhesion
+    """
     if random.happens(SHARE_OF_HYSTERESIS):
         adhesion = replace(adhesion, work_closing=adhesion.work * random.decades(-1.5, 0.0))
     if random.happens(SHARE_OF_RATES):

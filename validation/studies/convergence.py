@@ -112,7 +112,19 @@ class Convergence:
 
 
 def solve_level(case: Case, scheme: str, level: Level) -> Trace:
-    """One run of one level."""
+    """One run of one level.
+
+    Parameters
+    ----------
+    case : Case
+    scheme : str
+        Name.
+    level : Level
+
+    Returns
+    -------
+    Trace
+    """
     return schemes.scheme(scheme).solve(case.scene, level.settings, cycle_times(case.scene.loading))
 
 
@@ -223,6 +235,18 @@ def read(ladder: Ladder, runs: tuple[LevelRun, ...], reference_scales: dict[str,
     """Orders, extrapolations and bounds of every observable of a ladder.
 
     Without a reference an observable is relative to its own finest value.
+
+    Parameters
+    ----------
+    ladder : Ladder
+    runs : tuple of LevelRun
+        By level, the coarsest first.
+    reference_scales : dict of str to float
+        What errors are relative to, by observable (:func:`scales`); empty without a reference.
+
+    Returns
+    -------
+    Convergence
     """
     nominal = ladder.nominal or schemes.scheme(ladder.scheme).nominal
     sizes = [run.level.size for run in runs]

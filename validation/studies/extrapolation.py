@@ -134,6 +134,19 @@ def observed_order(sizes: Sequence[float], values: Sequence[float | None], scale
     """Order ``p`` of three levels from ``(f3 - f2)/(f2 - f1) = (h3^p - h2^p)/(h2^p - h1^p)``.
 
     ``None`` if the values go to and fro, do not differ by more than round-off, or no ``p`` fits.
+
+    Parameters
+    ----------
+    sizes : sequence of float
+        Relative size ``h`` of three levels, falling.
+    values : sequence of float or None
+        On these levels.
+    scale : float
+        Magnitude that round-off is relative to, in the unit of ``values``.
+
+    Returns
+    -------
+    float or None
     """
     (h3, h2, h1), (f3, f2, f1) = sizes, values
     if f3 is None or f2 is None or f1 is None:
@@ -158,6 +171,20 @@ def reference_orders(
     """Signed order of every two neighbouring levels, ``ln|e_coarse/e_fine| / ln(h_coarse/h_fine)``.
 
     Negative where the error grows; ``None`` where a level failed or an error is below round-off.
+
+    Parameters
+    ----------
+    sizes : sequence of float
+        Relative size ``h`` of the levels, falling.
+    errors : sequence of float or None
+        Signed error on every level, ``None`` where it failed.
+    scale : float
+        Magnitude that round-off is relative to, in the unit of ``errors``.
+
+    Returns
+    -------
+    tuple of float or None
+        One less than there are levels.
     """
     _check(sizes)
     orders: list[float | None] = []

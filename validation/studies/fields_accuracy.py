@@ -62,7 +62,22 @@ class Deviation:
 
 
 def static(name: str, poisson: float, resolution: int | None = None) -> tuple[FieldState, Deviation]:
-    """Field of a static contact by name, and its errors."""
+    """Field of a static contact by name, and its errors.
+
+    Parameters
+    ----------
+    name : str
+        Of ``CONTACTS``.
+    poisson : float
+        Poisson's ratio.
+    resolution : int, optional
+        Divisions per process zone.
+
+    Returns
+    -------
+    state : FieldState
+    deviation : Deviation
+    """
     indenter, adhesion = CONTACTS[name]
     scene = Scene(Material(1.0, poisson), indenter, Loading("relaxed", 0.01), adhesion)
     (state,) = record_fields(scene, FieldRequest((0.0,)), resolution).states()

@@ -38,7 +38,19 @@ USUAL = 16
 
 
 def spectrum(count: int, low: float, high: float) -> tuple[Branch, ...]:
-    """Branches of equal modulus, nine times E0 in all, at times evenly spread over decades."""
+    """Branches of equal modulus, nine times E0 in all, at times evenly spread over decades.
+
+    Parameters
+    ----------
+    count : int
+        Of branches.
+    low, high : float
+        Decadic logarithms of the shortest and the longest relaxation time.
+
+    Returns
+    -------
+    tuple of Branch
+    """
     return tuple(Branch(6.75 / count, float(t)) for t in np.logspace(low, high, count))
 
 
@@ -160,6 +172,18 @@ def order(accuracies: list[AccuracyLevel], name: str, finest: int = FINEST) -> f
 
     A value may be right by chance, but not be known to be: errors count as no less than what the ``finest``
     run leaves open, that is the worst error of the last level reduced by second order.
+
+    Parameters
+    ----------
+    accuracies : list of AccuracyLevel
+    name : str
+        Of ``COLUMNS``.
+    finest : int
+        Resolution of the run that errors are measured against.
+
+    Returns
+    -------
+    float
     """
     steps = [1.0 / level.resolution for level in accuracies]
     last = accuracies[-1]

@@ -95,14 +95,43 @@ def price(study: Convergence, measure: str, required: float, work: str = PRICED)
 
 
 def cheapest(studies: list[Convergence], measure: str, required: float) -> tuple[Price | None, list[Price]]:
-    """The cheapest scheme by processor time, and all prices."""
+    """The cheapest scheme by processor time, and all prices.
+
+    Parameters
+    ----------
+    studies : list of Convergence
+    measure : str
+        Of ``MEASURES``, in which errors are given.
+    required : float
+        Relative error that is to be reached.
+
+    Returns
+    -------
+    best : Price or None
+        ``None`` if no scheme reaches the error.
+    prices : list of Price
+        In the order of ``studies``.
+    """
     prices = [price(study, measure, required) for study in studies]
     able = [entry for entry in prices if entry.seconds is not None]
     return min(able, key=lambda entry: entry.seconds or 0.0, default=None), prices
 
 
 def growth(study: Convergence, work: str, measure: str = MEASURES[0]) -> CostGrowth:
-    """Fitted exponents of one kind of cost."""
+    """Fitted exponents of one kind of cost.
+
+    Parameters
+    ----------
+    study : Convergence
+    work : str
+        "wall_seconds", "cpu_seconds" or the name of a work counter.
+    measure : str
+        Of ``MEASURES``, in which errors are given.
+
+    Returns
+    -------
+    CostGrowth
+    """
     spent = [cost(run, work) for run in study.runs]
     fineness = [1.0 / run.level.size for run in study.runs]
     inverse = [1.0 / abs(e) if (e := run.errors.get(measure)) else None for run in study.runs]

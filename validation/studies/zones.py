@@ -189,7 +189,18 @@ def _measured(function: Callable[..., Run], *arguments: Any) -> MeasuredRun:
 
 
 def relative_errors(result: Run, finer: Run, names: Iterable[str] = OBSERVED) -> dict[str, float]:
-    """Signed relative errors of observables against a finer run; those that one lacks are left out."""
+    """Signed relative errors of observables against a finer run; those that one lacks are left out.
+
+    Parameters
+    ----------
+    result, finer : Run
+    names : iterable of str
+        Observables.
+
+    Returns
+    -------
+    dict of str to float
+    """
     errors = {}
     for name in names:
         value, expected = result.measures.get(name), finer.measures.get(name)
