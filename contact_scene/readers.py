@@ -123,6 +123,18 @@ def measured_data(text: str, file: str, format: str) -> RelaxationData | Dynamic
     """Measured moduli from the text of a file in the format "relaxation" or "dynamic".
 
     Frequencies in Hz become angular. Rows may come in any order, repeated ones included.
+
+    Parameters
+    ----------
+    text : str
+        Of the file.
+    file : str
+        Its name, for messages; by its ending some files hold shear moduli.
+    format : "relaxation" or "dynamic"
+
+    Returns
+    -------
+    RelaxationData or DynamicData
     """
     columns, letter, units = _columns(text, file, format)
     shear = letter == "G" or (letter == "" and file.endswith(SHEAR_FILES))
@@ -143,7 +155,18 @@ def measured_data(text: str, file: str, format: str) -> RelaxationData | Dynamic
 
 
 def branch_table(text: str, file: str, format: str) -> BranchTable:
-    """Branches from the text of a file in the format "reptate" or "branches"."""
+    """Branches from the text of a file in the format "reptate" or "branches".
+
+    Parameters
+    ----------
+    text, file
+        As of :func:`measured_data`.
+    format : "reptate" or "branches"
+
+    Returns
+    -------
+    BranchTable
+    """
     if format == "reptate":
         return BranchTable(reptate_modes(text, file), shear=True)
     columns, letter, _ = _columns(text, file, format)

@@ -206,7 +206,20 @@ class LoadingCursor:
 
 
 def budget_outcome(counters: Counters, max_steps: int, time: float) -> Outcome | None:
-    """The outcome of a run whose budget of trial steps is used up; ``None`` while there is some left."""
+    """The outcome of a run whose budget of trial steps is used up; ``None`` while there is some left.
+
+    Parameters
+    ----------
+    counters : Counters
+        Accepted and rejected steps count.
+    max_steps : int
+    time : float
+        Which the run has come to.
+
+    Returns
+    -------
+    Outcome or None
+    """
     if counters.steps + counters.rejected_steps < max_steps:
         return None
     return Outcome(OutcomeKind.STEP_BUDGET, f"{max_steps} steps were not enough", time)
@@ -238,7 +251,20 @@ def below_zone_outcome(force: ArrayLike, time: float) -> Outcome:
 
 
 def interruption(monitor: RunMonitor | None, state: Callable[[], KeptState], time: float) -> Outcome | None:
-    """The outcome of a run that is stopped from outside; ``None`` if it is to go on."""
+    """The outcome of a run that is stopped from outside; ``None`` if it is to go on.
+
+    Parameters
+    ----------
+    monitor : RunMonitor or None
+    state : callable() -> KeptState
+        From which the run can be continued.
+    time : float
+        Which the run has come to.
+
+    Returns
+    -------
+    Outcome or None
+    """
     if monitor is None or monitor.continue_run(state):
         return None
     return Outcome(OutcomeKind.INTERRUPTED, "stopped from outside", time)
@@ -260,6 +286,18 @@ def kept_state(monitor: RunMonitor | None, solver: str) -> KeptState | None:
 
 def whole_number(value: int, key: str, least: int) -> int:
     """An option that counts something.
+
+    Parameters
+    ----------
+    value : int
+    key : str
+        Of the option, for the message.
+    least : int
+        Smallest number allowed.
+
+    Returns
+    -------
+    int
 
     Raises
     ------

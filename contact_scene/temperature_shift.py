@@ -133,6 +133,17 @@ def at_temperature(material: Material, shift: Shift, temperature: float) -> Mate
 
     Every relaxation time, of separate bulk relaxation too, is multiplied by ``a_T``.
 
+    Parameters
+    ----------
+    material : Material
+    shift : Shift
+    temperature : float
+        On the scale of the reference temperature of ``shift``.
+
+    Returns
+    -------
+    Material
+
     Raises
     ------
     SceneError

@@ -33,7 +33,19 @@ def swing(segment: Segment) -> float:
 
 
 def deviation_from_tangent(segment: Segment, start: float, end: float) -> float:
-    """Largest deviation of the prescribed value from its tangent at ``start``, at samples up to ``end``."""
+    """Largest deviation of the prescribed value from its tangent at ``start``, at samples up to ``end``.
+
+    Parameters
+    ----------
+    segment : Segment
+    start, end : float
+        Times.
+
+    Returns
+    -------
+    float
+        In the unit of the prescribed value.
+    """
     value, rate = segment.value(start), segment.rate(start)
     ahead = [(end - start) * share for share in _SAMPLES]
     return max(abs(segment.value(start + x) - value - rate * x) for x in ahead)

@@ -27,6 +27,18 @@ def profile(state: SurfaceState, radii: Array, height: Array) -> SurfaceProfile:
 
     The pressure is the nodal force over the node's area; the axis takes that of its neighbour, and the
     partly released node at the edge is left out.
+
+    Parameters
+    ----------
+    state : SurfaceState
+    radii : ndarray, shape (n,)
+        Of the surface nodes, vertices and mid-side nodes in turn, from the axis.
+    height : ndarray, shape (n,)
+        Indenter profile at the nodes.
+
+    Returns
+    -------
+    SurfaceProfile
     """
     areas = tributary_areas(radii)
     pressure = np.divide(state.forces, areas, out=np.zeros_like(areas), where=areas > 0.0)

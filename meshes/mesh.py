@@ -104,7 +104,20 @@ def areas(points: Array, triangles: Indices) -> Array:
 
 
 def assemble(points: Array, triangles: Indices, parameters: MeshParameters) -> HalfSpaceMesh:
-    """Orient the triangles, number the vertices without gaps, name the boundary edges."""
+    """Orient the triangles, number the vertices without gaps, name the boundary edges.
+
+    Parameters
+    ----------
+    points : ndarray, shape (2, n)
+        Radius and height of the vertices; those that no triangle has are dropped.
+    triangles : ndarray of int, shape (3, m)
+        Vertices of each triangle, either way round.
+    parameters : MeshParameters
+
+    Returns
+    -------
+    HalfSpaceMesh
+    """
     used, flat = np.unique(triangles, return_inverse=True)
     points, triangles = points[:, used], flat.reshape(triangles.shape)
     backwards = areas(points, triangles) < 0

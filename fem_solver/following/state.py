@@ -187,7 +187,19 @@ def _stored(state: FollowingState, solid: Components) -> float:
 
 
 def interface_energy(state: FollowingState, placement: Placement, solid: Components) -> float:
-    """Energy of the interface, which holds the partly released node as a spring."""
+    """Energy of the interface, which holds the partly released node as a spring.
+
+    Parameters
+    ----------
+    state : FollowingState
+    placement : Placement
+        Of the mesh of that state.
+    solid : Components
+
+    Returns
+    -------
+    float
+    """
     if state.edge < 0.0:
         return 0.0
     node = int(np.floor(state.edge)) + 1
