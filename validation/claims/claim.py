@@ -93,7 +93,22 @@ class Claim:
 
 
 def claim(place: str, wording: str, recorded: Verdict) -> Callable[[Callable[[Evidence], list[Part]]], Claim]:
-    """Turn a function that evaluates a statement into a claim named like it."""
+    """Turn a function that evaluates a statement into a claim named like it.
+
+    Parameters
+    ----------
+    place : str
+        In the paper.
+    wording : str
+        Of the statement.
+    recorded : Verdict
+        From which a change of the verdict is told.
+
+    Returns
+    -------
+    callable
+        Decorator.
+    """
 
     def named(evaluate: Callable[[Evidence], list[Part]]) -> Claim:
         return Claim(evaluate.__name__.replace("_", " "), place, wording, recorded, evaluate)

@@ -51,7 +51,21 @@ class MissingRun(LookupError):
 
 
 def cycle(speed: float, zone: float = 0.013, dwell: float = 0.0) -> Scene:
-    """Approach and retraction at one speed (Fig. 2), with a rest between them (dwell-time figure)."""
+    """Approach and retraction at one speed (Fig. 2), with a rest between them (dwell-time figure).
+
+    Parameters
+    ----------
+    speed : float
+        Length over time.
+    zone : float
+        Length of the process zone.
+    dwell : float
+        Time at the largest penetration.
+
+    Returns
+    -------
+    Scene
+    """
     scene = load("cycle-v0.02").scene
     assert scene.adhesion is not None
     rest = (Hold(dwell),) if dwell > 0.0 else ()

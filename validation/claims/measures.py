@@ -85,6 +85,19 @@ def on_line(trace: Trace, slope: float, tolerance: float = RECOVERED) -> float:
     """Share of the withdrawal up to the largest tension over which ``F = F_B + slope (D - D_B)``.
 
     The deviation counts relative to the change of force so far.
+
+    Parameters
+    ----------
+    trace : Trace
+    slope : float
+        Force over length.
+    tolerance : float
+        Largest deviation that counts as on the line.
+
+    Returns
+    -------
+    float
+        0 to 1.
     """
     rows = withdrawal(trace)
     force, depth = trace.force[rows], trace.penetration[rows]
@@ -180,7 +193,19 @@ def gap_exponents(profile: SurfaceProfile, distances: Sequence[float]) -> Array:
 
 
 def crossing(x: ArrayLike, y: ArrayLike, level: float) -> float | None:
-    """Where ``y(x)``, straight lines over ``log x``, first rises through ``level``."""
+    """Where ``y(x)``, straight lines over ``log x``, first rises through ``level``.
+
+    Parameters
+    ----------
+    x, y : array_like, shape (n,)
+        Points of the curve; ``x`` positive and rising.
+    level : float
+
+    Returns
+    -------
+    float or None
+        ``None`` if it does not.
+    """
     at, values = np.log(np.asarray(x, float)), np.asarray(y, float)
     for i in range(len(values) - 1):
         if values[i] < level <= values[i + 1]:

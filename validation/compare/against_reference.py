@@ -69,6 +69,16 @@ def against_reference(case: Case, result: Run, base: Run) -> list[Check]:
     tolerance; otherwise it is the tolerance. What differences are relative to is stated in
     :mod:`validation.measure.scaling`. Both runs have to end in the same way, and a run must not give what the
     reference does not: no detachment, no pull-off force where there is none.
+
+    Parameters
+    ----------
+    case : Case
+    result, base : Run
+        Of a solver and of the reference.
+
+    Returns
+    -------
+    list of Check
     """
     if result.trace is None or base.trace is None:
         missing = "no run" if result.trace is None else "no reference run"

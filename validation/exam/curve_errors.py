@@ -60,7 +60,16 @@ def in_contact(trace: Trace) -> Trace:
 def curve_error(answer: Trace, base: Trace, column: str) -> CurveError | None:
     """Error of a column; ``None`` without a common interval of time.
 
-    Both traces are those of :func:`in_contact`.
+    Parameters
+    ----------
+    answer, base : Trace
+        Results of :func:`in_contact`.
+    column : str
+        Name.
+
+    Returns
+    -------
+    CurveError or None
     """
     begin, end = max(answer.time[0], base.time[0]), min(answer.time[-1], base.time[-1])
     grid = np.unique(np.concatenate((answer.time, base.time)))

@@ -65,7 +65,13 @@ declines = ["adhesive", "oscillation"]
 def export_reference(folder: Path, cases: Sequence[Case], runs: Mapping[str, Run]) -> None:
     """Write ``reference.csv`` and ``reference.json`` into the folder of every scene that has a trace.
 
-    ``runs`` are those of :func:`~validation.exam.judge.reference_runs`, by scene.
+    Parameters
+    ----------
+    folder : Path
+        Of the exam.
+    cases : sequence of Case
+    runs : mapping of str to Run
+        By scene, as of :func:`~validation.exam.judge.reference_runs`.
     """
     for case in cases:
         run = runs[case.name]

@@ -96,7 +96,20 @@ class Grade:
 
 
 def grade(answer: Answer, scene: Scene, base: Run) -> Grade:
-    """Grade an answer that can be read against a run of the reference."""
+    """Grade an answer that can be read against a run of the reference.
+
+    Parameters
+    ----------
+    answer : Answer
+        That can be read.
+    scene : Scene
+    base : Run
+        Of the reference, with its error estimates.
+
+    Returns
+    -------
+    Grade
+    """
     reference, trace = base.trace, answer.trace()
     assert reference is not None, "an exam is held only where the reference has an answer"
     told: list[str] = []

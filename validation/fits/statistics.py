@@ -158,7 +158,21 @@ def correlation(spread: Array) -> Array:
 
 
 def bound_notes(parameters: Sequence[FitParameter], x: Array, spread: Array) -> list[str]:
-    """For each parameter: whether a bound holds it, or the data do not determine it."""
+    """For each parameter: whether a bound holds it, or the data do not determine it.
+
+    Parameters
+    ----------
+    parameters : sequence of FitParameter
+    x : ndarray, shape (P,)
+        Their values, as the search has them.
+    spread : ndarray, shape (P, P)
+        Covariance.
+
+    Returns
+    -------
+    list of str
+        Empty where neither is so.
+    """
     notes = []
     for one, at, variance in zip(parameters, x, np.diag(spread), strict=True):
         deviation = float(np.sqrt(variance))

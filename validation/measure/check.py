@@ -68,6 +68,17 @@ def agreement_limit(tolerance: float, estimate: float | None, base_estimate: flo
     """Largest difference that counts as agreement: the sum of both estimates, at most the tolerance.
 
     The tolerance alone where one of the runs has no estimate.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative.
+    estimate, base_estimate : float or None
+        Relative error estimates of the two runs.
+
+    Returns
+    -------
+    float
     """
     if estimate is None or base_estimate is None:
         return tolerance

@@ -76,7 +76,18 @@ class MovementDistance:
 
 
 def distance(run: Trace, reference: Trace, column: str = "force") -> Distance | None:
-    """Distance of ``run`` from ``reference`` in one column; ``None`` if they share no interval of time."""
+    """Distance of ``run`` from ``reference`` in one column; ``None`` if they share no interval of time.
+
+    Parameters
+    ----------
+    run, reference : Trace
+    column : str
+        Name of a column of both.
+
+    Returns
+    -------
+    Distance or None
+    """
     grid = _common_times(run.time, reference.time)
     if grid.size < 2:
         return None
@@ -160,7 +171,20 @@ def movement_interpolation_error(trace: Trace, spans: Array, column: str) -> flo
 
 
 def movement_bound(trace: Trace, spans: Array, column: str) -> float:
-    """Largest movement distance, in any window, of a curve that is off by its own size (root mean square)."""
+    """Largest movement distance, in any window, of a curve that is off by its own size (root mean square).
+
+    Parameters
+    ----------
+    trace : Trace
+    spans : ndarray, shape (n, 2)
+        Begin and end of each window.
+    column : str
+
+    Returns
+    -------
+    float
+        Relative, as ``MovementDistance.rms``.
+    """
     value = trace.columns()[column]
     size = float(np.abs(value).max(initial=0.0))
     largest = 0.0

@@ -202,7 +202,20 @@ def pull_off_row(trace: Trace) -> int | None:
 
 
 def at_last_contact(trace: Trace, column: str, zone: float = 0.0) -> float | None:
-    """A column at the row of detachment, or the last; ``None`` if the run has no such column or no row."""
+    """A column at the row of detachment, or the last; ``None`` if the run has no such column or no row.
+
+    Parameters
+    ----------
+    trace : Trace
+    column : str
+        Name.
+    zone : float
+        Length of the process zone; 0 without adhesion.
+
+    Returns
+    -------
+    float or None
+    """
     values = trace.columns().get(column)
     return None if values is None or len(trace) == 0 else float(values[_last_in_contact(trace, zone)])
 

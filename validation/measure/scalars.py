@@ -8,7 +8,19 @@ from validation.measure.observables import at_last_contact, cycle_losses, observ
 
 
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
-    """Observables, cycle losses, work counters and run time; ``None`` where one does not apply."""
+    """Observables, cycle losses, work counters and run time; ``None`` where one does not apply.
+
+    Parameters
+    ----------
+    trace : Trace
+    scene : Scene
+    wall_seconds : float
+        Run time (s).
+
+    Returns
+    -------
+    dict of str to float or None
+    """
     zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
     values: dict[str, float | None] = dict(observe(trace, zone, scene.loading).as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0

@@ -93,5 +93,19 @@ class Magnitudes:
 
 
 def scale(name: str, value: float, trace: Trace) -> float:
-    """What a difference in a quantity is relative to, from the rows of the run it belongs to."""
+    """What a difference in a quantity is relative to, from the rows of the run it belongs to.
+
+    Parameters
+    ----------
+    name : str
+        Of an observable.
+    value : float
+        Its value in the run.
+    trace : Trace
+
+    Returns
+    -------
+    float
+        In the unit of ``value``.
+    """
     return Magnitudes.of_trace(trace).scale(name, value)

@@ -81,7 +81,19 @@ def plan_of(runs: int, folder: Path, depth: float = DEPTH, first: float = 1.0) -
 
 
 def bare(plan: SweepPlan, pool: Pool, processes: int) -> Spent:
-    """The bare solver on the scenes of a plan, shared out over the plain processes of a pool."""
+    """The bare solver on the scenes of a plan, shared out over the plain processes of a pool.
+
+    Parameters
+    ----------
+    plan : SweepPlan
+    pool : Pool
+    processes : int
+        Of the pool.
+
+    Returns
+    -------
+    Spent
+    """
     scenes = [plan.scene(rows) for rows in plan.rows()]
     return spent_in(
         lambda: pool.map(_solve_all, [scenes[part::processes] for part in range(processes)], chunksize=1),
@@ -124,7 +136,20 @@ def swept(
 
 
 def spent_in(work: Callable[[], object], processes: int, runs: int) -> Spent:
-    """What some work takes, each run of it."""
+    """What some work takes, each run of it.
+
+    Parameters
+    ----------
+    work : callable
+    processes : int
+        That work on it.
+    runs : int
+        That it consists of.
+
+    Returns
+    -------
+    Spent
+    """
     before, here, began = processor_seconds(), time.process_time(), time.perf_counter()
     work()
     wall, here = time.perf_counter() - began, time.process_time() - here

@@ -71,6 +71,18 @@ def put(table: Any, path: str, value: Any) -> Any:
     """A copy of nested tables and lists with another value at a path; what is beside the path is shared.
 
     Tables on the way that do not exist are made: the reader of scenes knows which of them there may be.
+
+    Parameters
+    ----------
+    table : dict or list
+        As read from TOML.
+    path : str
+        Keys and places, with dots between.
+    value : object
+
+    Returns
+    -------
+    dict or list
     """
     return _put(table, parts(path), path, value)
 

@@ -93,7 +93,18 @@ def colours(kind: ValueKind, values: Sequence[Array], weights: Sequence[Array]) 
 
 
 def covered(values: Array, weights: Array, share: float) -> float:
-    """The value that ``share`` of the weight does not exceed."""
+    """The value that ``share`` of the weight does not exceed.
+
+    Parameters
+    ----------
+    values, weights : ndarray, shape (n,)
+    share : float
+        0 to 1.
+
+    Returns
+    -------
+    float
+    """
     order = np.argsort(values)
     total = np.cumsum(weights[order])
     row = int(np.searchsorted(total, share * total[-1]))

@@ -198,14 +198,36 @@ def loaded(profile: SurfaceProfile) -> tuple[Array, Array]:
 
 
 def opening(profile: SurfaceProfile, least: float = 2e-3, most: float = 0.6) -> tuple[Array, Array]:
-    """Distances from the edge and gaps there, within two parts of the contact radius."""
+    """Distances from the edge and gaps there, within two parts of the contact radius.
+
+    Parameters
+    ----------
+    profile : SurfaceProfile
+    least, most : float
+        Distances from the edge, relative to the contact radius.
+
+    Returns
+    -------
+    distance, gap : ndarray, shape (n,)
+    """
     s = profile.radius - profile.contact_radius
     drawn = (s >= least * profile.contact_radius) & (s <= most * profile.contact_radius) & (profile.gap > 0.0)
     return s[drawn], profile.gap[drawn]
 
 
 def evenly(x: Array, y: Array, back: Any = None) -> tuple[Array, Array]:
-    """Points of a curve at even distances along it, axes scaled to their range; ``back`` undoes a log."""
+    """Points of a curve at even distances along it, axes scaled to their range; ``back`` undoes a log.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,)
+    back : callable, optional
+        Of the points that are left.
+
+    Returns
+    -------
+    x, y : ndarray
+    """
     if x.size > MARKS:
         along = np.hypot(np.diff(x) / (np.ptp(x) or 1.0), np.diff(y) / (np.ptp(y) or 1.0))
         length = np.concatenate(([0.0], np.cumsum(along)))

@@ -159,7 +159,19 @@ def outlines(cut: BodySection, view: View) -> list[pyvista.PolyData]:
 
 
 def half_section(cut: BodySection, view: View, shade: Array) -> pyvista.PolyData:
-    """The part of the right-hand half in view, cut straight; points (r, z, 0)."""
+    """The part of the right-hand half in view, cut straight; points (r, z, 0).
+
+    Parameters
+    ----------
+    cut : BodySection
+    view : View
+    shade : ndarray, shape (n,)
+        0 to 1, at the points of the section.
+
+    Returns
+    -------
+    pyvista.PolyData
+    """
     import pyvista
 
     points = np.column_stack([cut.moved, np.zeros(len(cut.moved))])
@@ -179,14 +191,36 @@ def standing(flat: pyvista.PolyData, angle: float) -> pyvista.PolyData:
 
 
 def top(cut: BodySection, view: View, shade: Array) -> tuple[Array, Array]:
-    """The deformed surface as far as it is shown, (k, 2), and the shades along it, (k,)."""
+    """The deformed surface as far as it is shown, (k, 2), and the shades along it, (k,).
+
+    Parameters
+    ----------
+    cut, view, shade
+        As of :func:`half_section`.
+
+    Returns
+    -------
+    line : ndarray, shape (k, 2)
+    shades : ndarray, shape (k,)
+    """
     x, y = cut.surface.T
     across = np.append(x[x < view.right], view.right)
     return np.column_stack([across, np.interp(across, x, y)]), np.interp(across, x, shade[cut.top])
 
 
 def side(cut: BodySection, view: View, shade: Array) -> tuple[Array, Array]:
-    """The outer side of what is shown, from below to the surface, and the shades along it."""
+    """The outer side of what is shown, from below to the surface, and the shades along it.
+
+    Parameters
+    ----------
+    cut, view, shade
+        As of :func:`half_section`.
+
+    Returns
+    -------
+    line : ndarray, shape (k, 2)
+    shades : ndarray, shape (k,)
+    """
     end = np.interp(view.right, *cut.surface.T)
     line = np.column_stack([np.full(60, view.right), np.linspace(view.bottom, end, 60)])
     margin = 0.3 * view.right
