@@ -46,30 +46,8 @@ class SteppedStates(AcceptedStates):
 
     def _advance(self, segment: Segment, interval: DyadicInterval, span: float) -> None:
         """One accepted step, after as many trials as it takes."""
-        while True:
-            deviation = self._deviation(segment, interval, span)
-            if deviation > _REJECT and not interval.shortest:
-                interval.halve()
-                continue
-            self._check_budget()
-            candidate = self.trial_step(segment, interval.dt, interval.next_time)
-            error = max(deviation, candidate.error)
-            if self._first_step_was_too_long(candidate, interval):
-                continue
-            contact = candidate.contact
-            if self._sets_off_too_far(contact, interval) or self._overshoots_its_zone(contact, interval):
-                self._reject(interval)
-                continue
-            if error > _REJECT and not interval.shortest:
-                self._reject(interval)
-                continue
-            peak = self._tension_peak(candidate)
-            if peak is not None and peak.rise * interval.dt > peak.allowed and not interval.shortest:
-                self._reject(interval)
-                continue
-            if peak is None or not self._divide_last_step(peak, interval):
-                break
-        slopes = candidate.slopes
+        candidate, error = self._accepted_trial(segment, interval, span)
+        contact, slopes = candidate.contact, candidate.slopes
         if segment.trigger is not None:
             at_level = step_to_level(self, segment, segment.trigger, interval.dt, contact)
             if at_level is not None:
@@ -99,6 +77,49 @@ class SteppedStates(AcceptedStates):
             interval.halve()
         elif error < 0.25 and moved < 0.4 * travel:
             interval.double()
+
+    def _accepted_trial(
+        self, segment: Segment, interval: DyadicInterval, span: float
+    ) -> tuple[StepCandidate, float]:
+        """The first trial step that is accepted, not yet committed, and its error; the interval has its size.
+
+        Parameters
+        ----------
+        segment : Segment
+        interval : DyadicInterval
+            Is halved for as long as trials are rejected.
+        span : float
+            Swing of the prescribed value over the load step.
+
+        Returns
+        -------
+        candidate : StepCandidate
+        error : float
+            Relative to that allowed; at most what is rejected, unless the step is the shortest.
+        """
+        while True:
+            deviation = self._deviation(segment, interval, span)
+            if deviation > _REJECT and not interval.shortest:
+                interval.halve()
+                continue
+            self._check_budget()
+            candidate = self.trial_step(segment, interval.dt, interval.next_time)
+            error = max(deviation, candidate.error)
+            if self._first_step_was_too_long(candidate, interval):
+                continue
+            contact = candidate.contact
+            if self._sets_off_too_far(contact, interval) or self._overshoots_its_zone(contact, interval):
+                self._reject(interval)
+                continue
+            if error > _REJECT and not interval.shortest:
+                self._reject(interval)
+                continue
+            peak = self._tension_peak(candidate)
+            if peak is not None and peak.rise * interval.dt > peak.allowed and not interval.shortest:
+                self._reject(interval)
+                continue
+            if peak is None or not self._divide_last_step(peak, interval):
+                return candidate, error
 
     def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
         """A step with its edge within one step's travel.
