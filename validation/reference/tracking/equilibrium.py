@@ -97,11 +97,18 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
         if longest >= outermost and law.adhesion.stress is not None:
             raise zone_too_long(longest, outermost)
         return surface
-    longest = law.smallest_radius
+    short = _shorter_contact(tip_residual, law.smallest_radius)
+    if short is not None:
+        raise zone_too_long(zone, short)
+    return None
+
+
+def _shorter_contact(tip_residual: Callable[[float], float], longest: float) -> float | None:
+    """Radius below ``longest`` of the contact that there would be with a vanishing zone, if any."""
     while longest > SHORTEST:
         short = _outermost(tip_residual, 1e-6 * longest, longest)
         if short is not None:
-            raise zone_too_long(zone, short)
+            return short
         longest *= 1e-6
     return None
 
