@@ -39,5 +39,11 @@ def carry_out(options: argparse.Namespace, jobs: int) -> int:
 
     registry.usable()  # names those that cannot be loaded
     return report.run(
-        options.suite, options.out, jobs, options.estimates, options.baseline, options.fresh, options.fields
+        options.suite,
+        options.out,
+        jobs,
+        estimate=options.estimates,
+        baseline=options.baseline,
+        fresh=options.fresh,
+        fields=options.fields,
     )

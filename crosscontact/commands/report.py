@@ -28,6 +28,7 @@ def run(
     suite: str,
     out: str,
     jobs: int,
+    *,
     estimate: bool = True,
     baseline: str | None = None,
     fresh: bool = False,
@@ -87,15 +88,20 @@ def run(
     code = exit_code(result.failures)
     if result.baseline is None:
         return code
-    for change in result.baseline.changes:
+    _print_changes(result.baseline)
+    return 1 if result.baseline.beyond else code
+
+
+def _print_changes(since: regression.ReportComparison) -> None:
+    """What is not as in the earlier report."""
+    for change in since.changes:
         print(f"changed: {change}")
-    print(result.baseline.verdict)
-    for move in result.baseline.beyond:
+    print(since.verdict)
+    for move in since.beyond:
         print(
             f"moved: {move.scene}: {move.solver}: {move.what}: {cell(move.before)} -> {cell(move.after)}",
             file=sys.stderr,
         )
-    return 1 if result.baseline.beyond else code
 
 
 def _fields(comparisons: Sequence[SceneComparison]) -> cycle_fields.CycleFields:
