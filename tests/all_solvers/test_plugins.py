@@ -104,7 +104,7 @@ def test_commands_that_run_all_solvers_go_on_without_a_broken_one(
     name, *more = command.replace("SCENE", str(small_scene(tmp_path))).split()
     ran = []
     monkeypatch.setattr(
-        import_module(f"crosscontact.commands.{name}"), "run", lambda *_: ran.extend(SOLVERS) or 0
+        import_module(f"crosscontact.commands.{name}"), "run", lambda *_, **__: ran.extend(SOLVERS) or 0
     )
     assert main([name, *more, "--out", str(tmp_path / "out")]) == 0
     assert ran == ["bem", "fem", "reference", "plug-spring"]
