@@ -95,7 +95,7 @@ class TrialStep(StepStart):
 
     def result(self) -> Candidate | FailedStep:
         """The candidate, or why there is none."""
-        problem, state, step = self.problem, self.state, self.step
+        problem, state = self.problem, self.state
         edge, limit = state.contact.edge, problem.scene.indenter.edge
         low = max(edge - self.reach(advancing=False), 0.25 * edge, problem.zone)
         high = min(edge + self.reach(advancing=True), limit)
@@ -111,21 +111,25 @@ class TrialStep(StepStart):
         at_end = cache(lambda at: self._trial(self.end, at))
         expected = self._expected_edge()
         if expected == edge and self._hardly_turns(at_end(edge).residual):
-            return Candidate(self.end, at_end(edge), step_error(self, at_end(edge), step))
+            return self._ending(at_end(edge))
         root = self._root(at_end, expected, low, high)
         if (root.x - edge) * state.contact.history.direction < 0.0:
             excess = at_end(edge).residual
             if self._hardly_turns(excess):
-                return Candidate(self.end, at_end(edge), step_error(self, at_end(edge), step))
+                return self._ending(at_end(edge))
             if (root.x - edge) * excess > 0.0:
                 low, high = (low, edge) if excess > 0.0 else (edge, high)
                 root = self._root(at_end, edge, low, high)
         if root.position == "converged" and 0.0 < root.x - edge <= self.accuracy:
-            return Candidate(self.end, at_end(edge), step_error(self, at_end(edge), step), root.slope)
+            return self._ending(at_end(edge), root.slope)
         if root.position == "converged" or (root.position == "above" and high == limit):
-            return Candidate(self.end, root.trial, step_error(self, root.trial, step), root.slope)
+            return self._ending(root.trial, root.slope)
         receding = root.position == "below"
         return self._to_travel_limit(receding, low if receding else high, root)
+
+    def _ending(self, trial: TrialContact, slope: float = 0.0) -> Candidate:
+        """The candidate of the whole step."""
+        return Candidate(self.end, trial, step_error(self, trial, self.step, slope), slope)
 
     def to_speed_jump(self, candidate: Candidate) -> Candidate | None:
         """A shorter step than a candidate's, to the first radius on its way at which its speed may jump.
@@ -241,7 +245,7 @@ class TrialStep(StepStart):
         start, edge = self.state.parameter, self.state.contact.edge
         trial = self._trial(self.end, edge)
         if trial.residual <= 0.0:
-            return Candidate(self.end, trial, step_error(self, trial, self.end - start, self.step))
+            return Candidate(self.end, trial, step_error(self, trial, self.end - start, rate_step=self.step))
         known = _RESIDUAL_ACCURACY * self.settings.tolerance * self.problem.work
         if self._trial(start, edge).residual >= -max(1e-6 * trial.residual, known):
             return None

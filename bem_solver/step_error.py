@@ -71,7 +71,13 @@ def least_bent_travel(start: StepStart, edge: float) -> float:
     return _BENT_SHARE_OF_ZONE * finer * start.problem.length_at(edge)
 
 
-def step_error(start: StepStart, trial: TrialContact, step: float, rate_step: float | None = None) -> float:
+def step_error(
+    start: StepStart,
+    trial: TrialContact,
+    step: float,
+    slope: float = 0.0,
+    rate_step: float | None = None,
+) -> float:
     """Departure of edge and load from straight lines, in tolerances.
 
     Parameters
@@ -80,6 +86,8 @@ def step_error(start: StepStart, trial: TrialContact, step: float, rate_step: fl
     trial : TrialContact
         At the end of the step.
     step : float
+    slope : float, optional
+        Derivative of the residual with the edge at the end of the step, that of the last one by default (0).
     rate_step : float, optional
         Step for which rates are taken, ``step`` itself by default.
 
@@ -88,7 +96,7 @@ def step_error(start: StepStart, trial: TrialContact, step: float, rate_step: fl
     float
     """
     rates = start.state.accepted.rates(step if rate_step is None else rate_step)
-    of_edge, of_load, _ = _departures(start, trial, step, rates)
+    of_edge, of_load, _ = _departures(start, trial, step, rates, slope)
     return max(of_edge, _LOAD_WEIGHT * of_load) / start.settings.tolerance
 
 
@@ -134,7 +142,7 @@ def error_at_limit(
 
 
 def _departures(
-    start: StepStart, trial: TrialContact, step: float, rates: tuple[float, float]
+    start: StepStart, trial: TrialContact, step: float, rates: tuple[float, float], slope: float = 0.0
 ) -> tuple[float, float, float]:
     """Departures of edge and load from lines of these rates, and the change of load on its line, to scale."""
     problem, interval, contact = start.problem, start.interval, start.state.contact
@@ -152,7 +160,7 @@ def _departures(
     if problem.over_zones(contact.edge) and not problem.rated:  # a rated edge is told by its speed
         if start.state.accepted.curved:
             missed = edge - start.state.accepted.edge_after(step)
-        of_edge = min(of_edge, _departure_of_closure(start, edge, abs(missed)))
+        of_edge = min(of_edge, _departure_of_closure(start, edge, abs(missed), slope))
     of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
     return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
 
@@ -180,12 +188,15 @@ def _load_scale(start: StepStart, surface: ContactSurface, step: float) -> float
     return scale / max(softer, 1.0)  # on a soft spring it is the penetration that misses its line the farther
 
 
-def _departure_of_closure(start: StepStart, edge: float, missed: float) -> float:
+def _departure_of_closure(start: StepStart, edge: float, missed: float, slope: float) -> float:
     """Change of the closure over the error of extrapolating the edge, relative to what is allowed.
 
-    Or that error itself, if it is larger relative to what is allowed of it.
+    Or that error itself, if it is larger relative to what is allowed of it. The ``slope`` of the closure is
+    that at the end of the step: before a place where the edge has rested, or after its load has turned, it
+    is many times that of the step before.
     """
-    problem, slope = start.problem, start.state.last_slope
+    problem = start.problem
+    slope = slope or start.state.last_slope
     if slope <= 0.0:
         return math.inf
     of_radius = missed / (_SHARE_OF_TRAVEL * _MOST_SHARE_OF_RADIUS * edge)

@@ -19,7 +19,19 @@ from bem_solver.creep import Chain
 from bem_solver.outer_fall import OuterFall
 from bem_solver.size_estimates import edge_step, graded_annuli
 from bem_solver.surface import ContactSurface
-from contact_scene import Adhesion, Branch, Force, Hold, Loading, Material, Oscillate, Ramp, Scene, Sphere
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Material,
+    Oscillate,
+    Ramp,
+    Scene,
+    Sphere,
+)
 
 PULL_OFF = {1.3e-3: 0.02028430, 1.3e-4: 0.02305769, 1.3e-5: 0.02343383, 1.3e-6: 0.02347723}
 DISTANCES = np.array([1e-9, 1e-7, 1e-5, 1e-3, 0.1, 0.5])
@@ -316,3 +328,21 @@ def test_third_opening_of_an_oscillation_over_a_short_zone():
     loading = Loading("relaxed", 2e-5, (Oscillate(5e-6, 6.28, 2.67),))
     trace = bem(Scene(material, Sphere(1e-3), loading, Adhesion(0.05, 1.5e-9)))
     assert_allclose(trace.contact_radius[-1], 1.516111e-4, atol=1e-3 * np.ptp(trace.contact_radius))
+
+
+@pytest.mark.parametrize(
+    ("steps", "radius", "swing"),
+    [
+        ((ForceRamp(1e-3, 5e-3), ForceRamp(1.5e-3, 5e-3)), 1.5506403e-4, 6.856e-6),
+        ((Ramp(2.5e-5, 2e-5), Ramp(2.45e-5, 2e-5)), 1.6681668e-4, 4.898e-6),
+    ],
+    ids=["force", "penetration"],
+)
+def test_edge_goes_on_where_its_load_turns(steps, radius, swing):
+    """It goes nearly as far in a tenth of the time: no leap, but steps as short as its speed asks.
+
+    Radius by front tracking at the end, zone 1e-5 of it. Taken for a leap it is 15 and 2.5 zones off.
+    """
+    material = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
+    trace = bem(Scene(material, Sphere(1e-3), Loading("relaxed", 2e-5, steps), Adhesion(0.05, 1.5e-9)))
+    assert_allclose(trace.contact_radius[-1], radius, atol=3e-4 * swing)

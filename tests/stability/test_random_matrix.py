@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, Ramp, Scene, Sphere, Table, Trace
+from contact_scene import Adhesion, Counters, Hold, Outcome, OutcomeKind, Ramp, Scene, Sphere, Table, Trace
 from validation import solvers
 from validation.execution.runs import Run
 from validation.execution.tasks import Task, TaskEnding, TaskResult
@@ -19,12 +19,14 @@ from validation.stability import (
     random_matrix,
     random_report,
     random_runs,
+    random_swings,
     trace_invariants,
 )
 from validation.stability.random_answers import AnswerFinding, JudgedScene, RandomSceneAnswer, examine
 from validation.stability.random_instruments import random_instrument
 from validation.stability.random_matrix import table
 from validation.stability.random_scenes import LOADINGS, random_scene, random_short_zone
+from validation.stability.random_swings import random_swing
 
 CHOSEN = next(
     one for one in map(random_scene, range(1, 100)) if one.kind == "retraction" and not one.profile_times
@@ -110,6 +112,19 @@ def test_short_zones_are_short_and_a_family_of_their_own():
     assert 3e-9 < zones.min() < 3e-7
     assert 3e-6 < zones.max() < 3e-4
     assert {one.kind for one in spheres} == set(LOADINGS)
+
+
+def test_swings_go_to_and_fro_over_short_zones():
+    assert random_swing(7) == random_swing(7)
+    assert random_matrix.FAMILIES["swings"](7) == random_swing(7)
+    many = [random_swing(seed) for seed in range(1, 80)]
+    assert {one.kind for one in many} == set(random_swings.LOADINGS)
+    spheres = [one.scene for one in many if isinstance(one.scene.indenter, Sphere)]
+    zones = [scene.adhesion.zone / scene.indenter.radius for scene in spheres]
+    assert 1e-8 < min(zones) < 1e-6 < 1e-4 < max(zones) < 1e-2
+    ramps = [one.scene.loading.steps for one in many if one.kind in {"triangles", "forces"}]
+    assert all(sum(not isinstance(step, Hold) for step in steps) >= 4 for steps in ramps)
+    assert any(isinstance(step, Hold) for steps in ramps for step in steps)
 
 
 def test_solvers_may_be_left_out_but_not_the_reference(tmp_path, asked):

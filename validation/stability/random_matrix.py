@@ -30,11 +30,13 @@ from validation.stability.random_answers import (
 from validation.stability.random_instruments import random_instrument
 from validation.stability.random_runs import RandomRunSettings, judged_scenes
 from validation.stability.random_scenes import RandomScene, random_scene, random_short_zone
+from validation.stability.random_swings import random_swing
 
 FAMILIES: dict[str, Callable[[int], RandomScene]] = {
     "usual": random_scene,
     "instruments": random_instrument,
     "short-zones": random_short_zone,
+    "swings": random_swing,
 }
 """What makes the scene of a seed, by the family of scenes."""
 
