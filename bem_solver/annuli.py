@@ -8,8 +8,9 @@ these are ``sin(pi j/2M)`` and ``sin(pi (j + 1/2)/2M)``. Because the kernel is s
 every contact radius: the edge is continuous, the matrix is factorised once. The error of piecewise constant
 pressure under an edge singularity is the same pattern on every grid, known from the flat punch, whose
 pressure ``1/(pi sqrt(1 - x^2))`` and displacement ``(2/pi) arcsin(1/x)`` are exact: the singular part of
-every solution is taken out with them, and annuli carry the rest. Unit plane modulus; lengths in contact
-radii.
+every solution is taken out with them, and annuli carry the rest. What they miss of a profile ``x^n``, that
+of the indenter, is known as well (``power_contact``), and is added in the measure in which a solution holds
+it. Unit plane modulus; lengths in contact radii.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from scipy.linalg.lapack import dgetrf, dgetrs
 from scipy.special import ellipj, ellipkm1
 
 from bem_solver.kernel import annulus_influence
+from bem_solver.power_contact import PowerContact
 
 Array = NDArray[np.float64]
 
@@ -73,6 +75,8 @@ class Annuli:
         Their number M.
     grading : float
         Step of the angle at the edge over that at the centre, ``0 < k' <= 1``.
+    exponent : float
+        That of the profile for which they are exact.
 
     Attributes
     ----------
@@ -84,8 +88,8 @@ class Annuli:
         Displacement at the collocation radii under unit pressure on each annulus.
     """
 
-    def __init__(self, count: int, grading: float = 1.0) -> None:
-        self.count, self.grading = count, grading
+    def __init__(self, count: int, grading: float = 1.0, exponent: float = 2.0) -> None:
+        self.count, self.grading, self.exponent = count, grading, exponent
         numbers = np.arange(count + 1.0)
         angle = self._angle(numbers)
         middle = 0.5 * (angle[1:] + angle[:-1]) if grading == 1.0 else self._angle(numbers[:-1] + 0.5)
@@ -97,8 +101,6 @@ class Annuli:
         self._factors, self._pivots, info = dgetrf(self.matrix)
         if info:  # cannot happen for distinct annuli
             raise ArithmeticError("the influence matrix is singular")
-        # average of sqrt(1 - x^2) over an annulus of constant pressure
-        self._weight = 0.5 * (np.cos(angle[1:]) + np.cos(angle[:-1]))
         self.punch = self.solve(np.ones(count))
         self._per_pressure = 1.0 / (np.pi * self.punch)
         offsets = (np.arange(3) + 0.5) ** 2
@@ -107,6 +109,7 @@ class Annuli:
         # displacement outside, at the same angles arcsin(1/x); the far end, arcsin = 0, is zero
         self._outside = annulus_influence(1.0 / np.sin(angle[1:]), self.borders)
         self._outside_punch = self._outside @ self.punch
+        self._calibrate(PowerContact(exponent), 1.0 / np.sin(angle[1:]))
         if grading != 1.0:
             self._table_number = np.arange(_PER_ANNULUS * count + 1.0) / _PER_ANNULUS
             self._table_angle = self._angle(self._table_number)
@@ -166,17 +169,45 @@ class Annuli:
         """Number of annuli within a share of the radius inside the edge."""
         return self.count - float(self.position(np.array(np.arcsin(1.0 - share))))
 
-    def __reduce__(self) -> tuple[type[Annuli], tuple[int, float]]:
+    def __reduce__(self) -> tuple[type[Annuli], tuple[int, float, float]]:
         """Kept as number and grading alone: matrix and factors are made anew, bit for bit."""
-        return Annuli, (self.count, self.grading)
+        return Annuli, (self.count, self.grading, self.exponent)
+
+    def _calibrate(self, shape: PowerContact, outside: Array) -> None:
+        """What annuli miss of a displacement ``x^n``, and how much of it a pressure holds.
+
+        That is read in the interior, where fields are smooth; of the punch there reads none.
+
+        Parameters
+        ----------
+        shape : PowerContact
+            The displacement.
+        outside : ndarray (M,)
+            Radii at which the displacement outside is sampled.
+        """
+        profile = self.radii**shape.exponent
+        pressure = self.solve(profile)
+        reading = self.areas * (1.0 - self.radii**2)
+        reading *= profile - float(reading @ profile) / float(reading.sum())
+        self._reading = reading / float(reading @ (self._per_pressure * pressure))
+        self._missed_density = shape.density(self.radii) - self._per_pressure * pressure
+        found = 2.0 * shape.kappa + float(self.areas @ (pressure - shape.kappa * self.punch))
+        self._missed_force = shape.force - found
+        punch = shape.kappa * (2.0 / np.pi * np.arcsin(1.0 / outside) - self._outside_punch)
+        self._missed_outside = shape.outside(outside) - punch - self._outside @ pressure
+
+    def _curvature(self, pressure: Array) -> float:
+        """How much of the displacement ``x^n`` there is in pressures (M,)."""
+        return float(self._reading @ (self._per_pressure * pressure))
 
     def solve(self, displacement: Array) -> Array:
         """Pressures (M,) or (M, c) that produce the given displacements at the collocation radii."""
         return dgetrs(self._factors, self._pivots, displacement)[0]
 
     def force(self, pressure: Array, kappa: float) -> float:
-        """Force of pressures (M,), their singular part ``2 kappa``, that of the punch, exact."""
-        return float(2.0 * kappa + self.areas @ (pressure - kappa * self.punch))
+        """Force of pressures (M,), exact for the punch, whose part in it is ``2 kappa``, and the profile."""
+        missed = self._missed_force * self._curvature(pressure)
+        return float(2.0 * kappa + self.areas @ (pressure - kappa * self.punch)) + missed
 
     def work(self, pressure: Array, displacement: Array) -> Array:
         """``int p g`` of pressures (M,) and smooth fields g (M, ...) at the collocation radii, shape (...).
@@ -186,12 +217,13 @@ class Annuli:
         return (self.areas * pressure) @ self._averages @ displacement
 
     def density(self, pressure: Array) -> Array:
-        """``q_j = p sqrt(1 - x^2)`` at the collocation angles, edge pattern taken out by the punch, (M,)."""
-        return self._per_pressure * pressure
+        """``q_j = p sqrt(1 - x^2)`` at the collocation angles, (M,), exact for the punch and the profile."""
+        return self._per_pressure * pressure + self._curvature(pressure) * self._missed_density
 
     def pressure(self, density: Array) -> Array:
         """Pressures (M,) of a density, inverse of :meth:`density`."""
-        return density / self._per_pressure
+        curvature = float(self._reading @ density) / (1.0 + float(self._reading @ self._missed_density))
+        return (density - curvature * self._missed_density) / self._per_pressure
 
     def edge_strength(self, density: Array) -> float:
         """``kappa = pi q(edge)``: displacement of the flat punch with the same edge singularity."""
@@ -204,6 +236,7 @@ class Annuli:
         """
         samples = np.zeros(self.count + 3)
         samples[2:-1] = self._outside @ pressure - kappa * self._outside_punch
+        samples[2:-1] += self._curvature(pressure) * self._missed_outside
         samples[0] = -samples[2]  # odd about the far end (~1/x); about the edge continued by a cubic
         fourth, third, second, last = samples[-5:-1].tolist()
         samples[-1] = 4.0 * last - 6.0 * second + 4.0 * third - fourth

@@ -32,7 +32,19 @@ from bem_solver.size_estimates import (
 )
 from bem_solver.start import contact_scale, start_state
 from bem_solver.stepping import SOLVER, GradedRun
-from contact_scene import Adhesion, Counters, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
+from contact_scene import (
+    Adhesion,
+    Cone,
+    Counters,
+    Indenter,
+    Outcome,
+    OutcomeKind,
+    PowerLaw,
+    RunMonitor,
+    Scene,
+    Trace,
+    UnsupportedScene,
+)
 from contact_scene.machine import on_machine
 from contact_scene.run_control import LoadingCursor, kept_state, single_threaded
 
@@ -160,6 +172,16 @@ def _beyond_floating_point(error: ArithmeticError) -> str:
     return f"a number is beyond the range of floating point ({error})"
 
 
+def _exponent(indenter: Indenter) -> float:
+    """Exponent of the indenter's profile; 2, the smooth one, where it has none."""
+    match indenter:
+        case Cone():
+            return 1.0
+        case PowerLaw():
+            return indenter.exponent
+    return 2.0
+
+
 def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Problem, float]:
     """The problem on annuli that resolve process zone and boundary layer, and the scale of its contact."""
     chain = Chain(scene.material, options.scheme == "backward-euler")
@@ -174,10 +196,10 @@ def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Pr
         share = min(zone / largest, 1.0)
         step = edge_step(divisions, share, largest, thinnest_layer(scene, chain, largest, zone, divisions))
         finer = 1 if zone < LONG_ZONE * largest else _FINER_OF_LONG_ZONE
-        annuli = Annuli(*graded_annuli(finer * divisions, step))
+        annuli = Annuli(*graded_annuli(finer * divisions, step), _exponent(scene.indenter))
         at_edge = np.arccos(1.0 - share) / step  # more than the annuli in the zone where they resolve a layer
         rule = ClosureRule.resolving(int(max(annuli.number_within(share), at_edge)))
     else:
-        annuli = Annuli(annuli_needed(divisions, _SMOOTH_SHARE))
+        annuli = Annuli(annuli_needed(divisions, _SMOOTH_SHARE), exponent=_exponent(scene.indenter))
     problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
     return problem, max(largest, initial)
