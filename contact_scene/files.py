@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv
+import errno
 import glob
 import io
 import os
+import re
 import uuid
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -16,6 +18,8 @@ from contact_scene.errors import SceneError, shown
 
 TOO_LARGE = 10_000_000
 """Bytes; a scene or a table larger than this is a mistake."""
+_COMMENTS = 1000
+"""Lines among which the header of a table is looked for."""
 
 
 def read_text(file: Path, most: int = TOO_LARGE) -> str:
@@ -48,8 +52,16 @@ def read_text(file: Path, most: int = TOO_LARGE) -> str:
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
-    """Write a file so that it appears whole or not at all, also when the program is killed; text as UTF-8."""
+    """Write a file so that it appears whole or not at all, also when the program is killed; text as UTF-8.
+
+    Raises
+    ------
+    OSError
+        With the name of the file; also where a device or a pipe stands, which a new file would take away.
+    """
     target = Path(path)
+    if not target.name or (target.exists() and not target.is_file()):
+        raise OSError(errno.EINVAL, "is not the name of a regular file", str(target))
     partial = target.with_name(f".{target.name}.{uuid.uuid4().hex}.part")
     try:
         with partial.open("xb") as stream:
@@ -57,6 +69,10 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
             stream.flush()
             os.fsync(stream.fileno())
         partial.replace(target)
+    except OSError as error:
+        if error.errno is not None and error.filename is None:  # a full disk is told by its number alone
+            error.filename = str(target)
+        raise
     finally:
         partial.unlink(missing_ok=True)
 
@@ -82,10 +98,17 @@ def read_rows(text: str, file: str) -> list[tuple[int, list[str]]]:
     return rows
 
 
-def read_pairs(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Two columns of numbers from a CSV; comments (#) and one header line are allowed."""
+def read_pairs(
+    file: Path, names: tuple[str, str], others: Sequence[str] = ()
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Two columns of numbers from a CSV; comments (#) and one header line are allowed.
+
+    A header may say anything but that the columns stand the other way round, or that the second one is what
+    ``others`` name.
+    """
     shown_file, allowed = str(file), f"rows of two finite numbers: {names[0]}, {names[1]}"
     text = read_text(file)
+    _check_header(text, names, others, shown_file)
     columns = _plain_columns(text)
     if columns is not None:
         return columns
@@ -99,6 +122,16 @@ def read_pairs(file: Path, names: tuple[str, str]) -> tuple[tuple[float, ...], t
         first.append(float(cells[0]))
         second.append(float(cells[1]))
     return tuple(first), tuple(second)
+
+
+def _check_header(text: str, names: tuple[str, str], others: Sequence[str], file: str) -> None:
+    """Refuse a header that says of a column what it is not."""
+    lines = enumerate(text.split("\n", _COMMENTS)[:_COMMENTS], 1)
+    number, header = next(((at, one) for at, one in lines if one.strip() and one.lstrip()[0] != "#"), (0, ""))
+    words = [(re.findall(r"[^\W\d_]+", cell) or [""])[0].lower() for cell in header.split(",")]
+    swapped = words[0] == names[1] or (words[0] != names[0] and names[0] in words)
+    if swapped or any(word in others for word in words):
+        raise SceneError(f"line {number}", f"got {shown(header)}", f"the columns {', '.join(names)}", file)
 
 
 def _plain_columns(text: str) -> tuple[tuple[float, ...], tuple[float, ...]] | None:

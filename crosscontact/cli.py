@@ -7,6 +7,7 @@ Nothing heavy is imported until a command needs it.
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from typing import TYPE_CHECKING
@@ -22,6 +23,7 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
+    _prepare_streams()
     try:  # around the imports, too: an interruption in them is told as any other
         from crosscontact.arguments import parser
         from validation.execution.signals import interrupting
@@ -50,6 +52,16 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"crosscontact: error: {' '.join(str(error).split())}", file=sys.stderr)
             return 1
         raise
+
+
+def _prepare_streams() -> None:
+    """Output may be closed (``>&-``), and may not know Greek letters (another encoding)."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, io.TextIOWrapper(io.FileIO(os.devnull, "w"), encoding="utf-8"))
+        elif isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="replace")
 
 
 def _run(options: argparse.Namespace) -> int:

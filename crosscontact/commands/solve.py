@@ -93,9 +93,11 @@ def run(
     if result.refused:
         print(f"crosscontact: error: {result.failure}", file=sys.stderr)
         return 2
-    if folder is not None:
-        write_run(folder, case.scene, result)
-    _print(case, result, estimate)
+    try:
+        if folder is not None:
+            write_run(folder, case.scene, result)
+    finally:  # numbers that a full disk does not take are printed all the same
+        _print(case, result, estimate)
     if not said:
         warn(result.warnings)
     if drawn is not None and result.trace is not None:

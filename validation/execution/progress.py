@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from contextlib import suppress
 from types import TracebackType
 from typing import TextIO
 
@@ -31,6 +32,8 @@ SATURATION = 3.0
 reached, 99 % at three times as many, which is what a forecast may be wrong by."""
 AFTER = 1.0
 """Seconds of a phase before which a rate says nothing."""
+GONE = (OSError, ValueError)
+"""What a stream raises that is closed, full or without a reader. None of it ends the work."""
 
 
 class Progress:
@@ -105,7 +108,8 @@ class Progress:
         self._closed.set()
         with self._lock:
             if self._terminal:
-                self._bar.stop()
+                with suppress(*GONE):
+                    self._bar.stop()
 
     def __enter__(self) -> Progress:
         return self
@@ -126,20 +130,19 @@ class Progress:
 
     def _keep_telling(self) -> None:
         while not self._closed.wait(1.0):
-            try:
-                self.tell()
-            except (OSError, ValueError):  # the stream is closed
-                return
+            self.tell()
 
     def _redraw(self, text: str, now: float) -> None:
-        self._bar.start()
-        self._bar.update(self._task, completed=self._fraction, text=text[:TEXT], refresh=True)
         self._shown = now
+        with suppress(*GONE):
+            self._bar.start()
+            self._bar.update(self._task, completed=self._fraction, text=text[:TEXT], refresh=True)
 
     def _write(self, text: str, now: float) -> None:
-        self._stream.write(f"{self._name}: {text}\n")
-        self._stream.flush()
         self._shown = now
+        with suppress(*GONE):
+            self._stream.write(f"{self._name}: {text}\n")
+            self._stream.flush()
 
 
 class StepProgress:

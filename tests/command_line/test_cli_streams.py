@@ -1,0 +1,77 @@
+"""Output that goes nowhere, or not far: closed, full, without a reader, in another encoding."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import subprocess
+import sys
+
+import pytest
+from support.spring_solver import fake, named, small_scene
+
+from crosscontact.cli import main
+from validation import solvers
+from validation.execution import progress
+
+
+@pytest.fixture
+def scene_file(tmp_path, monkeypatch):
+    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", fake()))
+    return small_scene(tmp_path)
+
+
+@pytest.mark.parametrize("closed", [">&-", ">&- 2>&-"])
+def test_closed_output_is_no_error(closed):
+    command = f"{sys.executable} -m crosscontact scenes {closed}"
+    said = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert (said.returncode, said.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp1252"])
+def test_units_in_greek_letters_pass_through_any_encoding(scene_file, monkeypatch, encoding):
+    buffer = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(buffer, encoding=encoding))
+    assert main(["solve", scene_file, "--solver", "bem"]) == 0
+    assert "pull_off_force" in buffer.getvalue().decode(encoding)
+
+
+class Gone(io.StringIO):
+    """What a terminal that was closed, or a pipe that nobody reads, makes of a stream."""
+
+    encoding = "utf-8"
+
+    def __init__(self, terminal):
+        super().__init__()
+        self._terminal = terminal
+
+    def isatty(self):
+        return self._terminal
+
+    def write(self, text):
+        number = errno.EIO if self._terminal else errno.EPIPE
+        raise OSError(number, os.strerror(number))
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_without_a_reader_ends_no_work(terminal, monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    show = progress.Progress("work", Gone(terminal))
+    show.phase("solving")
+    show(0.5, "half")
+    show.tell()
+    show.close()
+
+
+def test_numbers_that_cannot_be_written_are_printed(scene_file, tmp_path, monkeypatch, capsys):
+    def full(descriptor):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    assert main(["solve", scene_file, "--solver", "bem", "--out", str(tmp_path / "out")]) == 1
+    out, err = capsys.readouterr()
+    assert "pull_off_force" in out
+    assert err.count("\n") == 1
+    assert "No space left on device: " in err
+    assert "scene.toml" in err
