@@ -148,6 +148,12 @@ def one_of(value: Any, key: str, choices: Sequence[str]) -> str:
     return value
 
 
+def of_class(value: Any, key: str, classes: Any, allowed: str) -> None:
+    """Check the class of what a function is given."""
+    if not isinstance(value, classes):
+        raise SceneError(key, f"got {shown(value)}", allowed)
+
+
 class _Short(reprlib.Repr):
     """A ``repr`` bounded in length and depth, whatever a file contains."""
 

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import LARGEST, SMALLEST, SceneError, number, positive
+from contact_scene.errors import LARGEST, SMALLEST, SceneError, number, of_class, positive
 from contact_scene.material import Branch, Material
 from contact_scene.measured_moduli import DynamicData, RelaxationData
 from contact_scene.series_design import LAST_REFINEMENTS, PronySeries, SeriesDesign, root_mean_square
@@ -163,6 +163,8 @@ def fit_prony(
     -------
     PronyFit
     """
+    measured = "RelaxationData or DynamicData, as read_measured reads them from a file"
+    of_class(data, "data", (RelaxationData, DynamicData), measured)
     number(tolerance, "tolerance", "0 <= tolerance <= 1", low=0.0, high=1.0)
     grid = _grid(data)
     design = SeriesDesign(data, grid, None if relaxed is None else positive(relaxed, "modulus"))

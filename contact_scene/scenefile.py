@@ -18,7 +18,7 @@ import tomli_w
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach import Approach
 from contact_scene.edge_rate import PowerRate, RateTable
-from contact_scene.errors import FINITE, POSITIVE, SceneError, one_of, shown
+from contact_scene.errors import FINITE, POSITIVE, SceneError, of_class, one_of, shown
 from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.load_steps import STEPS
@@ -89,6 +89,7 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
 
 def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     """Write a scene as TOML (tables of profiles and loading go into CSV files beside it)."""
+    of_class(scene, "scene", Scene, "a Scene")
     target = Path(path)
     data: dict[str, Any] = {"title": scene.title, "material": _material_table(scene.material)}
     if isinstance(scene.indenter, TabulatedProfile):
@@ -322,7 +323,7 @@ def _step(entry: Any, where: Path) -> Step:
     _known(entry, "", ("kind", "file", "quantity", "interpolation"))
     quantity = one_of(entry.get("quantity", QUANTITIES[0]), "quantity", QUANTITIES)
     path = _beside(where, _require(entry, "file", f"a CSV file of time, {quantity}"))
-    times, values = read_pairs(path, ("time", quantity))
+    times, values = read_pairs(path, ("time", quantity), [one for one in QUANTITIES if one != quantity])
     options = {key: entry[key] for key in ("quantity", "interpolation") if key in entry}
     try:
         return Table(times, values, str(entry["file"]), **options)

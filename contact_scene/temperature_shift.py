@@ -13,7 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contact_scene.errors import LARGEST, SMALLEST, SceneError, finite, positive
+from contact_scene.errors import LARGEST, SMALLEST, SceneError, finite, of_class, positive
 from contact_scene.material import Branch, BulkRelaxation, Material
 
 GAS_CONSTANT = 8.31446261815324
@@ -149,6 +149,10 @@ def at_temperature(material: Material, shift: Shift, temperature: float) -> Mate
     SceneError
         If ``temperature`` is outside what the shift covers, or a time leaves what a scene may hold.
     """
+    of_class(material, "material", Material, "a Material")
+    of_class(
+        shift, "shift", Shift, "WLF, Arrhenius, or a ShiftTable as read_shift_factors reads one from a file"
+    )
     log_factor = shift.log_factor(temperature)
     bulk = material.bulk
     if isinstance(bulk, BulkRelaxation):

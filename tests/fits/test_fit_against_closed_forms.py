@@ -163,3 +163,14 @@ def test_a_curve_is_refused_where_a_step_prescribes_the_force():
     loading = Loading("jump-in", 0.0, (Ramp(0.02, 0.02, until_force=1e-3), Force(1e-3, 1.0)))
     with pytest.raises(SceneError, match="do not prescribe the penetration"):
         synthetic(Scene(Material(0.75, 0.5), Sphere(1.0), loading))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"solver": "magic"}, {"seed": 1.5}, {"baseline": None}, {"drift": "0"}, {"contact_point": None}],
+    ids=str,
+)
+def test_what_a_curve_cannot_be_made_with_is_one_line(given):
+    scene = Scene(Material(0.75, 0.5), Sphere(1.0), Loading("jump-in", 0.0, (Ramp(0.02, 0.02),)))
+    with pytest.raises(SceneError, match=f"^{next(iter(given))}: .*got"):
+        synthetic(scene, **given)

@@ -19,8 +19,12 @@ from contact_scene import (
     Table,
     TabulatedProfile,
     read_scene,
+    write_scene,
 )
 from contact_scene.files import TOO_LARGE
+from contact_scene.prony import fit_prony
+from contact_scene.temperature_shift import WLF, at_temperature
+from validation.fits.synthetic import synthetic
 
 POSITIVE = "> 0"
 STEP = '[[loading.steps]]\nkind = "hold"\nduration = 1\n'
@@ -365,6 +369,9 @@ TABLE = swap(STEP, '[[loading.steps]]\nkind = "table"\nfile = "path.csv"\n')
         (b"0,0\n1_0,2\n", "line 2"),
         (b'0,0\n"1,2\n', "line 2"),
         (b"0,0\n\xff\xfe,2\n", "not a text file"),
+        (b"# of a rig\npenetration,time\n0,0\n1,1\n", "line 2: got 'penetration,time'"),
+        (b"t [s],time\n0,0\n1,1\n", "line 1"),
+        (b"time,Force [N]\n0,0\n1,1\n", "line 1"),
         (None, "cannot be read"),
     ],
 )
@@ -373,6 +380,16 @@ def test_bad_loading_table(tmp_path, rows, where):
     if rows is not None:
         (tmp_path / "path.csv").write_bytes(rows)
     assert refuse(tmp_path / "bad.toml").startswith(f"{tmp_path / 'path.csv'}: {where}")
+
+
+@pytest.mark.parametrize(
+    "header", ["time,penetration", "t (s), depth (um)", "time of row,time-lag", "Zeit,Weg"]
+)
+def test_headers_of_a_loading_table(tmp_path, header):
+    (tmp_path / "good.toml").write_text(TABLE)
+    (tmp_path / "path.csv").write_text(f"{header}\n0,0\n1,1\n")
+    (table,) = (one for one in read_scene(tmp_path / "good.toml").loading.steps if isinstance(one, Table))
+    assert table.times == (0.0, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -391,6 +408,11 @@ def test_bad_loading_table(tmp_path, rows, where):
         (lambda: TabulatedProfile((0.0, 1.0, 2.0), 7), "height"),
         (lambda: read_scene(3), ""),
         (lambda: read_scene(None), ""),
+        (lambda: write_scene("scene.toml", "again.toml"), "scene"),
+        (lambda: fit_prony("relaxation.csv"), "data"),
+        (lambda: at_temperature("rubber", WLF(17.0, 51.0, 300.0), 310.0), "material"),
+        (lambda: at_temperature(Material(1.0, 0.5), "aT.csv", 310.0), "shift"),
+        (lambda: synthetic("cycle-v0.1"), "scene"),
     ],
 )
 def test_classes_and_numbers_in_place_of_entries(build, key):

@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from contact_scene import Loading, Machine, Scene, SceneError
-from contact_scene.errors import NOT_NEGATIVE, not_negative, number, positive
-from contact_scene.run_control import LoadingCursor
+from contact_scene.errors import NOT_NEGATIVE, finite, number, of_class, one_of, positive
+from contact_scene.run_control import LoadingCursor, whole_number
 from contact_scene.segment import Segment
 from validation.fits.fit_run import FitRun, run_of, sampled
 from validation.fits.measured_curve import FEWEST_ROWS, Array, MeasuredCurve
-from validation.solvers import REFERENCE
+from validation.solvers import REFERENCE, SOLVERS
 
 ROWS = 300
 """Rows in contact where no sampling is asked for."""
@@ -75,7 +75,12 @@ def synthetic(
     SceneError
         If a load step controls the force, or the solver does not finish the scene.
     """
+    of_class(scene, "scene", Scene, "a Scene, as read_scene reads one from a file")
     noise = number(noise, "noise", NOT_NEGATIVE, low=0.0)
+    contact_point, baseline = finite(contact_point, "contact_point"), finite(baseline, "baseline")
+    drift = finite(drift, "drift")
+    seed = whole_number(seed, "seed", 0)
+    one_of(solver, "solver", tuple(SOLVERS))
     scene = _on_spring(scene, stiffness)
     segments = _driven_segments(scene)
     run = run_of(scene, solver, resolution)
@@ -90,7 +95,6 @@ def synthetic(
     scale = tension if scene.is_adhesive and tension > 0.0 else float(np.abs(run.force).max())
     force = exact + noise * scale * np.random.default_rng(seed).standard_normal(time.size)
     force += baseline + drift * time
-    not_negative(abs(contact_point), "contact_point")
     position = motion + contact_point
     spring = scene.loading.compliance > 0.0
     return MeasuredCurve(
