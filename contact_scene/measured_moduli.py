@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import LARGEST, SMALLEST, SceneError, positive
+from contact_scene.errors import LARGEST, SMALLEST, SceneError, positive, shown
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,10 @@ class DynamicData:
 def _set_columns(data: RelaxationData | DynamicData, names: Sequence[str]) -> None:
     """Check the columns of measured data: numbers > 0, as many in each, ascending in the first."""
     for name in names:
-        values = np.array(getattr(data, name), dtype=float)
+        try:
+            values = np.array(getattr(data, name), dtype=float)
+        except (TypeError, ValueError):
+            raise SceneError(name, f"got {shown(getattr(data, name))}", "numbers > 0") from None
         if values.ndim != 1 or values.size == 0 or values.shape != np.shape(getattr(data, names[0])):
             raise SceneError(name, f"shape {values.shape}", "as many numbers as in the other columns")
         if not ((values >= SMALLEST) & (values <= LARGEST)).all():

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 from contact_scene.errors import one_of
+from crosscontact.result import checked_path
 from validation.exam.answer_folder import read_folder
 from validation.exam.export import exam_cases, export_reference, export_scenes
 from validation.exam.judge import Judgement, judge_folder, reference_runs
@@ -34,7 +34,7 @@ def export_exam(
     tuple of str
         Names of the scenes.
     """
-    target = output_folder(folder, "folder")
+    target = output_folder(checked_path(folder), "folder")
     cases = exam_cases(one_of(suite, "suite", SUITES))
     export_scenes(target, cases)
     if with_reference:
@@ -58,7 +58,7 @@ def judge(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = N
         ``scenes``, each with a ``verdict`` in words for every code.
     """
     store = Store()
-    judgement = judge_folder(read_folder(Path(folder)))
+    judgement = judge_folder(read_folder(checked_path(folder)))
     if out is not None:
-        exam_report.write(judgement, output_folder(out, "out"), store.seconds)
+        exam_report.write(judgement, output_folder(checked_path(out, "out"), "out"), store.seconds)
     return judgement

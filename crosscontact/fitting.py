@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import shown
+from contact_scene.errors import as_tuple, of_class, shown
 from crosscontact import registry
 from crosscontact.result import checked_path
 from crosscontact.tables import aligned, html_table
@@ -37,6 +37,7 @@ __all__ = ["Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_cur
 
 Curve = MeasuredCurve | str | os.PathLike[str]
 """A curve, or the path of a file that holds some."""
+_CURVES = "one or several MeasuredCurve, or paths of files"
 
 
 class Fit:
@@ -163,36 +164,44 @@ def fit(
     measured = _measured(curves)
     _check_solvers(solver=solver, check_solver=check_solver)
     settings = FitSettings(
-        vary=_names(vary),
-        tie=_names(tie),
-        per_curve=_names(per_curve),
-        free=_names(free),
-        prony=tuple(prony),
+        vary=_names(vary, "vary"),
+        tie=_names(tie, "tie"),
+        per_curve=_names(per_curve, "per_curve"),
+        free=_names(free, "free"),
+        prony=as_tuple(prony, "prony", "several relaxation times"),
         regularisation=REGULARISATION if regularisation is None else regularisation,
         starts=starts,
         seed=seed,
-        profile=_names(profile),
+        profile=_names(profile, "profile"),
         solver=solver,
         resolution=resolution,
         check_solver=check_solver,
     )
+    of_class(
+        scene, "scene", (Scene, str, os.PathLike), "a Scene, the name of a built-in scene, or a scene file"
+    )
     guess = scene if isinstance(scene, Scene) else cases.load(os.fspath(scene)).scene
-    folder = None if out is None else output_folder(checked_path(out), "out")
+    folder = None if out is None else output_folder(checked_path(out, "out"), "out")
     return Fit(_fit_and_write(measured, guess, settings, folder, executor, progress))
 
 
 def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
     """All curves, those of files read."""
-    several = [curves] if isinstance(curves, (MeasuredCurve, str, os.PathLike)) else list(curves)
+    several = (
+        (curves,)
+        if isinstance(curves, (MeasuredCurve, str, os.PathLike))
+        else as_tuple(curves, "curves", _CURVES)
+    )
     measured: list[MeasuredCurve] = []
     for one in several:
+        of_class(one, "curves", (MeasuredCurve, str, os.PathLike), _CURVES)
         measured += [one] if isinstance(one, MeasuredCurve) else read_curves(one)
     return measured
 
 
-def _names(given: Sequence[str]) -> tuple[str, ...]:
+def _names(given: Sequence[str], key: str) -> tuple[str, ...]:
     """Paths and names as given; one of them may come without a sequence around it."""
-    return (given,) if isinstance(given, str) else tuple(given)
+    return (given,) if isinstance(given, str) else as_tuple(given, key, "several names")
 
 
 def _check_solvers(**solvers: str | None) -> None:
@@ -228,13 +237,14 @@ def _fit_and_write(
 
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:
     """The curves of a file: one of a CSV, all of a file that ``afmformats`` reads (extra ``fit``)."""
-    file = checked_path(path)
+    file = checked_path(path, "path")
     return read_afm(file) if is_afm_file(file) else [read_csv(file)]
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
     """Write a curve: as CSV, or by its ending (``.h5``, ``.tab``) as a file that AFM programs open."""
-    file = Path(checked_path(path))
+    of_class(curve, "curve", MeasuredCurve, "a MeasuredCurve")
+    file = checked_path(path, "path")
     if is_afm_file(file):
         write_afm(curve, file)
     else:

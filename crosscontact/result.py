@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contact_scene import Outcome, Scene, SceneError
-from contact_scene.errors import shown
+from contact_scene.errors import of_class
 from crosscontact import run_figure
 from crosscontact.key_numbers import key_numbers, table
 from crosscontact.tables import aligned, html_table
@@ -214,17 +214,19 @@ class Result:
         write_run(output_folder(checked_path(folder), "folder"), self.scene, self.run)
 
 
-def checked_path(folder: str | os.PathLike[str]) -> Path:
-    """The folder as a path.
+def checked_path(given: str | os.PathLike[str], key: str = "folder") -> Path:
+    """A folder, or a file, as a path.
 
     Raises
     ------
     SceneError
-        If it is none.
+        If it is none; an empty one, which would be the current folder, too.
     """
-    if not isinstance(folder, (str, os.PathLike)):
-        raise SceneError("folder", f"got {shown(folder)}", "the path of a folder")
-    return Path(folder)
+    allowed = f"the path of a {'file' if key == 'path' else 'folder'}"
+    of_class(given, key, (str, os.PathLike), allowed)
+    if not os.fspath(given):
+        raise SceneError(key, "is empty", allowed)
+    return Path(given)
 
 
 def _unit(column: str) -> str:

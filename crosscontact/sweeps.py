@@ -117,7 +117,7 @@ def sweep(
         table["points"] = points
     with ExitStack() as opened:
         plan = _checked_plan(table, _base(scene, opened), out is not None)
-        folder = None if out is None else opened.enter_context(locked_folder(checked_path(out), "out"))
+        folder = None if out is None else opened.enter_context(locked_folder(checked_path(out, "out"), "out"))
         stored = opened.enter_context(RunTable(folder))
         engine = _engine(opened, executor, jobs, batch_seconds)
         runs = carry_out(plan, stored, engine, progress)
