@@ -18,7 +18,7 @@ import tomli_w
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach import Approach
 from contact_scene.edge_rate import PowerRate, RateTable
-from contact_scene.errors import FINITE, POSITIVE, SceneError, of_class, one_of, shown
+from contact_scene.errors import FINITE, POSITIVE, SceneError, finite, of_class, one_of, shown
 from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.load_steps import STEPS
@@ -190,6 +190,8 @@ def _build(kind: type, data: dict[str, Any], tag: str | None = None) -> Any:
     for name, entry in known.items():
         if name not in data and entry.default is MISSING:
             raise SceneError(name, "is missing", f"keys {', '.join(known)}")
+        if name in data and entry.default != entry.default:  # NaN stands for what is left out
+            finite(data[name], name)
     return kind(**{k: v for k, v in data.items() if k != tag})
 
 

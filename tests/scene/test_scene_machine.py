@@ -99,6 +99,11 @@ def test_machine_is_read_and_written(tmp_path):
             with_steps('kind = "approach"\nrate = 1\nforce = 1\nto = 1\nretract = 0'),
             "loading.steps[0].retract",
         ),
+        (
+            with_steps('kind = "approach"\nrate = 1\nforce = 1\nto = 1\nretract = nan'),
+            "loading.steps[0].retract",
+        ),
+        (with_steps('kind = "approach"\nrate = 1\nforce = 1\nto = 1\naway = nan'), "loading.steps[0].away"),
         (with_steps('kind = "table"\nfile = "t.csv"\nquantity = "stage"'), "loading.steps[0].quantity"),
         (
             with_steps('kind = "table"\nfile = "t.csv"\ninterpolation = "spline"'),
