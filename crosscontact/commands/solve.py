@@ -96,6 +96,8 @@ def run(
     try:
         if folder is not None:
             write_run(folder, case.scene, result)
+            if result.finished:
+                writer.remove()  # before anything is printed, to a reader that may have gone
     finally:  # numbers that a full disk does not take are printed all the same
         _print(case, result, estimate)
     if not said:

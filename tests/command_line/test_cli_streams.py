@@ -64,6 +64,17 @@ def test_progress_without_a_reader_ends_no_work(terminal, monkeypatch):
     show.close()
 
 
+def test_a_reader_that_leaves_early_leaves_no_checkpoint(scene_file, tmp_path, monkeypatch):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "checkpoint").write_text("written while the run went on")
+    with monkeypatch.context() as reading:
+        reading.setattr(sys, "stdout", Gone(terminal=False))
+        reading.setattr(os, "dup2", lambda *descriptors: None)  # main turns what is left to the void
+        assert main(["solve", scene_file, "--solver", "bem", "--out", str(tmp_path / "out")]) == 0
+    names = sorted(file.name for file in (tmp_path / "out").iterdir())
+    assert names == ["scene.toml", "summary.json", "trace.csv"]
+
+
 def test_numbers_that_cannot_be_written_are_printed(scene_file, tmp_path, monkeypatch, capsys):
     def full(descriptor):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
