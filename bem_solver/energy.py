@@ -182,7 +182,7 @@ def share_of_balance(durations: Array, shortest: float) -> Array:
     durations : ndarray (n,)
         Of the steps.
     shortest : float
-        Of the retardation times.
+        Of the relaxation times.
 
     Returns
     -------

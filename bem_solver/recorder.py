@@ -25,7 +25,7 @@ power that the branch receives to be a cubic."""
 class TraceRecorder:
     """Rows, events and profiles of a run so far.
 
-    ``kinks`` are the rows after which slopes may jump, ``shortest`` is the shortest retardation time.
+    ``kinks`` are the rows after which slopes may jump, ``shortest`` is the shortest relaxation time.
     """
 
     rows: list[tuple[float, ...]] = field(default_factory=list)

@@ -130,7 +130,8 @@ def force_missed(trace, exact):
 def test_observed_order_when_annuli_and_steps_are_refined_together(rate, of_loop):
     """Two-sided: an order far above the scheme's would be chance, one a little below it is not.
 
-    At a resolution of 12 the force is right to 4e-7, close to what front tracking is. Of the force at all rows, because that of a single one, the largest tension, scatters from level to level;
+    At a resolution of 12 the force is right to 4e-7, close to what front tracking is. Of the force at all
+    rows, because that of a single one, the largest tension, scatters from level to level;
     so does the loop integral of a fast cycle, below 1e-5.
     """
     exact = front(cycle(rate), 40)
