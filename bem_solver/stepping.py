@@ -54,6 +54,9 @@ _ZONE_END_SHARE = 1e-4
 
 _SLIVER = 1e-9
 """Part of a step by which it may differ from the one wanted by rounding."""
+_AS_FAR = 0.99
+"""Travel, in that of a longer step in which nothing relaxes either, from which on an edge leaps: equal ones
+differ by rounding."""
 _SLIGHTLY_LONGER = 1.5
 """Step, in shortest ones, up to which it is as short as can be: it is rounded to multiples of a quarter."""
 
@@ -200,7 +203,7 @@ class GradedRun:
             before
             for before in self.state.rejected
             if (now.step < 0.01 * before.step and now.travel > 0.7 * before.travel)
-            or (now.step < 0.5 * before.step <= 0.5 * shortest and now.travel > before.travel)
+            or (now.step < 0.5 * before.step <= 0.5 * shortest and now.travel > _AS_FAR * before.travel)
         ]
         if now.load_error <= 1.0:
             return bool(as_far)
