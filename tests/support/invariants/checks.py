@@ -250,16 +250,17 @@ def differences_in_units(
         same = apart.max(initial=0.0) <= 1e-9 * trace.time.max(initial=0.0)
     exactly = 1e-9 * scene.material.glassy_modulus / scene.material.modulus
     rows, close = (slice(None), exactly) if same else (slice(-1, None), solver.declared(scene))
-    found = []
+    apart = {}
     for name, unit in units.items():
         column = trace.columns()[name]
         scale = effort(scene, trace) if name in ENERGIES else np.abs(column).max(initial=0.0)
-        apart = np.abs(twin.columns()[name][rows] / unit - column[rows])
-        searched = same and np.median(apart) <= 1e-3 * exactly * scale
-        allowed = max(close, ROOTS * solver.declared(scene)) if searched else close
-        if not apart.max(initial=0.0) <= allowed * scale:
-            found.append(name)
-    return found
+        missed = np.abs(twin.columns()[name][rows] / unit - column[rows])
+        apart[name] = missed / scale if scale > 0.0 else missed
+    states = [apart[name] for name in units if name not in ENERGIES]
+    to_rounding = all(np.median(missed) <= 1e-3 * exactly for missed in states)
+    if same and to_rounding and any(missed.max() > exactly for missed in states):
+        close = max(exactly, ROOTS * solver.declared(scene))
+    return [name for name, missed in apart.items() if not missed.max(initial=0.0) <= close]
 
 
 def is_independent_of_a_relaxed_hold(solver: CoarseSolver, scene: Scene, rest: float) -> None:
