@@ -170,7 +170,7 @@ class Annuli:
         return self.count - float(self.position(np.array(np.arcsin(1.0 - share))))
 
     def __reduce__(self) -> tuple[type[Annuli], tuple[int, float, float]]:
-        """Kept as number and grading alone: matrix and factors are made anew, bit for bit."""
+        """Kept as number, grading and exponent alone: matrix and factors are made anew, bit for bit."""
         return Annuli, (self.count, self.grading, self.exponent)
 
     def _calibrate(self, shape: PowerContact, outside: Array) -> None:

@@ -149,7 +149,23 @@ def one_of(value: Any, key: str, choices: Sequence[str]) -> str:
 
 
 def of_class(value: Any, key: str, classes: Any, allowed: str) -> None:
-    """Check the class of what a function is given."""
+    """Check the class of what a function is given.
+
+    Parameters
+    ----------
+    value : Any
+    key : str
+        Name of the argument.
+    classes : type or tuple of type
+        As of ``isinstance``.
+    allowed : str
+        The same in words.
+
+    Raises
+    ------
+    SceneError
+        If it is of none of them.
+    """
     if not isinstance(value, classes):
         raise SceneError(key, f"got {shown(value)}", allowed)
 

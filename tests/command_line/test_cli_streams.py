@@ -45,11 +45,13 @@ class Gone(io.StringIO):
     def __init__(self, terminal):
         super().__init__()
         self._terminal = terminal
+        self.tried = 0
 
     def isatty(self):
         return self._terminal
 
     def write(self, text):
+        self.tried += 1
         number = errno.EIO if self._terminal else errno.EPIPE
         raise OSError(number, os.strerror(number))
 
@@ -57,11 +59,13 @@ class Gone(io.StringIO):
 @pytest.mark.parametrize("terminal", [True, False])
 def test_progress_without_a_reader_ends_no_work(terminal, monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
-    show = progress.Progress("work", Gone(terminal))
+    stream = Gone(terminal)
+    show = progress.Progress("work", stream)
     show.phase("solving")
     show(0.5, "half")
     show.tell()
     show.close()
+    assert stream.tried > 0
 
 
 def test_a_reader_that_leaves_early_leaves_no_checkpoint(scene_file, tmp_path, monkeypatch):

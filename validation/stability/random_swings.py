@@ -77,11 +77,8 @@ def _with_holds(random: RandomNumbers, ramps: Sequence[Step], sizes: SceneSizes)
 
 def _triangles(random: RandomNumbers, sizes: SceneSizes) -> tuple[Step, ...]:
     """Penetration between levels that stay, grow apart or approach each other."""
-    middle, swing, speed = (
-        sizes.depth * random.between(0.5, 1.0),
-        _swing(random, sizes),
-        _speed(random, sizes),
-    )
+    middle = sizes.depth * random.between(0.5, 1.0)
+    swing, speed = _swing(random, sizes), _speed(random, sizes)
     growth = random.one_of((1.0, random.between(0.6, 1.5)))
     levels = [
         middle + side * swing * growth**turn for turn in range(random.count(2, 4)) for side in (1.0, -1.0)
