@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -38,25 +37,25 @@ class Approach(Step):
     force: float
     to: float | None = None
     dwell: float = 0.0
-    retract: float = math.nan
-    away: float = math.nan
+    retract: float | None = None
+    away: float | None = None
     kind: ClassVar[str] = "approach"
 
     def __post_init__(self) -> None:
         for key, check in (("rate", positive), ("force", finite), ("dwell", not_negative)):
             object.__setattr__(self, key, check(getattr(self, key), key))
-        retract = positive(self.retract, "retract") if self.retract == self.retract else self.rate
+        retract = self.rate if self.retract is None else positive(self.retract, "retract")
         object.__setattr__(self, "retract", retract)
-        if self.away == self.away:
+        if self.away is not None:
             object.__setattr__(self, "away", finite(self.away, "away"))
         if self.to is None:
             return
         to = positive(self.to, "to")
         object.__setattr__(self, "to", to)
-        if self.away != self.away:
-            object.__setattr__(self, "away", -to)
-        if self.away >= to:
-            raise SceneError("away", f"got {self.away!r}", f"less than to = {to:g}")
+        away = -to if self.away is None else self.away
+        object.__setattr__(self, "away", away)
+        if away >= to:
+            raise SceneError("away", f"got {away!r}", f"less than to = {to:g}")
 
     @property
     def trigger(self) -> Trigger:

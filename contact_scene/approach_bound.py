@@ -87,6 +87,7 @@ def _farthest(step: Step, before: float) -> float:
     the force is below zero, which is less than that of any approach.
     """
     if isinstance(step, Approach) and step.to is not None:
+        assert step.away is not None  # it follows from `to`
         return max(before, step.to, step.away)
     segment = step.segment(0.0, before, 0.0)
     if segment.control != "penetration":

@@ -12,7 +12,7 @@ from bisect import bisect_right
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from contact_scene.errors import SceneError, as_tuple, number, positive
+from contact_scene.errors import SceneError, a_string, as_tuple, number, positive
 
 _ROWS = "rows of two finite numbers: speed, work"
 
@@ -49,6 +49,7 @@ class RateTable:
     file: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
+        a_string(self.file, "file")
         speeds = tuple(positive(v, "speeds") for v in as_tuple(self.speeds, "speeds", _ROWS))
         works = tuple(positive(w, "works") for w in as_tuple(self.works, "works", _ROWS))
         if not speeds or len(speeds) != len(works):

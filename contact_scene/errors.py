@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 SMALLEST, LARGEST = 1e-60, 1e60
 """Bounds of every quantity with a dimension: products of five still fit into a float."""
@@ -97,8 +98,7 @@ def number(
     SceneError
         If ``value`` is not a real number, not finite, or outside the interval.
     """
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
-        raise SceneError(key, f"must be a number, got {shown(value)}", allowed)
+    a_number(value, key, allowed)
     try:
         result = float(value)
     except OverflowError:
@@ -110,6 +110,12 @@ def number(
     if too_low or too_high:
         raise SceneError(key, f"got {result!r}", allowed)
     return result
+
+
+def a_number(value: Any, key: str, allowed: str = "a number") -> None:
+    """Check that a value is one real number, whichever; a truth value is none."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
+        raise SceneError(key, f"must be a number, got {shown(value)}", allowed)
 
 
 def positive(value: Any, key: str) -> float:
@@ -134,11 +140,63 @@ def finite(value: Any, key: str) -> float:
 
 
 def as_tuple(value: Any, key: str, allowed: str) -> tuple[Any, ...]:
-    """The entries of a list, tuple or other iterable."""
+    """The entries of a list, tuple or other iterable that has an order; a text is none of its letters."""
+    if isinstance(value, (str, bytes, Mapping, Set)):
+        raise SceneError(key, f"got {shown(value)}", allowed)
     try:
         return tuple(value)
     except TypeError:
         raise SceneError(key, f"got {shown(value)}", allowed) from None
+
+
+def column(values: Any, key: str, allowed: str = A_COLUMN) -> NDArray[np.float64]:
+    """Numbers in a row as an array of its own, shape (n,); not yet checked to be finite.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+    key : str
+        Name of the column, for the error.
+    allowed : str
+        What it may hold, in words.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    SceneError
+        If they are no real numbers, or not in one row.
+    """
+    try:
+        array = np.array(values)
+        if array.dtype.kind not in "iufO":  # no truth values, texts, dates or complex numbers
+            raise TypeError
+        array = array.astype(float, copy=False)
+    except (TypeError, ValueError, OverflowError):
+        raise SceneError(key, f"got {shown(values)}", allowed) from None
+    if array.ndim != 1:
+        raise SceneError(key, f"has shape {array.shape}", f"{allowed}: one dimension")
+    return array
+
+
+def a_string(value: Any, key: str) -> str:
+    """A string."""
+    of_class(value, key, str, "a string")
+    return str(value)
+
+
+def true_or_false(value: Any, key: str) -> bool:
+    """A truth value."""
+    of_class(value, key, (bool, np.bool_), "True or False")
+    return bool(value)
+
+
+def function_or_none(value: Any, key: str, of: str) -> None:
+    """Check something to be called with ``of``, or ``None``."""
+    if value is not None and not callable(value):
+        raise SceneError(key, f"got {shown(value)}", f"a function of {of}")
 
 
 def one_of(value: Any, key: str, choices: Sequence[str]) -> str:

@@ -11,15 +11,42 @@ import re
 import uuid
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, of_class, shown
 
 TOO_LARGE = 10_000_000
 """Bytes; a scene or a table larger than this is a mistake."""
 _COMMENTS = 1000
 """Lines among which the header of a table is looked for."""
+
+
+def as_path(given: Any, key: str = "path", allowed: str = "the path of a file") -> Path:
+    """What names a file or a folder, as a path.
+
+    Parameters
+    ----------
+    given : Any
+    key : str
+        Name of the argument, for the error.
+    allowed : str
+        What it may be, in words.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    SceneError
+        If it is none; an empty one, which would be the current folder, too.
+    """
+    of_class(given, key, (str, os.PathLike), allowed)
+    if not os.fspath(given):
+        raise SceneError(key, "is empty", allowed)
+    return Path(given)
 
 
 def read_text(file: Path, most: int = TOO_LARGE) -> str:

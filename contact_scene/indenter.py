@@ -21,6 +21,7 @@ from contact_scene.errors import (
     NOT_NEGATIVE,
     SMALLEST,
     SceneError,
+    a_string,
     as_tuple,
     finite,
     number,
@@ -175,6 +176,7 @@ class TabulatedProfile(Indenter):
     _curve: Any = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        a_string(self.file, "file")
         radii, heights = _checked_profile(self.radii, self.heights)
         object.__setattr__(self, "radii", radii)
         object.__setattr__(self, "heights", heights)

@@ -142,6 +142,8 @@ def expanded(step: Step) -> tuple[Step, ...]:
     """The steps an approach with a bound stands for; any other step is itself."""
     if not isinstance(step, Approach) or step.to is None:
         return (step,)
+    assert step.away is not None  # they follow from `to` and `rate`
+    assert step.retract is not None
     press = Ramp(step.to, step.rate, until_force=step.force)
     pull = Ramp(step.away, step.retract)
     return (press, Hold(step.dwell), pull) if step.dwell > 0.0 else (press, pull)

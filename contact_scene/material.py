@@ -80,7 +80,8 @@ class Material:
         )
         object.__setattr__(self, "branches", _branches(self.branches))
         if self.bulk is not None:
-            if not isinstance(self.bulk, BulkRelaxation) and self.bulk != "elastic":
+            named = isinstance(self.bulk, str) and self.bulk == "elastic"
+            if not named and not isinstance(self.bulk, BulkRelaxation):
                 raise SceneError(
                     "bulk", f"got {shown(self.bulk)}", '"elastic" or a table of modulus and branches'
                 )

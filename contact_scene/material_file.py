@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 from contact_scene.errors import SceneError, one_of, positive
-from contact_scene.files import read_text
+from contact_scene.files import as_path, read_text
 from contact_scene.material import Material
 from contact_scene.prony import fit_prony, series_material, young_over
 from contact_scene.pyvisco import read_pyvisco
@@ -46,7 +45,7 @@ def read_material(
     SceneError
         One line: file, line or column, what is wrong, what is allowed.
     """
-    text, file = read_text(Path(path)), str(path)
+    text, file = read_text(as_path(path)), str(path)
     kind = format_of(text, file) if format is None else one_of(format, "format", FORMATS)
     if kind == "pyvisco":
         relaxed, branches = read_pyvisco(text, file, modulus, poisson)

@@ -8,7 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import LARGEST, SMALLEST, SceneError, positive, shown
+from contact_scene.errors import (
+    LARGEST,
+    SMALLEST,
+    SceneError,
+    as_tuple,
+    column,
+    positive,
+    shown,
+    true_or_false,
+)
+
+_TWO_UNITS = "two strings: units of time and of stress"
 
 
 @dataclass(frozen=True)
@@ -63,13 +74,15 @@ class DynamicData:
 
 
 def _set_columns(data: RelaxationData | DynamicData, names: Sequence[str]) -> None:
-    """Check the columns of measured data: numbers > 0, as many in each, ascending in the first."""
+    """Check measured data: numbers > 0, as many in each column, ascending in the first; labels."""
+    true_or_false(data.shear, "shear")
+    units = as_tuple(data.units, "units", _TWO_UNITS)
+    if len(units) != 2 or not all(isinstance(unit, str) for unit in units):
+        raise SceneError("units", f"got {shown(data.units)}", _TWO_UNITS)
+    object.__setattr__(data, "units", units)
     for name in names:
-        try:
-            values = np.array(getattr(data, name), dtype=float)
-        except (TypeError, ValueError):
-            raise SceneError(name, f"got {shown(getattr(data, name))}", "numbers > 0") from None
-        if values.ndim != 1 or values.size == 0 or values.shape != np.shape(getattr(data, names[0])):
+        values = column(getattr(data, name), name, "numbers > 0")
+        if values.size == 0 or values.shape != np.shape(getattr(data, names[0])):
             raise SceneError(name, f"shape {values.shape}", "as many numbers as in the other columns")
         if not ((values >= SMALLEST) & (values <= LARGEST)).all():
             index = int(np.argmin((values >= SMALLEST) & (values <= LARGEST)))

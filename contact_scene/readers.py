@@ -27,13 +27,12 @@ import math
 import os
 import re
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import SceneError, finite, not_negative, positive, shown
-from contact_scene.files import read_text
+from contact_scene.errors import SceneError, finite, not_negative, one_of, positive, shown
+from contact_scene.files import as_path, read_text
 from contact_scene.material import Branch
 from contact_scene.measured_moduli import DynamicData, RelaxationData
 from contact_scene.named_columns import (
@@ -91,8 +90,8 @@ def read_measured(path: str | os.PathLike[str], format: str | None = None) -> Re
     SceneError
         One line: file, line or column, what is wrong, what is allowed.
     """
-    text, file = read_text(Path(path)), str(path)
-    kind = format_of(text, file) if format is None else format
+    text, file = read_text(as_path(path)), str(path)
+    kind = format_of(text, file) if format is None else one_of(format, "format", FORMATS)
     if kind not in MEASURED:
         allowed = "measured data: time, modulus or frequency, storage, loss"
         raise SceneError("", f"holds a Prony series ({kind}), not measured data", allowed, file)
@@ -176,7 +175,7 @@ def branch_table(text: str, file: str, format: str) -> BranchTable:
 
 def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
     """Shift factors from a table with the columns ``T`` and ``a_T`` or ``log_aT`` (decadic)."""
-    text, file = read_text(Path(path)), str(path)
+    text, file = read_text(as_path(path)), str(path)
     table = named_columns(text, file)
     kinds = [kind_of(name) for name in table.names]
     logarithmic = "log shift factor" in kinds

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach_bound import bounded_approaches
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, a_string, shown
 from contact_scene.indenter import Indenter
 from contact_scene.loading import Loading
 from contact_scene.machine import Machine
@@ -42,8 +42,7 @@ class Scene:
             object.__setattr__(self, "adhesion", at_rest)
         loading = bounded_approaches(self.loading, self.material, self.indenter, self.adhesion)
         object.__setattr__(self, "loading", loading)
-        if not isinstance(self.title, str):
-            raise SceneError("title", f"got {shown(self.title)}", "a string")
+        a_string(self.title, "title")
         if self.is_adhesive and self.adhesion is not None and self.adhesion.zone >= self.indenter.edge:
             raise zone_too_long(self.adhesion.zone, self.indenter.edge)
 

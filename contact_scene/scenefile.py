@@ -18,8 +18,8 @@ import tomli_w
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach import Approach
 from contact_scene.edge_rate import PowerRate, RateTable
-from contact_scene.errors import FINITE, POSITIVE, SceneError, finite, of_class, one_of, shown
-from contact_scene.files import read_pairs, read_text, write_pairs, write_whole
+from contact_scene.errors import FINITE, POSITIVE, SceneError, a_string, of_class, one_of, shown
+from contact_scene.files import as_path, read_pairs, read_text, write_pairs, write_whole
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.load_steps import STEPS
 from contact_scene.loading import STARTS, Loading
@@ -50,9 +50,7 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
     SceneError
         One line: file, key, what is wrong, what is allowed.
     """
-    if not isinstance(path, (str, os.PathLike)):
-        raise SceneError("", f"got {shown(path)}", "the name of a scene file")
-    file = Path(path)
+    file = as_path(path, "", "the name of a scene file")
     text = read_text(file)
     try:
         data = tomllib.loads(text)
@@ -68,13 +66,11 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
 
 def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") -> Scene:
     """Build a scene from the parsed contents of a scene file; tables are looked up in ``folder``."""
-    where = Path(folder)
+    where = as_path(folder, "folder", "the path of a folder")
     if not isinstance(data, dict):
         raise SceneError("", f"got {shown(data)}", _A_SCENE)
     _known(data, "", ("title", "material", "indenter", "adhesion", "machine", "loading"))
-    title = data.get("title", "")
-    if not isinstance(title, str):
-        raise SceneError("title", f"got {shown(title)}", "a string")
+    title = a_string(data.get("title", ""), "title")
     material = _under("material", lambda: _material(_table(data, "material"), where))
     indenter = _under("indenter", lambda: _indenter(_table(data, "indenter"), where))
     adhesion = None
@@ -90,7 +86,7 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
 def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     """Write a scene as TOML (tables of profiles and loading go into CSV files beside it)."""
     of_class(scene, "scene", Scene, "a Scene")
-    target = Path(path)
+    target = as_path(path)
     data: dict[str, Any] = {"title": scene.title, "material": _material_table(scene.material)}
     if isinstance(scene.indenter, TabulatedProfile):
         name = f"{target.stem}-profile.csv"
@@ -122,8 +118,12 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
 def write_material(material: Material, path: str | os.PathLike[str], remark: str = "") -> None:
     """Write the table ``[material]`` of a scene file as TOML, below the lines of ``remark`` as comments."""
-    comments = "".join(f"# {line}\n" for line in remark.splitlines())
-    write_whole(Path(path), comments + tomli_w.dumps({"material": _material_table(material)}))
+    of_class(material, "material", Material, "a Material")
+    comments = "".join(f"# {line}\n" for line in a_string(remark, "remark").splitlines())
+    write_whole(
+        as_path(path),
+        comments + tomli_w.dumps({"material": _material_table(material)}),
+    )
 
 
 def _material_table(material: Material) -> dict[str, Any]:
@@ -190,8 +190,6 @@ def _build(kind: type, data: dict[str, Any], tag: str | None = None) -> Any:
     for name, entry in known.items():
         if name not in data and entry.default is MISSING:
             raise SceneError(name, "is missing", f"keys {', '.join(known)}")
-        if name in data and entry.default != entry.default:  # NaN stands for what is left out
-            finite(data[name], name)
     return kind(**{k: v for k, v in data.items() if k != tag})
 
 

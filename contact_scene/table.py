@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from contact_scene.errors import A_COLUMN, LARGEST, SceneError, as_tuple, finite, one_of
+from contact_scene.errors import A_COLUMN, LARGEST, SceneError, a_string, as_tuple, finite, one_of
 from contact_scene.segment import Segment, Step
 
 QUANTITIES = ("penetration", "force")
@@ -42,6 +42,7 @@ class Table(Step):
     def __post_init__(self) -> None:
         name = one_of(self.quantity, "quantity", QUANTITIES)
         one_of(self.interpolation, "interpolation", INTERPOLATIONS)
+        a_string(self.file, "file")
         times, values = _column(self.times, "time"), _column(self.values, name)
         if len(times) != len(values):
             raise SceneError(name, f"{len(times)} times but {len(values)} {name}s", "one for each")

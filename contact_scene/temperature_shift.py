@@ -13,7 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contact_scene.errors import LARGEST, SMALLEST, SceneError, finite, of_class, positive
+from contact_scene.errors import A_COLUMN, LARGEST, SMALLEST, SceneError, as_tuple, finite, of_class, positive
 from contact_scene.material import Branch, BulkRelaxation, Material
 
 GAS_CONSTANT = 8.31446261815324
@@ -100,11 +100,16 @@ class ShiftTable:
     log10_factors: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if len(self.temperatures) != len(self.log10_factors) or len(self.temperatures) < 2:
-            raise SceneError("temperatures", f"{len(self.temperatures)} rows", "two rows or more")
+        temperatures = as_tuple(self.temperatures, "temperatures", A_COLUMN)
+        factors = as_tuple(self.log10_factors, "log10_factors", A_COLUMN)
+        if len(temperatures) != len(factors):
+            problem = f"{len(temperatures)} temperatures but {len(factors)} shift factors"
+            raise SceneError("log10_factors", problem, "one for each")
+        if len(temperatures) < 2:
+            raise SceneError("temperatures", f"{len(temperatures)} rows", "two rows or more")
         rows = sorted(
             (finite(t, f"temperature, row {row}"), finite(a, f"shift factor, row {row}"))
-            for row, (t, a) in enumerate(zip(self.temperatures, self.log10_factors, strict=True), 1)
+            for row, (t, a) in enumerate(zip(temperatures, factors, strict=True), 1)
         )
         for (one, _), (other, _) in pairwise(rows):
             if one == other:

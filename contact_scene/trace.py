@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import csv
 import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene.errors import SceneError, a_number, a_string, as_tuple, column, of_class, true_or_false
 from contact_scene.files import write_whole
 
 Array = NDArray[np.float64]
@@ -57,6 +60,12 @@ class Outcome:
     reason: str
     time: float
     past_extremum: bool = False
+
+    def __post_init__(self) -> None:
+        of_class(self.kind, "kind", OutcomeKind, "an OutcomeKind")
+        a_string(self.reason, "reason")
+        a_number(self.time, "time")
+        true_or_false(self.past_extremum, "past_extremum")
 
     @property
     def finished(self) -> bool:
@@ -106,6 +115,11 @@ class SurfaceProfile:
     displacement: Array
     gap: Array
 
+    def __post_init__(self) -> None:
+        for name in ("time", "penetration", "force", "contact_radius"):
+            a_number(getattr(self, name), name)
+        _set_columns(self, ("radius", "pressure", "displacement", "gap"))
+
 
 @dataclass(frozen=True)
 class Trace:
@@ -131,6 +145,20 @@ class Trace:
     errors: dict[str, float] = field(default_factory=dict)
     wall_seconds: float = 0.0
 
+    def __post_init__(self) -> None:
+        a_string(self.solver, "solver")
+        _set_columns(self, COLUMNS)
+        of_class(self.outcome, "outcome", Outcome, "an Outcome")
+        of_class(self.counters, "counters", Counters, "Counters")
+        of_class(self.extra, "extra", Mapping, "columns by name")
+        of_class(self.errors, "errors", Mapping, "relative errors by observable")
+        a_number(self.wall_seconds, "wall_seconds")
+        for name, values in self.extra.items():
+            _same_length(values, f"extra[{name!r}]", self.time)
+        for key, kind in (("events", Event), ("profiles", SurfaceProfile)):
+            for index, entry in enumerate(as_tuple(getattr(self, key), key, f"a tuple of {kind.__name__}")):
+                of_class(entry, f"{key}[{index}]", kind, f"a {kind.__name__}")
+
     def __len__(self) -> int:
         return len(self.time)
 
@@ -142,6 +170,20 @@ class Trace:
     def columns(self) -> dict[str, Array]:
         """All columns by name, those of ``COLUMNS`` first."""
         return {name: getattr(self, name) for name in COLUMNS} | self.extra
+
+
+def _set_columns(rows: Trace | SurfaceProfile, names: Sequence[str]) -> None:
+    """Columns of numbers as arrays, as many in each as in the first."""
+    first = column(getattr(rows, names[0]), names[0])
+    for name in names:
+        object.__setattr__(rows, name, _same_length(getattr(rows, name), name, first))
+
+
+def _same_length(values: Any, name: str, first: Array) -> Array:
+    checked = column(values, name)
+    if checked.shape != first.shape:
+        raise SceneError(name, f"has shape {checked.shape}", f"shape {first.shape}, as the other columns")
+    return checked
 
 
 def write_trace(trace: Trace, path: str | os.PathLike[str]) -> None:

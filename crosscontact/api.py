@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import NOT_NEGATIVE, number, shown
+from contact_scene.errors import NOT_NEGATIVE, as_tuple, function_or_none, number, shown, true_or_false
 from contact_scene.run_control import whole_number
 from crosscontact import registry, run_figure
 from crosscontact.limits import SMALLEST_RESOLUTION
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 def builtin(name: str) -> Scene:
     """A built-in scene; :func:`scenes` lists them."""
-    if name not in builtin_scenes.names():
+    if not isinstance(name, str) or name not in builtin_scenes.names():
         raise SceneError("name", f"no built-in scene {shown(name)}", "a name listed by crosscontact.scenes()")
     return cases.load(name).scene
 
@@ -91,8 +91,8 @@ def solve(
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
     if max_steps is not None:
         max_steps = whole_number(max_steps, "max_steps", 1)
-    if progress is not None and not callable(progress):
-        raise SceneError("progress", f"got {shown(progress)}", "a function of the share that is done")
+    function_or_none(progress, "progress", "the share that is done")
+    true_or_false(estimate_errors, "estimate_errors")
     if profile_times is not None:
         case = replace(case, profile_times=_times(profile_times, "profile_times"))
     run = runs.run_or_raise(
@@ -134,6 +134,7 @@ def compare(
     case = _case(scene)
     if resolution is not None:
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
+    true_or_false(estimate_errors, "estimate_errors")
     names = registry.usable() if solvers is None else registry.chosen(solvers, "solvers")
     by_solver = {name: runs.run(case, name, resolution, estimate=estimate_errors) for name in names}
     results = {name: Result(case.scene, run) for name, run in by_solver.items() if run.trace is not None}
@@ -212,11 +213,10 @@ def _case(scene: Scene | str | os.PathLike[str]) -> cases.Case:
 
 
 def _check_solver(name: str) -> None:
-    if name not in registry.selectable():
+    if not isinstance(name, str) or name not in registry.selectable():
         raise SceneError("solver", f"got {shown(name)}", f"one of {', '.join(registry.selectable())}")
 
 
 def _times(values: Collection[float], key: str) -> tuple[float, ...]:
-    if isinstance(values, str) or not isinstance(values, Collection):
-        raise SceneError(key, f"got {shown(values)}", "several times")
-    return tuple(number(value, f"{key}[{i}]", NOT_NEGATIVE, low=0.0) for i, value in enumerate(values))
+    several = tuple(values) if isinstance(values, Set) else as_tuple(values, key, "several times")
+    return tuple(number(value, f"{key}[{i}]", NOT_NEGATIVE, low=0.0) for i, value in enumerate(several))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from contact_scene.errors import one_of
+from contact_scene.errors import one_of, true_or_false
 from crosscontact.result import checked_path
 from validation.exam.answer_folder import read_folder
 from validation.exam.export import exam_cases, export_reference, export_scenes
@@ -34,6 +34,7 @@ def export_exam(
     tuple of str
         Names of the scenes.
     """
+    true_or_false(with_reference, "with_reference")
     target = output_folder(checked_path(folder), "folder")
     cases = exam_cases(one_of(suite, "suite", SUITES))
     export_scenes(target, cases)

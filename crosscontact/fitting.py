@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import as_tuple, of_class, shown
+from contact_scene.errors import as_tuple, function_or_none, of_class, shown
+from contact_scene.run_control import whole_number
 from crosscontact import registry
+from crosscontact.limits import SMALLEST_RESOLUTION
 from crosscontact.result import checked_path
 from crosscontact.tables import aligned, html_table
 from validation import cases
@@ -50,6 +52,7 @@ class Fit:
     """
 
     def __init__(self, result: FitResult) -> None:
+        of_class(result, "result", FitResult, "a FitResult")
         self.result = result
 
     @property
@@ -162,7 +165,13 @@ def fit(
         One line, if data or arguments are no good.
     """
     measured = _measured(curves)
-    _check_solvers(solver=solver, check_solver=check_solver)
+    _check_solver(solver, "solver")
+    if check_solver is not None:
+        _check_solver(check_solver, "check_solver")
+    if resolution is not None:
+        resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
+    of_class(executor, "executor", (Executor, type(None)), "an Executor of concurrent.futures, or None")
+    function_or_none(progress, "progress", "a line of text")
     settings = FitSettings(
         vary=_names(vary, "vary"),
         tie=_names(tie, "tie"),
@@ -204,11 +213,10 @@ def _names(given: Sequence[str], key: str) -> tuple[str, ...]:
     return (given,) if isinstance(given, str) else as_tuple(given, key, "several names")
 
 
-def _check_solvers(**solvers: str | None) -> None:
+def _check_solver(name: str, key: str) -> None:
     """Refuse a solver that is none, by the name of its argument."""
-    for key, name in solvers.items():
-        if name is not None and name not in registry.names():
-            raise SceneError(key, f"got {shown(name)}", f"one of {', '.join(registry.names())}")
+    if not isinstance(name, str) or name not in registry.names():
+        raise SceneError(key, f"got {shown(name)}", f"one of {', '.join(registry.names())}")
 
 
 def _fit_and_write(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Set
 
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, as_tuple, shown
 from validation.solvers import PEERS, REFERENCE, SOLVERS
 
 __all__ = ["REFERENCE", "chosen", "names", "selectable", "usable"]
@@ -36,11 +36,12 @@ def chosen(solvers: Collection[str], key: str) -> tuple[str, ...]:
     SceneError
         If there is no such solver, the reference is not among them, or nothing else is.
     """
-    several = isinstance(solvers, Collection) and not isinstance(solvers, str)
-    unknown = [name for name in solvers if name not in selectable()] if several else [solvers]
+    allowed = f"several of {', '.join(selectable())}"
+    several = tuple(solvers) if isinstance(solvers, Set) else as_tuple(solvers, key, allowed)
+    unknown = [name for name in several if not isinstance(name, str) or name not in selectable()]
     if unknown:
-        raise SceneError(key, f"got {shown(unknown[0])}", f"several of {', '.join(selectable())}")
-    if REFERENCE not in solvers or len(set(solvers)) < 2:
+        raise SceneError(key, f"got {shown(unknown[0])}", allowed)
+    if REFERENCE not in several or len(set(several)) < 2:
         allowed = f"{REFERENCE}, with which the others are compared, and at least one other"
-        raise SceneError(key, f"got {', '.join(map(str, solvers)) or 'none'}", allowed)
-    return tuple(name for name in selectable() if name in solvers)
+        raise SceneError(key, f"got {', '.join(map(str, several)) or 'none'}", allowed)
+    return tuple(name for name in selectable() if name in several)

@@ -10,8 +10,9 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contact_scene import Outcome, Scene, SceneError
+from contact_scene import Outcome, Scene
 from contact_scene.errors import of_class
+from contact_scene.files import as_path
 from crosscontact import run_figure
 from crosscontact.key_numbers import key_numbers, table
 from crosscontact.tables import aligned, html_table
@@ -85,6 +86,8 @@ class Result:
     """
 
     def __init__(self, scene: Scene, run: Run) -> None:
+        of_class(scene, "scene", Scene, "a Scene")
+        of_class(run, "run", Run, "a Run")
         if run.trace is None:
             raise ValueError(f"{run.solver} gave no answer: {run.failure}")
         self.scene, self.run, self.trace = scene, run, run.trace
@@ -222,11 +225,7 @@ def checked_path(given: str | os.PathLike[str], key: str = "folder") -> Path:
     SceneError
         If it is none; an empty one, which would be the current folder, too.
     """
-    allowed = f"the path of a {'file' if key == 'path' else 'folder'}"
-    of_class(given, key, (str, os.PathLike), allowed)
-    if not os.fspath(given):
-        raise SceneError(key, "is empty", allowed)
-    return Path(given)
+    return as_path(given, key, f"the path of a {'file' if key == 'path' else 'folder'}")
 
 
 def _unit(column: str) -> str:

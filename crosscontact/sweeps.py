@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import shown
+from contact_scene.errors import function_or_none, one_of, positive, shown
 from contact_scene.run_control import whole_number
 from crosscontact import registry
 from crosscontact.result import checked_path
@@ -23,7 +23,7 @@ from validation.execution.run_table import RunTable
 from validation.sweeps.dataset import check_installed, to_dataset
 from validation.sweeps.plan import SweepPlan, plan_from_dict
 from validation.sweeps.run_plan import carry_out
-from validation.sweeps.samples import SAMPLES
+from validation.sweeps.samples import DESIGNS, SAMPLES
 from validation.sweeps.scene_table import SceneTable, builtin_or_file, of_scene
 from validation.sweeps.traces import check_writable
 from validation.sweeps.write import write_results
@@ -102,6 +102,12 @@ def sweep(
         If an argument is wrong or the scene refuses a value, before anything runs; one line.
     """
     check_installed()
+    one_of(design, "design", DESIGNS)
+    jobs = whole_number(jobs, "jobs", 1)
+    if batch_seconds is not None:
+        batch_seconds = positive(batch_seconds, "batch_seconds")
+    function_or_none(progress, "progress", "the share that is done and a line of text")
+    target = None if out is None else checked_path(out, "out")
     table = {
         "solver": solver,
         "resolution": resolution,
@@ -116,10 +122,10 @@ def sweep(
     if points is not None:
         table["points"] = points
     with ExitStack() as opened:
-        plan = _checked_plan(table, _base(scene, opened), out is not None)
-        folder = None if out is None else opened.enter_context(locked_folder(checked_path(out, "out"), "out"))
-        stored = opened.enter_context(RunTable(folder))
+        plan = _checked_plan(table, _base(scene, opened), target is not None)
         engine = _engine(opened, executor, jobs, batch_seconds)
+        folder = None if target is None else opened.enter_context(locked_folder(target, "out"))
+        stored = opened.enter_context(RunTable(folder))
         runs = carry_out(plan, stored, engine, progress)
         return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)
 
@@ -150,8 +156,8 @@ def _engine(
     if executor is not None:
         engine = opened.enter_context(engine_of(executor))
     else:
-        engine = opened.enter_context(own_engine(whole_number(jobs, "jobs", 1)))
-    return engine if batch_seconds is None else replace(engine, batch_seconds=float(batch_seconds))
+        engine = opened.enter_context(own_engine(jobs))
+    return engine if batch_seconds is None else replace(engine, batch_seconds=batch_seconds)
 
 
 def _coordinates(values: Mapping[str | tuple[str, ...], Any], sampled: bool) -> list[dict[str, Any]]:

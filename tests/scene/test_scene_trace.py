@@ -13,7 +13,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace, read_columns, write_trace
+from contact_scene import (
+    COLUMNS,
+    Counters,
+    Outcome,
+    OutcomeKind,
+    SceneError,
+    Trace,
+    read_columns,
+    write_trace,
+)
 from contact_scene.files import write_whole
 
 
@@ -53,7 +62,10 @@ def test_header_and_first_row(tmp_path):
 
 
 def test_columns_of_unequal_length_write_nothing(tmp_path):
-    run = dataclasses.replace(trace(np.zeros((7, 3))), extra={"short": np.zeros(2)})
+    run = trace(np.zeros((7, 3)))
+    with pytest.raises(SceneError, match=r"extra\['short'\]: has shape \(2,\); allowed: shape \(3,\)"):
+        dataclasses.replace(run, extra={"short": np.zeros(2)})
+    run.extra["short"] = np.zeros(2)
     with pytest.raises(ValueError, match="shorter"):
         write_trace(run, tmp_path / "trace.csv")
     assert list(tmp_path.iterdir()) == []

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.errors import FINITE, LARGEST, SMALLEST, SceneError, positive
+from contact_scene.errors import FINITE, LARGEST, SMALLEST, SceneError, a_string, column, positive
 
 Array = NDArray[np.float64]
 
@@ -57,10 +57,11 @@ class MeasuredCurve:
     name: str = "curve"
 
     def __post_init__(self) -> None:
-        for column in COLUMNS:
-            given = getattr(self, column)
-            if given is not None:
-                object.__setattr__(self, column, self._checked(given, column))
+        a_string(self.name, "name")
+        for name in COLUMNS:
+            given = getattr(self, name)
+            if given is not None or name in ("time", "force"):
+                object.__setattr__(self, name, self._checked(given, name))
         if self.time.size < FEWEST_ROWS:
             raise self._error("", f"{self.time.size} rows", f"at least {FEWEST_ROWS}")
         stuck = np.flatnonzero(np.diff(self.time) <= 0.0)
@@ -80,23 +81,23 @@ class MeasuredCurve:
                 except SceneError as error:
                     raise error.in_file(self.name) from None
 
-    def _checked(self, given: ArrayLike, column: str) -> Array:
+    def _checked(self, given: ArrayLike, name: str) -> Array:
         try:
-            values = np.asarray(given, float)
-        except (TypeError, ValueError):
-            raise self._error(column, "is no column of numbers", "finite numbers") from None
-        if values.ndim != 1 or (column != "time" and values.shape != self.time.shape):
-            raise self._error(column, f"has shape {values.shape}", "one number for each time")
+            values = column(given, name, "finite numbers")
+        except SceneError as error:
+            raise error.in_file(self.name) from None
+        if name != "time" and values.shape != self.time.shape:
+            raise self._error(name, f"has shape {values.shape}", "one number for each time")
         broken = np.flatnonzero(~(np.abs(values) <= LARGEST))
         if broken.size:
             row = int(broken[0])
             raise self._error(
-                column,
+                name,
                 f"{values[row]} in row {row + 1}",
                 "finite numbers" if not np.isfinite(values[row]) else FINITE,
             )
-        if 0.0 < np.ptp(values) < SMALLEST:
-            raise self._error(column, f"changes by {np.ptp(values):.3g} in all", f"at least {SMALLEST:g}")
+        if values.size and 0.0 < np.ptp(values) < SMALLEST:
+            raise self._error(name, f"changes by {np.ptp(values):.3g} in all", f"at least {SMALLEST:g}")
         return values
 
     def _error(self, key: str, problem: str, allowed: str) -> SceneError:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact_scene import Loading, Machine, Scene, SceneError
-from contact_scene.errors import NOT_NEGATIVE, finite, number, of_class, one_of, positive
+from contact_scene.errors import NOT_NEGATIVE, a_string, finite, number, of_class, one_of, positive
 from contact_scene.run_control import LoadingCursor, whole_number
 from contact_scene.segment import Segment
 from validation.fits.fit_run import FitRun, run_of, sampled
@@ -80,6 +80,7 @@ def synthetic(
     contact_point, baseline = finite(contact_point, "contact_point"), finite(baseline, "baseline")
     drift = finite(drift, "drift")
     seed = whole_number(seed, "seed", 0)
+    a_string(name, "name")
     one_of(solver, "solver", tuple(SOLVERS))
     scene = _on_spring(scene, stiffness)
     segments = _driven_segments(scene)

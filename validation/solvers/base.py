@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
-from contact_scene import COLUMNS, RunMonitor, Scene, Trace, UnsupportedScene
+from contact_scene import COLUMNS, RunMonitor, Scene, SceneError, Trace, UnsupportedScene
+from contact_scene.errors import as_tuple, finite, function_or_none, positive, shown, true_or_false
+from contact_scene.run_control import whole_number
 from validation.solvers.cost import Cost, CostModel, forecast
 from validation.solvers.model_range import out_of_range
 from validation.solvers.scene_work import SceneWork, scene_work
@@ -51,6 +53,20 @@ class RunOptions:
     progress: Progress | None = None
     monitor: RunMonitor | None = None
     estimate_errors: bool = False
+
+    def __post_init__(self) -> None:
+        if self.step_tolerance is not None:
+            object.__setattr__(self, "step_tolerance", positive(self.step_tolerance, "step_tolerance"))
+        for key in ("stop_times", "profile_times"):
+            times = as_tuple(getattr(self, key), key, "several times")
+            checked = tuple(finite(time, f"{key}[{index}]") for index, time in enumerate(times))
+            object.__setattr__(self, key, checked)
+        if self.max_steps is not None:
+            object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
+        function_or_none(self.progress, "progress", "the share that is done")
+        if self.monitor is not None and not callable(getattr(self.monitor, "continue_run", None)):
+            raise SceneError("monitor", f"got {shown(self.monitor)}", "a RunMonitor or None")
+        true_or_false(self.estimate_errors, "estimate_errors")
 
     @property
     def of_solver(self) -> dict[str, Any]:

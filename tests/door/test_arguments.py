@@ -1,0 +1,329 @@
+"""Every argument of every public name, given what it cannot be: one line that says what is allowed."""
+
+from __future__ import annotations
+
+import inspect
+
+import numpy as np
+import pytest
+
+import crosscontact as cc
+from contact_scene import Counters
+from validation.execution.runs import Run
+
+WRONG = {
+    "None": None,
+    "text": "x",
+    "array": np.array([1.0, 2.0]),
+    "list": [1.0, 2.0],
+    "nan": float("nan"),
+    "truth value": True,
+    "object": object(),
+    "empty array": np.array([]),
+    "texts": np.array(["a", "b"]),
+    "mapping": {},
+    "huge": 10**400,
+    "complex": 1j,
+}
+NUMBERS = {"array", "list"}
+OPTIONAL, TEXT, FLAG = {"None"}, {"text"}, {"truth value"}
+NAMES = {"text", "texts", "empty array"}
+TIMES = NUMBERS | {"empty array"}
+
+ROWS = np.linspace(0.1, 1.0, 30)
+ELASTIC = cc.Material(1.0, 0.3)
+SCENE = cc.Scene(ELASTIC, cc.Sphere(1.0), cc.Loading("relaxed", 0.01, (cc.Ramp(0.02, 0.02),)))
+CURVE = cc.MeasuredCurve(ROWS, ROWS**2, ROWS)
+MODULI = cc.RelaxationData(ROWS, 1.0 + np.exp(-ROWS))
+COMPLETED = cc.Outcome(cc.OutcomeKind.COMPLETED, "the end", 1.0)
+COLUMNS = dict.fromkeys(
+    ("time", "penetration", "force", "contact_radius", "stored_energy", "external_work", "dissipated_energy"),
+    ROWS,
+)
+PLACE = {"time": 0.0, "penetration": 0.0, "force": 0.0, "contact_radius": 1.0}
+
+# name: (what it takes, {argument: which of WRONG it takes all the same})
+TABLE = {
+    "WLF": ({"c1": 17.0, "c2": 51.0, "reference_temperature": 300.0}, {}),
+    "Adhesion": (
+        {"work": 5e-4, "zone": 0.01, "work_closing": 1e-4, "rate": None, "stress": None},
+        {"work_closing": OPTIONAL, "rate": OPTIONAL, "stress": OPTIONAL},
+    ),
+    "Approach": (
+        {"rate": 1.0, "force": 1.0, "to": 1.0, "dwell": 0.0, "retract": 1.0, "away": -1.0},
+        {"to": OPTIONAL, "retract": OPTIONAL, "away": OPTIONAL},
+    ),
+    "Arrhenius": ({"activation_energy": 1.0, "reference_temperature": 300.0}, {}),
+    "Branch": ({"modulus": 1.0, "time": 1.0}, {}),
+    "BulkRelaxation": (
+        {"modulus": 1.0, "branches": ()},
+        {"modulus": OPTIONAL, "branches": {"empty array"}},
+    ),
+    "Cone": ({"half_angle": 60.0}, {}),
+    "DynamicData": (
+        {"angular_frequencies": ROWS, "storage": ROWS, "loss": ROWS, "shear": False, "units": ("s", "Pa")},
+        {"shear": FLAG, "units": {"texts"}},
+    ),
+    "FlatPunch": ({"radius": 1.0}, {}),
+    "Force": ({"value": 1.0, "duration": 1.0, "until_penetration": 1.0}, {"until_penetration": OPTIONAL}),
+    "ForceRamp": ({"to": 1.0, "rate": 1.0}, {}),
+    "Hold": ({"duration": 1.0, "until_force": 1.0}, {"until_force": OPTIONAL}),
+    "Loading": (
+        {"start": "relaxed", "penetration": 0.0, "steps": (), "machine": None},
+        {"steps": {"empty array"}, "machine": OPTIONAL},
+    ),
+    "Machine": ({"stiffness": 1.0}, {}),
+    "Material": (
+        {"modulus": 1.0, "poisson": 0.3, "branches": (), "bulk": "elastic"},
+        {"branches": {"empty array"}, "bulk": OPTIONAL},
+    ),
+    "MeasuredCurve": (
+        {
+            "time": ROWS,
+            "force": ROWS,
+            "penetration": None,
+            "stage": ROWS,
+            "contact_radius": ROWS,
+            "stiffness": 1.0,
+            "indenter_radius": 1.0,
+            "noise": 1.0,
+            "name": "curve",
+        },
+        {"penetration": OPTIONAL, "contact_radius": OPTIONAL, "indenter_radius": OPTIONAL}
+        | {"noise": OPTIONAL, "name": TEXT},
+    ),
+    "Oscillate": ({"amplitude": 1.0, "angular_frequency": 1.0, "duration": 1.0, "drift": 0.0}, {}),
+    "Outcome": (
+        {"kind": cc.OutcomeKind.COMPLETED, "reason": "the end", "time": 1.0, "past_extremum": False},
+        {"reason": TEXT, "time": {"nan", "huge"}, "past_extremum": FLAG},
+    ),
+    "PowerLaw": ({"exponent": 2.0, "coefficient": 1.0}, {}),
+    "PowerLawRelaxation": (
+        {"exponent": 0.5, "modulus": 1.0, "time": 1.0, "range": (0.1, 1.0), "error": 1e-3, "relaxed": 0.0},
+        {"range": NUMBERS},
+    ),
+    "Ramp": (
+        {"to": 1.0, "rate": 1.0, "until_force": None, "until_radius": None},
+        {"until_force": OPTIONAL, "until_radius": OPTIONAL},
+    ),
+    "RelaxationData": (
+        {"times": ROWS, "moduli": ROWS, "shear": False, "units": ("s", "Pa")},
+        {"shear": FLAG, "units": {"texts"}},
+    ),
+    "RunOptions": (
+        {
+            "step_tolerance": None,
+            "stop_times": (),
+            "profile_times": (),
+            "max_steps": None,
+            "progress": None,
+            "monitor": None,
+            "estimate_errors": False,
+        },
+        {"step_tolerance": OPTIONAL, "stop_times": TIMES, "profile_times": TIMES, "max_steps": OPTIONAL}
+        | {"progress": OPTIONAL, "monitor": OPTIONAL, "estimate_errors": FLAG},
+    ),
+    "Scene": (
+        {
+            "material": ELASTIC,
+            "indenter": cc.Sphere(1.0),
+            "loading": SCENE.loading,
+            "adhesion": None,
+            "title": "",
+        },
+        {"adhesion": OPTIONAL, "title": TEXT},
+    ),
+    "ShiftTable": (
+        {"temperatures": (1.0, 2.0), "log10_factors": (0.0, 1.0)},
+        {"temperatures": NUMBERS, "log10_factors": NUMBERS},
+    ),
+    "Sphere": ({"radius": 1.0}, {}),
+    "StandardLinearSolid": ({"relaxed": 1.0, "glassy": 2.0, "time": 1.0}, {}),
+    "SurfaceProfile": (
+        PLACE | dict.fromkeys(("radius", "pressure", "displacement", "gap"), ROWS),
+        {key: {"nan", "huge"} for key in PLACE},
+    ),
+    "Sweep": ({"amplitude": 1.0, "chirp": 1.0, "duration": 1.0}, {}),
+    "Table": (
+        {
+            "times": (0.0, 1.0),
+            "values": (0.0, 1.0),
+            "file": "",
+            "quantity": "force",
+            "interpolation": "linear",
+        },
+        {"times": NUMBERS, "values": NUMBERS, "file": TEXT},
+    ),
+    "TabulatedProfile": (
+        {"radii": (0.0, 1.0, 2.0), "heights": (0.0, 1.0, 2.0), "file": ""},
+        {"file": TEXT},
+    ),
+    "Trace": (
+        {"solver": "none"}
+        | COLUMNS
+        | {"outcome": COMPLETED, "counters": Counters(), "extra": {}, "events": (), "profiles": ()}
+        | {"errors": {}, "wall_seconds": 0.0},
+        {"solver": TEXT, "extra": {"mapping"}, "events": {"empty array"}, "profiles": {"empty array"}}
+        | {"errors": {"mapping"}, "wall_seconds": {"nan", "huge"}},
+    ),
+    "Fit": ({"result": None}, {}),
+    "Result": (
+        {
+            "scene": SCENE,
+            "run": Run("scene", "none", cc.Trace("none", *COLUMNS.values(), COMPLETED, Counters())),
+        },
+        {},
+    ),
+    "at_temperature": (
+        {"material": ELASTIC, "shift": cc.Arrhenius(1.0, 300.0), "temperature": 310.0},
+        {},
+    ),
+    "builtin": ({"name": "cycle-v0.1"}, {}),
+    "compare": (
+        {"scene": SCENE, "solvers": None, "resolution": 4, "estimate_errors": False},
+        {"solvers": OPTIONAL, "resolution": OPTIONAL, "estimate_errors": FLAG},
+    ),
+    "export_exam": (
+        {"folder": "exam", "suite": "quick", "with_reference": False},
+        {"folder": TEXT, "with_reference": FLAG},
+    ),
+    "fit": (
+        {
+            "curves": CURVE,
+            "scene": SCENE,
+            "vary": ("material.modulus",),
+            "tie": (),
+            "per_curve": (),
+            "free": (),
+            "prony": (),
+            "regularisation": None,
+            "starts": 1,
+            "seed": 0,
+            "profile": (),
+            "solver": "reference",
+            "resolution": 4,
+            "check_solver": None,
+            "executor": None,
+            "out": None,
+            "progress": None,
+        },
+        {"tie": {"empty array"}, "per_curve": {"empty array"}, "free": {"empty array"}}
+        | {"prony": TIMES, "profile": {"empty array"}, "out": OPTIONAL | TEXT}
+        | dict.fromkeys(("regularisation", "resolution", "check_solver", "executor", "progress"), OPTIONAL),
+    ),
+    "fit_prony": (
+        {"data": MODULI, "relaxed": None, "tolerance": 1e-3},
+        {"relaxed": OPTIONAL},
+    ),
+    "judge": ({"folder": "answers", "out": None}, {"out": OPTIONAL | TEXT}),
+    "load": ({"folder": "run"}, {}),
+    "read_curves": ({"path": "curve.csv"}, {}),
+    "read_material": (
+        {"path": "moduli.csv", "poisson": 0.5, "modulus": None, "format": None},
+        {"modulus": OPTIONAL, "format": OPTIONAL},
+    ),
+    "read_measured": ({"path": "moduli.csv", "format": None}, {"format": OPTIONAL}),
+    "read_scene": ({"path": "scene.toml"}, {}),
+    "read_shift_factors": ({"path": "shift.csv"}, {}),
+    "scene_from_dict": ({"data": {}, "folder": "."}, {}),
+    "solve": (
+        {
+            "scene": SCENE,
+            "solver": "reference",
+            "resolution": 4,
+            "estimate_errors": False,
+            "stop_times": (),
+            "profile_times": None,
+            "max_steps": 5,
+            "progress": None,
+        },
+        {"resolution": OPTIONAL, "estimate_errors": FLAG, "stop_times": TIMES}
+        | {"profile_times": TIMES | OPTIONAL, "max_steps": OPTIONAL, "progress": OPTIONAL},
+    ),
+    "sweep": (
+        {
+            "scene": SCENE,
+            "values": {"material.modulus": [1.0, 2.0]},
+            "solver": "reference",
+            "resolution": 4,
+            "design": "grid",
+            "points": None,
+            "seed": 0,
+            "estimate_errors": False,
+            "measures": (),
+            "traces": None,
+            "max_steps": 5,
+            "out": None,
+            "executor": None,
+            "jobs": 1,
+            "batch_seconds": None,
+            "progress": None,
+        },
+        {"estimate_errors": FLAG, "out": OPTIONAL | TEXT}
+        | dict.fromkeys(("resolution", "points", "traces", "max_steps", "executor"), OPTIONAL)
+        | dict.fromkeys(("batch_seconds", "progress"), OPTIONAL),
+    ),
+    "synthetic": (
+        {
+            "scene": SCENE,
+            "noise": 0.01,
+            "sampling": None,
+            "seed": 0,
+            "contact_point": 0.0,
+            "baseline": 0.0,
+            "drift": 0.0,
+            "stiffness": None,
+            "solver": "reference",
+            "resolution": 4,
+            "name": "",
+        },
+        {"sampling": OPTIONAL, "stiffness": OPTIONAL, "resolution": OPTIONAL, "name": TEXT},
+    ),
+    "write_curve": ({"curve": CURVE, "path": "curve.csv"}, {"path": TEXT}),
+    "write_material": (
+        {"material": ELASTIC, "path": "material.toml", "remark": ""},
+        {"path": TEXT, "remark": TEXT},
+    ),
+    "write_scene": ({"scene": SCENE, "path": "scene.toml"}, {"path": TEXT}),
+}
+NOT_ASKED = {
+    "ContactState": "what a run found",
+    "OutcomeKind": "an enumeration",
+    "PronyFit": "what a fit of moduli found",
+    "SceneError": "an error",
+    "Solver": "an abstract class",
+    "SolverComparison": "what a comparison found",
+    "UnsupportedScene": "an error",
+    "__version__": "a text",
+}
+ARGUMENTS = [(name, argument) for name, (good, _) in TABLE.items() for argument in good]
+
+
+def test_the_table_holds_every_public_name_and_argument():
+    assert set(TABLE) | set(NOT_ASKED) | {"scenes", "solvers"} == set(cc.__all__)
+    for name, (good, _) in TABLE.items():
+        assert list(inspect.signature(getattr(cc, name)).parameters) == list(good), name
+    for name in ("scenes", "solvers"):
+        assert not inspect.signature(getattr(cc, name)).parameters
+
+
+@pytest.mark.parametrize("name", [name for name in TABLE if name[0].isupper() and name != "Fit"])
+def test_what_the_table_calls_good_is_taken(name):
+    good, _ = TABLE[name]
+    assert isinstance(getattr(cc, name)(**good), getattr(cc, name))
+
+
+@pytest.mark.parametrize(("name", "argument"), ARGUMENTS)
+def test_what_an_argument_cannot_be_is_refused_in_one_line(name, argument, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "moduli.csv").write_text("t,E\n" + "".join(f"{t},{1 + 1 / t}\n" for t in range(1, 9)))
+    good, taken = TABLE[name]
+    for what, value in WRONG.items():
+        if what in taken.get(argument, ()):
+            continue
+        with pytest.raises(cc.SceneError) as caught:
+            getattr(cc, name)(**good | {argument: value})
+        line = str(caught.value)
+        assert line.isprintable(), what
+        assert "; allowed: " in line, (what, line)
+        assert len(line) < 400, (what, line)
