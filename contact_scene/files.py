@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from contact_scene.errors import SceneError, of_class, shown
+from contact_scene.units import bracketed, check_units
 
 TOO_LARGE = 10_000_000
 """Bytes; a scene or a table larger than this is a mistake."""
@@ -130,8 +131,8 @@ def read_pairs(
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Two columns of numbers from a CSV; comments (#) and one header line are allowed.
 
-    A header may say anything but that the columns stand the other way round, or that the second one is what
-    ``others`` name.
+    A header may say anything but that the columns stand the other way round, that the second one is what
+    ``others`` name, or units that contradict the columns or each other.
     """
     shown_file, allowed = str(file), f"rows of two finite numbers: {names[0]}, {names[1]}"
     text = read_text(file)
@@ -159,6 +160,8 @@ def _check_header(text: str, names: tuple[str, str], others: Sequence[str], file
     swapped = words[0] == names[1] or (words[0] != names[0] and names[0] in words)
     if swapped or any(word in others for word in words):
         raise SceneError(f"line {number}", f"got {shown(header)}", f"the columns {', '.join(names)}", file)
+    units = map(bracketed, header.split(","))
+    check_units(zip(names, units, strict=False), f"line {number}", file)
 
 
 def _plain_columns(text: str) -> tuple[tuple[float, ...], tuple[float, ...]] | None:

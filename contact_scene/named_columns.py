@@ -14,6 +14,7 @@ from typing import Any
 
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import is_number
+from contact_scene.units import bracketed
 
 KINDS = {
     "time": ("t", "time"),
@@ -125,8 +126,7 @@ def cells_of_line(content: str, line: int, file: str, strict: bool = True) -> li
 
 def _split(cell: str) -> tuple[str, str]:
     """Name and unit of a column: ``E' [MPa]``, ``omega (rad/s)``; the argument of ``E(t)`` is no unit."""
-    bracketed = re.search(r"[\[(]([^\])]*)[\])]", cell)
-    unit = bracketed.group(1).strip() if bracketed else ""
+    unit = bracketed(cell)
     name = re.sub(r"[\[(][^\])]*[\])]", "", cell).strip().replace(" ", "_")
     return name, "" if unit in ("t", "w", "f", "omega", "ω") else unit
 

@@ -26,6 +26,7 @@ from typing import Any
 from contact_scene.errors import SceneError, number, positive, shown
 from contact_scene.files import read_rows
 from contact_scene.material import Branch
+from contact_scene.units import check_units
 
 CONTRADICTION = 0.01
 """Difference of ``E_i`` from ``alpha_i E_0``, relative to ``E_0``, from which on they contradict each other:
@@ -115,6 +116,10 @@ def _table(text: str, file: str) -> tuple[list[float], list[float], tuple[str, f
     if len(set(header)) < len(header):
         raise SceneError("columns", f"a name comes twice: {shown(','.join(header))}", "distinct names", file)
     if rows and _is_units(rows[0][1]):
+        units = dict(zip(header, rows[0][1], strict=False))
+        held = {"tau_i": "relaxation time", f"{letter}_0": "modulus", f"{letter}_i": "modulus"}
+        stated = [(kind, units[name]) for name, kind in held.items() if name in units]
+        check_units(stated, f"line {rows[0][0]}", file)
         rows = rows[1:]
     if not rows:
         raise SceneError("tau_i", "no rows of numbers", "one row per branch", file)

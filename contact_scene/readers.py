@@ -45,6 +45,7 @@ from contact_scene.named_columns import (
 )
 from contact_scene.reptate import reptate_modes, shear_moduli
 from contact_scene.temperature_shift import ShiftTable
+from contact_scene.units import check_units
 
 FORMATS = ("pyvisco", "reptate", "branches", "relaxation", "dynamic")
 """Kinds of material files."""
@@ -182,6 +183,7 @@ def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
     wanted = "log shift factor" if logarithmic else "shift factor"
     if "temperature" not in kinds or wanted not in kinds:
         raise SceneError("columns", f"got {shown(','.join(table.names))}", "T, a_T | T, log_aT", file)
+    check_units(zip(kinds, table.units, strict=True), "columns", file)
     at, of = kinds.index("temperature"), kinds.index(wanted)
     temperatures, factors = [], []
     for line, row in zip(table.lines, table.rows, strict=True):
@@ -208,6 +210,7 @@ def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.fl
         if any(table.names) or len(table.rows[0]) != len(wanted):
             raise unknown_columns(table, file)
         kinds = list(wanted)
+    check_units(zip(kinds, table.units, strict=True), "columns", file)
     at = {kind: kinds.index(kind) for kind in wanted}
     letters = {letter for kind in wanted for letter in modulus_letter(table.names[at[kind]])}
     if len(letters) > 1:

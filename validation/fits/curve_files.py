@@ -7,7 +7,7 @@
     time,stage,force
     0.0,-1e-6,2e-12
 
-Columns are found by name; a unit in brackets behind a name is passed over, other columns are ignored.
+Columns are found by name; a unit in brackets behind a name is a label, other columns are ignored.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import numpy as np
 
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_rows, read_text, write_whole
+from contact_scene.units import bracketed, check_units
 from validation.fits.measured_curve import COLUMNS, Array, MeasuredCurve
 
 LARGEST_FILE = 200_000_000
@@ -51,6 +52,7 @@ def read_csv(path: Path) -> MeasuredCurve:
     for name in COLUMNS:
         if names.count(name) > 1:
             raise SceneError(name, "stands twice in the header", _HEADER, file)
+    check_units(zip(names, map(bracketed, header), strict=True), "header", file)
     places = {name: names.index(name) for name in COLUMNS if name in names}
     columns = _plain_columns(body, places, len(names))
     if columns is None:

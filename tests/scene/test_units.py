@@ -1,0 +1,151 @@
+"""Units in headers: labels of the scene's own units; one that cannot be is refused in one line."""
+
+from __future__ import annotations
+
+import pytest
+
+import crosscontact as cc
+from contact_scene.units import bracketed, kind_of_unit
+
+MATERIAL = {"modulus": 1.0, "poisson": 0.3}
+LOADING = {"start": "relaxed", "penetration": 0.01}
+RISING = "".join(f"{k},{k}\n" for k in range(30))
+MODULI = "".join(f"{k},{1.0 + 1.0 / k}\n" for k in range(1, 9))
+DYNAMIC = "".join(f"{k},{k},{k}\n" for k in range(1, 9))
+
+
+def scene(folder, **tables):
+    given = {"material": MATERIAL, "indenter": {"shape": "sphere", "radius": 1.0}, "loading": LOADING}
+    return cc.scene_from_dict(given | tables, folder)
+
+
+def profile(folder):
+    return scene(folder, indenter={"shape": "profile", "file": "x.csv"}).indenter
+
+
+def table(quantity):
+    def read(folder):
+        step = {"kind": "table", "file": "x.csv", "quantity": quantity}
+        return scene(folder, loading=LOADING | {"steps": [step]}).loading.steps
+
+    return read
+
+
+def rate(folder):
+    law = {"work": 0.5, "zone": 1e-3, "rate": {"file": "x.csv"}}
+    return scene(folder, adhesion=law).adhesion
+
+
+def material(form):
+    def read(folder):
+        return cc.read_material(folder / "x.csv", modulus=1.0, format=form)
+
+    return read
+
+
+def shift(folder):
+    return cc.read_shift_factors(folder / "x.csv")
+
+
+def measured(folder):
+    return cc.read_measured(folder / "x.csv")
+
+
+def curve(folder):
+    return cc.read_curves(folder / "x.csv")
+
+
+RATES = "1,1\n2,2\n"
+THREE = "".join(f"{k},{k},{k}\n" for k in range(30))
+PYVISCO = "1,0.01,0.5,2,1\n"
+
+# how it is read, its header, its rows, what is said of the header
+REFUSED = [
+    (
+        profile,
+        "radius [mm],height [um]",
+        RISING,
+        "height in um, but radius in mm; allowed: one unit of length",
+    ),
+    (profile, "radius,height (s)", RISING, "height in s; allowed: a unit of length, or none"),
+    (profile, "# of a tip\nr [MPa],h", RISING, "radius in MPa; allowed: a unit of length, or none"),
+    (table("penetration"), "time [mm],penetration", RISING, "time in mm; allowed: a unit of time"),
+    (table("penetration"), "t (s),depth (mN)", RISING, "penetration in mN; allowed: a unit of length"),
+    (table("force"), "time,force [V]", RISING, "force in V; allowed: a unit of force"),
+    (rate, "speed [s],work", RATES, "speed in s; allowed: a unit of speed"),
+    (rate, "speed,work [N]", RATES, "work in N; allowed: a unit of energy per area"),
+    (shift, "T [s],a_T", RATES, "temperature in s; allowed: a unit of temperature"),
+    (shift, "T [K],log_aT [s]", RATES, "log shift factor in s; allowed: no unit"),
+    (measured, "t [mm],E [MPa]", MODULI, "time in mm; allowed: a unit of time"),
+    (measured, "t [s],E(t) [N]", MODULI, "modulus in N; allowed: a unit of stress"),
+    (measured, "w,E',E''\nrad/s,MPa,kPa", DYNAMIC, "loss modulus in kPa, but storage modulus in MPa"),
+    (material("branches"), "tau [MPa],E [MPa]", MODULI, "relaxation time in MPa; allowed: a unit of time"),
+    (
+        material("pyvisco"),
+        "i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,Pa",
+        PYVISCO,
+        "modulus in Pa, but modulus in MPa",
+    ),
+    (material("pyvisco"), "i,tau_i,alpha_i,E_0,E_i\n-,m,-,MPa,MPa", PYVISCO, "relaxation time in m; allowed"),
+    (curve, "time [um],penetration,force", THREE, "time in um; allowed: a unit of time"),
+    (curve, "time,penetration,force [nm]", THREE, "force in nm; allowed: a unit of force"),
+    (
+        curve,
+        "time,penetration [nm],force,contact_radius [um]",
+        "".join(f"{k},{k},{k},{k}\n" for k in range(30)),
+        "contact_radius in um, but penetration in nm; allowed: one unit of length",
+    ),
+]
+TAKEN = [
+    (profile, "radius,height", RISING),
+    (profile, "radius [mm],height [mm]", RISING),
+    (profile, "r (µm), h (um)", RISING),
+    (profile, "radius (r),height (h)", RISING),
+    (table("penetration"), "time [s],penetration [nm]", RISING),
+    (table("force"), "t (ms),force (uN)", RISING),
+    (rate, "speed [m/s],work [J/m^2]", RATES),
+    (rate, "speed (mm/s),work (N/m)", RATES),
+    (shift, "T [°C],a_T [-]", RATES),
+    (measured, "t [s],E(t) [MPa]", MODULI),
+    (measured, "f [Hz],E' [MPa],E'' [MPa]", DYNAMIC),
+    (material("branches"), "tau,E\ns,Pa", MODULI),
+    (material("pyvisco"), "i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,MPa", PYVISCO),
+    (curve, "time [s],penetration [nm],force [nN]", THREE),
+    (curve, "time (t),penetration (d),force (F)", THREE),
+]
+
+
+@pytest.mark.parametrize(("read", "header", "rows", "said"), REFUSED)
+def test_units_that_contradict_a_column_or_each_other_are_refused(tmp_path, read, header, rows, said):
+    (tmp_path / "x.csv").write_text(f"{header}\n{rows}")
+    with pytest.raises(cc.SceneError) as caught:
+        read(tmp_path)
+    line = str(caught.value)
+    assert line.startswith(str(tmp_path / "x.csv"))
+    assert said in line
+    assert "; allowed: " in line
+    assert line.isprintable()
+
+
+@pytest.mark.parametrize(("read", "header", "rows"), TAKEN)
+def test_plain_names_and_units_that_can_be_the_scenes_are_taken(tmp_path, read, header, rows):
+    (tmp_path / "x.csv").write_text(f"{header}\n{rows}")
+    assert read(tmp_path)
+
+
+def test_kinds_of_units():
+    of_kind = {
+        "length": ("m", "mm", "µm", "μm", "nm", "km", "in"),
+        "time": ("s", "ms", "sec", "min"),
+        "force": ("N", "mN", "kN", "pN"),
+        "stress": ("Pa", "MPa", "GPa", "bar"),
+        "frequency": ("Hz", "kHz", "rad/s"),
+        "temperature": ("K", "°C", "degC"),
+        "": ("", "-", "t", "h", "F", "N/m", "m/s", "J/m^2", "a.u.", "%", "mmm"),
+    }
+    for kind, units in of_kind.items():
+        for unit in units:
+            assert kind_of_unit(unit) == kind, unit
+    assert bracketed("E(t) [MPa]") == "MPa"
+    assert bracketed("force") == ""
+    assert bracketed("tension (raw)") == "raw"
