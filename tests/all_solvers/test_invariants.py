@@ -1,6 +1,7 @@
 """Invariants of random scenes, the same for every solver; more than three hundred examples when slow.
 
 Each is a check of :mod:`support.invariants.checks`, which raises ``AssertionError`` where it does not hold.
+Invariants of the same arguments are asked of the same examples, so that these are solved once.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ def counterexample(solver: str, name: str, examples: int, start: int) -> str:
     solver, name : str
         Of the solver and of the invariant.
     examples : int
-        How many are tried, others for every invariant and ``start``.
+        How many are tried, others for every kind of arguments and ``start``.
     start : int
 
     Returns
@@ -31,8 +32,9 @@ def counterexample(solver: str, name: str, examples: int, start: int) -> str:
         The example as Hypothesis shows it, and the assertion that fails.
     """
     invariant = INVARIANTS[name]
+    first = next(other for other, one in INVARIANTS.items() if one.arguments is invariant.arguments)
 
-    @seed(start + zlib.crc32(name.encode()))
+    @seed(start + zlib.crc32(first.encode()))
     @settings(max_examples=examples)
     @given(invariant.arguments)
     def body(case: tuple) -> None:

@@ -92,7 +92,7 @@ def test_what_an_edge_carries_along_counts(monkeypatch):
     assert abs(solve(scene, Options(6)).external_work[-1] / exact - 1.0) > 1e-3
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_strains_that_do_not_follow_the_displacement_are_seen(monkeypatch):
     assert solve(SLOW, Options(6)).counters.steps < 100
     monkeypatch.setattr(free_creep.FreeCreep, "settled", lambda self, points, variables, load: variables)
@@ -119,20 +119,30 @@ def test_moduli_behind_a_steady_edge(time):
     assert_allclose(np.ravel(moduli), exact, rtol=1e-6 if time < 1e3 else 2e-2)
 
 
+SWINGS = Scene(
+    Material(1.0, 0.5, THREE),
+    Cone(85.0),
+    Loading("jump-in", 0.0055, (Oscillate(0.002, 0.02, 600.0),)),
+    Adhesion(1.5e-5, 5.5e-7),
+)
+
+
 @pytest.mark.slow
-def test_slow_swings_over_what_an_edge_has_left(monkeypatch):
+def test_slow_swings_over_what_an_edge_has_left():
     """A cone, zone 1e-5 of its radius; at the end by front tracking. What was left behind creeps on."""
-    loading = Loading("jump-in", 0.0055, (Oscillate(0.002, 0.02, 600.0),))
-    scene = Scene(Material(1.0, 0.5, THREE), Cone(85.0), loading, Adhesion(1.5e-5, 5.5e-7))
-    trace = bem(scene)
+    trace = bem(SWINGS)
     assert_allclose(trace.contact_radius[-1], 0.05871796, atol=8e-6)
     assert trace.counters.steps < 550
+
+
+@pytest.mark.exhaustive
+def test_what_was_left_behind_as_if_it_crept_evenly_is_seen(monkeypatch):
     monkeypatch.setattr(
         free_creep,
         "_crept",
         lambda chain, points, motion: chain.lag(chain.to_strains(points.variables, points.load)),
     )
-    assert abs(solve(scene).contact_radius[-1] - 0.05871796) > 2e-5
+    assert abs(solve(SWINGS).contact_radius[-1] - 0.05871796) > 2e-5
 
 
 def slow_cycle():
@@ -144,15 +154,19 @@ def slow_cycle():
 HEAT_AND_WORK = np.array([7.414101e-4, 4.01125e-5])  # by front tracking
 
 
-def test_load_at_the_edge_at_the_end_of_a_step_is_that_of_the_surface_sought(monkeypatch):
-    """A fixed point, the sum of a series; cut short it is not there yet."""
+def test_load_at_the_edge_at_the_end_of_a_step_is_that_of_the_surface_sought():
     assert np.all(np.abs(slow_cycle() / HEAT_AND_WORK - 1.0) < [1e-4, 8e-5])
+
+
+@pytest.mark.slow
+def test_a_load_at_the_edge_whose_series_is_cut_short_is_seen(monkeypatch):
     whole = load_control._change_of_fall
     monkeypatch.setattr(load_control, "_change_of_fall", lambda one, other: 0.0 * whole(one, other))
     heat, _ = slow_cycle() / HEAT_AND_WORK
     assert abs(heat - 1.0) > 5e-4
 
 
+@pytest.mark.slow
 def test_a_load_at_the_edge_that_keeps_to_a_straight_line_is_seen(monkeypatch):
     monkeypatch.setattr(load_control, "parabola_bend", lambda *a: 0.0)
     _, work = slow_cycle() / HEAT_AND_WORK
@@ -173,6 +187,7 @@ def test_punch_sets_out_after_a_long_press_when_it_should():
     assert_allclose(trace.time[-1], 2.264239, rtol=5e-5)
 
 
+@pytest.mark.slow
 def test_punch_under_a_law_of_rate_sets_out_at_once():
     """From the moment on at which the edge is driven: it took thousands of steps of 1e-12 s."""
     scene = Scene(
@@ -187,6 +202,7 @@ def test_punch_under_a_law_of_rate_sets_out_at_once():
     assert np.diff(trace.time[early])[1:].min() > 1e-10
 
 
+@pytest.mark.slow
 def test_first_step_after_a_kink_is_not_told_by_its_start():
     """Force reversed while the edge closes: its largest radius by front tracking. One step was 2e-4 off."""
     scene = Scene(

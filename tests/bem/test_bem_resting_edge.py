@@ -136,8 +136,8 @@ def oscillating(duration):
     [
         (4, 0.21, 0.02),
         pytest.param(5, 1.0, 0.02, marks=pytest.mark.slow),
-        pytest.param(8, 1.0, 0.02, marks=pytest.mark.slow),
-        pytest.param(12, 1.0, 0.01, marks=pytest.mark.slow),
+        pytest.param(8, 1.0, 0.02, marks=pytest.mark.exhaustive),
+        pytest.param(12, 1.0, 0.01, marks=pytest.mark.exhaustive),
     ],
 )
 def test_small_oscillation_with_stops_at_the_ends_of_cycles(resolution, duration, share):

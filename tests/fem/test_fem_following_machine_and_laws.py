@@ -171,6 +171,7 @@ def test_short_zones_with_a_spring_an_irreversible_edge_or_a_fixed_stress(
     assert trace.counters.steps < 400
 
 
+@pytest.mark.slow
 def test_a_rated_edge_that_sets_off_within_a_step():
     """The formula of its speed counted the rest before: a punch pressed hard came off at 4 % too little."""
     quick = Material(1.0, 0.5, (Branch(0.8, 7e-6),))
@@ -182,6 +183,7 @@ def test_a_rated_edge_that_sets_off_within_a_step():
     assert_allclose(mine.outcome.time, other.outcome.time, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_a_relaxing_punch_that_is_pressed_hard_and_pulled_slowly():
     """Judged by the largest force of the run, it came off at 4.4 % too little at any resolution."""
     rubber = Material(0.75, 0.5, (Branch(2.25, 1.0),))

@@ -269,7 +269,7 @@ def test_cone_and_many_decades_of_relaxation_times() -> None:
     loading = Loading("jump-in", 0.01, (Ramp(0.05, 0.002), Ramp(-0.5, 0.002)))
     for material, indenter in ((ONE, Cone(80.0)), (spectrum, Sphere(1.0))):
         question = Scene(material, indenter, loading, Adhesion(WORK, 2e-6))
-        usual, fine = observe(solve(question)), observe(solve(question, Options(resolution=64)))
+        usual, fine = observe(solve(question)), observe(solve(question, Options(resolution=32)))
         assert usual.pull_off_force == pytest.approx(fine.pull_off_force, rel=DEFAULT_ERROR)
         assert usual.loop_energy == pytest.approx(fine.loop_energy, rel=DEFAULT_ERROR)
 

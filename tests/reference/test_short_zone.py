@@ -163,9 +163,10 @@ RATES = {
 from 1 um on; largest distance at 10 nm."""
 
 
+@SLOW
 @pytest.mark.parametrize(
     ("kind", "quantity"),
-    [pytest.param(*key, marks=() if key[0] == "retraction" else SLOW) for key in RATES],
+    RATES,
     ids=["-".join(key) for key in RATES],
 )
 def test_front_tracking_tends_to_the_limit_with_the_zone(kind, quantity):

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-STRIDE = 4
+STRIDE = 6
 """Every so many rows one is tried whenever the slow tests are; the marker ``exhaustive`` has the others."""
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -38,15 +39,8 @@ class CoarseSolver:
     def solve(
         self, scene: Scene, times: tuple[float, ...] = (), budget: int = BUDGET, finer: int = 1
     ) -> Trace:
-        """Run a scene, ``finer`` times as fine as usual."""
-        divisions = self.resolution * finer
-        asked = {"profile_times": times, "max_steps": budget}
-        if self.name == "bem":
-            return bem_solver.solve(scene, bem_solver.Options(divisions, **asked))
-        if self.name == "reference":
-            return reference.solve(scene, reference.Options(divisions, **asked))
-        options = fem_solver.Options(divisions, FEM_TOLERANCE / finer**2, **asked)
-        return fem_solver.solve(scene, _mesh(scene, divisions, finer), options)
+        """Run a scene, ``finer`` times as fine as usual; no question is answered twice."""
+        return _answer(self.name, self.resolution * finer, finer, scene, times, budget)
 
     def declared(self, scene: Scene) -> float:
         """Relative accuracy that a step is held to."""
@@ -65,6 +59,19 @@ class CoarseSolver:
             apart = SAFETY * abs(one[-1] - two[-1]) / (2.0**self.order - 1.0)
             found[name] = float(one[-1]), float(apart + self.declared(scene) * np.abs(one).max())
         return found
+
+
+@lru_cache(maxsize=256)
+def _answer(
+    name: str, divisions: int, finer: int, scene: Scene, times: tuple[float, ...], budget: int
+) -> Trace:
+    asked = {"profile_times": times, "max_steps": budget}
+    if name == "bem":
+        return bem_solver.solve(scene, bem_solver.Options(divisions, **asked))
+    if name == "reference":
+        return reference.solve(scene, reference.Options(divisions, **asked))
+    options = fem_solver.Options(divisions, FEM_TOLERANCE / finer**2, **asked)
+    return fem_solver.solve(scene, _mesh(scene, divisions, finer), options)
 
 
 def _mesh(scene: Scene, divisions: int, finer: int) -> meshes.HalfSpaceMesh:
