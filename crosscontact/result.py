@@ -121,7 +121,7 @@ class Result:
 
     @property
     def final(self) -> ContactState:
-        """Last row of the trace."""
+        """Last row of the trace; of a run that lost contact without force and radius."""
         return self._state("final")
 
     def _state(self, moment: str) -> ContactState:

@@ -25,12 +25,12 @@ def folders(tmp_path, monkeypatch):
     """Writes a run into either folder; ``change(trace)`` makes the second differ."""
     monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", fake()))
     done = run(CASE, "bem")
-    estimated = dict.fromkeys(("force", "contact_radius", "final_force"), ESTIMATE)
+    estimated = dict.fromkeys(("force", "contact_radius", "detachment_force"), ESTIMATE)
 
     def write(change, errors=estimated):
         other = change(done.trace)
         force = other.force[-1] if len(other) else None
-        measures = done.measures | {"final_force": force}
+        measures = done.measures | {"detachment_force": force}
         runs = {
             "one": dataclasses.replace(done, errors=errors),
             "two": dataclasses.replace(done, trace=other, measures=measures),
@@ -60,8 +60,8 @@ def without_a_row(factor=1.0):
         (lambda trace: trace, 0, "1 with the same rows, apart by at most 0.0e+00"),
         (scaled(1.0 + 5e-10), 0, "1 with the same rows, apart by at most 5.0e-10"),
         (scaled(1.0 - 0.09 * ESTIMATE), 0, "0 with the same rows"),
-        (scaled(1.0 + 0.2 * ESTIMATE), 1, "FAILED: small: bem: final_force: 2 of what is allowed"),
-        (scaled(1.0 - 0.2 * ESTIMATE), 1, "FAILED: small: bem: final_force: 2 of what is allowed"),
+        (scaled(1.0 + 0.2 * ESTIMATE), 1, "FAILED: small: bem: detachment_force: 2 of what is allowed"),
+        (scaled(1.0 - 0.2 * ESTIMATE), 1, "FAILED: small: bem: detachment_force: 2 of what is allowed"),
         (without_a_row(), 0, "other decisions: small: bem"),
         (without_a_row(1.0 + 0.5 * ESTIMATE), 1, "FAILED: small: bem"),
     ],
@@ -113,6 +113,6 @@ def test_a_quantity_known_to_rounding_may_differ_by_rounding(folders, capsys):
         other = scaled(1.0 + 1e-15)(trace)
         return dataclasses.replace(other, contact_radius=other.contact_radius * (1.0 + 1e-8))
 
-    exact = {"force": 1e-17, "final_force": 1e-17, "contact_radius": ESTIMATE}
+    exact = {"force": 1e-17, "detachment_force": 1e-17, "contact_radius": ESTIMATE}
     assert rounding.main(folders(change, errors=exact)) == 0
     assert "other decisions: small: bem" in capsys.readouterr().out

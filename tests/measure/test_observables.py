@@ -20,8 +20,9 @@ from contact_scene import (
     Trace,
 )
 from contact_scene.run_control import below_zone_outcome
+from validation.measure.approach import end_of_approach
 from validation.measure.norms import distance, parting_time
-from validation.measure.observables import at_last_contact, cycle_losses, end_of_approach, observe
+from validation.measure.observables import at_last_contact, cycle_losses, observe
 
 
 def trace(time, penetration, force, radius=None, loss=None, kind=OutcomeKind.COMPLETED, events=()):
@@ -68,6 +69,18 @@ def test_the_solver_s_own_event_locates_the_detachment():
     seen = observe(trace([0, 1, 2], [1, 0, -1], [1, -1, 0], kind=OutcomeKind.DETACHED, events=events))
     assert (seen.detachment_time, seen.detachment_penetration) == (1.5, -0.25)
     assert (seen.detachment_radius, seen.detachment_force) == (0.125, -0.5)
+
+
+def test_an_event_at_the_free_surface_is_the_row_before_where_contact_is_lost_at_once():
+    """A punch keeps its radius to the end; a sphere without adhesion comes to a point."""
+    free = (Event("pull-off", 2.0, 0.0, 0.0, 0.0),)
+    punch = trace([0, 1, 2, 2], [2, 1, 0, 0], [2, 1, 0, 0], [1, 1, 1, 0], None, OutcomeKind.DETACHED, free)
+    assert observe(punch).detachment_radius == 1.0
+    sphere = trace(
+        [0, 1, 1.9, 2], [2, 1, 0.1, 0], [2, 1, 0.1, 0], [1, 0.7, 0.3, 0], None, OutcomeKind.DETACHED, free
+    )
+    assert observe(sphere).detachment_radius == 0.0
+    assert observe(punch).detachment_time == observe(sphere).detachment_time == 2.0
 
 
 @pytest.mark.parametrize("kind", [OutcomeKind.DETACHED, OutcomeKind.COMPLETED])
@@ -117,6 +130,56 @@ def test_dwell_ends_the_approach_at_its_first_row():
     run = trace([0, 1, 2, 3, 4], [0, 1, 1, 1, 0], [0, 3, 2, 1, 0])
     assert end_of_approach(run) == 1
     assert observe(run).approach_force == 3
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.13, 0.4, 0.77])
+@pytest.mark.parametrize("spacing", [0.02, 0.1, 0.4])
+def test_of_crests_of_one_height_the_first_ends_the_approach(shift, spacing):
+    """Rows miss each crest by another part of its height: the largest row is in any of them."""
+    time = np.arange(shift * spacing, 40.0, spacing)
+    crest = end_of_approach(trace(time, np.sin(time), time))
+    assert abs(time[crest] - 0.5 * np.pi) < spacing
+    assert np.sin(time[crest]) > np.sin(time[crest - 1])
+    assert np.sin(time[crest]) > np.sin(time[crest + 1])
+
+
+def test_a_crest_that_is_higher_ends_the_approach_though_it_comes_later():
+    time = np.arange(0.0, 40.0, 0.1)
+    growing = end_of_approach(trace(time, (1.0 + 0.01 * time) * np.sin(time), time))
+    assert abs(time[growing] - 12.5 * np.pi) < 0.2
+    ramps = trace([0, 1, 2, 3, 4], [0, 1.0, 0.5, 1.0 + 1e-6, 0], [0, 1, 0, 1, 0])
+    assert end_of_approach(ramps) == 3
+    assert end_of_approach(trace([0, 1, 2, 3, 4], [0, 1.0, 0.5, 1.0, 0], [0, 1, 0, 1, 0])) == 1
+
+
+def test_rows_at_nearly_one_time_make_no_crest_of_a_bump():
+    """Rounding of the penetration of a spring, over next to no time, is a slope without end."""
+    time = [0.0, 1.0, 1.0 + 1e-12, 2.0, 2.0 + 1e-12, 3.0, 4.0]
+    depth = [0.0, 1.0, 1.0 + 1e-9, 1.0 - 1e-9, 1.0 - 2e-9, 3.0, 0.0]
+    assert end_of_approach(trace(time, depth, time)) == 5
+
+
+def test_a_run_stopped_after_its_first_crest_has_ended_its_approach():
+    loading = Loading("relaxed", 0.0, (Oscillate(1.0, 1.0, 40.0),))
+    time = np.arange(0.03, 9.0, 0.1)
+    stopped = trace(time, np.sin(time), time, kind=OutcomeKind.INTERRUPTED)
+    assert observe(stopped, loading=loading).approach_time == pytest.approx(0.5 * np.pi, abs=0.1)
+    rising = trace(time[:12], np.sin(time[:12]), time[:12], kind=OutcomeKind.INTERRUPTED)
+    assert observe(rising, loading=loading).approach_time is None
+
+
+@pytest.mark.parametrize("free_surface", [True, False])
+def test_of_a_contact_that_was_lost_the_final_state_is_without_force_and_radius(free_surface):
+    """Some solvers end with the last state in contact, some with a row of the free surface."""
+    rows = slice(None) if free_surface else slice(-1)
+    columns = ([0, 1, 2, 3, 3][rows], [0, 2, 0, -1, -1][rows], [0, 6, -3, -2, 0][rows])
+    radius = [0.5, 1.0, 0.6, 0.3, 0.0][rows]
+    seen = observe(trace(*columns, radius, kind=OutcomeKind.DETACHED))
+    assert (seen.final_time, seen.final_penetration) == (3, -1)
+    assert (seen.final_force, seen.final_radius) == (0, 0)
+    assert (seen.detachment_force, seen.detachment_radius) == (-2, 0.3)
+    kept = observe(trace(*columns, radius))
+    assert (kept.final_force, kept.final_radius) == (columns[2][-1], radius[-1])
 
 
 def test_force_plateau_pulls_off_at_its_last_row():

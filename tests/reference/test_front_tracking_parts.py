@@ -224,6 +224,26 @@ def test_a_collapse_that_comes_a_little_later_is_no_error_of_its_curve() -> None
     assert errors["contact_radius"] == pytest.approx(1e-4 / 3.0, rel=0.15)
 
 
+@pytest.mark.parametrize("pull", [0.0, 1e-17, 1e-10])
+def test_rounding_where_contact_without_adhesion_ends_is_no_tension(pull: float) -> None:
+    """Its error would be relative to nothing: 91 for -1.9e-17, and the largest of all estimates."""
+    columns = [
+        {
+            "time": np.linspace(0.0, 1.0, 5),
+            "force": np.array([1.0, 0.75, 0.5, 0.25, -tension]),
+            "contact_radius": np.ones(5),
+            "external_work": np.linspace(0.0, 1.0, 5),
+        }
+        for tension in (pull, 300.0 * pull)
+    ]
+    errors = estimated_errors(*columns)
+    assert "pull_off_force" not in errors
+    assert max(errors.values()) < 1e-6
+    columns[0]["force"][-1] = -0.5
+    columns[1]["force"][-1] = -0.53
+    assert estimated_errors(*columns)["pull_off_force"] == pytest.approx(0.02)
+
+
 def test_roots() -> None:
     def steep(x: float) -> float:
         return math.expm1(30.0 * (x - 0.31))

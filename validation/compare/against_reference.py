@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from contact_scene import OutcomeKind, Trace
+from contact_scene.trace import Array
 from validation.cases import Case
 from validation.compare.checks import check_run, declined
 from validation.execution.runs import Run
+from validation.measure.approach import has_smooth_crests
 from validation.measure.check import Check, agreement_limit, disagreement
-from validation.measure.cycles import cycle_times
 from validation.measure.dimensionless import unit_sizes
 from validation.measure.error_estimate import MOVEMENT
 from validation.measure.norms import distance, movement_distance, parting_time
@@ -101,7 +104,7 @@ def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
     checks = []
     for name, unit in SCALARS.items():
         tolerance = case.tolerance(result.solver, name)
-        if tolerance is None or not _comparable(case, name, trace):
+        if tolerance is None or not _comparable(case, result.solver, name, trace):
             continue
         expected, measured = base.measures.get(name), result.measures.get(name)
         size = known.get(unit, 1.0)
@@ -140,12 +143,21 @@ def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
     return checks
 
 
-def _comparable(case: Case, name: str, trace: Trace) -> bool:
+def _comparable(case: Case, solver: str, name: str, trace: Trace) -> bool:
     """Whether two right runs have the same value: it does not depend on which rows they have."""
-    if name.startswith("approach") and cycle_times(case.scene.loading):
-        return False  # of many crests of one height, which row comes first depends on the rows
-    # After a detachment, in contact or free is a matter of a row more or less; detachment_* is physical.
+    smooth = has_smooth_crests(case.scene.loading)
+    if name.startswith("approach") and smooth:
+        return False
+    if name == "pull_off_time" and smooth:  # of cycles that pull alike, to the tolerance, any may pull most
+        return not _comes_back(-trace.force, case.tolerance(solver, "pull_off_force") or 0.0)
+    # After a detachment force and radius are zero; time and penetration of the loss are detachment_*.
     return not (name.startswith("final") and trace.outcome.kind is OutcomeKind.DETACHED)
+
+
+def _comes_back(tension: Array, tolerance: float) -> bool:
+    """Whether a tension rises to its largest value, within a relative tolerance, more than once."""
+    high = tension >= (1.0 - tolerance) * float(tension.max())
+    return int(np.count_nonzero(np.diff(high.astype(int), prepend=0) == 1)) > 1
 
 
 def _curves(case: Case, result: Run, trace: Trace, base: Run, base_trace: Trace) -> list[Check]:

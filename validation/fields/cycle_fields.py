@@ -20,7 +20,7 @@ from validation.fields.figures.figure_set import FigureSet, single_section
 from validation.fields.figures.quantities import QUANTITIES
 from validation.fields.figures.rendering import NoRendering
 from validation.fields.request import FieldRequest, record_fields
-from validation.measure.observables import end_of_approach
+from validation.measure.approach import end_of_approach
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

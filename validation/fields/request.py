@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from contact_scene import Loading, RunMonitor, Scene, SceneError, Trace
-from validation.measure.observables import ROUND_OFF, largest_tension
+from validation.measure.observables import largest_tension
+from validation.measure.round_off import ROUND_OFF
 from validation.solvers.base import specified
 from validation.solvers.fitted_meshes import mesh_for
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from validation.measure.observables import ROUND_OFF
+from validation.measure.round_off import ROUND_OFF
 
 SEVERAL = 3.5
 """Largest error estimate, relative to the tolerance, of a run that is worth comparing. Estimates hold a

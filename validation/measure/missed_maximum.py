@@ -12,7 +12,7 @@ import numpy as np
 
 from contact_scene import Trace
 from contact_scene.trace import Array
-from validation.measure.observables import ROUND_OFF
+from validation.measure.round_off import ROUND_OFF
 
 
 @dataclass(frozen=True)

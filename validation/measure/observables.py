@@ -10,19 +10,17 @@ every integral over the penetration.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_scene import Loading, OutcomeKind, Trace
+from validation.measure.approach import approach_ended, end_of_approach
+from validation.measure.round_off import ROUND_OFF
 
 Array = NDArray[np.float64]
 
-ROUND_OFF = 1e-9
-"""Difference, relative to the largest value of a column, below which two of its values count as equal."""
 PULLED_BACK = 1e-6
 """Part of the range of the penetration by which an indenter is pulled back: on a spring the penetration is
 found with the edge, and rows at nearly the same time may go back by what neither is known."""
@@ -37,8 +35,9 @@ class Observables:
     start_force, start_radius : float or None
         First row.
     approach_time, approach_penetration, approach_force, approach_radius : float or None
-        End of the approach: the first row at which the largest penetration of the run is reached. ``None``
-        for a run that did not finish, unless the approach had ended (see :func:`approach_ended`).
+        End of the approach, the first crest of the penetration that may be its largest value (see
+        :mod:`validation.measure.approach`). ``None`` for a run that did not finish, unless the approach had
+        ended.
     pull_off_force : float or None
         Largest tension ``max(-F)`` of the run, if it is an extremum that the run has passed (see
         :func:`pull_off_row`): not the tension with which a run begins or which still rises at its end.
@@ -57,7 +56,8 @@ class Observables:
     instability_loss : float or None
         Lost in instabilities of the whole run, at constant stage; only of a machine with a spring.
     final_time, final_penetration, final_force, final_radius : float or None
-        Last row.
+        Last row. Of a run that lost contact force and radius are zero, whether or not the solver ends with
+        a row of the free surface; the last state in contact is ``detachment_*``.
     """
 
     start_force: float | None = None
@@ -105,6 +105,7 @@ def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> 
     """
     if len(trace) == 0:
         return Observables()
+    lost = trace.outcome.kind is OutcomeKind.DETACHED
     values: dict[str, float] = {
         "start_force": trace.force[0],
         "start_radius": trace.contact_radius[0],
@@ -112,8 +113,8 @@ def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> 
         "dissipated_energy": trace.dissipated_energy[_last_in_contact(trace, zone)],
         "final_time": trace.time[-1],
         "final_penetration": trace.penetration[-1],
-        "final_force": trace.force[-1],
-        "final_radius": trace.contact_radius[-1],
+        "final_force": 0.0 if lost else trace.force[-1],
+        "final_radius": 0.0 if lost else trace.contact_radius[-1],
     }
     if trace.outcome.finished or approach_ended(trace, loading):
         values |= _row(trace, end_of_approach(trace), "approach")
@@ -127,43 +128,6 @@ def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> 
         if "detachment_force" in values:
             values["stage_at_detachment"] = trace.extra["stage"][_last_in_contact(trace, zone)]
     return Observables(**{name: float(value) for name, value in values.items()})
-
-
-def end_of_approach(trace: Trace) -> int:
-    """Index of the first row at the largest penetration."""
-    depth = trace.penetration
-    slack = ROUND_OFF * float(np.ptp(depth))
-    return int(np.flatnonzero(depth >= depth.max() - slack)[0])
-
-
-def approach_ended(trace: Trace, loading: Loading | None = None) -> bool:
-    """Whether a run that stopped on its way is past its largest penetration.
-
-    A later row is no deeper, and what the loading prescribes after the end of the run, as far as it is known,
-    is no deeper either.
-    """
-    row = end_of_approach(trace)
-    if not np.any(trace.time[row + 1 :] > trace.time[row]):
-        return False
-    if loading is None:
-        return True
-    deepest, slack = float(trace.penetration[row]), ROUND_OFF * float(np.ptp(trace.penetration))
-    return all(depth <= deepest + slack for depth in _prescribed_after(loading, float(trace.time[-1])))
-
-
-def _prescribed_after(loading: Loading, time: float) -> Iterator[float]:
-    """Penetrations at the ends, kinks and crests of the loading after a time; nan where not known."""
-    for step, segment in loading.segments():
-        if segment.end <= time:
-            continue
-        if segment.control != "penetration":
-            yield math.nan
-            continue
-        yield from (segment.value(at) for at in (*segment.kinks, segment.end) if not at <= time)
-        amplitude = getattr(step, "amplitude", 0.0)
-        if amplitude != 0.0:
-            sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
-            yield segment.value(segment.start) + abs(amplitude) + sinking
 
 
 def largest_tension(trace: Trace) -> int | None:
@@ -243,18 +207,24 @@ def _row(trace: Trace, index: int, name: str) -> dict[str, float]:
 
 
 def _detachment(trace: Trace, zone: float) -> dict[str, float]:
-    """The solver's own "pull-off" event where it gives one, else the last row still in contact."""
+    """The solver's own "pull-off" event where it gives one, else the last row still in contact.
+
+    An event without a contact radius is the loss seen from the free surface: that of a punch is lost at once,
+    and the row before it, at the same time, is the last state in contact.
+    """
     if trace.outcome.kind is not OutcomeKind.DETACHED:
         return {}
+    last = _last_in_contact(trace, zone)
+    until = trace.time[last] + ROUND_OFF * float(np.ptp(trace.time))
     for event in reversed(trace.events):
-        if event.kind == "pull-off" and event.contact_radius >= zone:
+        free = event.contact_radius == 0.0 and event.time <= until
+        if event.kind == "pull-off" and event.contact_radius >= zone and not free:
             return {
                 "detachment_time": event.time,
                 "detachment_penetration": event.penetration,
                 "detachment_radius": event.contact_radius,
                 "detachment_force": event.force,
             }
-    last = _last_in_contact(trace, zone)
     if np.any(trace.contact_radius[last + 1 :] > 0.0):  # contact continues below the zone
         return _row(trace, last, "detachment")
     return _row(trace, last, "detachment") | {"detachment_time": trace.outcome.time}

@@ -15,8 +15,10 @@ import numpy as np
 
 from contact_scene import OutcomeKind, Trace
 from contact_scene.trace import Array
+from validation.measure.approach import end_of_approach
 from validation.measure.missed_maximum import MissedMaximum, missed_maximum, reach_of_maximum
-from validation.measure.observables import ROUND_OFF, end_of_approach, pull_off_row
+from validation.measure.observables import pull_off_row
+from validation.measure.round_off import ROUND_OFF
 from validation.measure.scaling import column_of, scale
 
 RUNAWAY = 1.0 / (math.sqrt(2.0) - 1.0)

@@ -15,6 +15,7 @@ import numpy as np
 
 from contact_scene import Scene, Trace
 from validation.cases import Case
+from validation.measure.approach import has_smooth_crests
 from validation.measure.cycles import cycle_times
 from validation.measure.norms import distance
 from validation.measure.scalars import measure
@@ -225,8 +226,8 @@ def scales(reference: Trace, scene: Scene) -> dict[str, float]:
     for name, value in measure(reference, scene, 0.0).items():
         if name not in SCALARS or value is None:
             continue
-        if cycle_times(scene.loading) and name.startswith("approach"):
-            continue  # of many crests of one height, which comes first depends on the rows
+        if name.startswith("approach") and has_smooth_crests(scene.loading):
+            continue
         sizes[name] = largest.scale(name, value) or 1.0
     return sizes
 

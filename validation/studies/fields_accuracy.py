@@ -18,7 +18,7 @@ from contact_scene import Adhesion, FlatPunch, Indenter, Loading, Material, Scen
 from validation import cases
 from validation.fields.balance import EnergySums, balance
 from validation.fields.request import FieldRequest, record_fields
-from validation.measure.observables import end_of_approach
+from validation.measure.approach import end_of_approach
 from validation.reference import subsurface
 
 if TYPE_CHECKING:

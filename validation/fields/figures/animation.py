@@ -21,7 +21,7 @@ from validation.fields.figures.geometry import BodySection, View
 from validation.fields.figures.moment_panels import caption, sections_alike
 from validation.fields.figures.quantities import Quantity
 from validation.fields.figures.sections import INDENTER, LENGTH_UNIT, MARK, SMALL, ZONE
-from validation.measure.observables import end_of_approach
+from validation.measure.approach import end_of_approach
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Scene, Trace
-from validation.measure.observables import end_of_approach, largest_tension
+from validation.measure.approach import end_of_approach
+from validation.measure.observables import largest_tension
 
 JUMP_IN, END_OF_APPROACH = "jump-in", "end of approach"
 START_OF_DETACHMENT, PULL_OFF = "start of detachment", "pull-off"

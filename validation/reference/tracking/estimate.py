@@ -19,6 +19,8 @@ Columns = Mapping[str, Array]
 
 RICHARDSON = 1.0 / 3.0
 """Error of the finer of two runs over their difference, for order two and twice the step."""
+NO_TENSION = 1e-9
+"""Tension, relative to the largest force, that is the rounding of a contact without adhesion when it ends."""
 NEARBY = 48
 """Sides of the other polygon, before and after the corner at the same time and before and after the nearest
 corner, among which the nearest is sought: where an edge collapses, a small shift in time is many rows."""
@@ -45,7 +47,7 @@ def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> 
     """
     errors = {}
     tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
-    if tension[0] > 0.0:
+    if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
         errors["pull_off_force"] = RICHARDSON * abs(tension[0] - tension[1]) / tension[0]
     loops = [float(run["external_work"][-1]) for run in (fine, coarse)]
     turnover = float(np.abs(np.diff(fine["external_work"])).sum())
