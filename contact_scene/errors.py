@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -141,7 +141,7 @@ def finite(value: Any, key: str) -> float:
 
 def as_tuple(value: Any, key: str, allowed: str) -> tuple[Any, ...]:
     """The entries of a list, tuple or other iterable that has an order; a text is none of its letters."""
-    if isinstance(value, (str, bytes, Mapping, Set)):
+    if isinstance(value, (str, bytes, Mapping, set, frozenset)):
         raise SceneError(key, f"got {shown(value)}", allowed)
     try:
         return tuple(value)

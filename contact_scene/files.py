@@ -153,15 +153,20 @@ def read_pairs(
 
 
 def _check_header(text: str, names: tuple[str, str], others: Sequence[str], file: str) -> None:
-    """Refuse a header that says of a column what it is not."""
-    lines = enumerate(text.split("\n", _COMMENTS)[:_COMMENTS], 1)
-    number, header = next(((at, one) for at, one in lines if one.strip() and one.lstrip()[0] != "#"), (0, ""))
-    words = [(re.findall(r"[^\W\d_]+", cell) or [""])[0].lower() for cell in header.split(",")]
-    swapped = words[0] == names[1] or (words[0] != names[0] and names[0] in words)
-    if swapped or any(word in others for word in words):
-        raise SceneError(f"line {number}", f"got {shown(header)}", f"the columns {', '.join(names)}", file)
-    units = map(bracketed, header.split(","))
-    check_units(zip(names, units, strict=False), f"line {number}", file)
+    """Refuse a header, or a comment of such names above it, that says of a column what it is not."""
+    for number, line in enumerate(text.split("\n", _COMMENTS)[:_COMMENTS], 1):
+        comment = line.lstrip().startswith("#")
+        cells = line.lstrip().lstrip("#").split(",")
+        words = [(re.findall(r"[^\W\d_]+", cell) or [""])[0].lower() for cell in cells]
+        remark = comment and (len(cells) != 2 or not set(words) <= {*names, *others})
+        if remark or not line.strip():
+            continue
+        swapped = words[0] == names[1] or (words[0] != names[0] and names[0] in words)
+        if swapped or any(word in others for word in words):
+            raise SceneError(f"line {number}", f"got {shown(line)}", f"the columns {', '.join(names)}", file)
+        check_units(zip(names, map(bracketed, cells), strict=False), f"line {number}", file)
+        if not comment:
+            return
 
 
 def _plain_columns(text: str) -> tuple[tuple[float, ...], tuple[float, ...]] | None:

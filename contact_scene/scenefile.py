@@ -218,8 +218,6 @@ def _material(data: dict[str, Any], where: Path) -> Material:
         _known(table, "bulk", ("modulus", "branches"))
         branches = _branch_tuple(table.get("branches", []), "bulk.branches")
         bulk = _under("bulk", lambda: BulkRelaxation(table.get("modulus"), branches))
-    elif bulk is not None and bulk != "elastic":
-        raise SceneError("bulk", f"got {shown(bulk)}", '"elastic" or a table { modulus, branches }')
     modulus, prony = _series(model, {key: data[key] for key in own if key in data}, poisson, where)
     return _at_temperature(Material(modulus, poisson, prony, bulk), data, where)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from contact_scene.errors import SceneError, finite, positive, shown
+from contact_scene.errors import SceneError, finite, one_of, positive, shown
 from contact_scene.run_control import whole_number
 
 KEYS = (
@@ -190,9 +190,7 @@ def _spaced(entry: Mapping[str, Any], kind: str) -> list[float]:
 
 def _ends(entry: Mapping[str, Any]) -> tuple[tuple[float, float], bool]:
     """The interval of a sample."""
-    scale, asked = entry.get("scale", "linear"), entry["range"]
-    if scale not in ("linear", "log"):
-        raise SceneError("scale", f"got {shown(scale)}", '"linear" or "log"')
+    scale, asked = one_of(entry.get("scale", "linear"), "scale", ("linear", "log")), entry["range"]
     if not isinstance(asked, (list, tuple)) or len(asked) != 2:
         raise SceneError("range", f"got {shown(asked)}", "[lowest, highest]")
     read = positive if scale == "log" else finite

@@ -98,7 +98,7 @@ def read_measures(
         raise SceneError(key, f"got {shown(names)}", "a list of names of measures")
     known = measure_names(base.scene({})) if names is not default else names
     for name in names:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise SceneError(key, f"no measure {shown(name)}", ", ".join(known))
     return tuple(names)
 
