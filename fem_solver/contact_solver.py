@@ -145,6 +145,10 @@ class ContactSolver:
         """Contact radius."""
         return self.setup.law.radius(candidate.problem, candidate.edge.s)
 
+    def missed_by_extrapolation(self, candidate: ContactCandidate) -> float:
+        """Nothing that could be told from the passage of nodes: a step goes over a part of an element."""
+        return 0.0
+
     def accept(self, candidate: ContactCandidate, forces: Array) -> float | None:
         """Make a candidate with these nodal forces the accepted state.
 

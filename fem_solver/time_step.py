@@ -16,6 +16,7 @@ from fem_solver.contact_solver import ContactCandidate
 from fem_solver.curved_loads import deviation_from_tangent
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import edge_jump
+from fem_solver.irreversible_edge import IrreversibleEdge
 from fem_solver.recorder import SurfaceState
 from fem_solver.run_state import StepBefore, StepCandidate, TensionPeak
 from fem_solver.step_control import DyadicInterval, missed_peak
@@ -29,12 +30,19 @@ _ZONE_END_SHARE = 1e-4
 """Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
 _FIRST_TRAVEL = 0.0625
 """Travel of a rated edge in the step in which it sets off, relative to that allowed per step."""
+_FIRST_ZONES = 0.0625
+"""Travel of an edge in the step in which it sets off, relative to its process zone: over a zone its speed is
+felt."""
 _EVENT_TRAVEL = 4.0
 """An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
 _DEVIATION_PER_TOLERANCE = 10.0
 """Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its swing."""
 _RADIUS_SCALE = 10.0
 """Allowed error of the radius per that of the force, relative to their sizes: the travel bounds it closer."""
+_MISSED_RADIUS = 0.1
+"""Distance by which the edge may miss the extrapolation of its path, per allowed error of the force, relative
+to the sizes of radius and force. It is less than one: an edge that is too far inside recedes faster from
+then on, so that what it misses grows towards the pull-off."""
 _ELASTIC_TRAVEL = 4.0
 """Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
 _ELASTIC_SHARE = 0.1
@@ -152,7 +160,19 @@ class SteppedStates(AcceptedStates):
             del quantities["penetration"]
         slopes = {name: (new - old) / dt for name, (new, old, _) in quantities.items()}
         scales = {name: scale for name, (_, _, scale) in quantities.items()}
-        return StepCandidate(contact, slopes, self.estimator.error(slopes, scales, dt))
+        error = max(self.estimator.error(slopes, scales, dt), self._path_error(contact, radius))
+        return StepCandidate(contact, slopes, error)
+
+    def _path_error(self, contact: ContactCandidate, radius: float) -> float:
+        """Error of the edge's path over a step, relative to the allowed one.
+
+        The force does not show it where it follows the loading whatever the edge does, as on a soft spring.
+        The missed distance is of the third order in the step; errors are of the second.
+        """
+        if radius <= 0.0:
+            return 0.0
+        allowed = _MISSED_RADIUS * self.estimator.tolerance * radius
+        return (self.solver.missed_by_extrapolation(contact) / allowed) ** (2.0 / 3.0)
 
     def _present_force_scale(self) -> float:
         """Force to which errors are relative in the accepted state."""
@@ -184,14 +204,27 @@ class SteppedStates(AcceptedStates):
         return largest / (_DEVIATION_PER_TOLERANCE * self.estimator.tolerance * span)
 
     def _sets_off_too_far(self, contact: ContactCandidate, interval: DyadicInterval) -> bool:
-        """Whether an edge at rest, whose energy follows its speed, sets off in a step and goes far in it.
+        """Whether an edge at rest sets off in a step and goes far in it.
 
-        The formula of the speed would count the rest that is part of the step.
+        Its speed would be averaged over the rest that is part of the step, and with it what a relaxing solid,
+        or a law of the edge, takes up.
         """
-        if not self._has_rate or self.state.rate != 0.0 or interval.shortest or not contact.in_equilibrium:
+        if not self._rests or interval.shortest or not contact.in_equilibrium:
             return False
-        gone = self.state.radius - self.solver.radius(contact)
-        return gone > _FIRST_TRAVEL * self.setup.travel
+        allowed = _FIRST_ZONES * contact.problem.zone(contact.edge.s)
+        if self._has_rate:
+            allowed = min(allowed, _FIRST_TRAVEL * self.setup.travel)
+        return abs(self.state.radius - self.solver.radius(contact)) > allowed
+
+    @property
+    def _rests(self) -> bool:
+        """Whether an edge whose speed matters is at rest: pinned, or held by the rim of a punch."""
+        if not (self.setup.has_history or self._has_rate):
+            return False
+        if isinstance(self.setup.law, IrreversibleEdge):
+            return self.state.rate == 0.0
+        rows = self.recorder.content.rows
+        return len(rows) > 1 and rows[-2][3] == rows[-1][3] > 0.0
 
     def _overshoots_its_zone(self, contact: ContactCandidate, interval: DyadicInterval) -> bool:
         """Whether a zone of fixed stress comes to fill its contact within a step that is not yet short."""

@@ -13,11 +13,15 @@ from contact_scene.segment import Control
 from fem_solver.contact_solver import ContactCandidate
 from fem_solver.edge import NO_CONTACT, EdgeMotion, EdgePosition
 from fem_solver.following.edge_search import FollowingEdgeSearch, SearchRange
+from fem_solver.following.path import missed_by_extrapolation
 from fem_solver.following.problem import FollowingProblem
 from fem_solver.following.setup import FollowingSetup
 from fem_solver.release import ContactProblem
 
 Array = NDArray[np.float64]
+
+_RIPPLE = 0.05
+"""Ripple of the edge's path as it passes the nodes, at most, relative to an element."""
 
 
 class FollowingContactSolver:
@@ -114,6 +118,26 @@ class FollowingContactSolver:
     def radius(self, candidate: ContactCandidate) -> float:
         """Contact radius."""
         return candidate.problem.geometry.radius(candidate.edge.s)
+
+    def missed_by_extrapolation(self, candidate: ContactCandidate) -> float:
+        """Distance by which the edge misses the extrapolation of its path.
+
+        Parameters
+        ----------
+        candidate : ContactCandidate
+
+        Returns
+        -------
+        float
+            A length; 0 where the path does not matter, or misses less than what the passage of nodes leaves.
+        """
+        state, geometry = self.setup.history.state, candidate.problem.geometry
+        if not self.setup.has_history or not 0.0 < candidate.dt < math.inf or candidate.edge.s < 0.0:
+            return 0.0
+        missed = missed_by_extrapolation(state.radius, self.radius(candidate), candidate.dt, state.before)
+        node = int(candidate.edge.s)
+        element = float(geometry.radii[node + 2] - geometry.radii[node])
+        return missed if missed > _RIPPLE * element else 0.0
 
     def accept(self, candidate: ContactCandidate, forces: Array) -> float:
         """Make a candidate the accepted state; the work done on the surface so far."""

@@ -112,3 +112,24 @@ class EdgePolynomial:
             if moved < _MOMENT_TOLERANCE:
                 break
         return np.where(way >= 1.0, 1.0, np.where(way <= 0.0, 0.0, share))
+
+
+def missed_by_extrapolation(start: float, end: float, dt: float, before: tuple[Row, ...]) -> float:
+    """Distance by which the end of a step misses the parabola through the three rows before it.
+
+    Parameters
+    ----------
+    start, end, dt, before
+        As of :meth:`EdgePolynomial.through`.
+
+    Returns
+    -------
+    float
+        A length, of the third order in the step; 0 where rows are missing.
+    """
+    if len(before) < 2:
+        return 0.0
+    (length, radius), (age, oldest) = before[:2]
+    slope = (start - radius) / length
+    curvature = (slope - (radius - oldest) / (age - length)) / age
+    return abs(end - start - dt * (slope + (dt + length) * curvature))

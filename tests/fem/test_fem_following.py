@@ -31,7 +31,7 @@ from contact_scene import (
 from fem_solver.following import history, state
 from fem_solver.following.components import Components
 from fem_solver.following.passage import NodePassage
-from fem_solver.following.path import EdgePolynomial
+from fem_solver.following.path import EdgePolynomial, missed_by_extrapolation
 from fem_solver.following.problem import FollowingProblem
 from fem_solver.prony import Prony
 from meshes import EdgeMeshes
@@ -163,6 +163,18 @@ def test_the_path_meets_the_rows_and_tells_when_a_node_is_passed():
         1,
         0,
     ]
+
+
+def test_a_parabola_through_three_rows_misses_a_cubic_by_its_third_difference():
+    def rows(path):
+        return path(0.7), path(1.2), 0.5, ((0.3, path(0.4)), (0.7, path(0.0)))
+
+    assert missed_by_extrapolation(*rows(lambda t: 1.0 - 0.1 * t + 0.02 * t**2)) == pytest.approx(
+        0.0, abs=1e-15
+    )
+    cubic = missed_by_extrapolation(*rows(lambda t: 1.0 - 0.02 * t**3))
+    assert cubic == pytest.approx(0.02 * 0.5 * (0.5 + 0.3) * (0.5 + 0.7), rel=1e-12)
+    assert missed_by_extrapolation(1.0, 0.5, 0.1, ((0.1, 1.0),)) == 0.0
 
 
 def test_places_cover_every_radius_with_meshes_whose_number_grows_with_the_logarithm():
