@@ -115,10 +115,12 @@ def _advanced(
         x = x[x > path.start]
     near, free = surface.outside[: beyond + 3], surface.units[: beyond + 3]
     units = hermite.evaluate(near, free, hermite.slopes(near, free), x)
-    beside = path.start + min(COINCIDENT * radius, 0.5 * (float(x[0]) - path.start))
-    if by.was_at_rest and path.start < beside < x[0]:  # the free side of the edge is covered now
+    begins = path.start == 0.0  # nothing was in contact, not even the centre: it is covered now
+    beside = 0.0 if begins else path.start + min(COINCIDENT * radius, 0.5 * (float(x[0]) - path.start))
+    if begins or (by.was_at_rest and path.start < beside < x[0]):  # so is the free side of an edge at rest
         x = np.concatenate(([beside], x))
         units = np.concatenate((surface.units[:1], units))
+    kept = slice(0 if begins else None)
     at = h * path.passing(x)
     strain = depth.penetration(at) - body.transform(x)
     covered = rheology.cover(units * np.exp(-at[:, None] / rheology.retardation), strain)
@@ -126,14 +128,15 @@ def _advanced(
     if with_tip_energy:
         first = surface.edge_overlap(body) + depth.jump
         stress = np.concatenate(([rheology.glassy * first], rheology.stress(covered, strain)))
-        tip = _tip_energy(np.concatenate(([path.start], x)), stress, rheology.glassy)
+        swept = slice(1 if begins else 0, None)
+        tip = _tip_energy(np.concatenate(([path.start], x))[swept], stress[swept], rheology.glassy)
     left = np.full_like(at, h)
     covered = covered * np.exp(-(left - at)[:, None] / rheology.times)
     covered = covered + depth.memory(at, left, rheology.times) * rheology.moduli
     return Surface(
         depth.end,
-        np.concatenate((surface.inside, x)),
-        np.concatenate((surface.branches * by.decay + by.gain, covered)),
+        np.concatenate((surface.inside[kept], x)),
+        np.concatenate((surface.branches[kept] * by.decay + by.gain, covered)),
         np.concatenate(([radius], surface.outside[beyond:])),
         np.concatenate((units[-1:], surface.units[beyond:])) * by.recovery,
         tip,
