@@ -26,7 +26,7 @@ class DyadicInterval:
     """Position within an interval ``start..end`` and the present step, in units of ``2^-448`` of it.
 
     Steps are not shorter than ``floor``, nor than a few spacings of floats at the present time: what happens
-    at the begin of a long interval is resolved in its own time.
+    at the begin of a long interval is resolved in its own time. They are not longer than ``ceiling``.
     """
 
     start: float
@@ -34,6 +34,7 @@ class DyadicInterval:
     position: int = 0
     step: int = _WHOLE
     floor: float = 0.0
+    ceiling: float = math.inf
 
     @property
     def time(self) -> float:
@@ -63,7 +64,8 @@ class DyadicInterval:
     def limit(self, dt: float, shortest: float) -> None:
         """Start with steps of at most ``dt``; never go below ``shortest``."""
         self.floor = shortest
-        self.step = _power_below(max(dt, self._shortest(self.position)) / (self.end - self.start))
+        first = max(min(dt, self.ceiling), self._shortest(self.position))
+        self.step = _power_below(first / (self.end - self.start))
 
     def halve(self) -> None:
         """Try again with half the step, if it may be halved."""
@@ -84,8 +86,9 @@ class DyadicInterval:
         self.halve()
 
     def double(self) -> None:
-        """Take twice the step from here, where that stays aligned."""
-        if self.position % (2 * self.step) == 0 and self.position + 2 * self.step <= _WHOLE:
+        """Take twice the step from here, where that stays aligned and below the ceiling."""
+        aligned = self.position % (2 * self.step) == 0 and self.position + 2 * self.step <= _WHOLE
+        if aligned and self._length(2 * self.step) <= self.ceiling:
             self.step *= 2
 
     def _at(self, position: int) -> float:

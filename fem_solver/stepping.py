@@ -29,6 +29,9 @@ _SHORTEST_RATED = 1e-12
 """The same where the energy follows the speed: such an edge always has one, until rounding hides it."""
 _FIRST = 1.0 / 64.0
 """First step, relative to the interval; twice that relative to the shortest relaxation time."""
+_LONGEST = 0.125
+"""Longest step of a load step that does work on a relaxing solid, relative to the load step: in one much
+shorter than all relaxation, force over penetration is straight but for what a cycle loses."""
 ELASTIC_TOLERANCE = 0.04
 """Allowed error of the rows of an elastic solid per that of others: steps are few, and of its work a small
 difference, the hysteresis of the jumps, is what counts."""
@@ -127,7 +130,7 @@ class NodeReleaseRun(SteppedStates):
     ) -> None:
         """From one stop to the next; ``span`` is the swing of the prescribed value over the load step."""
         if self.interval is None:
-            self.interval, self.before = self._new_interval(start, stop.time), None
+            self.interval, self.before = self._new_interval(start, stop.time, self._longest(segment)), None
         while not self.interval.done:
             outcome = interruption(self.monitor, self.snapshot, self.time)
             if outcome is not None:
@@ -143,8 +146,27 @@ class NodeReleaseRun(SteppedStates):
         self.step = None if stop.kink else self.interval.dt
         self.interval = None
 
-    def _new_interval(self, start: float, end: float) -> DyadicInterval:
-        interval, length, relaxation = DyadicInterval(start, end), end - start, self.setup.shortest_time
+    def _longest(self, segment: Segment) -> float:
+        """Longest step within a load step; none where no work is done, or nothing lost."""
+        moves = segment.value(segment.end) != segment.value(segment.start)
+        return _LONGEST * (segment.end - segment.start) if moves and self.setup.has_history else math.inf
+
+    def _new_interval(self, start: float, end: float, longest: float) -> DyadicInterval:
+        """The interval between two stops, with the first of its steps.
+
+        Parameters
+        ----------
+        start, end : float
+            Times of the stops.
+        longest : float
+            Longest step.
+
+        Returns
+        -------
+        DyadicInterval
+        """
+        length, relaxation = end - start, self.setup.shortest_time
+        interval = DyadicInterval(start, end, ceiling=longest)
         first = self.step or min(_FIRST * length, 2.0 * _FIRST * relaxation)
         shortest = _SHORTEST_RATED if self._has_rate else _SHORTEST
         interval.limit(first, shortest * min(relaxation, length))

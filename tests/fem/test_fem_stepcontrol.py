@@ -83,3 +83,15 @@ def test_estimator_sees_curvature_relative_to_its_scale_and_resets_at_kinks():
     assert estimator.error({"force": 5.1}, {"force": 10.0}, 0.1) == pytest.approx(small / 10)
     estimator.reset()
     assert estimator.error({"force": 50.0}, {"force": 1.0}, 0.1) == 0.0
+
+
+def test_steps_grow_up_to_the_ceiling():
+    interval, lengths = DyadicInterval(1.0, 3.0, ceiling=0.25), []
+    interval.limit(1.0, 1e-6)
+    assert interval.dt == 0.25
+    interval.halve()
+    while not interval.done:
+        lengths.append(interval.dt)
+        interval.advance()
+        interval.double()
+    assert lengths == [0.125, 0.125, *[0.25] * 7]
