@@ -20,8 +20,8 @@ from fem_solver.release import ContactProblem
 
 Array = NDArray[np.float64]
 
-_RIPPLE = 0.05
-"""Ripple of the edge's path as it passes the nodes, at most, relative to an element."""
+_RIPPLE = 1.0
+"""Travel, in elements, within which the passage of nodes ripples the edge's path more than its steps do."""
 
 
 class FollowingContactSolver:
@@ -129,15 +129,16 @@ class FollowingContactSolver:
         Returns
         -------
         float
-            A length; 0 where the path does not matter, or misses less than what the passage of nodes leaves.
+            A length; 0 where the path does not matter, or a step passes too few nodes to tell it.
         """
         state, geometry = self.setup.history.state, candidate.problem.geometry
         if not self.setup.has_history or not 0.0 < candidate.dt < math.inf or candidate.edge.s < 0.0:
             return 0.0
-        missed = missed_by_extrapolation(state.radius, self.radius(candidate), candidate.dt, state.before)
-        node = int(candidate.edge.s)
+        radius, node = self.radius(candidate), int(candidate.edge.s)
         element = float(geometry.radii[node + 2] - geometry.radii[node])
-        return missed if missed > _RIPPLE * element else 0.0
+        if abs(radius - state.radius) < _RIPPLE * element:
+            return 0.0
+        return missed_by_extrapolation(state.radius, radius, candidate.dt, state.before)
 
     def accept(self, candidate: ContactCandidate, forces: Array) -> float:
         """Make a candidate the accepted state; the work done on the surface so far."""

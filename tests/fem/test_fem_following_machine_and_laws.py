@@ -16,6 +16,7 @@ from contact_scene import (
     Adhesion,
     Branch,
     Cone,
+    Counters,
     FlatPunch,
     Hold,
     Loading,
@@ -27,6 +28,7 @@ from contact_scene import (
     Sphere,
 )
 from fem_solver.following.components import Components
+from fem_solver.following.contact_solver import FollowingContactSolver
 from fem_solver.following.problem import FollowingProblem
 from fem_solver.following.state import interface_energy, transferred
 from fem_solver.prony import Prony
@@ -106,6 +108,20 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
     fine = np.r_[int(here.lowest) : top - 1, top + 3 : here.geometry.last]
     largest = np.abs(state.branches[:, fine]).max()
     assert_allclose(back.branches[:, fine], state.branches[:, fine], rtol=0.0, atol=1e-6 * largest)
+
+
+def test_the_path_of_an_edge_is_judged_over_elements_not_over_the_nodes_it_passes():
+    scene = replace(ON_SPRING, loading=replace(ON_SPRING.loading, steps=(Ramp(0.02, 0.002),)))
+    setup = fem_solver.record(scene, edge_meshes(scene, 4)).setup
+    state, solver = setup.history.state, FollowingContactSolver(setup, Counters())
+    dt, element = 0.5 * state.before[0][0], 0.25 * ZONE
+
+    def missed(travel):
+        held = solver.held(dt, "stage", 0.015, state.radius - travel)
+        return solver.missed_by_extrapolation(held)
+
+    assert missed(0.8 * element) == 0.0
+    assert missed(9.0 * element) - missed(8.0 * element) == pytest.approx(element, rel=1e-6)
 
 
 def test_a_surface_without_force_keeps_no_energy_of_the_contact_that_it_left():
