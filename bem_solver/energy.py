@@ -16,13 +16,14 @@ With a sharp edge the branch integral exceeds the loss of the energy balance by 
 excess of the glassy ``K^2/(2 Einf*)``; both are reported. While such an edge moves in steps that are long for
 a branch, what the branches dissipate is taken from that balance (``tip_release``): a fast branch
 sees of the tip only what passes within its own time, of which forms of the states at the ends of a longer
-step hold nothing.
+step hold nothing. So it is of any step in which the edge rests: nothing is released there, and under a
+constant or a swinging penetration the load is not linear in time.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,8 @@ class Energies:
     """``load_work`` is Y; ``branch_work`` (K,) is X; ``branch_energy`` (K,) is W; ``dissipated`` the time
     integral of the branch power. ``release`` is the glassy energy release rate of the tip, opening and
     closing, with adhesion; ``tip`` the integral of it over the area that the step before has gained, NaN
-    where it is not known, and ``bend`` the part of what the branches received in it that is no trapezoid."""
+    where it is not known, and ``bend`` (K,) the part of what the branches received in it that is no
+    trapezoid; empty before the first step."""
 
     load_work: float
     branch_work: Array
@@ -54,7 +56,7 @@ class Energies:
     dissipated: float
     release: tuple[float, float] | None = None
     tip: float = math.nan
-    bend: float = 0.0
+    bend: Array = field(default_factory=lambda: np.zeros(0))
 
     def stored(self, chain: Chain) -> float:
         """Stored energy U."""
@@ -69,9 +71,9 @@ class Energies:
             - 2.0 * chain.compliances * self.branch_work
         )
 
-    def supply(self, chain: Chain) -> float:
-        """Power that the branches receive, ``sum_k (J_k Y - X_k)/theta_k``."""
-        return float(np.sum((chain.compliances * self.load_work - self.branch_work) / chain.retardation))
+    def supply(self, chain: Chain) -> Array:
+        """Power that each branch receives, ``(J_k Y - X_k)/theta_k``, shape (K,)."""
+        return (chain.compliances * self.load_work - self.branch_work) / chain.retardation
 
     def unloaded(self) -> Energies:
         """The same without load."""
@@ -170,7 +172,7 @@ def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, d
         increment.branch_work,
         energy,
         before.dissipated + float(np.sum(lost)),
-        bend=float(np.sum((1.0 - long) * received)),
+        bend=(1.0 - long) * received,
     )
 
 

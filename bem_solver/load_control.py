@@ -25,10 +25,6 @@ from bem_solver.surface_points import advanced, load_inside
 
 Array = NDArray[np.float64]
 
-_LARGEST_RATIO = 0.9
-"""Ratio of successive changes up to which their series is summed: beyond it a tenth of one is the whole sum,
-and no number of them tells it."""
-
 
 @dataclass(frozen=True)
 class LoadControl:
@@ -72,19 +68,11 @@ class LoadControl:
     def _settled(self, motion: Motion, surface: ContactSurface) -> tuple[Motion, ContactSurface]:
         """Motion and surface of an advancing edge.
 
-        The surface under an end that belongs to the one before comes closer by a nearly constant ratio, three
-        quarters in long steps of a glassy edge. All is linear in the end: two terms give the whole series.
+        The end of the load at the edge is that of the surface before, once improved.
         """
         one, second = self._controlled(motion)
         two, third = self._controlled(self._ending(one, second))
-        three = self._ending(two, third)
-        changes = [_change_of_fall(one, two), _change_of_fall(two, three)]
-        size = float(changes[0] @ changes[0])
-        ratio = float(changes[1] @ changes[0]) / size if size > 0.0 else 0.0
-        share = 1.0 / (1.0 - min(max(ratio, -_LARGEST_RATIO), _LARGEST_RATIO))
-        surface = second.towards(third, share)
-        penetration = one.new_penetration + share * (two.new_penetration - one.new_penetration)
-        return self._ending(replace(three, new_penetration=penetration), surface), surface
+        return self._ending(two, third), third
 
     def _ending(self, motion: Motion, surface: ContactSurface) -> Motion:
         """The motion whose end is that of a surface."""
@@ -132,10 +120,3 @@ def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> A
         return problem.chain.relaxed * wanted
     problem.counters.history_updates += 1
     return load_inside(problem.chain, advanced(problem.chain, points, motion, None), wanted)
-
-
-def _change_of_fall(one: Motion, other: Motion) -> Array:
-    """Of the fall at the end of the step, from one motion to another of the same path."""
-    if one.fall is None or other.fall is None:
-        raise ValueError("the edge has no path")
-    return other.fall.end - one.fall.end

@@ -25,14 +25,18 @@ power that the branch receives to be a cubic."""
 class TraceRecorder:
     """Rows, events and profiles of a run so far.
 
-    ``kinks`` are the rows after which slopes may jump, ``shortest`` is the shortest relaxation time.
+    ``kinks`` are the rows after which slopes may jump, ``shortest`` is the shortest relaxation time,
+    ``retardation`` (K,) those of the branches; ``supplies`` holds of each row the power that every branch
+    receives, and what it received beyond a trapezoid in the step before, both (K,).
     """
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
+    supplies: list[tuple[Array, Array]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     profiles: list[SurfaceProfile] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
     shortest: float = math.inf
+    retardation: Array = field(default_factory=lambda: np.zeros(0))
 
     def row(self, chain: Chain, state: HalfSpaceState, energies: Energies) -> None:
         """Add the row of an accepted state.
@@ -56,10 +60,9 @@ class TraceRecorder:
                 surface.stress_intensity,
                 state.spent,
                 energies.tip,
-                energies.supply(chain),
-                energies.bend,
             )
         )
+        self.supplies.append((energies.supply(chain), energies.bend))
 
     @property
     def forces(self) -> list[float]:
@@ -136,20 +139,31 @@ class TraceRecorder:
 
         From the columns of the rows, the external work (n,) and the rows after which slopes may jump.
         """
-        time, _, _, radius, stored, branch, _, _, tip, supply, bend = columns
+        time, _, _, radius, stored, branch, _, _, tip = columns
         duration, grown = np.diff(time), np.pi * np.diff(radius**2)
         share = share_of_balance(duration, self.shortest)
-        trapezoids = 0.5 * (supply[1:] + supply[:-1]) * duration  # of which the branches' heat is made
-        beyond = np.diff(external_work(time, time, supply, kinks)) - trapezoids
+        heat = np.diff(branch) + self._beyond_trapezoids(time, kinks)
+        rests = grown == 0.0  # the tip releases nothing, and no load is as straight as the forms take it
+        balanced = np.diff(external) - np.diff(stored) + np.where(rests, 0.0, tip[1:])
+        known = (duration > 0.0) & np.isfinite(balanced)
+        share = np.where(known, np.where(rests, 1.0, share), 0.0)
+        return share * np.where(known, balanced, 0.0) + (1.0 - share) * heat
+
+    def _beyond_trapezoids(self, time: Array, kinks: list[int]) -> Array:
+        """What the branches receive in each step more than their heat counts, shape (n - 1,)."""
+        duration = np.diff(time)
         padded = np.pad(duration, 1)
         around = np.maximum(np.maximum(padded[:-2], padded[2:]), duration)
-        heat = np.diff(branch) + (1.0 - share_of_balance(_SHORT_OF_SMOOTH * around, self.shortest)) * (
-            beyond - bend[1:]
-        )
-        balanced = np.diff(external) - np.diff(stored) + tip[1:]
-        tip_moves = (grown != 0.0) & (duration > 0.0) & np.isfinite(balanced)
-        share = np.where(tip_moves, share, 0.0)
-        return share * np.where(tip_moves, balanced, 0.0) + (1.0 - share) * heat
+        found = np.zeros_like(duration)
+        for place, retardation in enumerate(self.retardation):
+            smooth = 1.0 - share_of_balance(_SHORT_OF_SMOOTH * around, retardation)
+            if not smooth.any():
+                continue
+            supply = np.array([power[place] for power, _ in self.supplies])
+            bend = np.array([beyond[place] if len(beyond) else 0.0 for _, beyond in self.supplies[1:]])
+            received = np.diff(external_work(time, time, supply, kinks))
+            found += smooth * (received - 0.5 * (supply[1:] + supply[:-1]) * duration - bend)
+        return found
 
 
 def rest_ends(radius: Array) -> list[int]:
@@ -184,7 +198,7 @@ def trace_without_contact(penetration: float, reason: str, counters: Counters, w
     -------
     Trace
     """
-    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, math.nan, 0.0, 0.0)])
+    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, math.nan)])
     return recorder.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters, work)
 
 

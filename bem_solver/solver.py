@@ -156,7 +156,9 @@ def _started(problem: Problem, scale: float) -> GradedState | None:
     if started is None:
         return None
     contact, energies = started
-    record = TraceRecorder(shortest=float(problem.chain.relaxation.min(initial=math.inf)))
+    record = TraceRecorder(
+        shortest=float(problem.chain.relaxation.min(initial=math.inf)), retardation=problem.chain.retardation
+    )
     record.row(problem.chain, contact, energies)
     return GradedState(contact, energies, record, abs(contact.surface.force), contact.edge)
 

@@ -54,7 +54,7 @@ class UniformState:
         radius = surface.contact * annuli.width
         stored, intensity = energies.stored(chain), surface.stress_intensity
         row = (surface.time, surface.penetration, surface.force, radius)
-        self.record.rows.append((*row, stored, energies.dissipated, intensity, 0.0, math.nan, 0.0, 0.0))
+        self.record.rows.append((*row, stored, energies.dissipated, intensity, 0.0, math.nan))
 
     def event(self, kind: str, width: float) -> None:
         """An instability of the committed state on annuli of a ``width``."""

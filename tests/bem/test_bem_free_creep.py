@@ -145,32 +145,43 @@ def test_what_was_left_behind_as_if_it_crept_evenly_is_seen(monkeypatch):
     assert abs(solve(SWINGS).contact_radius[-1] - 0.05871796) > 2e-5
 
 
+CYCLE_TIMES = np.array([50.0, 300.0, 800.0, 1600.0, 3800.0])
+HEAT = np.array([9.588278e-5, 2.1356572e-4, 3.8385023e-4, 6.4459458e-4, 7.3233542e-4])
+WORK = 4.01125e-5
+"""Of a cycle over long zones, which passes them in long steps: heat of the branches at these times, and the
+work at the end, by front tracking."""
+
+
 def slow_cycle():
-    """Heat of the branches and work of a cycle over long zones, which passes them in long steps."""
+    """Its heat in parts of the last one, and its work, both less those of front tracking."""
     trace = solve(cycle(2e-5))
-    return np.array([trace.extra["branch_dissipation"][-1], trace.external_work[-1]])
+    heat = np.interp(CYCLE_TIMES, trace.time, trace.extra["branch_dissipation"])
+    return (heat - HEAT) / HEAT[-1], trace.external_work[-1] / WORK - 1.0
 
 
-HEAT_AND_WORK = np.array([7.414101e-4, 4.01125e-5])  # by front tracking
-
-
-def test_load_at_the_edge_at_the_end_of_a_step_is_that_of_the_surface_sought():
-    assert np.all(np.abs(slow_cycle() / HEAT_AND_WORK - 1.0) < [1e-4, 8e-5])
+def test_heat_and_work_of_a_slow_cycle_in_long_steps():
+    """All the way: at the end alone errors of either sign cancel."""
+    heat, work = slow_cycle()
+    assert np.abs(heat).max() < 4e-4
+    assert abs(work) < 8e-5
 
 
 @pytest.mark.slow
-def test_a_load_at_the_edge_whose_series_is_cut_short_is_seen(monkeypatch):
-    whole = load_control._change_of_fall
-    monkeypatch.setattr(load_control, "_change_of_fall", lambda one, other: 0.0 * whole(one, other))
-    heat, _ = slow_cycle() / HEAT_AND_WORK
-    assert abs(heat - 1.0) > 5e-4
+def test_a_load_at_the_edge_of_the_surface_before_is_seen(monkeypatch):
+    def unimproved(self, motion, surface):
+        one, second = self._controlled(motion)
+        return self._ending(one, second), second
+
+    monkeypatch.setattr(load_control.LoadControl, "_settled", unimproved)
+    heat, _ = slow_cycle()
+    assert np.abs(heat).max() > 7e-4
 
 
 @pytest.mark.slow
 def test_a_load_at_the_edge_that_keeps_to_a_straight_line_is_seen(monkeypatch):
     monkeypatch.setattr(load_control, "parabola_bend", lambda *a: 0.0)
-    _, work = slow_cycle() / HEAT_AND_WORK
-    assert abs(work - 1.0) > 1.2e-4
+    _, work = slow_cycle()
+    assert abs(work) > 1.2e-4
 
 
 def test_punch_sets_out_after_a_long_press_when_it_should():
