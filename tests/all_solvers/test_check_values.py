@@ -91,7 +91,7 @@ class PronyElement:
 
 def close(value: float) -> object:
     """Check values have seven digits or more."""
-    return pytest.approx(value, rel=2e-7)
+    return pytest.approx(value, rel=2e-7, abs=0.0)
 
 
 def test_punch_programme():

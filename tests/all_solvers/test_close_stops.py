@@ -15,7 +15,7 @@ APART = 1e-9
 """Distance of the two stops of a pair, in times at which they are."""
 
 
-@pytest.mark.parametrize("name", ["bem", "fem", "reference"])
+@pytest.mark.parametrize("name", ["bem", pytest.param("fem", marks=pytest.mark.slow), "reference"])
 @pytest.mark.parametrize("scene", ["cycle-v0.1", "elastic-relaxed", "spring-approach"])
 def test_pairs_of_stops_change_neither_pull_off_nor_loop(name, scene):
     question = load(scene).scene

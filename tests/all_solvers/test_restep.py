@@ -63,7 +63,9 @@ def twice(monkeypatch):
     return put
 
 
-@pytest.mark.parametrize(("name", "solve"), [("bem", bem), ("fem", fem), ("reference", front)])
+@pytest.mark.parametrize(
+    ("name", "solve"), [("bem", bem), ("fem", fem), pytest.param("reference", front, marks=pytest.mark.slow)]
+)
 def test_a_step_tried_in_vain_leaves_nothing(twice, name, solve):
     once = uninterrupted(solve)
     vain = twice()

@@ -46,7 +46,9 @@ def outside_paraboloid(radius, edge, penetration):
     return (2.0 / np.pi) * (penetration * angle - bent)
 
 
-@pytest.mark.parametrize("branches", [THREE, (Branch(3.0, 20.0), Branch(2.0, 1e-3))])
+@pytest.mark.parametrize(
+    "branches", [THREE, pytest.param((Branch(3.0, 20.0), Branch(2.0, 1e-3)), marks=pytest.mark.slow)]
+)
 def test_displacement_outside_an_edge_that_never_receded_is_elastic(branches):
     """Whatever the material and the way: no pressure has been there (Lee and Radok)."""
     steps = (Ramp(0.0030181, 2.268e-5), Hold(3.0), Ramp(0.0032, 1e-3))
@@ -80,6 +82,7 @@ def test_a_stiff_glass_closes_in_long_steps():
     assert bem(replace(SLOW, material=material)).counters.steps < 200
 
 
+@pytest.mark.slow
 def test_what_an_edge_carries_along_counts(monkeypatch):
     """Work of a press, by front tracking; and as if the displacement ahead had changed evenly."""
     press = Loading("jump-in", 0.0025645, (Ramp(0.0040, 1e-3),))

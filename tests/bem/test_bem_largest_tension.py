@@ -41,7 +41,7 @@ PUNCH = Scene(
 """Filled until it is pulled off by a growing force; the penetration, by which it is judged, is glassy."""
 
 
-@pytest.mark.parametrize("resolution", [6, 12, pytest.param(24, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("resolution", [6, *(pytest.param(n, marks=pytest.mark.slow) for n in (12, 24))])
 @pytest.mark.parametrize(
     ("question", "force"),
     [(LATE, 0.014152234), (PRESSED, 1.8127202e-4), (PUNCH, 0.0077250485)],

@@ -92,6 +92,7 @@ def test_heat_of_the_branches_of_an_edge_that_turns(steps, most, resolution, wit
     assert_allclose(mine.extra["branch_dissipation"][-1], expected, rtol=min(within, most))
 
 
+@pytest.mark.slow
 def test_load_ahead_of_an_edge_that_turns_bends_within_a_step():
     """The edge stays within 0.04 zones for a fifth of the approach; the loss tells what it set off from."""
     question = cycle(0.002)
@@ -131,6 +132,7 @@ def test_a_place_of_rest_long_left_takes_nothing_from_the_release_of_the_tip():
     assert_allclose(closing, chain.glassy * np.pi / 16.0, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_branches_only_lose_where_an_edge_swings_over_its_old_turns():
     """Cycles within a quarter of a zone, steps ten times as long as the fastest branch needs.
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 from functools import partial
+from itertools import product
 
 import pytest
 from support.resumable_runs import RICH, SHORT, TIMES, bem, fem, front, uninterrupted
 from support.stopped_runs import Stop, assert_beginning, assert_same, in_parts
+from support.table_rows import sampled
 
 from contact_scene import Material, OutcomeKind
 from validation import cases, solvers
@@ -101,11 +103,15 @@ def test_history_in_the_volume(path):
     assert_same(resumed, whole)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("solver", ["bem", "fem", "reference"])
 @pytest.mark.parametrize(
-    "name",
-    ["cycle-v0.02", "adhesionless-cycle", "three-branches", "force-4", "cycle-si", "rated-edge-si"],
+    ("name", "solver"),
+    sampled(
+        product(
+            ["cycle-v0.02", "adhesionless-cycle", "three-branches", "force-4", "cycle-si", "rated-edge-si"],
+            ["bem", "fem", "reference"],
+        ),
+        2,
+    ),
 )
 def test_built_in_scenes(name, solver):
     run = partial({"bem": bem, "fem": fem, "reference": front}[solver], cases.load(name).scene)

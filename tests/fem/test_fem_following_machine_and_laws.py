@@ -124,6 +124,7 @@ def test_the_path_of_an_edge_is_judged_over_elements_not_over_the_nodes_it_passe
     assert missed(9.0 * element) - missed(8.0 * element) == pytest.approx(element, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_surface_without_force_keeps_no_energy_of_the_contact_that_it_left():
     """The contact's energy differs between two meshes by 1e-5 of itself, and goes when the contact goes."""
     energy = FiniteElements().solve(FAST, 4).stored_energy
@@ -164,6 +165,7 @@ def test_what_the_free_surface_holds_decays_by_modes():
         assert_allclose(solid.remaining(held, time), solid.free_energies(later), rtol=1e-9, atol=1e-14)
 
 
+@pytest.mark.slow
 def test_a_first_step_is_judged_by_a_shorter_one_after_it():
     """An edge pinned where the loading turns opens within the first step; the body itself loses nothing."""
     trace = FiniteElements().solve(ELASTIC, 4)

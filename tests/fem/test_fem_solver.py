@@ -338,6 +338,7 @@ def test_start_without_equilibrium_and_zone_longer_than_the_contact():
         run(start="jump-in", penetration=0.0, material=Material(7500.0, 0.5))
 
 
+@pytest.mark.slow
 def test_an_elastic_ramp_to_far_beyond_detachment_does_the_work_of_its_curve():
     """The first step of a ramp is a share of the whole ramp, most of which lies beyond the end of contact."""
     retraction = scene_of(Ramp(-0.2, 0.01), start="relaxed", at=0.01, material=SOFT)

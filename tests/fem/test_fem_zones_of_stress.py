@@ -14,7 +14,10 @@ PRESSED = Loading("jump-in", 0.01, (Ramp(0.05, 0.05),))
 PEELED = Loading("relaxed", 0.03, (Ramp(-0.5, 0.05),))
 
 
-@pytest.mark.parametrize(("share", "follows", "radius"), [(0.05, True, 0.2278761), (0.1, False, 0.2297051)])
+@pytest.mark.parametrize(
+    ("share", "follows", "radius"),
+    [(0.05, True, 0.2278761), pytest.param(0.1, False, 0.2297051, marks=pytest.mark.slow)],
+)
 def test_an_edge_closes_smoothly_in_a_zone_far_shorter_than_that_at_rest(share, follows, radius):
     """Radii by front tracking; in steps of elements longer than its zone the edge was 0.6 to 0.8 % behind."""
     scene = Scene(ONE, Sphere(1.0), PRESSED, Adhesion(WORK, work_closing=share * WORK, stress=0.1023))
@@ -28,7 +31,7 @@ def test_an_edge_closes_smoothly_in_a_zone_far_shorter_than_that_at_rest(share, 
 @pytest.mark.parametrize(
     ("stress", "speed", "follows", "force", "work", "end"),
     [
-        (0.2288, 1e-4, True, 0.03651653, 1.266561e-3, 1.151686),
+        pytest.param(0.2288, 1e-4, True, 0.03651653, 1.266561e-3, 1.151686, marks=pytest.mark.slow),
         (0.1618, 2e-4, False, 0.03062150, 7.226401e-4, 0.868802),
     ],
 )

@@ -11,7 +11,8 @@ STRIDE = 6
 """Every so many rows one is tried whenever the slow tests are; the marker ``exhaustive`` has the others."""
 
 
-def sampled(rows: Iterable[Any]) -> list[Any]:
-    """Parameters of a test, marked ``slow`` or ``exhaustive``."""
+def sampled(rows: Iterable[Any], stride: int = STRIDE) -> list[Any]:
+    """Parameters of a test, marked ``slow`` or ``exhaustive``; a row of several is a tuple."""
     marks = (pytest.mark.slow, pytest.mark.exhaustive)
-    return [pytest.param(row, marks=marks[index % STRIDE > 0]) for index, row in enumerate(rows)]
+    each = (row if isinstance(row, tuple) else (row,) for row in rows)
+    return [pytest.param(*row, marks=marks[index % stride > 0]) for index, row in enumerate(each)]
