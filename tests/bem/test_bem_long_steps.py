@@ -77,7 +77,7 @@ def test_release_of_the_tip_jumps_where_the_edge_has_rested():
         (8, 0.02),
         (9, 0.02),  # a row on the place of rest, to the accuracy of the edge
         (12, 0.005),
-        *(pytest.param(*row, marks=pytest.mark.slow) for row in ((10, 0.01), (16, 0.004))),
+        *(pytest.param(*row, marks=pytest.mark.slow) for row in ((10, 0.0105), (16, 0.004))),
     ],
 )
 @pytest.mark.parametrize(
