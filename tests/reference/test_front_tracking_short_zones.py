@@ -13,6 +13,7 @@ import pytest
 from numpy.testing import assert_allclose
 from support.paper_scenes import ONE, THREE, WORK
 from support.paper_scenes import PULL as F_JKR
+from support.table_rows import sampled
 
 from contact_scene import (
     Adhesion,
@@ -105,8 +106,7 @@ LOADINGS = {
 }
 
 
-@SLOW
-@pytest.mark.parametrize("name", LOADINGS)
+@pytest.mark.parametrize("name", sampled(LOADINGS, 2))
 def test_long_steps_against_short_ones(name: str) -> None:
     """At a zone of a hundredth of the radius, where both can be paid."""
     loading, material = LOADINGS[name]
