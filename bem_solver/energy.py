@@ -48,7 +48,7 @@ class Energies:
     integral of the branch power. ``release`` is the glassy energy release rate of the tip, opening and
     closing, with adhesion; ``tip`` the integral of it over the area that the step before has gained, NaN
     where it is not known, and ``bend`` (K,) the part of what the branches received in it that is no
-    trapezoid; empty before the first step."""
+    trapezoid."""
 
     load_work: float
     branch_work: Array
@@ -138,7 +138,9 @@ def work_increment(
 def initial_energies(chain: Chain, load_work: float, relaxed: bool) -> Energies:
     """Energies of the start state: fully relaxed, or glassy with no strain in the branches."""
     share = chain.compliances * (1.0 if relaxed else 0.0)
-    return Energies(load_work, share * load_work, share * chain.compliances * load_work, 0.0)
+    branch_work = share * load_work
+    branch_energy = share * chain.compliances * load_work
+    return Energies(load_work, branch_work, branch_energy, 0.0, bend=np.zeros(len(chain)))
 
 
 def updated_energies(chain: Chain, before: Energies, increment: WorkIncrement, duration: float) -> Energies:

@@ -155,14 +155,14 @@ class TraceRecorder:
         padded = np.pad(duration, 1)
         around = np.maximum(np.maximum(padded[:-2], padded[2:]), duration)
         found = np.zeros_like(duration)
-        for place, retardation in enumerate(self.retardation):
+        if not len(self.retardation):
+            return found
+        supplies, bends = (np.array(each).T for each in zip(*self.supplies, strict=True))
+        for supply, bend, retardation in zip(supplies, bends, self.retardation, strict=True):
             smooth = 1.0 - share_of_balance(_SHORT_OF_SMOOTH * around, retardation)
-            if not smooth.any():
-                continue
-            supply = np.array([power[place] for power, _ in self.supplies])
-            bend = np.array([beyond[place] if len(beyond) else 0.0 for _, beyond in self.supplies[1:]])
-            received = np.diff(external_work(time, time, supply, kinks))
-            found += smooth * (received - 0.5 * (supply[1:] + supply[:-1]) * duration - bend)
+            if smooth.any():
+                received = np.diff(external_work(time, time, supply, kinks))
+                found += smooth * (received - 0.5 * (supply[1:] + supply[:-1]) * duration - bend[1:])
         return found
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -147,6 +147,11 @@ def as_tuple(value: Any, key: str, allowed: str) -> tuple[Any, ...]:
         return tuple(value)
     except TypeError:
         raise SceneError(key, f"got {shown(value)}", allowed) from None
+
+
+def several(value: Any, key: str, allowed: str) -> tuple[Any, ...]:
+    """The entries of what is iterable, whether or not it has an order; a text is none of its letters."""
+    return tuple(value) if isinstance(value, Set) else as_tuple(value, key, allowed)
 
 
 def column(values: Any, key: str, allowed: str = A_COLUMN) -> NDArray[np.float64]:

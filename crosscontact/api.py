@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import NOT_NEGATIVE, as_tuple, function_or_none, number, shown, true_or_false
+from contact_scene.errors import NOT_NEGATIVE, function_or_none, number, several, shown, true_or_false
 from contact_scene.run_control import whole_number
 from crosscontact import registry, run_figure
 from crosscontact.limits import SMALLEST_RESOLUTION
@@ -86,7 +86,7 @@ def solve(
         If an argument is wrong or the solver does not take the scene (``UnsupportedScene``); one line.
     """
     case = _case(scene)
-    _check_solver(solver)
+    registry.check(solver, "solver", registry.selectable())
     if resolution is not None:
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
     if max_steps is not None:
@@ -212,11 +212,6 @@ def _case(scene: Scene | str | os.PathLike[str]) -> cases.Case:
     raise SceneError("scene", f"got {shown(scene)}", "a Scene, the name of a built-in scene, or a scene file")
 
 
-def _check_solver(name: str) -> None:
-    if not isinstance(name, str) or name not in registry.selectable():
-        raise SceneError("solver", f"got {shown(name)}", f"one of {', '.join(registry.selectable())}")
-
-
 def _times(values: Collection[float], key: str) -> tuple[float, ...]:
-    several = tuple(values) if isinstance(values, Set) else as_tuple(values, key, "several times")
-    return tuple(number(value, f"{key}[{i}]", NOT_NEGATIVE, low=0.0) for i, value in enumerate(several))
+    times = several(values, key, "several times")
+    return tuple(number(time, f"{key}[{i}]", NOT_NEGATIVE, low=0.0) for i, time in enumerate(times))

@@ -165,9 +165,9 @@ def fit(
         One line, if data or arguments are no good.
     """
     measured = _measured(curves)
-    _check_solver(solver, "solver")
+    registry.check(solver, "solver", registry.names())
     if check_solver is not None:
-        _check_solver(check_solver, "check_solver")
+        registry.check(check_solver, "check_solver", registry.names())
     if resolution is not None:
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
     of_class(executor, "executor", (Executor, type(None)), "an Executor of concurrent.futures, or None")
@@ -211,12 +211,6 @@ def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
 def _names(given: Sequence[str], key: str) -> tuple[str, ...]:
     """Paths and names as given; one of them may come without a sequence around it."""
     return (given,) if isinstance(given, str) else as_tuple(given, key, "several names")
-
-
-def _check_solver(name: str, key: str) -> None:
-    """Refuse a solver that is none, by the name of its argument."""
-    if not isinstance(name, str) or name not in registry.names():
-        raise SceneError(key, f"got {shown(name)}", f"one of {', '.join(registry.names())}")
 
 
 def _fit_and_write(

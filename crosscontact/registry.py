@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection, Set
+from collections.abc import Collection
 
-from contact_scene.errors import SceneError, as_tuple, shown
+from contact_scene.errors import SceneError, several, shown
 from validation.solvers import PEERS, REFERENCE, SOLVERS
 
-__all__ = ["REFERENCE", "chosen", "names", "selectable", "usable"]
+__all__ = ["REFERENCE", "check", "chosen", "names", "selectable", "usable"]
 
 
 def names() -> tuple[str, ...]:
@@ -19,6 +19,12 @@ def names() -> tuple[str, ...]:
 def selectable() -> tuple[str, ...]:
     """The same and the peers, which run where they are asked for."""
     return (*SOLVERS, *PEERS)
+
+
+def check(name: str, key: str, choices: tuple[str, ...]) -> None:
+    """Refuse what is not the name of one of these solvers, by the name of its argument."""
+    if not isinstance(name, str) or name not in choices:
+        raise SceneError(key, f"got {shown(name)}", f"one of {', '.join(choices)}")
 
 
 def usable() -> tuple[str, ...]:
@@ -37,11 +43,11 @@ def chosen(solvers: Collection[str], key: str) -> tuple[str, ...]:
         If there is no such solver, the reference is not among them, or nothing else is.
     """
     allowed = f"several of {', '.join(selectable())}"
-    several = tuple(solvers) if isinstance(solvers, Set) else as_tuple(solvers, key, allowed)
-    unknown = [name for name in several if not isinstance(name, str) or name not in selectable()]
+    given = several(solvers, key, allowed)
+    unknown = [name for name in given if not isinstance(name, str) or name not in selectable()]
     if unknown:
         raise SceneError(key, f"got {shown(unknown[0])}", allowed)
-    if REFERENCE not in several or len(set(several)) < 2:
+    if REFERENCE not in given or len(set(given)) < 2:
         allowed = f"{REFERENCE}, with which the others are compared, and at least one other"
-        raise SceneError(key, f"got {', '.join(map(str, several)) or 'none'}", allowed)
-    return tuple(name for name in selectable() if name in several)
+        raise SceneError(key, f"got {', '.join(map(str, given)) or 'none'}", allowed)
+    return tuple(name for name in selectable() if name in given)
