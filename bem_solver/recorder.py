@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from bem_solver.creep import Chain
 from bem_solver.energy import Energies, share_of_balance
 from bem_solver.external_work import external_work
 from bem_solver.half_space_state import HalfSpaceState
-from contact_scene import Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
+from contact_scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, SurfaceProfile, Trace
 
 Array = NDArray[np.float64]
 
@@ -182,24 +182,23 @@ def rest_ends(radius: Array) -> list[int]:
     return (np.flatnonzero(rests[1:] != rests[:-1]) + 1).tolist()
 
 
-def trace_without_contact(penetration: float, reason: str, counters: Counters, work: float) -> Trace:
-    """The trace of a scene without a start state: one row without contact.
+def trace_without_start(reason: str, counters: Counters) -> Trace:
+    """The trace of a scene without a start state: all columns, no row.
 
     Parameters
     ----------
-    penetration : float
     reason : str
         Why there is no start state.
     counters : Counters
-    work : float
-        Work of adhesion.
 
     Returns
     -------
     Trace
     """
-    recorder = TraceRecorder([(0.0, penetration, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, math.nan)])
-    return recorder.trace(Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0), counters, work)
+    outcome = Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0)
+    trace = TraceRecorder([(0.0,) * 9]).trace(outcome, counters, 0.0)
+    empty = {name: getattr(trace, name)[:0] for name in COLUMNS}
+    return replace(trace, **empty, extra={name: column[:0] for name, column in trace.extra.items()})
 
 
 def release_rate(

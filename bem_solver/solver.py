@@ -20,7 +20,7 @@ from bem_solver.loading_intervals import follow_loading
 from bem_solver.options import Options
 from bem_solver.paper_scheme.solver import refusal_of_uniform, solve_uniform
 from bem_solver.problem import LONG_ZONE, Problem
-from bem_solver.recorder import TraceRecorder, trace_without_contact
+from bem_solver.recorder import TraceRecorder, trace_without_start
 from bem_solver.run_state import GradedState, StepSettings
 from bem_solver.size_estimates import (
     FEWEST_ANNULI,
@@ -132,10 +132,9 @@ def _solve_graded(
         problem, scale = _discretised(scene, options, counters)
         state: GradedState | None = kept.content if kept is not None else _started(problem, scale)
     except (ZeroDivisionError, OverflowError) as error:
-        return _without_contact(scene, counters, _beyond_floating_point(error))
+        return _without_start(scene, counters, _beyond_floating_point(error))
     if state is None:
-        reason = f"no stable contact at penetration {scene.loading.penetration:.6g}"
-        return _without_contact(scene, counters, reason)
+        return _without_start(scene, counters, scene.loading.without_start)
     settings = StepSettings(options.step_tolerance, options.divisions, scale)
     run = GradedRun(problem, settings, options.max_steps, cursor, state, monitor)
     try:
@@ -163,10 +162,9 @@ def _started(problem: Problem, scale: float) -> GradedState | None:
     return GradedState(contact, energies, record, abs(contact.surface.force), contact.edge)
 
 
-def _without_contact(scene: Scene, counters: Counters, reason: str) -> Trace:
-    """The trace of a scene that has no contact at the start."""
-    work = scene.adhesion.work if scene.adhesion is not None and scene.is_adhesive else 0.0
-    return on_machine(trace_without_contact(scene.loading.penetration, reason, counters, work), scene.machine)
+def _without_start(scene: Scene, counters: Counters, reason: str) -> Trace:
+    """The trace of a scene that has no state to start from."""
+    return on_machine(trace_without_start(reason, counters), scene.machine)
 
 
 def _beyond_floating_point(error: ArithmeticError) -> str:

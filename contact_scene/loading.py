@@ -68,6 +68,13 @@ class Loading:
         return "stage" if self.start == "snap-in" and self.compliance > 0.0 else "penetration"
 
     @property
+    def without_start(self) -> str:
+        """What a run says that finds no state to start from."""
+        missing = f"no stable contact at {self.start_control} {self.penetration:.6g}"
+        where = "; an indenter from above touches the surface at penetration 0: start there"
+        return missing + where if self.penetration < 0.0 else missing
+
+    @property
     def has_triggers(self) -> bool:
         """Whether a level ends one of the steps."""
         return any(step.trigger is not None for step in self.steps)

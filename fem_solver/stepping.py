@@ -69,8 +69,7 @@ class NodeReleaseRun(SteppedStates):
         try:
             candidate = self.solver.start(loading.start_control, loading.penetration, relaxed)
             if candidate.edge.motion is EdgeMotion.RECEDING:
-                reason = f"no stable contact at penetration {loading.penetration:.6g}"
-                self._end(OutcomeKind.NO_EQUILIBRIUM, reason)
+                self._end(OutcomeKind.NO_EQUILIBRIUM, loading.without_start)
             if not candidate.in_equilibrium:
                 self._contact_lost(candidate)
             self._commit(candidate)

@@ -22,7 +22,7 @@ from bem_solver.paper_scheme.run_state import UniformState, annuli_profile
 from bem_solver.paper_scheme.size_estimates import annuli_for, estimated_largest_radius
 from bem_solver.paper_scheme.step import UniformStep
 from bem_solver.paper_scheme.time_steps import step_count
-from bem_solver.recorder import TraceRecorder, trace_without_contact
+from bem_solver.recorder import TraceRecorder, trace_without_start
 from contact_scene import Counters, Material, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
 from contact_scene.run_control import (
     KeptState,
@@ -73,19 +73,17 @@ def solve_uniform(
     counters = kept.counters if kept is not None else Counters(factorisations=1)
     cursor = kept.cursor if kept is not None else LoadingCursor()
     run = _Run(scene, options, counters, cursor, monitor)
-    penetration = scene.loading.penetration
     try:
         if kept is not None:
             run.state = kept.content
         elif not run.start():
-            reason = f"no stable contact at penetration {penetration:.6g}"
-            return trace_without_contact(penetration, reason, counters, run.work)
+            return trace_without_start(scene.loading.without_start, counters)
         outcome = follow_loading(
             run, scene.loading, cursor, options.stop_times, options.profile_times, progress
         )
     except FloatingPointError as error:
         if not run.state.record.rows:
-            return trace_without_contact(penetration, str(error), counters, run.work)
+            return trace_without_start(str(error), counters)
         outcome = Outcome(OutcomeKind.NOT_FINITE, str(error), run.state.surface.time)
     return run.state.record.trace(outcome, counters, run.work)
 

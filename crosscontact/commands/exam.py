@@ -87,7 +87,7 @@ def answer(folder: str, solvers: Sequence[str], resolutions: Sequence[int | None
     finally:
         progress.close()
     for run in failed:
-        print(f"failed: {run.scene}: {run.solver}: {run.failure}", file=sys.stderr)
+        print(f"failed: {run.scene}: {run.solver}: {run.failure or run.ending}", file=sys.stderr)
     print(f"written to {target / ANSWERS}")
     return 1 if failed else 0
 

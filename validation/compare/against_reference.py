@@ -86,10 +86,13 @@ def against_reference(case: Case, result: Run, base: Run) -> list[Check]:
     if result.trace is None or base.trace is None:
         missing = "no run" if result.trace is None else "no reference run"
         return [Check(case.name, result.solver, "reference", SOURCE, None, None, False, note=missing)]
+    ending = _ending(case, result, result.trace, base.trace)
+    if result.curves is None or base.curves is None:
+        return [ending]
     return [
-        _ending(case, result, result.trace, base.trace),
-        *_scalars(case, result, base, base.trace),
-        *_curves(case, result, result.trace, base, base.trace),
+        ending,
+        *_scalars(case, result, base, base.curves),
+        *_curves(case, result, result.curves, base, base.curves),
     ]
 
 

@@ -34,7 +34,7 @@ def declined(case: Case, result: Run) -> bool:
 
 def _ending(case: Case, result: Run) -> Check:
     expected = case.outcome or "completed or detached"
-    outcome = str(result.trace.outcome.kind) if result.trace else ("refused" if result.refused else "failed")
+    outcome = result.outcome
     if declined(case, result):
         source, expected, passed = "a scene the method does not take", "refused", result.refused
     else:

@@ -75,11 +75,11 @@ def export_reference(folder: Path, cases: Sequence[Case], runs: Mapping[str, Run
     """
     for case in cases:
         run = runs[case.name]
-        if run.trace is None:
+        if run.curves is None:
             continue
         header = header_of(case, run, reference_resolution(case.scene))
-        write_whole(folder / case.name / REFERENCE_TRACE, trace_text(header, run.trace))
-        outcome = run.trace.outcome
+        write_whole(folder / case.name / REFERENCE_TRACE, trace_text(header, run.curves))
+        outcome = run.curves.outcome
         data = {
             "outcome": str(outcome.kind),
             "ends_at": outcome.time,

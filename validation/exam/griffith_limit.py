@@ -144,7 +144,7 @@ def tracks(graded: Sequence[_Graded], case: Case) -> GriffithTrack | None:
     zone = VANISHING * largest_contact_radius(scene)
     limit_case = replace(case, scene=replace(scene, adhesion=Adhesion(adhesion.work, zone)))
     limit = run(limit_case, REFERENCE, estimate=True)
-    if limit.trace is None:
+    if limit.curves is None:
         return None
     if np.inf in by_transition:
         there = grade(by_transition[np.inf], limit_case.scene, limit)

@@ -155,8 +155,8 @@ def judge_folder(
     scenes = []
     for case in folder.cases:
         base = runs.get(case.name)
-        if base is not None and base.trace is None:
-            remarks.append(f"{case.name}: not judged: the reference has no answer: {base.failure}")
+        if base is not None and base.curves is None:
+            remarks.append(f"{case.name}: not judged: the reference has no answer: {base.ending}")
             continue
         verdicts = tuple(_verdict(folder, code, case, base) for code in folder.codes)
         scenes.append(SceneJudgement(case, base, verdicts))

@@ -60,8 +60,8 @@ def answer_all(
         result = run_of(done)
         place = folder / ANSWERS / f"{name}{'' if size is None else f'-{size}'}" / case.name
         place.mkdir(parents=True, exist_ok=True)
-        if result.trace is not None:
-            write_whole(place / "trace.csv", trace_text(header_of(case, result, size), result.trace))
+        if result.curves is not None:
+            write_whole(place / "trace.csv", trace_text(header_of(case, result, size), result.curves))
         elif result.refused:
             write_whole(place / DECLINED, f"{name}: {result.failure}\n")
         else:
@@ -109,13 +109,13 @@ def reproduce(path: Path) -> Reproduction:
     except SceneError as error:
         raise error.in_file(f"{path}: header: problem") from None
     again = run(Case(header.scene or "scene", scene), header.code, resolution)
-    if again.trace is None:
+    if again.curves is None:
         allowed = "" if again.refused else "a solver and a scene it takes"
-        raise SceneError("header", again.failure, allowed, str(path))
-    rows, rows_again = len(answer.columns["time"]), len(again.trace)
+        raise SceneError("header", again.ending, allowed, str(path))
+    rows, rows_again = len(answer.columns["time"]), len(again.curves)
     largest = np.inf
     if rows == rows_again:
-        pairs = [(answer.columns[name], getattr(again.trace, name)) for name in answer.columns]
+        pairs = [(answer.columns[name], getattr(again.curves, name)) for name in answer.columns]
         apart = [float(np.abs(a - b).max()) / (float(np.abs(b).max()) or 1.0) for a, b in pairs]
         largest = max(apart)
     return Reproduction(rows, rows_again, float(largest))

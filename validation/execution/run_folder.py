@@ -133,19 +133,19 @@ def summary(result: Run) -> dict[str, Any]:
     return {
         "solver": result.solver,
         "scene": result.scene,
-        "outcome": str(trace.outcome.kind) if trace else ("refused" if result.refused else "failed"),
-        "reason": trace.outcome.reason if trace else result.failure,
+        "outcome": result.outcome,
+        "reason": trace.outcome.reason if trace is not None else result.failure,
         "finished": result.finished,
-        "past_extremum": trace.outcome.past_extremum if trace else None,
+        "past_extremum": trace.outcome.past_extremum if trace is not None else None,
         "warnings": list(result.warnings),
         **Observables().as_dict(),
         **{name: value for name, value in result.measures.items() if not name.startswith("counters.")},
         "wall_seconds": result.wall_seconds,
         "cpu_seconds": result.cpu_seconds,
         "estimate_seconds": result.estimate_seconds,
-        "counters": asdict(trace.counters) if trace else None,
-        "error_estimates": (result.errors or dict(trace.errors)) if trace else None,
-        "events": [asdict(event) for event in trace.events] if trace else [],
+        "counters": asdict(trace.counters) if trace is not None else None,
+        "error_estimates": (result.errors or dict(trace.errors)) if trace is not None else None,
+        "events": [asdict(event) for event in trace.events] if trace is not None else [],
     }
 
 

@@ -64,6 +64,18 @@ class Run:
     warnings: tuple[str, ...] = ()
 
     @property
+    def curves(self) -> Trace | None:
+        """The trace, if it has a row: a run without a state to start from has an outcome, but no curve."""
+        return self.trace if self.trace is not None and len(self.trace) else None
+
+    @property
+    def outcome(self) -> str:
+        """How it ended, in a word; a trace without rows has an outcome too."""
+        if self.trace is None:
+            return "refused" if self.refused else "failed"
+        return str(self.trace.outcome.kind)
+
+    @property
     def finished(self) -> bool:
         """Whether the run reached its end."""
         return self.trace is not None and self.trace.outcome.finished
@@ -77,8 +89,8 @@ class Run:
     def ending(self) -> str:
         """How it ended, in words."""
         if self.trace is None:
-            return f"{'refused' if self.refused else 'failed'}: {self.failure}"
-        return f"{self.trace.outcome.kind}: {self.trace.outcome.reason}"
+            return f"{self.outcome}: {self.failure}"
+        return f"{self.outcome}: {self.trace.outcome.reason}"
 
 
 class NotFiniteError(ArithmeticError):

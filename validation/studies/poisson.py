@@ -81,16 +81,16 @@ class CompressibilityComparison:
     def difference(self, name: str, observable: str) -> RunDifference | None:
         """Of a run by name, in an observable or (root mean square over time) a column of the trace."""
         result, base = self.runs[name], self.runs[SURFACE]
-        if result.trace is None or base.trace is None:
+        if result.curves is None or base.curves is None:
             return None
         estimates = result.errors.get(observable), base.errors.get(observable)
         if observable in CURVES:
-            apart = distance(result.trace, base.trace, observable)
+            apart = distance(result.curves, base.curves, observable)
             return None if apart is None else RunDifference(apart.rms, *estimates)
         value, expected = result.measures.get(observable), base.measures.get(observable)
         if value is None or expected is None:
             return None
-        relative_to = scale(observable, expected, base.trace)
+        relative_to = scale(observable, expected, base.curves)
         return RunDifference((value - expected) / relative_to if relative_to > 0.0 else 0.0, *estimates)
 
     @property

@@ -83,9 +83,9 @@ def accuracies(
         if adhesion is None:
             raise SceneError(f"{case.name}: adhesion", "a study of zones needs adhesion")
         own = run(case, REFERENCE)
-        if own.trace is None:
-            raise SceneError(case.name, f"the reference has no answer to it: {own.failure}")
-        radius = float(own.trace.contact_radius.max())
+        if own.curves is None:
+            raise SceneError(case.name, f"the reference has no answer to it: {own.ending}")
+        radius = float(own.curves.contact_radius.max())
         for ratio in sorted(ratios, reverse=True):
             there = replace(case, scene=_with_zone(case.scene, adhesion.work, ratio * radius))
             exact = run(there, REFERENCE, 2 * SOLVERS[REFERENCE].default_resolution(there.scene))
@@ -113,11 +113,11 @@ def _with_zone(scene: Scene, work: float, zone: float) -> Scene:
 
 def _errors(answer: Run, exact: Run) -> dict[str, float]:
     """Of measures and curves; none where one of the two has no answer."""
-    if answer.trace is None or exact.trace is None:
+    if answer.curves is None or exact.curves is None:
         return {}
     errors = relative_errors(answer, exact, MEASURES)
     for name in CURVES:
-        if (apart := distance(answer.trace, exact.trace, name)) is not None:
+        if (apart := distance(answer.curves, exact.curves, name)) is not None:
             errors[f"{name}, RMS"] = apart.rms
     return errors
 

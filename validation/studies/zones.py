@@ -140,9 +140,9 @@ def zone_runs(
             "adhesion.stress", "a study of zones sets their lengths", "a scene with adhesion.zone"
         )
     own = run(case, REFERENCE)
-    if own.trace is None:
-        raise SceneError("scene", f"the reference has no answer to it: {own.failure}")
-    radius = float(own.trace.contact_radius.max())
+    if own.curves is None:
+        raise SceneError("scene", f"the reference has no answer to it: {own.ending}")
+    radius = float(own.curves.contact_radius.max())
     ordered = sorted(ratios, reverse=True)
     made: list[ZoneRun] = []
     given_up: set[str] = set()

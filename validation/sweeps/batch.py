@@ -109,10 +109,10 @@ def record_of(result: Run) -> dict[str, Any]:
     """What a sweep keeps of a run: how it ended, measures, relative error estimates, warnings."""
     trace = result.trace
     if trace is None:
-        return failed_record("refused" if result.refused else "failed", result.failure)
+        return failed_record(result.outcome, result.failure)
     measures = {name: value for name, value in result.measures.items() if name not in NOT_REPEATABLE}
     return {
-        "outcome": str(trace.outcome.kind),
+        "outcome": result.outcome,
         "reason": trace.outcome.reason,
         "finished": result.finished,
         "measures": _finite(measures),

@@ -170,8 +170,7 @@ def _stepper(
     scene = problem.scene
     surface = start_surface(scene, problem.body, problem.condition)
     if surface is None:
-        reason = f"no stable contact at penetration {scene.loading.penetration:g}"
-        return Outcome(OutcomeKind.NO_EQUILIBRIUM, reason, 0.0)
+        return Outcome(OutcomeKind.NO_EQUILIBRIUM, scene.loading.without_start, 0.0)
     problem = with_elastic_travel(problem, surface.radius)
     state = FrontState(
         surface,

@@ -124,7 +124,8 @@ def _line(scene: SceneComparison, solvers: Iterable[str]) -> Record:
         run = scene.runs.get(solver)
         cells[solver] = ABSENT
         if run is not None:
-            cells[solver] = f"{run.trace.outcome.kind}, {run.wall_seconds:.2g} s" if run.trace else run.ending
+            answered = run.trace is not None
+            cells[solver] = f"{run.outcome}, {run.wall_seconds:.2g} s" if answered else run.ending
     return cells
 
 

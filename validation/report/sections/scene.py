@@ -60,7 +60,7 @@ def anchor(scene: SceneComparison) -> str:
 def figures(scene: SceneComparison) -> Part:
     """Curves of all solvers laid over each other."""
     question = scene.case.scene
-    traces = [run.trace for run in scene.runs.values() if run.trace is not None and len(run.trace)]
+    traces = [run.curves for run in scene.runs.values() if run.curves is not None]
     curves = with_differences([of_trace(trace, question) for trace in traces], REFERENCE)
     if not curves:
         return Paragraph("No run gave a curve.")

@@ -1,0 +1,114 @@
+"""A scene without a state to start from: every command says so in a line, and what it writes says it too."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import pytest
+
+from contact_scene import COLUMNS, OutcomeKind, read_scene
+from contact_scene.trace import read_columns
+from crosscontact import registry
+from crosscontact.cli import main
+from validation.cases import Case
+from validation.exam.own_answers import answer_all
+
+OUTCOME, WHERE = str(OutcomeKind.NO_EQUILIBRIUM), "touches the surface at penetration 0"
+
+
+SCENE = """
+title = "Elastic sphere from above"
+[material]
+modulus = 0.75
+poisson = 0.5
+[indenter]
+shape = "sphere"
+radius = 1.0
+[adhesion]
+work = 5e-4
+zone = 0.01
+[loading]
+start = "jump-in"
+penetration = -0.1
+[[loading.steps]]
+kind = "ramp"
+to = 0.01
+rate = 0.1
+"""
+
+
+@pytest.fixture
+def above(tmp_path):
+    """A scene that starts from where adhesion does not reach the surface."""
+    file = tmp_path / "above.toml"
+    file.write_text(SCENE)
+    return str(file)
+
+
+@pytest.fixture
+def says(capsys):
+    """Runs a command that cannot finish, and returns what it said."""
+
+    def run(*arguments):
+        try:
+            code = main(list(arguments))
+        except SystemExit as stop:
+            code = stop.code
+        said = capsys.readouterr()
+        assert code in (1, 2), said
+        assert "Traceback" not in said.out + said.err
+        return said.out + said.err
+
+    return run
+
+
+@pytest.mark.parametrize("solver", registry.names())
+def test_solve_keeps_how_it_ended(says, above, tmp_path, solver):
+    """A trace without rows counted as no trace: the files said "failed", and not why."""
+    folder = tmp_path / "o"
+    assert WHERE in says("solve", above, "--solver", solver, "--resolution", "4", "--out", str(folder))
+    summary = json.loads((folder / "summary.json").read_text())
+    assert (summary["outcome"], summary["finished"]) == (OUTCOME, False)
+    assert WHERE in summary["reason"]
+    assert summary["counters"]["steps"] == 0
+    assert {summary[name] for name in ("start_force", "loop_energy", "final_radius")} == {None}
+    columns = read_columns(folder / "trace.csv")
+    assert set(COLUMNS) < set(columns)
+    assert {len(column) for column in columns.values()} == {0}
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(("compare", "--solvers", "bem,reference"), id="compare"),
+        pytest.param(("fields", "--at", "0.5"), id="fields"),
+        pytest.param(("study", "--zones", "1e-2"), id="zones"),
+        pytest.param(("study", "--poisson", "100"), id="poisson", marks=pytest.mark.slow),
+    ],
+)
+def test_other_commands_say_it(says, above, tmp_path, command):
+    name, *options = command
+    said = says(name, above, *options, "--out", str(tmp_path / "o"))
+    assert OUTCOME in said
+    assert WHERE in said
+
+
+def test_a_sweep_goes_on_past_it(says, above, tmp_path):
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        f'title = "starts"\nscene = "{above}"\nsolver = "reference"\nresolution = 4\n'
+        '[[coordinates]]\nname = "start"\nkey = "loading.penetration"\nvalues = [-0.1, 0.0]\n'
+    )
+    says("sweep", str(plan), "--jobs", "1", "--out", str(tmp_path / "o"))
+    with (tmp_path / "o" / "sweep.csv").open(newline="") as stream:
+        without, complete = csv.DictReader(stream)
+    assert (without["outcome"], complete["outcome"]) == (OUTCOME, "completed")
+    assert WHERE in without["reason"]
+
+
+def test_no_answer_to_an_exam(above, tmp_path):
+    """It has no curve that could be graded."""
+    (failed,) = answer_all(tmp_path, [Case("above", read_scene(above))], ["reference"])
+    assert OUTCOME in failed.ending
+    assert not list(tmp_path.rglob("trace.csv"))
