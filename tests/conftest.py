@@ -29,6 +29,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of
 # test would depend on the tests that ran before it.
 providers.is_local_module_file = lambda path: False
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+gc.disable()  # until the tests are collected: next to nothing of what imports make is ever garbage
 
 
 def pytest_collection_finish():
@@ -39,6 +40,7 @@ def pytest_collection_finish():
     gc.collect()
     gc.freeze()
     gc.set_threshold(50_000, 50, 50)
+    gc.enable()
 
 
 @pytest.fixture(autouse=True)

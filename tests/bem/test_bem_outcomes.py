@@ -309,7 +309,9 @@ def test_numbers_beyond_floating_point_end_a_run_with_a_reason(start, steps, kin
     assert all(np.isfinite(column).all() for column in trace.columns().values())
 
 
-@pytest.mark.parametrize(("branch_time", "rate"), [(1e-18, 4e-6), (0.03, 1e-20)])
+@pytest.mark.parametrize(
+    ("branch_time", "rate"), [(1e-18, 4e-6), pytest.param(0.03, 1e-20, marks=pytest.mark.exhaustive)]
+)
 def test_a_collapse_faster_than_the_rounding_of_time_is_a_detachment(branch_time, rate):
     """The contact is relaxed but for the collapse, whatever the units of time."""
     material = Material(2.2e4, 0.42, (Branch(6e4, branch_time),))

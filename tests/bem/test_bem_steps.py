@@ -158,7 +158,9 @@ def test_a_step_as_long_as_the_last_looks_back_over_the_last_alone(rounded):
     assert_allclose(steps.rates(0.1 * rounded), (2.0, 3.0), rtol=1e-12)
 
 
-@pytest.mark.parametrize("jump", [0.0, 2e-19, 1e-17, 1e-14, 1e-10])
+@pytest.mark.parametrize(
+    "jump", [0.0, 2e-19, *(pytest.param(j, marks=pytest.mark.exhaustive) for j in (1e-17, 1e-14)), 1e-10]
+)
 def test_a_load_jump_of_roundings_is_stepped_over(jump):
     """A ramp of force ends at its force to the last bit or the next; a dead load of that force goes on."""
     rubber = Material(1.5e6, 0.5, (Branch(3e6, 0.1), Branch(6e6, 3e-3)))

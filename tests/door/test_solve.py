@@ -165,7 +165,7 @@ def blas_threads() -> set[int]:
 def test_one_thread_during_a_run_and_what_was_there_after():
     with threadpoolctl.threadpool_limits(2, user_api="blas"):
         before, during = blas_threads(), []
-        cc.solve(SPHERE, progress=lambda share: during.append(blas_threads()))
+        cc.solve(SPHERE, resolution=4, progress=lambda share: during.append(blas_threads()))
         assert during[0] == {1}
         assert blas_threads() == before
         with single_threaded():

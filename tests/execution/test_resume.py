@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from itertools import product
 
 import pytest
@@ -25,17 +25,22 @@ SOLVERS = {
 }
 
 
+@cache
+def whole_run(name):
+    """The run that is looked at but never stopped, and the number of looks."""
+    counting = Stop()
+    return SOLVERS[name](counting), counting.looks
+
+
 @pytest.mark.parametrize("name", SOLVERS)
 def test_stopped_again_and_again(name):
-    run = SOLVERS[name]
-    counting = Stop()
-    whole = run(counting)
+    whole, looks = whole_run(name)
     assert whole.outcome.finished
     assert len(whole.profiles) == len(TIMES)
     chance = random.Random(name)
-    few = counting.looks // 3
-    strides = [1, *(chance.randint(1, 2 * few) for _ in range(counting.looks))]
-    left, resumed = in_parts(run, strides)
+    few = looks // 3
+    strides = [1, *(chance.randint(1, 2 * few) for _ in range(looks))]
+    left, resumed = in_parts(SOLVERS[name], strides)
     assert len(left) >= 2
     for part in left:
         assert_beginning(part, whole)
@@ -54,9 +59,8 @@ def test_what_is_put_back_is_what_was_taken(name):
 
 
 def test_the_very_first_and_the_very_last_look():
-    counting = Stop()
-    whole = front(RICH, counting)
-    for at in (1, counting.looks):
+    whole, looks = whole_run("reference")
+    for at in (1, looks):
         (part,), resumed = in_parts(partial(front, RICH), [at])
         assert_beginning(part, whole)
         assert_same(resumed, whole)

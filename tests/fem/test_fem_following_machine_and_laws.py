@@ -76,17 +76,17 @@ PUNCH = Scene(
 ACCURACY = 5e-3
 
 
+@cache
 def moved_on():
-    """The state after some travel, and the mesh where it has been and at another place."""
+    """The solver as some travel leaves it."""
     scene = replace(ON_SPRING, loading=replace(ON_SPRING.loading, steps=(Ramp(0.02, 0.002),)))
-    setup = fem_solver.record(scene, edge_meshes(scene, 4)).setup
-    history = setup.history
-    return history, history.placement, setup.surfaces.around(history.state.radius - 8.0 * ZONE)
+    return fem_solver.record(scene, edge_meshes(scene, 4)).setup
 
 
 def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
-    history, here, there = moved_on()
+    history = moved_on().history
     state, solid = history.state, history.solid
+    here, there = history.placement, moved_on().surfaces.around(state.radius - 8.0 * ZONE)
     problem = FollowingProblem(here, solid, state, 0.1, "stage", 0.015, 2.0)
     edge = state.edge - 0.5
     assert problem.penetration(edge) + 2.0 * problem.force(edge) == pytest.approx(0.015, rel=1e-12)
@@ -111,9 +111,7 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
 
 
 def test_the_path_of_an_edge_is_judged_over_elements_not_over_the_nodes_it_passes():
-    scene = replace(ON_SPRING, loading=replace(ON_SPRING.loading, steps=(Ramp(0.02, 0.002),)))
-    setup = fem_solver.record(scene, edge_meshes(scene, 4)).setup
-    state, solver = setup.history.state, FollowingContactSolver(setup, Counters())
+    state, solver = moved_on().history.state, FollowingContactSolver(moved_on(), Counters())
     dt, element = 0.5 * state.before[0][0], 0.25 * ZONE
 
     def missed(travel):
@@ -221,23 +219,21 @@ def test_a_relaxing_punch_that_is_pressed_hard_and_pulled_slowly():
     assert_allclose(mine.outcome.time, other.outcome.time, rtol=1e-3)
 
 
-@cache
-def punch_pulled_off():
-    return FiniteElements().solve(PUNCH, 4)
-
-
 def test_an_edge_leaves_the_rim_in_a_step_that_ends_within_a_part_of_its_zone():
     """A step of mostly rest gave it a mean speed: it was four zones inside, and stayed too far inside."""
-    trace = punch_pulled_off()
+    *before, retraction = PUNCH.loading.steps
+    leaves = replace(PUNCH.loading, steps=(*before, replace(retraction, to=-1.8e-5)))
+    trace = FiniteElements().solve(replace(PUNCH, loading=leaves), 4)
     radius = trace.contact_radius
     off = int(np.flatnonzero(radius < radius[0])[0])
     assert 0.0 < radius[0] - radius[off] < PUNCH.adhesion.zone / 16.0
     assert trace.time[off] - trace.time[off - 1] > 1e-3
 
 
+@pytest.mark.slow
 def test_a_punch_on_a_spring_comes_off_where_front_tracking_has_it():
     """Steps that only the force judged brought 0.6 % less tension and 1 % less work of the stage."""
-    trace = punch_pulled_off()
+    trace = FiniteElements().solve(PUNCH, 4)
     found = observe(trace)
     assert found.pull_off_force == pytest.approx(0.0171007, rel=2e-3)
     assert found.loop_energy == pytest.approx(1.878142e-7, rel=4e-3)

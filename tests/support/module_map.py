@@ -48,6 +48,7 @@ class Reach:
         for name, path in (*support.items(), *self.tests.items()):
             source = Source(path.read_text(encoding="utf-8"))
             self._edges[name] = self._named(imports(name, source, known)) & known
+        self._known = set(self._edges)
         self.distances = {name: self._distances(name) for name in self.tests}
         self._sizes = {test: sum(d == 1 for d in found.values()) for test, found in self.distances.items()}
 
@@ -68,7 +69,7 @@ class Reach:
             steps += 1
             following = []
             while level:
-                for module in self._edges[level.pop()] & set(self._edges) - set(distances):
+                for module in (self._edges[level.pop()] & self._known).difference(distances):
                     distances[module] = steps
                     (level if module.startswith("support") else following).append(module)
             level = following
