@@ -66,7 +66,7 @@ def approached(scene: Scene):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=SLOW if "cycle" in n and n != "pdms-cycle-1um" else ()) for n in SCENES]
+    "name", [pytest.param(name, marks=SLOW if "cycle" in name else ()) for name in SCENES]
 )
 def test_check_values_are_those_of_the_equation_of_motion(name):
     case = load(name)
@@ -166,11 +166,12 @@ RATES = {
 from 1 um on; largest distance at 10 nm."""
 
 
-@SLOW
 @pytest.mark.parametrize(
     ("kind", "quantity"),
-    RATES,
-    ids=["-".join(key) for key in RATES],
+    [
+        pytest.param(*key, id="-".join(key), marks=pytest.mark.exhaustive if key[0] == "cycle" else SLOW)
+        for key in RATES
+    ],
 )
 def test_front_tracking_tends_to_the_limit_with_the_zone(kind, quantity):
     least, most, finest = RATES[kind, quantity]
