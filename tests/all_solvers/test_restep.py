@@ -64,7 +64,12 @@ def twice(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("name", "solve"), [("bem", bem), ("fem", fem), pytest.param("reference", front, marks=pytest.mark.slow)]
+    ("name", "solve"),
+    [
+        pytest.param("bem", bem, marks=pytest.mark.slow),
+        ("fem", fem),
+        pytest.param("reference", front, marks=pytest.mark.slow),
+    ],
 )
 def test_a_step_tried_in_vain_leaves_nothing(twice, name, solve):
     once = uninterrupted(solve)

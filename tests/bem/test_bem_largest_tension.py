@@ -41,7 +41,10 @@ PUNCH = Scene(
 """Filled until it is pulled off by a growing force; the penetration, by which it is judged, is glassy."""
 
 
-@pytest.mark.parametrize("resolution", [6, *(pytest.param(n, marks=pytest.mark.slow) for n in (12, 24))])
+@pytest.mark.parametrize(
+    "resolution",
+    [6, pytest.param(12, marks=pytest.mark.slow), pytest.param(24, marks=pytest.mark.exhaustive)],
+)
 @pytest.mark.parametrize(
     ("question", "force"),
     [(LATE, 0.014152234), (PRESSED, 1.8127202e-4), (PUNCH, 0.0077250485)],

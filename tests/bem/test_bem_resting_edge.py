@@ -135,7 +135,7 @@ def oscillating(duration):
     ("resolution", "duration", "share"),
     [
         (4, 0.21, 0.02),
-        pytest.param(5, 1.0, 0.02, marks=pytest.mark.slow),
+        pytest.param(5, 1.0, 0.02, marks=pytest.mark.exhaustive),
         pytest.param(8, 1.0, 0.02, marks=pytest.mark.exhaustive),
         pytest.param(12, 1.0, 0.01, marks=pytest.mark.exhaustive),
     ],
@@ -199,7 +199,7 @@ def pressed_after_rest(zone: float) -> Scene:
     )
 
 
-@pytest.mark.parametrize("resolution", [12, 13, pytest.param(24, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("resolution", [12, *(pytest.param(n, marks=pytest.mark.slow) for n in (13, 24))])
 def test_press_after_rest_near_zero_force(resolution: int):
     """Set off a hair beyond the place of rest: the root was read on that hair, steps rejected without end.
 
@@ -218,7 +218,7 @@ def test_press_after_rest_near_zero_force(resolution: int):
     assert_allclose(trace.force[-1], at_once.force[-1], rtol=5e-4)
 
 
-@pytest.mark.parametrize("resolution", [6, 10])
+@pytest.mark.parametrize("resolution", [6, pytest.param(10, marks=pytest.mark.slow)])
 def test_press_after_rest_over_short_zones(resolution: int):
     """Set off fast, the closure hardly changes over a zone: 600 to 1000 steps followed its unevenness."""
     trace = solve(pressed_after_rest(1e-5), Options(resolution, max_steps=150))

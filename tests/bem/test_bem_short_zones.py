@@ -53,7 +53,9 @@ def pulled(zone, resolution):
     return -trace.force.min() / PULL_OFF[zone] - 1.0, trace
 
 
-@pytest.mark.parametrize(("zone", "error"), [(1.3e-3, 2e-3), (1.3e-5, 2e-4)])
+@pytest.mark.parametrize(
+    ("zone", "error"), [pytest.param(1.3e-3, 2e-3, marks=pytest.mark.slow), (1.3e-5, 2e-4)]
+)
 def test_pull_off_in_few_steps(zone, error):
     """At half the default resolution; 16,000 steps of a part of a zone would be the longer one's."""
     missed, trace = pulled(zone, 6)
@@ -139,7 +141,14 @@ def test_branches_turn_into_heat_what_a_slow_sharp_edge_releases(to, excess):
     assert_allclose(trace.extra["branch_dissipation"][-1], excess * turned, rtol=0.01)
 
 
-@pytest.mark.parametrize(("rate", "force"), [(1e-9, -0.00134917), (3e-8, -0.00133454), (1e-7, -0.00130598)])
+@pytest.mark.parametrize(
+    ("rate", "force"),
+    [
+        (1e-9, -0.00134917),
+        pytest.param(3e-8, -0.00133454, marks=pytest.mark.exhaustive),
+        (1e-7, -0.00130598),
+    ],
+)
 def test_edge_at_rest_that_advances_slowly(rate, force):
     """Force by front tracking: the layer behind the edge is a 20,000th to a 400th of the zone."""
     scene = replace(retraction(1.3e-4), loading=Loading("relaxed", 0.005, (Ramp(0.0056, rate),)))
@@ -326,7 +335,7 @@ def test_third_opening_of_an_oscillation_over_a_short_zone():
     """
     material = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
     loading = Loading("relaxed", 2e-5, (Oscillate(5e-6, 6.28, 2.67),))
-    trace = bem(Scene(material, Sphere(1e-3), loading, Adhesion(0.05, 1.5e-9)))
+    trace = bem(Scene(material, Sphere(1e-3), loading, Adhesion(0.05, 1.5e-9)), resolution=6)
     assert_allclose(trace.contact_radius[-1], 1.516111e-4, atol=1e-3 * np.ptp(trace.contact_radius))
 
 
@@ -334,7 +343,9 @@ def test_third_opening_of_an_oscillation_over_a_short_zone():
     ("steps", "radius", "swing"),
     [
         ((ForceRamp(1e-3, 5e-3), ForceRamp(1.5e-3, 5e-3)), 1.5506403e-4, 6.856e-6),
-        ((Ramp(2.5e-5, 2e-5), Ramp(2.45e-5, 2e-5)), 1.6681668e-4, 4.898e-6),
+        pytest.param(
+            (Ramp(2.5e-5, 2e-5), Ramp(2.45e-5, 2e-5)), 1.6681668e-4, 4.898e-6, marks=pytest.mark.slow
+        ),
     ],
     ids=["force", "penetration"],
 )

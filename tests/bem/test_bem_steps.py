@@ -166,7 +166,7 @@ def test_a_load_jump_of_roundings_is_stepped_over(jump):
     rubber = Material(1.5e6, 0.5, (Branch(3e6, 0.1), Branch(6e6, 3e-3)))
     steps = ForceRamp(-1.9e-3, 5e-3), Force(-1.9e-3 - jump, 1e8)
     question = Scene(rubber, Sphere(3e-3), Loading("relaxed", 3e-5, steps), Adhesion(0.08, 3e-7))
-    trace = solve(question, COARSE)
+    trace = solve(question, Options(resolution=4))
     assert trace.outcome.kind == "detached"
     assert_allclose(trace.time[-1], 112.124, rtol=3e-3)  # by front tracking
     assert len(trace) < 400

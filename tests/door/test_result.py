@@ -193,9 +193,9 @@ def test_on_a_spring_the_stage_is_drawn_and_instabilities_are_marked(sprung, axe
 
 
 def test_on_a_spring_contact_without_adhesion_ends_without_an_instability(axes_free):
-    result = cc.solve(dataclasses.replace(SPRUNG, adhesion=None), resolution=4)
+    result = cc.solve(dataclasses.replace(SPRUNG, adhesion=None), "bem", resolution=4)
     assert result.outcome.kind is cc.OutcomeKind.DETACHED
-    assert [text.get_text() for text in result.figure().axes[0].get_legend().get_texts()] == ["reference"]
+    assert [text.get_text() for text in result.figure().axes[0].get_legend().get_texts()] == ["bem"]
 
 
 def test_on_a_spring_two_axes_do_too(sprung, axes_free):

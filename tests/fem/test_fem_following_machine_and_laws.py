@@ -242,6 +242,11 @@ def test_a_punch_on_a_spring_comes_off_where_front_tracking_has_it():
     assert trace.counters.steps < 200
 
 
+SOFTNESSES = pytest.mark.parametrize(
+    "softness",
+    [0.02, pytest.param(1.0, marks=pytest.mark.exhaustive), 50.0],
+    ids="{:g}".format,
+)
 RUBBER, RIM = Material(1e6, 0.5, (Branch(3e6, 0.3),)), 5e-4
 
 
@@ -265,7 +270,7 @@ def on_ramps(softness, *ramps):
     return Scene(RUBBER, FlatPunch(RIM), loading, Adhesion(0.05, 5e-6)), force, integral
 
 
-@pytest.mark.parametrize("softness", [0.02, 1.0, 50.0], ids="{:g}".format)
+@SOFTNESSES
 def test_a_punch_on_a_spring_that_stays_whole_follows_its_linear_equation(softness):
     rate, time = 1e-6, 0.5
     scene, force, integral = on_ramps(softness, Ramp(rate * time, rate))
@@ -276,7 +281,7 @@ def test_a_punch_on_a_spring_that_stays_whole_follows_its_linear_equation(softne
     assert_allclose(trace.extra["stage"][-1], rate * time, rtol=1e-10)
 
 
-@pytest.mark.parametrize("softness", [0.02, 1.0, 50.0], ids="{:g}".format)
+@SOFTNESSES
 def test_what_a_cycle_loses_in_which_hardly_anything_relaxes(softness):
     """A step was half of a ramp: what is lost, a small part of the work, was 3.6 % too little."""
     depth, time = 1e-7, 3e-4
