@@ -71,13 +71,15 @@ class Detection:
 def findings(request, tmp_path_factory):
     """Findings to come, by fault: all that were asked for are examined side by side. The table at the end."""
     asked = [i.callspec.params["fault"] for i in request.session.items if "findings" in i.fixturenames]
-    keys = {fault.key for fault in asked}
-    wanted = dict.fromkeys(name for fault in FAULTS if fault.key in keys for name in fault.scenes or SCENES)
-    todo = [(name, solver) for name in wanted for solver in solvers.SOLVERS]
+    wanted: dict[str, set[str]] = {}
+    for fault in asked:
+        for name in fault.scenes or SCENES:
+            wanted.setdefault(name, set()).update(beside(fault))
+    todo = [(name, solver) for name, beside_it in wanted.items() for solver in sorted(beside_it)]
     kept = tmp_path_factory.mktemp("clean") / "runs.pickle"
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
         runs = dict(zip(todo, pool.map(unharmed, *zip(*todo, strict=True)), strict=True))
-        clean = {name: {solver: runs[name, solver] for solver in solvers.SOLVERS} for name in wanted}
+        clean = {name: {solver: runs[name, solver] for solver in sorted(wanted[name])} for name in wanted}
         for name in wanted:
             failed = [check for check in check_case(cases.load(name), clean[name]) if not check.passed]
             assert not failed, failed
@@ -103,6 +105,13 @@ def tabulate(found: list[Detection]) -> None:
 def unharmed(name: str, solver: str) -> Run:
     """The true solver on a scene, with its error estimates as in a report."""
     return run(cases.load(name), solver, estimate=True)
+
+
+def beside(fault: Fault) -> set[str]:
+    """Solvers whose true runs a fault needs: its own, the reference, one more where it is the reference's."""
+    if fault.shared:
+        return {fault.solver}
+    return {fault.solver, solvers.REFERENCE, *({"bem"} if fault.solver == solvers.REFERENCE else ())}
 
 
 @cache
