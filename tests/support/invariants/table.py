@@ -111,7 +111,7 @@ ALL_OF_AN_INSTRUMENT = scenes(
 )
 
 INVARIANTS: dict[str, Invariant] = {
-    "clear answer": Invariant(checks.answers_or_refuses, ONE, 3, 16),
+    "clear answer": Invariant(checks.answers_or_refuses, ONE, 3, 12),
     "budget": Invariant(checks.stays_within_the_step_budget, st.tuples(ANY, st.integers(1, 60)), 2, 8),
     "interface": Invariant(
         checks.accounts_for_the_interface, st.tuples(scenes(adhesion=irreversible())), 1, 12
@@ -119,9 +119,9 @@ INVARIANTS: dict[str, Invariant] = {
     "instrument: interface": Invariant(
         checks.accounts_for_the_interface, st.tuples(ALL_OF_AN_INSTRUMENT), 1, 6
     ),
-    "energy gained": Invariant(checks.gains_no_energy, ONE, 3, 16),
-    "energy balance": Invariant(checks.closes_the_energy_balance, ONE, 3, 16),
-    "touch": Invariant(checks.separates_contact_from_gap, st.tuples(ANY), 2, 12),
+    "energy gained": Invariant(checks.gains_no_energy, ONE, 3, 12),
+    "energy balance": Invariant(checks.closes_the_energy_balance, ONE, 3, 12),
+    "touch": Invariant(checks.separates_contact_from_gap, st.tuples(ANY), 2, 8),
     "slow limit": Invariant(checks.is_relaxed_when_slow, st.tuples(CALM, PRESSED), 1, 6),
     "fast limit": Invariant(checks.is_glassy_when_fast, st.tuples(CALM, PRESSED), 1, 6),
     "closed cycle": Invariant(
@@ -130,7 +130,7 @@ INVARIANTS: dict[str, Invariant] = {
         1,
         10,
     ),
-    "units": Invariant(checks.is_independent_of_units, UNITS, 1, 8),
+    "units": Invariant(checks.is_independent_of_units, UNITS, 1, 6),
     "rest": Invariant(checks.is_independent_of_a_relaxed_hold, st.tuples(RESTED, decades(-3.0, 3.0)), 1, 6),
     "superposition": Invariant(
         checks.superposes_at_fixed_radius,
