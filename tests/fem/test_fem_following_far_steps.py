@@ -95,7 +95,7 @@ def test_the_record_is_read_the_same_after_it_has_been_thinned(free):
 
 def test_an_edge_returns_over_what_it_has_just_left():
     """The dent keeps its form: at the same penetration the edge is where it was before."""
-    trace = FiniteElements().solve(DENTED, 4)
+    trace = FiniteElements().solve(DENTED, 2)
     turn = int(trace.contact_radius.argmin())
     depth = np.linspace(trace.penetration[turn] + 0.01 * SWING, trace.penetration[-1], 12)
     before, after = slice(turn, None, -1), slice(turn, None)

@@ -92,7 +92,7 @@ def test_a_limited_law_has_limit_points() -> None:
     assert question.adhesion is not None
     assert question.adhesion.rate is not None
     assert np.isfinite(question.adhesion.opening(np.inf))
-    trace = solve(question)
+    trace = solve(question, Options(resolution=8))
     assert trace.outcome.kind is OutcomeKind.DETACHED, trace.outcome
     assert trace.events[-1].kind == "pull-off"
     assert trace.events[-1].contact_radius == pytest.approx(0.05622, rel=5e-3)  # 13 zones: bem has the same
