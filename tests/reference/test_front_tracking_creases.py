@@ -11,9 +11,12 @@ from validation.reference import Options, solve
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.coarsening import coarsened
+from validation.reference.tracking.edge_path import ParabolicPath
 from validation.reference.tracking.law import Griffith
+from validation.reference.tracking.penetration_path import straight
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface_step import after_step, field_update
 
 BODY = Body(rheology(ONE), transform(Sphere(1.0)))
 EDGE = 0.2
@@ -61,6 +64,25 @@ def test_a_crease_changes_nothing_but_the_slopes() -> None:
     again = creased.with_edge_nodes_doubled()
     np.testing.assert_array_equal(again.inside, creased.inside)
     np.testing.assert_array_equal(again.outside, creased.outside)
+
+
+@pytest.mark.parametrize("apart", [1e-3, 1e-14, 0.0])  # 0: the next floating-point number
+def test_an_edge_that_has_rested_leaves_what_lies_beyond_as_it_was(apart: float) -> None:
+    """A node one rounding inside it took the place of the one beyond: the edge stood on a false root."""
+    last = np.nextafter(EDGE, 0.0) if apart == 0.0 else EDGE - apart
+    inside = np.array([0.0, 0.1, 0.15, last, EDGE])
+    rested = Surface(0.0, inside, np.zeros((5, 1)), np.array([EDGE]), np.zeros((1, 1)))
+    duration = 1e-6
+    update = field_update(rested, BODY, straight(duration, 0.0, 0.0, 0.0))
+    assert update.was_at_rest
+    after = after_step(rested, BODY, update, ParabolicPath(EDGE, -1e-3, 0.0), np.array([0.5, 0.9]))
+    assert (np.diff(after.outside) > 0.0).all()
+    assert after.outside[-1] == EDGE
+    assert after.units[-1, 0] == 0.0
+    assert after.units[-2, 0] < -0.01
+    lost = rested.after_detachment(BODY)
+    assert (np.diff(lost.outside) > 0.0).all()
+    assert lost.units[-1, 0] == 0.0
 
 
 def test_without_contact_there_is_nothing_to_crease() -> None:

@@ -81,8 +81,7 @@ class Surface:
             self.penetration,
             np.zeros(1),
             np.zeros((1, self.branches.shape[1])),
-            np.concatenate((inner, self.outside)),
-            np.concatenate((units, self.units)),
+            *distinct(np.concatenate((inner, self.outside)), np.concatenate((units, self.units))),
         )
 
     def with_edge_nodes_doubled(self) -> Surface:
@@ -118,3 +117,12 @@ class Surface:
 def shift_last_inwards(x: Array) -> None:
     """Shift the last of the nodes, at the edge, to its inner side."""
     x[-1] -= min(COINCIDENT * x[-1], 0.5 * (x[-1] - x[-2]))
+
+
+def distinct(x: Array, values: Array) -> tuple[Array, Array]:
+    """Nodes without those that the next one rounds onto: the last before a discontinuity is there, too."""
+    apart = x[1:] > x[:-1]
+    if apart.all():
+        return x, values
+    kept = np.concatenate((apart, [True]))
+    return x[kept], values[kept]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from validation.reference.tracking import hermite
 from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import PenetrationPath
-from validation.reference.tracking.surface import COINCIDENT, Body, Surface, shift_last_inwards
+from validation.reference.tracking.surface import COINCIDENT, Body, Surface, distinct, shift_last_inwards
 
 Array = NDArray[np.float64]
 
@@ -175,7 +175,7 @@ def _receded(
         depth.end,
         np.concatenate((surface.inside[:kept], [radius])),
         np.concatenate((surface.branches[:kept] * by.decay + by.gain, branches[:1])),
-        *_distinct(np.concatenate((x, surface.outside[rest:])), np.concatenate((units, outside[rest:]))),
+        *distinct(np.concatenate((x, surface.outside[rest:])), np.concatenate((units, outside[rest:]))),
         tip,
     )
 
@@ -186,15 +186,6 @@ def _tip_energy(x: Array, stress: Array, glassy: float) -> float:
     A field with a sharp edge releases it there and then, before any dashpot has moved.
     """
     return float(hermite.integral_of(x, stress, lambda q, _: q**2)) / glassy
-
-
-def _distinct(x: Array, values: Array) -> tuple[Array, Array]:
-    """Nodes without those that round onto the one before."""
-    apart = x[1:] > x[:-1]
-    if apart.all():
-        return x, values
-    kept = np.concatenate(([True], apart))
-    return x[kept], values[kept]
 
 
 def _sides_differ(surface: Surface, body: Body) -> bool:
