@@ -161,6 +161,12 @@ class BentPath:
             share = np.minimum(np.maximum(share - missed / slope, 0.0), 1.0)
         return np.where(part <= 0.0, late, np.where(part >= 1.0, early, share))
 
+    def mean_since(self, left: Array) -> Array:
+        """Mean speed from a share of the step still to come on, over the speed then."""
+        bend = self.bend + self.twist * (self.reach - left)
+        mean = self.travel + bend * (1.0 - left)
+        return mean / (mean - left * (bend + self.twist * (1.0 - left)))
+
     def distance(self, radius: Array, left: Array) -> Array:
         """``|r - a|`` with a share of the step still to come."""
         return np.abs(radius - self.edge(left))

@@ -105,12 +105,15 @@ class Chain:
         branches = self.stress_scale**2 / self.relaxation
         return self.relaxed + float(branches @ self.spread(duration / self.relaxation))
 
-    def moduli_of_passage(self, time: Array) -> tuple[Array, Array]:
-        """Plane moduli (m,) met by strains that follow a steady edge, a time (m,) after its passage.
+    def moduli_of_passage(self, time: Array, gained: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Plane moduli (m,) met by strains that follow an edge, a time (m,) after its passage.
 
         Parameters
         ----------
         time : ndarray (m,)
+        gained : (ndarray (m,), ndarray (m,))
+            Part of each strain at the end that it has gained since the passage, evenly, beyond what it
+            would have behind a steady edge: that moves evenly, with a field of the same strength.
 
         Returns
         -------
@@ -118,9 +121,17 @@ class Chain:
             Of strains in proportion to ``1/sqrt(s)`` and ``sqrt(s)``, s the distance behind the edge.
         """
         branches = self.stress_scale**2 / self.relaxation
-        root = np.sqrt(time[:, None] / self.relaxation)
+        y = time[:, None] / self.relaxation
+        root = np.sqrt(y)
         share = np.divide(dawsn(root), root, out=np.ones_like(root), where=root > 0.0)
-        return self.relaxed + (1.0 - 2.0 * root**2 * share) @ branches, self.relaxed + share @ branches
+        falling = 1.0 - 2.0 * y * share
+        # what relaxes meanwhile of one that grows from nothing: int exp(-(T - s)/tau) (T - s) m(s) ds/(tau T)
+        late = share - falling
+        short = y < _SHORT
+        rest = (1.0 - 0.5 * late - share) / np.where(short, 1.0, y)
+        late_root = np.where(short, y * (4.0 - y * 16.0 / 7.0) / 15.0, rest)
+        of_inverse_root, of_root = falling + gained[0][:, None] * late, share + gained[1][:, None] * late_root
+        return self.relaxed + of_inverse_root @ branches, self.relaxed + of_root @ branches
 
     def share_to_meet(self, duration: float) -> float:
         """Share of a step at which a parabola through its ends has to meet a penetration that is prescribed.

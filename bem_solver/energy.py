@@ -229,14 +229,21 @@ def _short(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -
 
 
 def _beyond(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> tuple[Array, Array]:
-    """Supply and energy beyond those under straight lines, for a load that changes evenly."""
+    """Supply and energy beyond those under straight lines, for a load that changes evenly.
+
+    Of the part that does not move on with the tip as it is: where the stress behind an advancing edge relaxes
+    in a layer thinner than the travel that is nearly all of the load, and all lines are straight.
+    """
     lag = chain.compliances * before.load_work - before.branch_work
     total = max(increment.load_work + before.load_work - 2.0 * increment.across, 0.0)
     tip = min(increment.tip, total)
     gained = increment.across - before.load_work
-    return beyond_straight_lines(
+    both = increment.load_work + before.load_work
+    stays = max(1.0 - increment.tip / both, 0.0) if increment.tip > 0.0 else 1.0
+    received, stored = beyond_straight_lines(
         lag, increment.lag_across - lag, gained, total - tip, tip, chain.compliances, y
     )
+    return stays * received, stays * stored
 
 
 def _energy_under_linear_work(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -> Array:

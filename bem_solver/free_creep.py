@@ -85,7 +85,7 @@ class FreeCreep:
 
     def _carrying(self, problem: Problem, state: HalfSpaceState) -> FreeCreep:
         """The same with the displacement that its edge carries along."""
-        motion, distance = self.motion, np.append(0.0, distances_outside(self.motion.edge, problem.zone))
+        motion, distance = self.motion, np.append(0.0, distances_outside(self.motion.edge, problem.nearest))
         path = motion.path or BentPath.straight(motion.edge, motion.new_edge)
         before = points_at(problem, state, motion.edge + distance).displacement
         after = self.displacement(points_at(problem, state, motion.new_edge + distance))
@@ -118,13 +118,16 @@ class FreeCreep:
             Nearer than half the travel of the edge that of an inverse root that has come with it, behind
             the whole of it the other, in proportion between.
         """
-        motion = self.motion
+        motion, carried = self.motion, self.motion.carried
         travel = motion.new_edge - motion.edge
         share = np.clip(2.0 * (travel - distance) / travel, 0.0, 1.0) if travel > 0.0 else 0.0 * distance
-        if not share.any():
+        if carried is None or not share.any():
             return otherwise
         _, left = motion.passing(motion.new_edge - distance)
-        of_inverse_root, of_root = self.chain.moduli_of_passage(left * motion.duration)
+        kept = 1.0 - left * (1.0 - carried.fall.start[0] / carried.fall.end[0])
+        slowed = np.sqrt(carried.path.mean_since(left))
+        gained = 1.0 - kept * slowed, 1.0 - kept / slowed
+        of_inverse_root, of_root = self.chain.moduli_of_passage(left * motion.duration, gained)
         singular, whole = self.pressed.singular_tension(distance), self.pressed.tension(distance)
         passed = of_inverse_root * singular + of_root * (whole - singular)
         return otherwise + share * (passed - otherwise)

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 NODES_APART = 0.05
 """How far apart nodes are, as a part of their distance from the edge, where that is several zones."""
+_LONG = 8.0
+"""By how much longer than the next an interval is for its end there to count as joined by a short one."""
 _HALVINGS = 16
 """Nodes beyond a kink that stand for it, at its reach halved once, twice and so on, and their mirror images:
 a long interval beside a short one with the root in it would overshoot with the slope between them."""
@@ -74,8 +76,7 @@ class NodalVariables:
         cubics[:, 0] = values[:-1]
         rise, wide = values[1:] - values[:-1], width[:, None]
         for low, high in pairwise(self._bounds):
-            slope = _slopes(wide[low:high], rise[low:high])
-            first, last = wide[low:high] * slope[:-1], wide[low:high] * slope[1:]
+            first, last = _end_slopes(wide[low:high], rise[low:high])
             beyond = rise[low:high] - first
             cubics[low:high, 1] = first
             cubics[low:high, 3] = last - first - 2.0 * beyond
@@ -196,6 +197,23 @@ def _slopes(gap: Array, rise: Array) -> Array:
     middle = (secant[:-1] * right + secant[1:] * left) / (left + right)
     first, last = 2.0 * secant[:1] - middle[:1], 2.0 * secant[-1:] - middle[-1:]
     return np.concatenate((first, middle, last))
+
+
+def _end_slopes(gap: Array, rise: Array) -> tuple[Array, Array]:
+    """Derivatives at both ends of each interval over its share, each (n - 1, K).
+
+    At the end that a far shorter interval joins no steeper than a cubic may be that stays between its ends:
+    the parabola through both has the slope of the short one, whatever is in the long one.
+    """
+    slope = _slopes(gap, rise)
+    first, last = gap * slope[:-1], gap * slope[1:]
+    least, most = 3.0 * np.minimum(rise, 0.0), 3.0 * np.maximum(rise, 0.0)
+    ratio = gap[1:] / gap[:-1]
+    after = np.flatnonzero(ratio > _LONG) + 1
+    before = np.flatnonzero(ratio * _LONG < 1.0)
+    for ends, joined in ((first, after), (last, before)):
+        ends[joined] = np.clip(ends[joined], least[joined], most[joined])
+    return first, last
 
 
 @dataclass(frozen=True)

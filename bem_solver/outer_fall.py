@@ -19,9 +19,8 @@ from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
 
-_NEAREST, _FARTHEST = 1e-3, 1e4
-"""Distances, in process zones and contact radii, between which B varies: it is constant nearer, and the load
-has ended farther out."""
+_FARTHEST = 1e4
+"""Distance, in contact radii, at which the load has ended."""
 _PER_DECADE = 32
 """Readings per decade of distance: cubics miss B by less than a millionth of its fourth derivative over the
 logarithm of the distance."""
@@ -33,11 +32,11 @@ _CUBIC = cubic_weights(1.0 + np.arange(_ENTRIES) / _ENTRIES)
 """Weights (4, entries) of the readings around an interval of them."""
 
 
-def distances_outside(edge: float, zone: float) -> Array:
+def distances_outside(edge: float, nearest: float) -> Array:
     """Distances (n,) outside a contact of some radius > 0 at which B is tabulated."""
-    near, far = _NEAREST * zone, _FARTHEST * edge
-    count = int(_PER_DECADE * np.log10(far / near))
-    return near * (far / near) ** (np.arange(count) / count)
+    far = _FARTHEST * edge
+    count = int(_PER_DECADE * np.log10(far / nearest))
+    return nearest * (far / nearest) ** (np.arange(count) / count)
 
 
 @dataclass(frozen=True)
@@ -71,9 +70,9 @@ class OuterFall:
         return cls(distance, start, end, _entries(start))
 
     @classmethod
-    def outside(cls, surface: ContactSurface, zone: float) -> OuterFall:
+    def outside(cls, surface: ContactSurface, nearest: float) -> OuterFall:
         """The fall outside a contact of some radius > 0, the same at both ends."""
-        distance = distances_outside(surface.edge, zone)
+        distance = distances_outside(surface.edge, nearest)
         strength = _strength(surface, distance)
         return cls.between(distance, strength, strength)
 

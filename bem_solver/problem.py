@@ -21,6 +21,11 @@ _AHEAD = 0.25
 """Distance of the point whose load stands for that outside an edge that hardly moves, in process zones: the
 layer at the edge itself changes at once where the edge turns. From a twentieth to the whole zone all is
 alike."""
+_NEAREST = 1e-3
+"""Distance outside the edge, in process zones, nearer than which the load falls as its square root does."""
+_SHARE_OF_LAYER = 0.5
+"""Upper bound on it as a part of the layer in which the stress behind a slowly advancing edge relaxes, where
+that is resolved: over its thickness the strength of the root changes."""
 LONG_ZONE = 0.02
 """Process zone over contact radius below which a step may pass over process zones, and the field inside the
 contact varies over its radius rather than over zones."""
@@ -31,7 +36,8 @@ class Problem:
     """What stays the same over a run.
 
     ``zone`` (at fixed stress its length at rest) and ``work`` are zero without adhesion; ``length`` is the
-    length on which the edge is resolved in the largest contact.
+    length on which the edge is resolved in the largest contact; ``layer`` the thickness of the thinnest
+    boundary layer behind the edge that annuli resolve, zero without.
     """
 
     scene: Scene
@@ -42,6 +48,7 @@ class Problem:
     length: float
     counters: Counters
     rule: ClosureRule
+    layer: float = 0.0
 
     @property
     def viscoelastic(self) -> bool:
@@ -78,6 +85,12 @@ class Problem:
     def ahead(self) -> float:
         """Distance outside the edge at which the load there is read."""
         return _AHEAD * self.zone
+
+    @property
+    def nearest(self) -> float:
+        """Distance outside the edge from which on the strength of its square root is tabulated."""
+        nearest = _NEAREST * self.zone
+        return min(nearest, _SHARE_OF_LAYER * self.layer) if self.layer > 0.0 else nearest
 
     def relaxes_within(self, duration: float) -> bool:
         """Whether a step is long against a branch: points it covers then feel the whole fall of the load."""

@@ -192,14 +192,16 @@ def _discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Pr
     coarse = Problem(scene, Annuli(FEWEST_ANNULI), chain, zone, work, 1.0, Counters(), rule)
     initial = contact_scale(scene, scene.loading.penetration)
     largest = largest_contact(scene, coarse) or initial
+    layer = 0.0
     if zone > 0.0 and largest > 0.0 and len(chain):
         share = min(zone / largest, 1.0)
-        step = edge_step(divisions, share, largest, thinnest_layer(scene, chain, largest, zone, divisions))
+        layer = thinnest_layer(scene, chain, largest, zone, divisions)
+        step = edge_step(divisions, share, largest, layer)
         finer = 1 if zone < LONG_ZONE * largest else _FINER_OF_LONG_ZONE
         annuli = Annuli(*graded_annuli(finer * divisions, step), _exponent(scene.indenter))
         at_edge = np.arccos(1.0 - share) / step  # more than the annuli in the zone where they resolve a layer
         rule = ClosureRule.resolving(int(max(annuli.number_within(share), at_edge)))
     else:
         annuli = Annuli(annuli_needed(divisions, _SMOOTH_SHARE), exponent=_exponent(scene.indenter))
-    problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule)
+    problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule, layer)
     return problem, max(largest, initial)

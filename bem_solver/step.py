@@ -328,4 +328,4 @@ class TrialStep(StepStart):
     @cached_property
     def _fall(self) -> OuterFall:
         """Fall of the load outside the edge at the start."""
-        return OuterFall.outside(self.state.contact.surface, self.problem.zone)
+        return OuterFall.outside(self.state.contact.surface, self.problem.nearest)

@@ -138,7 +138,7 @@ def _motion(
             fall = earlier.fall
     elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)
-        fall = OuterFall.outside(state.surface, problem.zone)
+        fall = OuterFall.outside(state.surface, problem.nearest)
     if problem.viscoelastic and path is None:
         singular = state.surface.root_strength(abs(edge - state.edge))
         if problem.work == 0.0 and state.edge > 0.0:
