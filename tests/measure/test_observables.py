@@ -20,9 +20,11 @@ from contact_scene import (
     Trace,
 )
 from contact_scene.run_control import below_zone_outcome
+from validation.cases import load
 from validation.measure.approach import end_of_approach
 from validation.measure.norms import distance, parting_time
 from validation.measure.observables import at_last_contact, cycle_losses, observe
+from validation.measure.scalars import measure
 
 
 def trace(time, penetration, force, radius=None, loss=None, kind=OutcomeKind.COMPLETED, events=()):
@@ -93,6 +95,8 @@ def test_what_a_run_has_lost_is_read_before_the_snap_to_the_free_surface(kind):
     expected = 2.0 if kind is OutcomeKind.DETACHED else 9.0
     assert at_last_contact(lost, "dissipated_energy") == expected
     assert observe(lost).dissipated_energy == expected
+    with_energy = dataclasses.replace(lost, stored_energy=np.array([0.0, 2.0, 4.0, 1.0]))
+    assert measure(with_energy, load("elastic-press").scene, 0.0)["loss_share"] == expected / 4.0
     assert at_last_contact(lost, "branch_dissipation") is None
 
 

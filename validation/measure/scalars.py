@@ -27,7 +27,7 @@ def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float 
     branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
     values["branch_dissipation"] = branches
     values["zone_excess"] = branches - loss if branches is not None and loss is not None else None
-    values["loss_share"] = float(trace.dissipated_energy[-1]) / stored if stored > 0.0 else None
+    values["loss_share"] = loss / stored if loss is not None and stored > 0.0 else None
     cycles = cycle_losses(trace, cycle_times(scene.loading))
     peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
     values["peak_cycle_loss"] = peak.loop if peak else None
