@@ -32,6 +32,12 @@ class CarriedDisplacement:
     fall: OuterFall
     bend: float
 
+    @property
+    def growth(self) -> float:
+        """Part of its strength at the edge that the fall has gained over the step, from -1 to 1."""
+        start, end = float(self.fall.start[0]), float(self.fall.end[0])
+        return min(max(1.0 - start / end, -1.0), 1.0) if end != 0.0 else 0.0
+
     def stresses(self, chain: Chain, duration: float, radius: Array, end: Array) -> Array:
         """Scaled Maxwell stresses it leaves in points outside, beyond those of an even change.
 
