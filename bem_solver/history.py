@@ -207,12 +207,13 @@ def _end_slopes(gap: Array, rise: Array) -> tuple[Array, Array]:
     """
     slope = _slopes(gap, rise)
     first, last = gap * slope[:-1], gap * slope[1:]
-    least, most = 3.0 * np.minimum(rise, 0.0), 3.0 * np.maximum(rise, 0.0)
-    ratio = gap[1:] / gap[:-1]
+    ratio = gap[1:, 0] / gap[:-1, 0]
     after = np.flatnonzero(ratio > _LONG) + 1
     before = np.flatnonzero(ratio * _LONG < 1.0)
     for ends, joined in ((first, after), (last, before)):
-        ends[joined] = np.clip(ends[joined], least[joined], most[joined])
+        if len(joined):
+            most = 3.0 * rise[joined]
+            ends[joined] = np.minimum(np.maximum(ends[joined], np.minimum(most, 0.0)), np.maximum(most, 0.0))
     return first, last
 
 

@@ -43,8 +43,14 @@ def accuracy(report: Path) -> str:
         if pairs:
             errors = [_range(_differences(pairs, quantity)) for quantity in QUANTITIES]
             seconds = [run.cpu_seconds for run, _ in pairs if run.trace is not None]
-            lines.append(f"| `{name}` | {' | '.join(errors)} | {median(seconds):.2g} ({max(seconds):.2g}) |")
+            cost = f"{_seconds(median(seconds))} ({_seconds(max(seconds))})"
+            lines.append(f"| `{name}` | {' | '.join(errors)} | {cost} |")
     return "\n".join([*lines, "", _caption(found, len(scenes))]) + "\n"
+
+
+def _seconds(value: float) -> str:
+    """Two digits, without an exponent."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _differences(pairs: Iterable[tuple[Run, Run]], quantity: str) -> list[float]:
