@@ -13,13 +13,13 @@ from bem_solver.energy import Energies, updated_energies, work_increment
 from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import (
     NODES_APART,
-    NodalVariables,
     SurfaceHistory,
     distinct,
     graded_nodes,
     midpoints_of_wide_intervals,
     updated_kinks,
 )
+from bem_solver.nodal_variables import NodalVariables
 from bem_solver.problem import Problem
 from bem_solver.surface_points import advanced, load_inside
 from bem_solver.tip_release import energy_of_tip, reached_jumps, release_jumps, tip_release

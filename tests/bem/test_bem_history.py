@@ -8,13 +8,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 from support.bem_runs import observed_order
 
 from bem_solver.history import (
-    NodalVariables,
     SurfaceHistory,
     distinct,
     graded_nodes,
     midpoints_of_wide_intervals,
     updated_kinks,
 )
+from bem_solver.nodal_variables import NodalVariables
 
 UNEVEN = np.cumsum([0.0, 1.0, 0.3, 0.7, 2.0, 0.1, 0.5, 1.4]) / 6.0
 BETWEEN = np.linspace(0.0, 1.0, 203)

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import ellipk
 from support.faults.injection import registry
 
-from bem_solver.history import NodalVariables
+from bem_solver.nodal_variables import NodalVariables
 from bem_solver.surface_points import load_inside
 
 FAULTS, fault = registry("bem", "bem_solver")
