@@ -38,6 +38,10 @@ _SHAPES: dict[str, type[Indenter]] = {
 }
 _ENTRIES: dict[str, type] = STEPS | {Approach.kind: Approach}
 """Kinds of entries in ``[[loading.steps]]``."""
+_WITH_FILE = (TabulatedProfile, Table)
+_PROFILE_KEYS = ("file",)
+_TABLE_KEYS = ("file", "quantity", "interpolation")
+"""What a scene gives of those whose numbers are in a file."""
 _RATE_COLUMNS = ("speed", "work")
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
 
@@ -163,6 +167,13 @@ def _known(data: dict[str, Any], prefix: str, allowed: Iterable[str]) -> None:
             raise SceneError(f"{prefix}.{key}" if prefix else str(key), "unknown key", ", ".join(names))
 
 
+def _known_to_one(data: dict[str, Any], tag: str, kinds: dict[str, type], in_files: tuple[str, ...]) -> None:
+    """A misspelt ``tag`` is told as such, not as one that is missing (``in_files``: keys beside a file)."""
+    if tag not in data:
+        names = [name for kind in kinds.values() if kind not in _WITH_FILE for name in _entries(kind)]
+        _known(data, "", dict.fromkeys((tag, *names, *in_files)))
+
+
 def _table(data: dict[str, Any], key: str) -> dict[str, Any]:
     if key not in data:
         raise SceneError("", "is missing", f"a table [{key}]")
@@ -263,6 +274,7 @@ def _shift(entry: dict[str, Any], where: Path) -> WLF | Arrhenius | ShiftTable:
 
 
 def _adhesion(data: dict[str, Any], where: Path) -> Adhesion:
+    _known(data, "", _entries(Adhesion))
     if "stress" not in data:
         _require(data, "zone", "a zone > 0, or a stress > 0 instead")
     elif "zone" in data:
@@ -287,10 +299,11 @@ def _edge_rate(entry: dict[str, Any], where: Path) -> PowerRate | RateTable:
 
 
 def _indenter(data: dict[str, Any], where: Path) -> Indenter:
+    _known_to_one(data, "shape", _SHAPES, _PROFILE_KEYS)
     shape = one_of(_require(data, "shape", ", ".join(_SHAPES)), "shape", tuple(_SHAPES))
     if shape != TabulatedProfile.shape:
         return _build(_SHAPES[shape], data, "shape")
-    _known(data, "", ("shape", "file"))
+    _known(data, "", ("shape", *_PROFILE_KEYS))
     path = _beside(where, _require(data, "file", "a CSV file of radius, height"))
     radii, heights = read_pairs(path, ("radius", "height"))
     try:
@@ -315,10 +328,11 @@ def _loading(data: dict[str, Any], where: Path, machine: Machine | None) -> Load
 def _step(entry: Any, where: Path) -> Step:
     if not isinstance(entry, dict):
         raise SceneError("", f"got {shown(entry)}", "a table with a kind")
+    _known_to_one(entry, "kind", _ENTRIES, _TABLE_KEYS)
     kind = one_of(_require(entry, "kind", ", ".join(_ENTRIES)), "kind", tuple(_ENTRIES))
     if kind != Table.kind:
         return _build(_ENTRIES[kind], entry, "kind")
-    _known(entry, "", ("kind", "file", "quantity", "interpolation"))
+    _known(entry, "", ("kind", *_TABLE_KEYS))
     quantity = one_of(entry.get("quantity", QUANTITIES[0]), "quantity", QUANTITIES)
     path = _beside(where, _require(entry, "file", f"a CSV file of time, {quantity}"))
     times, values = read_pairs(path, ("time", quantity), [one for one in QUANTITIES if one != quantity])

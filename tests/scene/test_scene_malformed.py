@@ -98,6 +98,10 @@ MALFORMED = {
     "Poisson's ratio below 0": (swap("poisson = 0.5", "poisson = -0.1"), "material.poisson", "0 <= nu"),
     "Poisson's ratio NaN": (swap("poisson = 0.5", "poisson = nan"), "material.poisson", "0 <= nu"),
     "misspelt key": (swap("poisson = 0.5", "poison = 0.5\npoisson = 0.5"), "material.poison", "poisson"),
+    "misspelt zone": (swap("zone", "zoen"), "adhesion.zoen", "zone"),
+    "misspelt shape": (swap("shape", "shpae"), "indenter.shpae", "shape"),
+    "misspelt kind": (step('knid = "hold"\nduration = 1'), "loading.steps[1].knid", "kind"),
+    "misspelt start": (swap("start", "strat"), "loading.strat", "start"),
     "key with line ends": (swap("poisson = 0.5", '"a\\nb\\u2028c" = 1'), "material.a b c", "poisson"),
     "key of 100000 characters": (swap("poisson = 0.5", "x" * 100000 + " = 1"), "material.xxx", "poisson"),
     "branches a table": (
