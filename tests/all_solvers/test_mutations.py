@@ -44,8 +44,8 @@ QUICKLY += [
     *(pytest.param(fault, marks=pytest.mark.slow) for fault in CHEAP_TABLES[1::2]),
 ]
 """Faults that a check value of the cheapest scene has to show, most of them by default."""
-TIME_FACTOR = 10.0  # limit of a run with a fault, times the processor time of the true solver ...
-LEAST_LIMIT = 10.0  # ... and at least so many seconds
+TIME_FACTOR = 5.0  # limit of a run with a fault, times processor time of the true run and its estimate ...
+LEAST_LIMIT = 5.0  # ... and at least so many seconds
 TABLE = Path(__file__).parents[2] / "out" / "faults.md"
 
 
@@ -71,20 +71,9 @@ class Detection:
 def findings(request, tmp_path_factory):
     """Findings to come, by fault: all that were asked for are examined side by side. The table at the end."""
     asked = [i.callspec.params["fault"] for i in request.session.items if "findings" in i.fixturenames]
-    wanted: dict[str, set[str]] = {}
-    for fault in asked:
-        for name in fault.scenes or SCENES:
-            wanted.setdefault(name, set()).update(beside(fault))
-    todo = [(name, solver) for name, beside_it in wanted.items() for solver in sorted(beside_it)]
-    kept = tmp_path_factory.mktemp("clean") / "runs.pickle"
+    kept = str(tmp_path_factory.mktemp("clean"))
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
-        runs = dict(zip(todo, pool.map(unharmed, *zip(*todo, strict=True)), strict=True))
-        clean = {name: {solver: runs[name, solver] for solver in sorted(wanted[name])} for name in wanted}
-        for name in wanted:
-            failed = [check for check in check_case(cases.load(name), clean[name]) if not check.passed]
-            assert not failed, failed
-        kept.write_bytes(pickle.dumps(clean))
-        coming = {fault.key: pool.submit(examined, fault.key, str(kept)) for fault in asked}
+        coming = {fault.key: pool.submit(examined, fault.key, kept) for fault in asked}
         yield coming
         left = [future for future in coming.values() if future.cancel()]
     tabulate([f.result() for f in coming.values() if f not in left and f.exception() is None])
@@ -102,11 +91,6 @@ def tabulate(found: list[Detection]) -> None:
     print("\n" + "\n".join(lines))
 
 
-def unharmed(name: str, solver: str) -> Run:
-    """The true solver on a scene, with its error estimates as in a report."""
-    return run(cases.load(name), solver, estimate=True)
-
-
 def beside(fault: Fault) -> set[str]:
     """Solvers whose true runs a fault needs: its own, the reference, one more where it is the reference's."""
     if fault.shared:
@@ -115,16 +99,28 @@ def beside(fault: Fault) -> set[str]:
 
 
 @cache
-def clean_runs(kept: str) -> dict[str, dict[str, Run]]:
-    """All solvers, unharmed, on every scene."""
-    return pickle.loads(Path(kept).read_bytes())
+def unharmed(name: str, solver: str, kept: str) -> Run:
+    """The true solver on a scene, with its error estimates as in a report; kept for other processes."""
+    file = Path(kept) / f"{name}-{solver}.pickle"
+    if not file.exists():
+        written = file.with_suffix(f".{os.getpid()}")
+        written.write_bytes(pickle.dumps(run(cases.load(name), solver, estimate=True)))
+        written.replace(file)
+    return pickle.loads(file.read_bytes())
+
+
+def clean_runs(name: str, fault: Fault, kept: str) -> dict[str, Run]:
+    """The true runs that a fault needs on a scene, without a check that fails."""
+    runs = {solver: unharmed(name, solver, kept) for solver in sorted(beside(fault))}
+    failed = [check for check in check_case(cases.load(name), runs) if not check.passed]
+    assert not failed, failed
+    return runs
 
 
 def examined(key: str, kept: str) -> Detection:
     """One fault examined, in a process of its own accord."""
     (fault,) = [fault for fault in FAULTS if fault.key == key]
-    with np.errstate(all="ignore"):
-        return examine(fault, clean_runs(kept))
+    return examine(fault, kept)
 
 
 def effect(true: Run, wrong: Run) -> tuple[float, str]:
@@ -160,16 +156,18 @@ def same(true: Run, wrong: Run) -> bool:
     return all(np.array_equal(mine[name], theirs[name]) for name in mine)
 
 
-def examine(fault: Fault, clean: dict[str, dict[str, Run]]) -> Detection:
-    """Run the scenes with the fault until a check fails."""
+@np.errstate(all="ignore")
+def examine(fault: Fault, kept: str) -> Detection:
+    """Run the scenes with the fault until a check fails; the folder has the true runs there are so far."""
     largest, called, changed = (0.0, "nothing"), 0, False
     for name in fault.scenes or SCENES:
-        before = clean[name][fault.solver]
+        clean = clean_runs(name, fault, kept)
+        before = clean[fault.solver]
         limit = max(LEAST_LIMIT, TIME_FACTOR * (before.cpu_seconds + before.estimate_seconds))
         with seeded(fault) as calls, time_limit(limit):
             case = cases.load(name)
             wrong = run(case, fault.solver, estimate=not fault.shared)
-            runs = {fault.solver: wrong} if fault.shared else {**clean[name], fault.solver: wrong}
+            runs = {fault.solver: wrong} if fault.shared else {**clean, fault.solver: wrong}
             checks = check_case(case, runs)
         called += calls.count
         changed = changed or fault.shared or not same(before, wrong)
