@@ -51,12 +51,23 @@ rate = 0.01
 """
 
 
-@pytest.fixture
-def plan(tmp_path):
-    (tmp_path / "scene.toml").write_text(SCENE)
-    file = tmp_path / "plan.toml"
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plan")
+    (folder / "scene.toml").write_text(SCENE)
+    file = folder / "plan.toml"
     file.write_text(PLAN)
     return file
+
+
+@pytest.fixture(scope="module")
+def whole(plan, tmp_path_factory):
+    """Folder and data set of the sweep that nothing interrupts, carried out in this process."""
+    folder, task = tmp_path_factory.mktemp("whole"), read_plan(str(plan))
+    with RunTable(folder) as table:
+        runs = carry_out(task, table)
+        write_results(task, runs, folder)
+        return folder, to_dataset(task, runs)
 
 
 def command(plan, out):
@@ -69,8 +80,8 @@ def stored(file):
 
 
 @pytest.mark.slow
-def test_a_killed_sweep_goes_on_where_it_was(plan, tmp_path):
-    out = tmp_path / "out"
+def test_a_killed_sweep_goes_on_where_it_was(plan, whole, tmp_path):
+    out, (folder, _) = tmp_path / "out", whole
     process = subprocess.Popen(command(plan, out), cwd=ROOT, stderr=subprocess.DEVNULL)
     log, deadline = out / "runs.sqlite-wal", time.monotonic() + 120.0
     while not (log.exists() and log.stat().st_size > 30_000):
@@ -86,21 +97,14 @@ def test_a_killed_sweep_goes_on_where_it_was(plan, tmp_path):
     after = stored(out / "runs.sqlite")
     assert len(after) == 60
     assert {key: after[key] for key in before} == before  # a run done again would have another run time
-    whole = tmp_path / "whole"
-    whole.mkdir()
-    task = read_plan(str(plan))
-    with RunTable(whole) as table:
-        write_results(task, carry_out(task, table), whole)
-    assert (out / "sweep.nc").read_bytes() == (whole / "sweep.nc").read_bytes()
-    assert (out / "sweep.csv").read_bytes() == (whole / "sweep.csv").read_bytes()
+    assert (out / "sweep.nc").read_bytes() == (folder / "sweep.nc").read_bytes()
+    assert (out / "sweep.csv").read_bytes() == (folder / "sweep.csv").read_bytes()
 
 
 @pytest.mark.slow
-def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan):
+def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan, whole):
     distributed = pytest.importorskip("distributed", reason="the optional extra `dask` is not installed")
     task, killed = read_plan(str(plan)), []
-    with RunTable() as table:
-        here = to_dataset(task, carry_out(task, table))
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
@@ -117,4 +121,4 @@ def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan):
         there = to_dataset(task, runs)
     assert killed
     assert not runs.failed
-    assert there.identical(here)
+    assert there.identical(whole[1])
