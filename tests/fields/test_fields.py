@@ -223,7 +223,7 @@ def test_usual_meshes_keep_within_a_hundredth_of_the_closed_forms(name, poisson)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", fields_accuracy.CYCLES)
 def test_losses_of_whole_cycles_add_up(name):
-    moments = fields_accuracy.states_and_sums(name, 4)
+    moments = fields_accuracy.states_and_sums(name, 2)
     assert [state.label for state, _ in moments] == ["end of approach", "pull-off"]
     for _, sums in moments:
         assert sums.dissipated == pytest.approx(sums.branch_dissipation, rel=5e-3)
