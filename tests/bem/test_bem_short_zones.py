@@ -335,7 +335,7 @@ def test_third_opening_of_an_oscillation_over_a_short_zone():
     """
     material = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
     loading = Loading("relaxed", 2e-5, (Oscillate(5e-6, 6.28, 2.67),))
-    trace = bem(Scene(material, Sphere(1e-3), loading, Adhesion(0.05, 1.5e-9)), resolution=6)
+    trace = bem(Scene(material, Sphere(1e-3), loading, Adhesion(0.05, 1.5e-9)), resolution=4)
     assert_allclose(trace.contact_radius[-1], 1.516111e-4, atol=1e-3 * np.ptp(trace.contact_radius))
 
 
