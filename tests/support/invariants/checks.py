@@ -55,9 +55,18 @@ def answered(solver: CoarseSolver, scene: Scene, **asked) -> Trace | None:
     return None
 
 
+def profiled(solver: CoarseSolver, scene: Scene) -> Trace | None:
+    """The answer with profiles at the start, within and at the end of the first load step.
+
+    The same for all invariants of the same scenes, so that these are solved once.
+    """
+    first = scene.loading.steps[0].segment(0.0, scene.loading.penetration, 0.0)
+    return answered(solver, scene, times=(0.0, first.start + 0.4 * (first.end - first.start), first.end))
+
+
 def answers_or_refuses(solver: CoarseSolver, scene: Scene) -> None:
     """Nothing but finite numbers, time that never runs back, a typed outcome, the load reached."""
-    trace = answered(solver, scene)
+    trace = profiled(solver, scene)
     if trace is None:
         return
     assert isinstance(trace.outcome, Outcome)
@@ -101,7 +110,7 @@ def stays_within_the_step_budget(solver: CoarseSolver, scene: Scene, budget: int
 
 def gains_no_energy(solver: CoarseSolver, scene: Scene) -> None:
     """Branches only dissipate; no energy is stored that is negative; without adhesion nothing is gained."""
-    trace = answered(solver, scene)
+    trace = profiled(solver, scene)
     if trace is None or len(trace) == 0:
         return
     assert "branch_dissipation" in trace.extra
@@ -117,7 +126,7 @@ def closes_the_energy_balance(solver: CoarseSolver, scene: Scene) -> None:
     in which the edge does not cross the layer it leaves behind. The boundary elements are asked without
     adhesion only: ``K`` is that of their annuli, which do not reach into that layer.
     """
-    trace = answered(solver, scene)
+    trace = profiled(solver, scene)
     if trace is None or len(trace) == 0 or trace.events or (solver.name == "bem" and scene.is_adhesive):
         return
     columns = {name: column[in_contact(trace)] for name, column in trace.columns().items()}
@@ -154,9 +163,7 @@ def _tip_work(scene: Scene, columns: dict[str, np.ndarray]) -> tuple[np.ndarray,
 
 def separates_contact_from_gap(solver: CoarseSolver, scene: Scene) -> None:
     """No pressure outside the contact; no gap inside; outside none that is negative beyond one division."""
-    first = scene.loading.steps[0].segment(0.0, scene.loading.penetration, 0.0)
-    times = (0.0, first.start + 0.4 * (first.end - first.start), first.end)
-    trace = answered(solver, scene, times=times)
+    trace = profiled(solver, scene)
     if trace is None:
         return
     for profile in trace.profiles:

@@ -121,7 +121,7 @@ INVARIANTS: dict[str, Invariant] = {
     ),
     "energy gained": Invariant(checks.gains_no_energy, ONE, 3, 12),
     "energy balance": Invariant(checks.closes_the_energy_balance, ONE, 3, 12),
-    "touch": Invariant(checks.separates_contact_from_gap, st.tuples(ANY), 2, 8),
+    "touch": Invariant(checks.separates_contact_from_gap, ONE, 3, 12),
     "slow limit": Invariant(checks.is_relaxed_when_slow, st.tuples(CALM, PRESSED), 1, 6),
     "fast limit": Invariant(checks.is_glassy_when_fast, st.tuples(CALM, PRESSED), 1, 6),
     "closed cycle": Invariant(
