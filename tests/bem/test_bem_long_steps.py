@@ -74,7 +74,7 @@ def test_release_of_the_tip_jumps_where_the_edge_has_rested():
 @pytest.mark.parametrize(
     ("resolution", "within"),
     [
-        (6, 0.025),
+        pytest.param(6, 0.025, marks=pytest.mark.exhaustive),
         pytest.param(8, 0.02, marks=pytest.mark.exhaustive),
         (9, 0.02),  # a row on the place of rest, to the accuracy of the edge
         (12, 0.005),
