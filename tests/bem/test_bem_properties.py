@@ -11,7 +11,7 @@ from support.paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
 from bem_solver import Options, solve
 from contact_scene import Adhesion, Branch, Material, OutcomeKind, Ramp, Scene, Sphere, Table
 
-COARSE = Options(resolution=6)
+COARSE = Options(resolution=4)
 few = settings(max_examples=4)
 DECADES = st.floats(-3.0, 3.0).map(lambda k: 10.0**k)
 SPECTRA = st.lists(
