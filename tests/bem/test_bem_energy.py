@@ -27,7 +27,7 @@ runs = pytest.mark.parametrize("question", RUNS.values(), ids=RUNS)
 
 
 def coarse(question):
-    return bem(question, resolution=10)
+    return bem(question, resolution=6)
 
 
 def area(trace):
