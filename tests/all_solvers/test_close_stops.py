@@ -16,7 +16,9 @@ APART = 1e-9
 
 
 @pytest.mark.parametrize("name", ["bem", pytest.param("fem", marks=pytest.mark.slow), "reference"])
-@pytest.mark.parametrize("scene", ["cycle-v0.1", "elastic-relaxed", "spring-approach"])
+@pytest.mark.parametrize(
+    "scene", ["cycle-v0.1", pytest.param("elastic-relaxed", marks=pytest.mark.slow), "spring-approach"]
+)
 def test_pairs_of_stops_change_neither_pull_off_nor_loop(name, scene):
     question, resolution = load(scene).scene, None if name == "fem" else 4
     plain = solver(name).solve(question, resolution)

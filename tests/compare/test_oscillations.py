@@ -13,6 +13,7 @@ from validation.compare.against_reference import against_reference
 from validation.execution.runs import Run
 from validation.measure.scalars import measure
 
+SLOW = pytest.mark.slow
 CYCLES = (cc.Oscillate(0.002, 1.0, 14.0),)
 ELASTIC = cc.Material(0.75, 0.5)
 RUBBER = cc.Material(0.75, 0.5, (cc.Branch(6.75, 1.0),))
@@ -35,7 +36,10 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=SLOW if name in ("contact kept", "after a force") else ()) for name in SCENES],
+)
 def test_three_solvers_agree_on_an_oscillating_punch(name, tmp_path, capsys):
     cc.write_scene(SCENES[name], tmp_path / "punch.toml")
     code = main(["compare", str(tmp_path / "punch.toml"), "--jobs", "1"])

@@ -32,7 +32,11 @@ def whole_run(name):
     return SOLVERS[name](counting), counting.looks
 
 
-@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize(
+    "name",
+    ["bem", "fem", "reference"]
+    + [pytest.param(name, marks=pytest.mark.slow) for name in ("bem uniform", "reference elastic")],
+)
 def test_stopped_again_and_again(name):
     whole, looks = whole_run(name)
     assert whole.outcome.finished
@@ -114,7 +118,7 @@ def test_history_in_the_volume(path):
             ["cycle-v0.02", "adhesionless-cycle", "three-branches", "force-4", "cycle-si", "rated-edge-si"],
             ["bem", "fem", "reference"],
         ),
-        2,
+        4,  # each solver among them
     ),
 )
 def test_built_in_scenes(name, solver):

@@ -94,7 +94,7 @@ def assert_same_results(found: Path, wanted: Path) -> None:
     assert without_times(one) == without_times(other)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_ends_the_run_with_its_step(capsys, tmp_path, scene_file, uninterrupted, number):
     work = begin(*arguments(scene_file, "reference", tmp_path))
     wait_for((tmp_path / checkpoints.CHECKPOINT).exists, "a checkpoint")

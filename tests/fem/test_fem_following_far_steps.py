@@ -132,7 +132,7 @@ def test_the_mesh_follows_an_edge_that_peels_from_the_rim():
     assert not solver.follows_edge(elastic)
 
 
-@pytest.mark.parametrize("control", ["penetration", "force"])
+@pytest.mark.parametrize("control", [pytest.param("penetration", marks=pytest.mark.slow), "force"])
 def test_contact_with_a_punch_rests_at_the_rim_and_returns_to_it(control):
     steps = (AWAY, BACK) if control == "penetration" else (Force(-0.24, 3.0), Force(0.05, 3.0))
     trace = FiniteElements().solve(replace(PUNCH, loading=Loading("relaxed", 0.0, steps)), 4)

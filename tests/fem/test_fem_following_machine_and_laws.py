@@ -244,7 +244,7 @@ def test_a_punch_on_a_spring_comes_off_where_front_tracking_has_it():
 
 SOFTNESSES = pytest.mark.parametrize(
     "softness",
-    [0.02, pytest.param(1.0, marks=pytest.mark.exhaustive), 50.0],
+    [0.02, pytest.param(1.0, marks=pytest.mark.exhaustive), pytest.param(50.0, marks=pytest.mark.slow)],
     ids="{:g}".format,
 )
 RUBBER, RIM = Material(1e6, 0.5, (Branch(3e6, 0.3),)), 5e-4

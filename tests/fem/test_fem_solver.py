@@ -372,7 +372,10 @@ def test_units_do_not_matter(scale):
     )
 
 
-@pytest.mark.parametrize("times", [(1e-9,), (1e9,), tuple(10.0**k for k in range(-8, 9, 2))])
+@pytest.mark.parametrize(
+    "times",
+    [(1e-9,), pytest.param((1e9,), marks=pytest.mark.slow), tuple(10.0**k for k in range(-8, 9, 2))],
+)
 def test_relaxation_times_over_many_decades(times):
     material = Material(0.75, 0.5, tuple(Branch(3.0 / len(times), t) for t in times))
     trace = run(Ramp(0.022, 0.01), Ramp(-0.3, 0.01), material=material)

@@ -144,7 +144,7 @@ def test_viscoelastic_punch_lets_go_between_its_bounds():
     assert_allclose(forces[-1] / fast, 1.0, atol=6e-3)  # the excess of the elastic punch at this zone: 0.5 %
 
 
-@shapes(Sphere(1.0), Cone(80.0), TABLE, slow=(TABLE,))
+@shapes(Sphere(1.0), Cone(80.0), TABLE, slow=(Cone(80.0), TABLE))
 @pytest.mark.parametrize("material", [ONE, pytest.param(THREE, marks=pytest.mark.slow)], ids=["one", "three"])
 def test_adhesionless_cycle_is_lee_radoks_and_tings(material, indenter):
     scene = Scene(
@@ -165,7 +165,7 @@ def test_adhesionless_cycle_is_lee_radoks_and_tings(material, indenter):
     assert_allclose(force[growing], loading, atol=2e-6 * force.max())
 
 
-@shapes(Sphere(1.0), Cone(80.0), TABLE, slow=(Cone(80.0),))
+@shapes(Sphere(1.0), Cone(80.0), TABLE, slow=(Cone(80.0), TABLE))
 def test_creep_under_a_growing_force_is_the_dual_of_lee_radok(indenter):
     preload = float(sneddon.force(indenter, sneddon.contact_radius(indenter, 0.01), 1.0))
     steps = (ForceRamp(10 * preload, 2 * preload),)

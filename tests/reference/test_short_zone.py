@@ -65,9 +65,10 @@ def approached(scene: Scene):
     return law(scene).approach(scene.loading.penetration, step.to, step.rate)
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=SLOW if "cycle" in name else ()) for name in SCENES]
-)
+QUICK = ("pdms-retraction-10nm", *(f"pdms-dead-load-{size}" for size in SIZES.values()), "force-4")
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in QUICK else SLOW) for name in SCENES])
 def test_check_values_are_those_of_the_equation_of_motion(name):
     case = load(name)
     units, found = unit_sizes(case.scene), values(case.scene)

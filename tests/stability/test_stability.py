@@ -218,7 +218,9 @@ def test_the_energy_of_a_real_run_balances_and_a_false_one_does_not():
     assert measure.energy_residual(false, scene.material) > 0.02
 
 
-@pytest.mark.parametrize("label", ["jump of the penetration", "jump, then rest"])
+@pytest.mark.parametrize(
+    "label", ["jump of the penetration", pytest.param("jump, then rest", marks=pytest.mark.slow)]
+)
 def test_all_solvers_on_probes_with_a_closed_form(label):
     (case,) = [case for case in AXES["loading"]() if case.label == label]
     for solver in ("bem", "fem", "reference"):
