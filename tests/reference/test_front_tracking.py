@@ -198,7 +198,7 @@ SLOW = pytest.mark.slow
     ("speed", "material"),
     [pytest.param(0.02, "one", marks=SLOW)]
     + [pytest.param(0.02, m, marks=pytest.mark.exhaustive) for m in ("two", "seven", "thirty")]
-    + [pytest.param(0.1, "one", marks=SLOW), pytest.param(0.002, "one", marks=pytest.mark.exhaustive)],
+    + [pytest.param(speed, "one", marks=pytest.mark.exhaustive) for speed in (0.1, 0.002)],
 )
 def test_order_in_the_step(speed: float, material: str) -> None:
     """Nearly three in all that is measured, and small errors: 4 to 16 divisions against 48.
@@ -367,8 +367,8 @@ def test_sweep_goes_over_its_own_tracks() -> None:
 
 @pytest.mark.slow
 def test_sweep_loses_most_at_one_over_the_relaxation_time() -> None:
-    ends = _cycle_ends(420.0)
-    trace = solve(_sweep(420.0), Options(resolution=4, profile_times=ends))
+    ends = _cycle_ends(280.0)  # up to 1.68 over the relaxation time
+    trace = solve(_sweep(280.0), Options(resolution=4, profile_times=ends))
     losses = np.diff(trace.dissipated_energy[np.searchsorted(trace.time, ends)]) / math.pi
     frequency = 2.0 * math.pi / np.diff(ends)
     best = int(np.argmax(losses))
