@@ -124,8 +124,13 @@ def force_missed(trace, exact):
     return float(np.sqrt(np.mean(missed**2))) / np.abs(exact.force).max()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("rate", "of_loop"), [(0.02, (6, 12, 24)), (0.1, ())])
+@pytest.mark.parametrize(
+    ("rate", "of_loop"),
+    [
+        pytest.param(0.02, (6, 12, 24), marks=pytest.mark.slow),
+        pytest.param(0.1, (), marks=pytest.mark.exhaustive),
+    ],
+)
 def test_observed_order_when_annuli_and_steps_are_refined_together(rate, of_loop):
     """Two-sided: an order far above the scheme's would be chance, one a little below it is not.
 

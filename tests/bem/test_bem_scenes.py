@@ -68,7 +68,6 @@ SLOW = {
     "hold",
     "table",
     "nu = 0.3",
-    "long zone",
     "power 8",
     "sweep",
     "three branches",
@@ -76,19 +75,17 @@ SLOW = {
     "cone",
     "hundredfold",
     "short zone",
-    "power 1.5",
     "re-approach",
     "oscillation with drift",
     "force ramps",
-    "power 3",
 }
+EXHAUSTIVE = {"long zone", "power 1.5", "power 3"}
+"""Between or beside others of which but a number varies."""
 
 
 def marked(cases):
-    return [
-        pytest.param(*case, id=name, marks=[pytest.mark.slow] if name in SLOW else [])
-        for name, case in cases.items()
-    ]
+    marks = dict.fromkeys(SLOW, pytest.mark.slow) | dict.fromkeys(EXHAUSTIVE, pytest.mark.exhaustive)
+    return [pytest.param(*case, id=name, marks=marks.get(name, ())) for name, case in cases.items()]
 
 
 def compared(question, tolerance):
