@@ -75,7 +75,7 @@ def test_a_solver_that_is_installed_beside_is_told_apart_by_its_version(tmp_path
 
 @pytest.mark.slow
 def test_the_forecast_of_the_size_is_right_within_a_factor_of_two(tmp_path, monkeypatch):
-    plan = plan_of(60, tmp_path)
+    plan = plan_of(24, tmp_path)
     out = tmp_path / "out"
     out.mkdir()
     with RunTable(out) as table:
