@@ -163,7 +163,7 @@ def test_what_a_constant_ratio_costs_falls_like_the_compressibility():
     case = cases.load("cycle-v0.02")
     for ratio in (300.0, 1000.0):
         asked = poisson.ratio_runs(case, ratio)
-        done = {name: run(*task, 6) for name, task in asked.items() if task[1] != "fem"}
+        done = {name: run(*task, resolution=6) for name, task in asked.items() if task[1] != "fem"}
         one = poisson.CompressibilityComparison(ratio, 0.0, 0.0, done)
         first = GLASSY / ratio
         assert_allclose(one.difference("shear", "pull_off_force").value, first, rtol=0.1)
