@@ -129,7 +129,7 @@ def test_an_adhesionless_fit_agrees_with_a_ting_model_fit():
     )
     paths = ("material.modulus", "material.branches[0].modulus", "material.branches[0].time")
     guess = with_values(truth, dict(zip(paths, first_guess.tolist(), strict=True)))
-    found = fit_curves([curve], guess, FitSettings(vary=paths, check_solver=None, resolution=4))
+    found = fit_curves([curve], guess, FitSettings(vary=paths, check_solver=None))
     for one, other in zip(found.estimates, first_guess * np.exp(ting.x - 1.0), strict=True):
         assert abs(np.log(one.value / other)) < 0.1 * one.deviation
     assert found.goodness.explained
