@@ -38,7 +38,7 @@ from validation.reference.creep_compliance import creep_compliance
 from validation.reference.ting import Ting
 
 PUNCH = FlatPunch(0.2)
-COARSE = Options(resolution=8)
+COARSE = Options(resolution=4)
 
 
 def _scene(steps, depth=0.0, start="jump-in", shape=None, material=RUBBER, adhesion=STICKY):  # type: ignore[no-untyped-def]
