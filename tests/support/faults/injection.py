@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -122,6 +123,19 @@ class Calls:
     count: int = 0
 
 
+def _packages() -> list[ModuleType]:
+    """What is loaded of the program."""
+    return [module for name, module in sys.modules.items() if name.startswith(PACKAGES)]
+
+
+def _empty_caches() -> None:
+    """Of functions: they may hold what a fault has made of an answer, or the true one that hides it."""
+    for module in _packages():
+        for value in vars(module).values():
+            if isinstance(value, functools._lru_cache_wrapper):
+                value.cache_clear()
+
+
 @contextmanager
 def seeded(fault: Fault) -> Iterator[Calls]:
     """Put the wrong function wherever the true one is bound, count its calls, and put the true one back."""
@@ -151,12 +165,16 @@ def seeded(fault: Fault) -> Iterator[Calls]:
             wrong = staticmethod(counted(true.__func__))
         case _:
             wrong = counted(true)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(owner, name, wrong)
-        for importer in [m for n, m in sys.modules.items() if n.startswith(PACKAGES)]:
-            for alias in [a for a, value in vars(importer).items() if value is true]:
-                patch.setattr(importer, alias, wrong)
-        yield calls
+    try:
+        with pytest.MonkeyPatch.context() as patch:
+            _empty_caches()
+            patch.setattr(owner, name, wrong)
+            for importer in _packages():
+                for alias in [a for a, value in vars(importer).items() if value is true]:
+                    patch.setattr(importer, alias, wrong)
+            yield calls
+    finally:
+        _empty_caches()
 
 
 @contextmanager
