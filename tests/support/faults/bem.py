@@ -50,15 +50,6 @@ def _(true):
     return lambda self, material, euler=False: true(self, material, True)
 
 
-@fault("internal variables one step late", "load_control:_required_load")
-def _(true):
-    def required_load(problem, points, motion):
-        wanted = motion.new_penetration - points.height
-        return load_inside(problem.chain, points.variables, wanted)
-
-    return required_load
-
-
 @fault("energy without a branch", "energy:Energies.stored")
 def _(true):
     def stored(self, chain):
@@ -66,6 +57,15 @@ def _(true):
         return true(self, chain) - 0.5 * float(lost.sum())
 
     return stored
+
+
+@fault("internal variables one step late", "load_control:_required_load")
+def _(true):
+    def required_load(problem, points, motion):
+        wanted = motion.new_penetration - points.height
+        return load_inside(problem.chain, points.variables, wanted)
+
+    return required_load
 
 
 @fault("E and K of the kernel swapped", "kernel:ellipe")
@@ -137,14 +137,14 @@ def _(true):
     return at
 
 
-@fault("square root at the edge left out of the outer history", "surface:ContactSurface.root_strength")
-def _(true):
-    return lambda self, reach: 0.0
-
-
 @fault("surface energy of the wrong sign in the balance", "recorder:TraceRecorder.trace")
 def _(true):
     return lambda self, outcome, counters, work, *rest: true(self, outcome, counters, -work, *rest)
+
+
+@fault("square root at the edge left out of the outer history", "surface:ContactSurface.root_strength")
+def _(true):
+    return lambda self, reach: 0.0
 
 
 @fault("branch energies advanced by half the step", "energy:updated_energies")
