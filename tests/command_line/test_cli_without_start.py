@@ -58,10 +58,10 @@ def test_solve_keeps_how_it_ended(says, above, tmp_path, solver):
 @pytest.mark.parametrize(
     "command",
     [
-        pytest.param(("compare", "--solvers", "bem,reference"), id="compare"),
+        pytest.param(("compare", "--solvers", "bem,reference", "--jobs", "1"), id="compare"),
         pytest.param(("fields", "--at", "0.5"), id="fields"),
-        pytest.param(("study", "--zones", "1e-2"), id="zones"),
-        pytest.param(("study", "--poisson", "100"), id="poisson", marks=pytest.mark.slow),
+        pytest.param(("study", "--zones", "1e-2", "--jobs", "1"), id="zones"),
+        pytest.param(("study", "--poisson", "100", "--jobs", "1"), id="poisson", marks=pytest.mark.slow),
     ],
 )
 def test_other_commands_say_it(says, above, tmp_path, command):
