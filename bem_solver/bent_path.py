@@ -205,23 +205,40 @@ class BentPath:
         beyond the step.
         """
         radius, begin, end = radius[:, None], begin[:, None], end[:, None]
-        first = np.minimum(begin, end + _FORGOTTEN / y)  # (m, K)
+        ends = np.concatenate((begin, end), axis=1)
+        at_ends = fall(self.distance(radius, ends), ends)
+        left_of_begin = np.exp(y * (end - begin)) - even
+        change = (1.0 - even) * at_ends[:, 1:] - left_of_begin * at_ends[:, :1]
+        remembered = y * float((begin - end).max(initial=0.0)) <= _FORGOTTEN
+        forgets = ~remembered
+        if remembered.any():
+            change[:, remembered] -= self._lagging(fall, radius, y[remembered], begin, end)
+        if forgets.any():
+            first = np.minimum(begin, end + _FORGOTTEN / y[forgets])
+            change[:, forgets] -= self._lagging(fall, radius, y[forgets], first, end)
+        return change
+
+    def _lagging(
+        self, fall: Callable[[Array, Array], Array], radius: Array, y: Array, begin: Array, end: Array
+    ) -> Array:
+        """``int S(|r - a(t)|, t) d exp(-(t_end - t)/theta)`` (m, K) between two shares still to come.
+
+        ``radius`` and ``end`` are (m, 1). ``begin`` is (m, K), or (m, 1) if it is the same for all branches:
+        ``S`` is then read once for all of them, and that is what costs.
+        """
         passage = self.left(radius)
         before = passage >= 0.5 * (begin + end)  # the passage lies before, not after
         away = np.where(before, -1.0, 1.0)
-        nearest = np.where(before, np.minimum(first, passage), np.maximum(end, passage))
+        nearest = np.where(before, np.minimum(begin, passage), np.maximum(end, passage))
         near = np.sqrt(away * (nearest - passage))
         length = float(y.max())
         points, weights = next(rule for longest, rule in _RULES.items() if length <= longest)
         # from the nearest share, not from the passage: an edge that hardly moves passes 1e16 steps away
-        ways = np.maximum(away * (np.where(before, end, first) - nearest), 0.0)
+        ways = np.maximum(away * (np.where(before, end, begin) - nearest), 0.0)
         reach = ways / np.maximum(near + np.sqrt(near**2 + ways), SMALLEST)
         beyond = reach[..., None] * points
         z = near[..., None] + beyond
         left = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)
-        when = np.concatenate((left.reshape(len(left), -1), begin, end), axis=1)
-        values = fall(self.distance(radius, when), when)
-        within = values[:, :-2].reshape(left.shape) * (z * np.exp(y[:, None] * (end[..., None] - left)))
-        lagging = 2.0 * y * reach * (within @ weights)
-        left_of_begin = np.exp(y * (end - begin)) - even
-        return (1.0 - even) * values[:, -1:] - left_of_begin * values[:, -2:-1] - lagging
+        values = fall(self.distance(radius[..., None], left), left) * z
+        memory = np.exp(y[:, None] * (end[..., None] - left))  # (m, K, points)
+        return 2.0 * y * reach * ((values * memory) @ weights)

@@ -95,10 +95,11 @@ class OuterFall:
         """``v(a) - v(a + x)`` at distances >= 0, after shares of the step; arguments broadcast."""
         table = self._table
         position = np.log(np.maximum(distance, self.distance[0]) / self.distance[0]) * self._per_ratio
-        first = np.minimum(position.astype(int), table.shape[1] - 1)
+        first = np.minimum(position.astype(np.intp), table.shape[1] - 1)
         part = np.minimum(position - first, 1.0)
-        strength, slope, *change = table.take(first, axis=1)
-        strength = strength + part * slope
+        # row by row, and clipped: all indices are in range, and to check them takes three times as long
+        strength, slope, *change = (row.take(first, mode="clip") for row in table)
+        strength += part * slope
         if change:
             strength += share * (change[0] + part * change[1])
         return strength * np.sqrt(distance)
