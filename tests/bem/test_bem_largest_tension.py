@@ -47,8 +47,11 @@ PUNCH = Scene(
 )
 @pytest.mark.parametrize(
     ("question", "force"),
-    [(LATE, 0.014152234), (PRESSED, 1.8127202e-4), (PUNCH, 0.0077250485)],
-    ids=["late", "pressed", "punch"],
+    [
+        pytest.param(LATE, 0.014152234, id="late"),
+        pytest.param(PRESSED, 1.8127202e-4, id="pressed", marks=pytest.mark.slow),
+        pytest.param(PUNCH, 0.0077250485, id="punch"),
+    ],
 )
 def test_largest_tension_over_short_zones(question, force, resolution):
     """By front tracking; a row on either side of the corner used to miss it by 0.2 to 0.5 %."""

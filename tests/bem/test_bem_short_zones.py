@@ -145,8 +145,10 @@ def test_branches_turn_into_heat_what_a_slow_sharp_edge_releases(to, excess):
     ("rate", "force"),
     [
         (1e-9, -0.00134917),
-        pytest.param(3e-8, -0.00133454, marks=pytest.mark.exhaustive),
-        (1e-7, -0.00130598),
+        *(
+            pytest.param(*row, marks=pytest.mark.exhaustive)
+            for row in ((3e-8, -0.00133454), (1e-7, -0.00130598))
+        ),
     ],
 )
 def test_edge_at_rest_that_advances_slowly(rate, force):

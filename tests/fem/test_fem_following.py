@@ -126,7 +126,13 @@ def test_radii_covered_one_by_one_lose_what_each_stores_after_its_jump(time, ste
     assert passage.dissipated == pytest.approx(float((jumped - left)[0]), rel=1e-12)
 
 
-@pytest.mark.parametrize(("way", "expected"), [(1.0, 2.933496e-6), (-1.0, 6.232658e-7)], ids=["in", "out"])
+@pytest.mark.parametrize(
+    ("way", "expected"),
+    [
+        pytest.param(1.0, 2.933496e-6, id="in"),
+        pytest.param(-1.0, 6.232658e-7, id="out", marks=pytest.mark.slow),
+    ],
+)
 def test_heat_of_an_edge_that_takes_many_steps_in_each_element(way, expected):
     """Each step is about as long as the branch needs, an element takes ten times that; by front tracking."""
     depth, material = 1e-2, Material(1.0, 0.5, (Branch(5.0, 1.0),))

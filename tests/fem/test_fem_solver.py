@@ -281,7 +281,7 @@ def test_load_jumps_are_glassy():
     [
         ((Hold(3.0),), OutcomeKind.COMPLETED),
         ((Oscillate(0.002, 2.0, 3.0, 1e-4),), OutcomeKind.COMPLETED),
-        ((Sweep(0.002, 1.0, 4.0),), OutcomeKind.COMPLETED),
+        pytest.param((Sweep(0.002, 1.0, 4.0),), OutcomeKind.COMPLETED, marks=pytest.mark.slow),
         ((Table((0.0, 0.5, 1.0), (0.021, 0.022, 0.02)),), OutcomeKind.COMPLETED),
         ((Force(0.005, 1.0), ForceRamp(0.0, 0.01), Hold(0.5)), OutcomeKind.COMPLETED),
         ((Force(-50.0 * JKR, 1.0),), OutcomeKind.DETACHED),

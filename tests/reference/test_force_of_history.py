@@ -85,7 +85,9 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name == "dead load" else ()) for name in SCENES]
+)
 def test_raw_columns_of_a_run_belong_together(name: str) -> None:
     scene = SCENES[name]
     trace = solve(scene, Options(resolution=4))

@@ -103,7 +103,7 @@ CYCLES = {
 }
 
 
-@pytest.mark.parametrize("speed", CYCLES)
+@pytest.mark.parametrize("speed", [pytest.param(0.002, marks=pytest.mark.slow), 0.02, 0.1])
 def test_check_values_of_the_cycles(speed: float) -> None:
     seen = _seen(_run(speed)).as_dict()
     for name, (value, slack) in CYCLES[speed].items():
