@@ -72,5 +72,5 @@ def _inside(
 def _outside(problem: Problem, state: HalfSpaceState, radius: Array) -> tuple[Array, Array, Array]:
     """Variables, load and displacement of points outside the contact."""
     chain, load = problem.chain, state.surface.outside(radius)
-    variables = chain.from_strains(state.history.outer.at(radius), load)
+    variables = chain.from_strains(state.history.outside(radius), load)
     return variables, load, displacement_outside(chain, variables, load)

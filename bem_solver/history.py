@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 NODES_APART = 0.05
 """How far apart nodes are, as a part of their distance from the edge, where that is several zones."""
+_FARTHEST, _NEAREST_END = 200.0, 20.0
+"""How far out nodes are laid, in contact radii, and how near the last may be before there are more."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,13 @@ class SurfaceHistory:
     def radius(self) -> Array:
         """All nodes, rising, the edge once."""
         return np.concatenate((self.inner.radius[:-1], self.outer.radius))
+
+    def outside(self, radius: Array) -> Array:
+        """Strains (m, K) outside the edge: beyond the last node they fall as ``1/r``, far from any load."""
+        strains = self.outer.at(radius)
+        if len(self.outer.radius):
+            strains *= np.minimum(self.outer.radius[-1] / radius, 1.0)[:, None]
+        return strains
 
     @classmethod
     def blank(cls, branches: int) -> SurfaceHistory:
@@ -147,14 +156,28 @@ def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:
     return np.concatenate((inside, [edge], 2.0 * edge - inside))
 
 
-def nodes_beyond(edge: float, length: float, farthest: float) -> Array:
-    """Radii from ``length`` outside the edge to ``farthest``, at distances from it in equal ratios.
+def nodes_beyond(edge: float, length: float, last: float = 0.0) -> Array:
+    """Radii from ``length`` outside the edge to far beyond, at distances from it in equal ratios.
 
     In ratios of the radius the first interval would be many process zones wide where these are short, and the
     surface in it, a root of the distance near the edge, one cubic.
+
+    Parameters
+    ----------
+    edge, length : float
+    last : float, optional
+        Outermost node so far: those beyond it, none while it is far from the edge.
+
+    Returns
+    -------
+    ndarray
     """
-    count = math.ceil(math.log((farthest - edge) / length) / NODES_APART)
-    return edge + np.geomspace(length, farthest - edge, count + 1)
+    size = edge + length
+    if last >= _NEAREST_END * size:
+        return np.empty(0)
+    way = _FARTHEST * size - edge
+    radii = edge + np.geomspace(length, way, math.ceil(math.log(way / length) / NODES_APART) + 1)
+    return radii[radii > last]
 
 
 def midpoints_of_wide_intervals(radius: Array, spacing: Array) -> Array:

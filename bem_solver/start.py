@@ -162,7 +162,7 @@ def _start_history(
     near = edge * radii
     mirrored = 2.0 * edge - near[near > edge - problem.length]
     facing = edge + problem.length * (np.arange(1.0, _FACING + 1.0) / _FACING) ** 2
-    far = nodes_beyond(edge, problem.length, 200.0 * (edge + problem.length))
+    far = nodes_beyond(edge, problem.length)
     smallest = 0.5 * edge * problem.annuli.outermost
     radius = distinct(np.concatenate(([0.0], near, [edge], mirrored, facing, far)), (edge,), smallest)
     load = surface.outside(np.maximum(radius, edge))

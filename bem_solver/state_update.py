@@ -17,6 +17,7 @@ from bem_solver.history import (
     distinct,
     graded_nodes,
     midpoints_of_wide_intervals,
+    nodes_beyond,
     updated_kinks,
 )
 from bem_solver.nodal_variables import NodalVariables
@@ -169,9 +170,8 @@ def _new_history(
     chain, edge, radii = problem.chain, motion.new_edge, problem.annuli.radii
     reach = max(abs(edge - motion.edge), 0.25 * length)
     smallest = 0.5 * edge * problem.annuli.outermost
-    wanted = graded_nodes(radii, edge, reach)
-    if len(state.history.outer.radius) == 0:  # first contact: nothing beyond it yet
-        wanted = np.concatenate((wanted, [0.0], (edge + length) * np.geomspace(1.0, 1e6, 240)))
+    last = float(state.history.radius.max(initial=0.0))
+    wanted = np.concatenate(([0.0], graded_nodes(radii, edge, reach), nodes_beyond(edge, length, last)))
     kinks, direction, turning, farthest = updated_kinks(
         state.history, motion.edge, edge, 8.0 * smallest, EDGE_ACCURACY * tolerance * length
     )

@@ -12,6 +12,7 @@ from bem_solver.history import (
     distinct,
     graded_nodes,
     midpoints_of_wide_intervals,
+    nodes_beyond,
     updated_kinks,
 )
 from bem_solver.nodal_variables import NodalVariables
@@ -218,3 +219,22 @@ def test_nodes_around_an_edge():
     assert_allclose(graded_nodes(radii, 2.0, 0.3), [1.8, 1.98, 2.0, 2.2, 2.02])
     assert_allclose(midpoints_of_wide_intervals(np.array([0.0, 0.1, 1.0]), np.array([0.2, 0.2])), [0.55])
     assert_array_equal(SurfaceHistory.blank(3).radius, np.empty(0))
+
+
+def test_beyond_the_last_node_strains_fall_as_far_from_a_load():
+    empty = NodalVariables(np.empty(0), np.empty((0, 2)))
+    history = SurfaceHistory(empty, NodalVariables(np.array([1.0, 4.0]), np.array([[8.0, 4.0], [2.0, 1.0]])))
+    assert_allclose(
+        history.outside(np.array([4.0, 8.0, 40.0])), [[2.0, 1.0], [1.0, 0.5], [0.2, 0.1]], rtol=1e-15
+    )
+
+
+def test_an_edge_that_nears_the_last_node_has_more_of_them():
+    edge, length = 1.0, 0.01
+    first = nodes_beyond(edge, length)
+    assert first[0] == pytest.approx(edge + length)
+    assert first[-1] > 100.0 * edge
+    assert len(nodes_beyond(edge, length, first[-1])) == 0
+    grown = nodes_beyond(50.0 * edge, length, first[-1])
+    assert grown.min() > first[-1]
+    assert grown.max() == pytest.approx(50.0 * first[-1], rel=0.02)

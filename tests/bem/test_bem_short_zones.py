@@ -22,6 +22,7 @@ from bem_solver.surface import ContactSurface
 from contact_scene import (
     Adhesion,
     Branch,
+    Cone,
     Force,
     ForceRamp,
     Hold,
@@ -51,6 +52,19 @@ def pulled(zone, resolution):
     trace = solve(retraction(zone), Options(resolution))
     assert trace.outcome.kind == "detached"
     return -trace.force.min() / PULL_OFF[zone] - 1.0, trace
+
+
+def test_a_cone_pressed_to_hundreds_of_times_its_first_radius():
+    """Radius and force by front tracking at half its default resolution.
+
+    The surface was known out to 200 times the first radius: an edge that came there slid off, by 7 %.
+    """
+    material = Material(2.7e5, 0.49, (Branch(4.5e7, 0.015), Branch(1.35e7, 0.35)))
+    loading = Loading("jump-in", 0.0, (Ramp(2.6e-5, 1e-5),))
+    trace = solve(Scene(material, Cone(82.0), loading, Adhesion(0.25, 1.1e-7)), Options(4))
+    assert trace.contact_radius[-1] > 250.0 * trace.contact_radius[0]
+    assert_allclose(trace.contact_radius[-1], 1.2521787e-4, rtol=5e-4)
+    assert_allclose(trace.force[-1], 0.015807233, rtol=5e-4)
 
 
 @pytest.mark.parametrize(
