@@ -58,6 +58,8 @@ class SurfaceState:
         last step and its length: where adhesion is irreversible.
     received : float, optional
         Work done on the surface so far, where the history knows it better than trapezoids between rows.
+    smooth : bool
+        Whether the rates of the step before go on into the one that ends here.
     release, crept : tuple of float, int
         Glassy energy release rate of the tip, opening and closing (see ``tip_release``), and the node before
         the edge when that was slow last.
@@ -81,6 +83,7 @@ class SurfaceState:
     rate: float = 0.0
     duration: float = 0.0
     received: float | None = None
+    smooth: bool = False
     release: tuple[float, float] = UNKNOWN_RELEASE
     crept: int = -1
     singular_force: float = 0.0
@@ -142,13 +145,13 @@ class SurfaceRecorder:
         """Append an accepted state."""
         content = self.content
         if content.last is not None:
-            mean = 0.5 * (state.force + content.last.force)
-            content.external_work += mean * (state.penetration - content.last.penetration)
+            mean, bent = 0.5 * (state.force + content.last.force), self._work_of_bend(state)
+            content.external_work += mean * (state.penetration - content.last.penetration) + bent
         if content.last is not None and state.received is not None:
             content.surface_work += state.received - (content.last.received or 0.0)
         elif content.last is not None:
             forces = 0.5 * (state.forces + content.last.forces)
-            content.surface_work += float(forces @ (state.displacement - content.last.displacement))
+            content.surface_work += float(forces @ (state.displacement - content.last.displacement)) + bent
         else:
             content.first = state
         first = content.first or state
@@ -180,6 +183,30 @@ class SurfaceRecorder:
             self.surfaces.append(state)
         content.largest_force = max(content.largest_force, abs(state.force))
         content.largest_tension = max(content.largest_tension, -state.force)
+
+    def _work_of_bend(self, state: SurfaceState) -> float:
+        """Work since the last row beyond its trapezoid, ``int F dD`` along parabolas through one row more.
+
+        Of an edge at rest, where a dozen rows are a whole cycle: the polygon through them loses 5 % of
+        the loop. A moving edge has a row in every element, and its force a bend of its own there.
+        """
+        if not state.smooth or len(self.content.rows) < 2:
+            return 0.0
+        (t0, depth0, force0, radius0), (t1, depth1, force1, radius1) = (
+            row[:4] for row in self.content.rows[-2:]
+        )
+        before, now = t1 - t0, state.time - t1
+        if not radius0 == radius1 == state.radius or min(before, now) <= 0.0:
+            return 0.0
+
+        def path(first: float, middle: float, last: float) -> tuple[float, float]:
+            """Rise over the step, and ``c`` of ``c s (s - 1)`` over its share s."""
+            bend = ((last - middle) / now - (middle - first) / before) / (before + now) * now**2
+            return last - middle, bend
+
+        depth, depth_bend = path(depth0, depth1, state.penetration)
+        force, force_bend = path(force0, force1, state.force)
+        return (depth_bend * force - force_bend * depth) / 6.0
 
     def mark(self) -> RowBefore:
         """What is needed to take the next row back."""
