@@ -33,6 +33,16 @@ def test_magnification_is_the_largest_round_number_within_the_swing(largest, rad
     assert digit == pytest.approx(round(digit))
 
 
+@pytest.mark.parametrize(("pulled", "drawn"), [(0.0, 50.0), (0.03, 20.0), (0.3, 2.0), (3.0, 0.2)])
+def test_no_triangle_near_the_edge_is_folded_over(pulled, drawn):
+    """Points beyond it move towards it: a triangle keeps one less ``pulled`` times the magnification."""
+    one = state()
+    moves = one.displacement * 0.0
+    moves[:, 0] = -pulled * np.maximum(one.points[:, 0] - RADIUS, 0.0)
+    one = dataclasses.replace(one, displacement=moves)
+    assert geometry.magnification_near_edge(one, ZONE, 50.0) == pytest.approx(drawn)
+
+
 @pytest.mark.parametrize("scale", [1.0, 5.0])
 def test_marks_sit_on_the_deformed_surface_at_the_edge(scale):
     cut = geometry.section(state(), SCENE, scale)
@@ -282,6 +292,7 @@ def test_one_section_states_its_scale(monkeypatch):
     scale = geometry.magnification(float(np.abs(one.displacement).max()), RADIUS)
     whole, edge = drawn.axes[:2]
     assert f"displacements drawn {scale:g} times as large" in whole.get_title()
+    assert edge.get_title() == f"at the contact edge\ndrawn {scale:g} times as large"
     marks = sorted(line.get_xdata()[0] for line in whole.lines if line.get_gid() == "edge")
     np.testing.assert_allclose(marks, np.array([-1, 1]) * RADIUS * (1 + 0.01 * scale))
     assert edge.get_xlim()[0] < marks[1] < edge.get_xlim()[1]

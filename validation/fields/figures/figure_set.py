@@ -20,7 +20,7 @@ from validation.drawing.export import png
 from validation.execution.files import in_words, write_whole
 from validation.fields.figures import animation, moment_panels, moments, revolution, sections
 from validation.fields.figures.animation import Keep
-from validation.fields.figures.geometry import magnification, near_edge, section
+from validation.fields.figures.geometry import magnification, magnification_near_edge, near_edge, section
 from validation.fields.figures.quantities import QUANTITIES, Quantity
 from validation.fields.figures.rendering import NoRendering
 
@@ -253,15 +253,23 @@ def single_section(
     -------
     Figure
     """
-    scale = magnification(float(np.abs(state.displacement).max()), state.contact_radius)
-    cut = section(state, scene, scale if common is None else common.scale)
     length = moments.zone(scene, state.contact_radius)
-    return sections.figure(cut, quantity, length, moment_panels.caption(state), common)
+    if common is None:
+        scale = magnification(float(np.abs(state.displacement).max()), state.contact_radius)
+        edge_scale = magnification_near_edge(state, length, scale)
+    else:
+        scale, edge_scale = common.scale, common.edge_scale
+    cut, at_edge = section(state, scene, scale), section(state, scene, edge_scale)
+    return sections.figure(cut, at_edge, quantity, length, moment_panels.caption(state), common)
 
 
 def alike(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> sections.Alike:
-    """One magnification, view and range of colours for sections of several states."""
+    """Magnifications, view and range of colours that sections of several states have in common."""
     cut, view, colour_range = moment_panels.sections_alike(states, scene, quantity)
-    edges = [near_edge(one, moments.zone(scene, one.state.contact_radius)) for one in cut]
-    at_edge = sections.shared_colours(quantity, cut, edges)
-    return sections.Alike(cut[0].scale, view, colour_range, at_edge)
+    zones = [moments.zone(scene, state.contact_radius) for state in states]
+    scale = cut[0].scale
+    edge_scale = min(magnification_near_edge(*one, scale) for one in zip(states, zones, strict=True))
+    at_edge = [section(state, scene, edge_scale) for state in states]
+    views = [near_edge(*one) for one in zip(at_edge, zones, strict=True)]
+    edge_colours = sections.shared_colours(quantity, at_edge, views)
+    return sections.Alike(scale, edge_scale, view, colour_range, edge_colours)

@@ -28,6 +28,10 @@ HALF_WIDTH = 2.0
 """Half the width of a view, over the largest contact radius."""
 LARGEST_DRAWN = 0.2
 """Largest magnified displacement, over half the width of the view."""
+ZONES_NEAR_EDGE = 4.0
+"""Half the width of the view of an edge, in process zones."""
+LEAST_AREA = 0.25
+"""What magnified displacements leave at least of the area of a triangle there: below 0 it is folded over."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,7 @@ def whole(contact_radius: float) -> View:
 def near_edge(section: BodySection, zone: float) -> View:
     """The view of the right-hand edge, a few process zones wide."""
     x, y = section.edge
-    half = 4.0 * zone
+    half = ZONES_NEAR_EDGE * zone
     return View(x - half, x + half, y - 1.2 * half, y + 0.8 * half)
 
 
@@ -67,9 +71,36 @@ def magnification(largest: float, contact_radius: float) -> float:
     """The largest of 1, 2, 5, 10, ... (or 1/2, 1/5, ...) that keeps displacements below ``LARGEST_DRAWN``."""
     if largest <= 0.0:
         return 1.0
-    limit = LARGEST_DRAWN * HALF_WIDTH * contact_radius / largest * (1.0 + 1e-9)
+    return _round_below(LARGEST_DRAWN * HALF_WIDTH * contact_radius / largest * (1.0 + 1e-9))
+
+
+def _round_below(limit: float) -> float:
+    """The largest of ..., 1/2, 1, 2, 5, 10, ... up to a limit."""
     power = 10.0 ** math.floor(math.log10(limit))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= limit)
+
+
+def magnification_near_edge(state: FieldState, zone: float, scale: float) -> float:
+    """``scale``, or the largest round number below it that folds no triangle over around the edge.
+
+    Strain there goes with the root of one over the zone: what shows the whole contact may be far too much.
+    """
+    corners, moves = state.points[state.triangles], state.displacement[state.triangles]
+    reach = 2.0 * ZONES_NEAR_EDGE * zone
+    away = np.abs(corners - (state.contact_radius, 0.0)).max(axis=2).min(axis=1)
+    corners, moves = corners[away < reach], moves[away < reach]
+
+    def least_area(factor: float) -> float:
+        one, two = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 0)
+        first, second = np.moveaxis(moves[:, 1:] - moves[:, :1], 1, 0)
+        before = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+        one, two = one + factor * first, two + factor * second
+        after = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+        return float((after / before).min(initial=1.0))
+
+    while least_area(scale) < LEAST_AREA:
+        scale = _round_below(scale * 0.99)
+    return scale
 
 
 @dataclass(frozen=True)

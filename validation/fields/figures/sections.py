@@ -38,8 +38,8 @@ class Alike:
 
     Parameters
     ----------
-    scale : float
-        Magnification of displacements.
+    scale, edge_scale : float
+        Magnification of displacements, and that close to the edge.
     view : View
         Of the contact as a whole.
     colours, edge_colours : ColourRange
@@ -47,6 +47,7 @@ class Alike:
     """
 
     scale: float
+    edge_scale: float
     view: View
     colours: ColourRange
     edge_colours: ColourRange
@@ -63,13 +64,19 @@ def shared_colours(quantity: Quantity, sections: list[BodySection], views: list[
 
 
 def figure(
-    section: BodySection, quantity: Quantity, zone: float, title: str, common: Alike | None = None
+    section: BodySection,
+    at_edge: BodySection,
+    quantity: Quantity,
+    zone: float,
+    title: str,
+    common: Alike | None = None,
 ) -> Figure:
     """The contact as a whole, and beside it its right-hand edge with colours of its own.
 
     Parameters
     ----------
-    section : BodySection
+    section, at_edge : BodySection
+        The same state, displacements magnified for each of the two views.
     quantity : Quantity
     zone : float
         Process-zone length, or the length that takes its place; the width of the second view follows it.
@@ -88,20 +95,22 @@ def figure(
     """
     from matplotlib.figure import Figure as New
 
-    views = [whole(section.state.contact_radius) if common is None else common.view, near_edge(section, zone)]
-    ranges = [shared_colours(quantity, [section], [view]) for view in views]
+    pair = (section, at_edge)
+    first = whole(section.state.contact_radius) if common is None else common.view
+    views = [first, near_edge(at_edge, zone)]
+    ranges = [shared_colours(quantity, [one], [view]) for one, view in zip(pair, views, strict=True)]
     if common is not None:
         ranges = [common.colours, common.edge_colours]
     panel_figure = New(figsize=(10.6, 3.9), layout="compressed")
     panels = panel_figure.subplots(1, 2, width_ratios=(views[0].aspect, views[1].aspect))
-    for axes, view, colour_range in zip(panels, views, ranges, strict=True):
-        draw(axes, section, view, quantity, colour_range)
+    for axes, one, view, colour_range in zip(panels, pair, views, ranges, strict=True):
+        draw(axes, one, view, quantity, colour_range)
         axes.set_xlabel(f"r, mirrored {LENGTH_UNIT}", fontsize=SMALL + 1)
         bar(panel_figure, [axes], quantity, colour_range, label=axes is panels[1])
     panels[0].set_ylabel(f"z {LENGTH_UNIT}", fontsize=SMALL + 1)
     panels[0].set_title(f"{title}\ndisplacements {times(section.scale)}", fontsize=SMALL + 1)
-    panels[1].set_title("at the contact edge", fontsize=SMALL + 1)
-    panels[0].add_patch(_frame(views[1]))
+    panels[1].set_title(f"at the contact edge\n{times(at_edge.scale)}", fontsize=SMALL + 1)
+    panels[0].add_patch(_frame(near_edge(section, zone)))
     key(panels[0], section)
     return panel_figure
 
