@@ -1,0 +1,37 @@
+"""While the penetration does not fall, a contact without adhesion is as large as an elastic one (Ting).
+
+From first touch, whatever has been pressed or held before: the surface ahead of the edge has crept, far
+beyond the radius at which it was touched first.
+"""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from numpy.testing import assert_allclose
+from support.invariants.coarse_solvers import SOLVERS
+
+from contact_scene import Branch, Cone, Hold, Indenter, Loading, Material, PowerLaw, Ramp, Scene, Sphere
+
+RUBBER = Material(1.5e6, 0.49, (Branch(1.5e7, 1.0),))
+CONE = Cone(75.0)
+RADII = {
+    "cone": (CONE, lambda depth: 2.0 / math.pi * math.tan(math.radians(75.0)) * depth),
+    "sphere": (Sphere(1e-4), lambda depth: (1e-4 * depth) ** 0.5),
+    "power law": (PowerLaw(1.0, 0.3), lambda depth: 2.0 / (0.3 * math.pi) * depth),
+}
+
+
+@pytest.mark.parametrize("shape", RADII)
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_radius_of_a_contact_pressed_again(solver, shape):
+    """Boundary elements of a cone were 20 % off: beyond a million times the first radius nothing crept."""
+    indenter, radius = RADII[shape]
+    assert isinstance(indenter, Indenter)
+    steps = (Ramp(2e-6, 1e-6), Hold(1.0), Ramp(1e-5, 1e-6))
+    scene = Scene(RUBBER, indenter, Loading("jump-in", 0.0, steps))
+    trace = SOLVERS[solver].solve(scene)
+    expected = radius(trace.penetration)
+    accuracy = max(SOLVERS[solver].declared(scene), 2e-3)
+    assert_allclose(trace.contact_radius, expected, rtol=0.0, atol=accuracy * expected[-1])
