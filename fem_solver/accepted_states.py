@@ -146,7 +146,7 @@ class AcceptedStates:
                 branch_dissipation=history.state.dissipated,
                 zone=candidate.problem.zone(candidate.edge.s),
                 received=received,
-                smooth="radius" in self.estimator.slopes,
+                smooth="force" in self.estimator.slopes,
                 singular_force=candidate.singular_force,
                 **self._at_tip(candidate.edge.s, radius, forces),
                 **self._interface(candidate, radius),

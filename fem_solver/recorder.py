@@ -4,7 +4,7 @@ With a sharp edge the half-space receives the work of the surface forces, ``int 
 indenter does, ``int F dD``, and what opening the interface takes, ``int sum_i f_i dg_i`` over partly released
 nodes. It stores and dissipates it in its branches; both are volume integrals (or their condensed
 equivalents) that know nothing of the work. ``balance_residual`` is what is left of that identity, with the
-work taken by trapezoids between rows, as a reader of the trace would. It measures the steps: it grows where
+work of a moving edge taken by trapezoids between rows. It measures the steps: it grows where
 an edge creeps so slowly that its layer of relaxing stress, ``|da/dt| tau``, is crossed within one of them.
 
 The parts of the node next to the edge, in contact and free, hold an energy beyond that of their mean (see

@@ -20,7 +20,7 @@ def found():
 
     def short(scene):
         kept = [ladder for ladder in ladders(scene) if ladder.timed and ladder.scheme != "fem-volume"]
-        return [replace(one, levels=one.levels[: 3 if one.scheme in ("bem", "fem") else 4]) for one in kept]
+        return [replace(one, levels=one.levels[: 3 if one.scheme == "bem" else 4]) for one in kept]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(study, "ladders", short)
