@@ -34,9 +34,10 @@ from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]
 
-_SHORT, _LONG = 1.0, 4.0
+_SHORT, _LONG = 0.25, 1.0
 """Steps, in retardation times, up to which a step is short and from which it is long; a mixture between, so
-that energies depend continuously on the step."""
+that energies depend continuously on the step. Longer ones counted as short lose 1 % of the heat of a fast
+branch where the load swings: what it receives bends within them."""
 _LITTLE_TIP, _MOSTLY_TIP = 0.25, 0.75
 """Shares of ``int dp dv`` belonging to the moving tip, up to which it leaves a long step long and from which
 that counts as short; a mixture between."""
