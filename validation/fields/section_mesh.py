@@ -13,9 +13,14 @@ if TYPE_CHECKING:
 
 def triangle_areas(state: FieldState) -> NDArray[np.float64]:
     """Undeformed area of each triangle of the section; shape (4 m,)."""
-    corners = state.points[state.triangles]
+    return np.abs(signed_areas(state.points, state.triangles))
+
+
+def signed_areas(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Areas (t,) of triangles (t, 3) between points (n, 2); the sign changes where one is folded over."""
+    corners = points[triangles]
     one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+    return 0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
 
 
 def surface_nodes(state: FieldState) -> NDArray[np.int64]:

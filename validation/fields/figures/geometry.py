@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene
-from validation.fields.section_mesh import surface_nodes, triangle_areas
+from validation.fields.section_mesh import signed_areas, surface_nodes, triangle_areas
 
 if TYPE_CHECKING:
     from fem_solver.fields.states import FieldState
@@ -85,17 +85,12 @@ def magnification_near_edge(state: FieldState, zone: float, scale: float) -> flo
 
     Strain there goes with the root of one over the zone: what shows the whole contact may be far too much.
     """
-    corners, moves = state.points[state.triangles], state.displacement[state.triangles]
-    reach = 2.0 * ZONES_NEAR_EDGE * zone
-    away = np.abs(corners - (state.contact_radius, 0.0)).max(axis=2).min(axis=1)
-    corners, moves = corners[away < reach], moves[away < reach]
+    away = np.abs(state.points[state.triangles] - (state.contact_radius, 0.0)).max(axis=2).min(axis=1)
+    near = state.triangles[away < 2.0 * ZONES_NEAR_EDGE * zone]
+    before = signed_areas(state.points, near)
 
     def least_area(factor: float) -> float:
-        one, two = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 0)
-        first, second = np.moveaxis(moves[:, 1:] - moves[:, :1], 1, 0)
-        before = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
-        one, two = one + factor * first, two + factor * second
-        after = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+        after = signed_areas(state.points + factor * state.displacement, near)
         return float((after / before).min(initial=1.0))
 
     while least_area(scale) < LEAST_AREA:
