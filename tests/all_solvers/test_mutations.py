@@ -44,8 +44,8 @@ QUICKLY += [
     *(pytest.param(fault, marks=pytest.mark.slow) for fault in CHEAP_TABLES[1::2]),
 ]
 """Faults that a check value of the cheapest scene has to show, most of them by default."""
-TIME_FACTOR = 5.0  # limit of a run with a fault, times processor time of the true run and its estimate ...
-LEAST_LIMIT = 5.0  # ... and at least so many seconds
+TIME_FACTOR = 10.0  # limit of a run with a fault, times processor time of the true run and its estimate ...
+LEAST_LIMIT = 10.0  # ... and at least so many seconds
 TABLE = Path(__file__).parents[2] / "out" / "faults.md"
 
 
