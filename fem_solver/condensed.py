@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 from fem_solver.partial_release import (
     PartialContact,
     PartlyHeld,
-    PartlyReleasedNode,
-    SeriesModulus,
+    PartlyReleased,
     energy_at_edge,
     partly_held,
 )
 from fem_solver.prony import Increment, Prony
+from fem_solver.series_modulus import SeriesModulus
 from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
@@ -37,14 +37,14 @@ Array = NDArray[np.float64]
 class Response:
     """Surface displacement at the end of a step for new surface forces: ``u = free + C f/modulus``.
 
-    ``free`` (n,) is the displacement of the surface without forces; ``operator`` holds ``C``. ``partly`` is
-    the node in contact in part where the step begins, and those behind it.
+    ``free`` (n,) is the displacement of the surface without forces; ``operator`` holds ``C``. ``partly`` are
+    the nodes in parts where the step begins.
     """
 
     operator: SurfaceOperator
     modulus: float
     free: Array
-    partly: tuple[PartlyReleasedNode, ...] = ()
+    partly: PartlyReleased | None = None
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class CondensedHistory:
         memory = step.memory(self.state.branches, self.state.image)
         free = -self.operator.displacement(memory) / step.modulus
         partly = self.state.partly
-        released = () if partly is None else partly.released(dt, self.operator.unit)
+        released = None if partly is None else partly.released(dt, self.operator.unit)
         return Response(self.operator, step.modulus, free, released)
 
     def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:

@@ -142,11 +142,6 @@ class RelaxingField:
         """State at the end of a step."""
         return RelaxingField(self.modulus, x, self.modulus.increment(dt).advance(self.branches, x - self.x))
 
-    def combined(self, weights: Array) -> RelaxingField:
-        """States after sums of what the entries have been through; weights of shape (m, n)."""
-        return RelaxingField(self.modulus, self.x @ weights, self.branches @ weights)
-
-    def beside(self, other: RelaxingField) -> RelaxingField:
-        """The entries of both, of the same modulus."""
-        x, branches = np.append(self.x, other.x), np.hstack([self.branches, other.branches])
-        return RelaxingField(self.modulus, x, branches)
+    def chosen(self, entries: NDArray[np.int64]) -> RelaxingField:
+        """Some entries, or some of them twice; copies."""
+        return RelaxingField(self.modulus, self.x[entries], self.branches[:, entries])

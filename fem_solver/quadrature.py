@@ -25,9 +25,10 @@ from numpy.typing import NDArray
 from fem_solver import forms
 from fem_solver.condensed import Response
 from fem_solver.halfspace import Factorisation, HalfSpace
-from fem_solver.partial_release import PartialContact, SeriesModulus, energy_at_edge, partly_held
+from fem_solver.partial_release import PartialContact, energy_at_edge, partly_held
 from fem_solver.prony import Prony, RelaxingField
 from fem_solver.quadrature_state import LoadOfPast, QuadratureSnapshot, QuadratureState
+from fem_solver.series_modulus import SeriesModulus
 from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
@@ -111,7 +112,7 @@ class QuadratureHistory:
         factor, operator = self._operator(past.ratio)
         free = factor.solve(past.load, past.far_memory)
         surface, partly = -free[self.space.surface_dofs[: self.count]], self.state.partly
-        released = () if partly is None else partly.released(dt, operator.unit)
+        released = None if partly is None else partly.released(dt, operator.unit)
         return Response(operator, past.modulus, surface, released)
 
     def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:

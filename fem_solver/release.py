@@ -68,7 +68,7 @@ class ContactProblem:
         self.operator = response.operator
         self.control, self.value, self.compliance = control, value, compliance
         self.dt, self.origin = dt, origin
-        self._partly = {one.node: one for one in response.partly}
+        self._partly = response.partly
         self._base = -height - response.free
         self._base_y = self.operator.transform(self._base)
         self._base_force = np.cumsum(self.operator.unit * self._base_y)
@@ -106,8 +106,7 @@ class ContactProblem:
     def _bearing(self, node: int, share: float) -> float:
         """``y`` of the node next to the edge per modulus, at no penetration."""
         whole = float(self._base_y[node])
-        partly = self._partly.get(node)
-        return share * whole if partly is None else partly.bearing(share, whole)
+        return share * whole if self._partly is None else self._partly.bearing(node, share, whole)
 
     def partial_contact(self, s: float) -> PartialContact | None:
         """The node next to an adhesive edge at ``s``, unless that is the rim of the indenter."""

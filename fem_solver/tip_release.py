@@ -54,13 +54,11 @@ def release_of_tip(
     -------
     tuple of float
     """
-    node, share, unit = partly.contact.node, partly.contact.share, operator.unit[partly.contact.node]
+    node, unit = partly.contact.node, operator.unit[partly.contact.node]
     mean = operator.component(forces, node)
-    held, last = mean + unit * partly.stress, mean + unit * float(partly.stresses[-1])
-    covered = mean + modulus * unit * partly.contact.depth  # with the node in full contact at once
-    free = (covered - share * held) / (1.0 - share)
+    opening, closing = (mean + unit * stress for stress in partly.stresses_of_tip(modulus))
     area = math.pi * (geometry.effective[node] ** 2 - geometry.effective[node - 1] ** 2)
-    return float(last**2 / (2.0 * modulus * area)), float(free**2 / (2.0 * modulus * area))
+    return float(opening**2 / (2.0 * modulus * area)), float(closing**2 / (2.0 * modulus * area))
 
 
 def with_sharp_tip(columns: Mapping[str, Array]) -> Array:

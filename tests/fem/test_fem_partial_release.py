@@ -74,7 +74,10 @@ def test_nothing_changes_in_no_time_where_nothing_moves(material, path, bound):
         assert np.abs(error).max() < bound * np.abs(before).max()
 
 
-@pytest.mark.parametrize("reached", [12.6, 13.4, 14.9], ids=["node", "next", "beyond"])
+REACHED = {"node": 12.6, "next": 13.4, "beyond": 14.9, "far": 17.3}
+
+
+@pytest.mark.parametrize("reached", REACHED.values(), ids=REACHED)
 @pytest.mark.parametrize("path", ["condensed", "quadrature"])
 def test_what_has_just_closed_opens_first(reached, path):
     """In no time the half-space is elastic: closed and opened again, a relaxed contact bears what it bore."""
@@ -87,6 +90,33 @@ def test_what_has_just_closed_opens_first(reached, path):
     opened = accepted(solver, 0.0, DEPTH, inner)
     assert np.abs(opened - rested).max() < 1e-9 * np.abs(rested).max()
     assert solver.setup.history.stored_energy == pytest.approx(stored, rel=1e-9)
+
+
+@pytest.mark.parametrize("reached", [12.1, 11.7, 5.2], ids=["node", "next", "far"])
+@pytest.mark.parametrize("path", ["condensed", "quadrature"])
+def test_what_has_just_opened_closes_first(reached, path):
+    """The other way about; half a node was in contact when all relaxed, and that place is passed twice."""
+    solver = contact(TWO, path)
+    outer, inner = (solver.setup.geometry.radius(edge) for edge in (12.5, reached))
+    rested = accepted(solver, math.inf, DEPTH, outer)
+    held = solver.setup.history.interface_energy(rested, np.zeros_like(rested))
+    accepted(solver, 0.0, DEPTH, inner)
+    closed = accepted(solver, 0.0, DEPTH, outer)
+    assert np.abs(closed - rested).max() < 1e-9 * np.abs(rested).max()
+    assert solver.setup.history.interface_energy(closed, np.zeros_like(closed)) == pytest.approx(
+        held, rel=1e-9
+    )
+
+
+def test_energy_where_an_edge_swings_over_the_place_where_it_had_rested():
+    """By front tracking; without the strips of nodes passed before, 2 % of the swing go there at once."""
+    steps = (Oscillate(0.2 * DEPTH, 6.0, 1.5),)
+    material = Material(0.75, 0.3, (Branch(6.0, 1.0),))
+    scene = Scene(material, Sphere(1.0), Loading("relaxed", DEPTH, steps), Adhesion(WORK, ZONE))
+    mine, other = FiniteElements().solve(scene, 8), front(scene, 8)
+    expected = np.interp(mine.time, other.time, other.stored_energy)
+    assert np.ptp(mine.contact_radius) > 0.3 * ZONE
+    assert np.abs(mine.stored_energy - expected).max() < 6e-3 * np.ptp(expected)
 
 
 def test_strips_of_a_node_are_joined_where_they_are_many():

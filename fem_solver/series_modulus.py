@@ -1,0 +1,107 @@
+"""The modulus with which the surface answers to what differs within a node, as two moduli in series.
+
+In the components ``v = L^-1 u``, ``y = L^T f`` of the surface (see ``surface``) the depth of a part of a node
+is ``v/e``, ``e = L^-1 1``; the half-space answers to it with the one modulus that a frictionless surface
+knows, ``1/E* = 1/(4 G) + 3/(4 (3 K + G))``, so ``y/e`` follows it as two moduli in series do; as one, ``G``,
+where all relax alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.prony import Increment, Prony, RelaxingField
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SeriesModulus:
+    """Moduli that bear the same stress ``y``: the depth is ``sum_j compliance_j x_j`` with ``m_j * x_j = y``.
+
+    Parameters
+    ----------
+    moduli : tuple of Prony
+    compliances : tuple of float
+        Dimensionless weights of their strains.
+    """
+
+    moduli: tuple[Prony, ...]
+    compliances: tuple[float, ...] = (1.0,)
+
+    def at_rest(self) -> tuple[RelaxingField, ...]:
+        """One undeformed strip."""
+        return tuple(RelaxingField.at_rest(modulus, 1) for modulus in self.moduli)
+
+    def step(self, dt: float) -> SeriesStep:
+        """What a step does to states."""
+        steps = tuple(modulus.increment(dt) for modulus in self.moduli)
+        softness = sum(part / step.modulus for part, step in zip(self.compliances, steps, strict=True))
+        return SeriesStep(self, steps, 1.0 / softness)
+
+    def depths(self, parts: tuple[RelaxingField, ...]) -> Array:
+        """Depth of each strip; shape (strips,)."""
+        return np.asarray(sum(one * part.x for one, part in zip(self.compliances, parts, strict=True)))
+
+    def stored(self, parts: tuple[RelaxingField, ...]) -> Array:
+        """Energy of the springs of each strip, per square of ``e``; shape (strips,)."""
+        springs = [
+            weight
+            * (
+                part.modulus.relaxed * part.x**2
+                + np.sum(part.branches**2 / part.modulus.moduli[:, None], axis=0)
+            )
+            for weight, part in zip(self.compliances, parts, strict=True)
+        ]
+        return 0.5 * np.sum(springs, axis=0)
+
+
+@dataclass(frozen=True)
+class SeriesStep:
+    """A step of :class:`SeriesModulus`; ``modulus`` is the stress at its end per depth."""
+
+    series: SeriesModulus
+    increments: tuple[Increment, ...]
+    modulus: float
+
+    def memory_depth(self, parts: tuple[RelaxingField, ...]) -> Array:
+        """Depth that would cause, without a past, the stress left at the end at no depth; shape (strips,)."""
+        left = self._memories(parts)
+        depths = (
+            weight * stress / step.modulus
+            for weight, stress, step in zip(self.series.compliances, left, self.increments, strict=True)
+        )
+        return np.asarray(sum(depths))
+
+    def advanced(self, parts: tuple[RelaxingField, ...], depth: Array) -> tuple[RelaxingField, ...]:
+        """State of the strips at the end.
+
+        Parameters
+        ----------
+        parts : tuple of RelaxingField
+            State of each modulus at the begin.
+        depth : ndarray, shape (strips,)
+            At the end.
+
+        Returns
+        -------
+        tuple of RelaxingField
+        """
+        stress = self.modulus * (depth + self.memory_depth(parts))
+        reached = (
+            (stress - left) / step.modulus
+            for left, step in zip(self._memories(parts), self.increments, strict=True)
+        )
+        return tuple(
+            RelaxingField(part.modulus, x, step.advance(part.branches, x - part.x))
+            for part, x, step in zip(parts, reached, self.increments, strict=True)
+        )
+
+    def _memories(self, parts: tuple[RelaxingField, ...]) -> list[Array]:
+        return [
+            step.decay @ part.branches - float(step.gain.sum()) * part.x
+            for part, step in zip(parts, self.increments, strict=True)
+        ]
