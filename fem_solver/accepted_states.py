@@ -28,7 +28,7 @@ from fem_solver.recorder import SurfaceRecorder, SurfaceState
 from fem_solver.run_state import StepBefore
 from fem_solver.setup import Setup
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
-from fem_solver.tip_release import LARGEST_STEP, SLOW_EDGE, release_of_tip
+from fem_solver.tip_release import LARGEST_STEP, release_of_tip
 
 Array = NDArray[np.float64]
 
@@ -157,28 +157,19 @@ class AcceptedStates:
             raise RunEnded(below_zone_outcome(forces_so_far, self.time))
 
     def _at_tip(self, edge: float, radius: float, forces: Array) -> dict[str, Any]:
-        """Glassy energy release rate of the tip, on a mesh that does not follow it.
-
-        Not known where the edge jumps, and where it sets off fast within a node in which it was slow: strips
-        that it leaves there join others that have relaxed, for which they have no time.
-        """
+        """Glassy energy release rate of the tip, not known in a jump, on a mesh that does not follow it."""
         setup, last = self.setup, self.recorder.content.last
         if isinstance(setup, FollowingSetup) or not setup.has_history:
             return {}
         partly = setup.history.state.partly
         if partly is None:
             return {}
-        crept = math.floor(edge)
-        if last is not None:
-            node = min(max(crept, 0), setup.geometry.last - 1)
-            element = 2.0 * float(np.diff(setup.geometry.radii[node : node + 2])[0])
-            passed = abs(radius - last.radius)
-            if passed * setup.shortest_time > SLOW_EDGE * element * (self.time - last.time):
-                crept = last.crept
-                if last.crept == math.floor(last.edge) or passed > LARGEST_STEP * element:
-                    return {"crept": crept}
+        node = min(max(math.floor(edge), 0), setup.geometry.last - 1)
+        element = 2.0 * float(np.diff(setup.geometry.radii[node : node + 2])[0])
+        if last is not None and abs(radius - last.radius) > LARGEST_STEP * element:
+            return {}
         operator, modulus = setup.history.instantaneous, setup.history.glassy_modulus
-        return {"release": release_of_tip(partly, operator, setup.geometry, modulus, forces), "crept": crept}
+        return {"release": release_of_tip(partly, operator, setup.geometry, modulus, forces)}
 
     def _interface(self, candidate: ContactCandidate, radius: float) -> dict[str, Any]:
         """Closure, energy spent and rate of the edge, where they do not follow from the contact radius."""

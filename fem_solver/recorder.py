@@ -60,9 +60,8 @@ class SurfaceState:
         Work done on the surface so far, where the history knows it better than trapezoids between rows.
     smooth : bool
         Whether the rates of the step before go on into the one that ends here.
-    release, crept : tuple of float, int
-        Glassy energy release rate of the tip, opening and closing (see ``tip_release``), and the node before
-        the edge when that was slow last.
+    release : tuple of float
+        Glassy energy release rate of the tip, opening and closing (see ``tip_release``).
     singular_force : float
         Force of the flat punch, as large as the contact, that leaves the same edge singularity.
     """
@@ -85,7 +84,6 @@ class SurfaceState:
     received: float | None = None
     smooth: bool = False
     release: tuple[float, float] = UNKNOWN_RELEASE
-    crept: int = -1
     singular_force: float = 0.0
 
 

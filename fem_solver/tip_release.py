@@ -25,10 +25,6 @@ LARGEST_STEP = 1.0
 """Elements that the edge passes in a step, up to which the rates at both ends tell what it sets free: steps
 are a quarter of one, and where it leaves in a jump the rate rises in between."""
 
-SLOW_EDGE = 1.0
-"""Elements that the edge passes within the shortest relaxation time, up to which it counts as slow: what it
-leaves of a node then relaxes before the next strip joins it."""
-
 UNKNOWN_RELEASE = (math.nan, math.nan)
 """Of opening and of closing, where the tip is not known."""
 
