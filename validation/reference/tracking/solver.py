@@ -79,7 +79,8 @@ def solve(
         Extra columns ``stress_intensity_factor``, ``energy_release_rate``, ``branch_dissipation``. Curved
         steps have interpolated rows, by cubics in time, so that straight lines through the rows are accurate
         to the tolerance (to 12 tolerances under a sinusoidal load). If contact is lost the last row is the
-        free surface (force and radius 0) at the time of the row before. If it shrinks to the process zone the
+        free surface (force and radius 0) at the time of the row before, unless a given force takes the
+        indenter with it: what that works no row can tell. If contact shrinks to the process zone the
         last row is the contact as long as the zone.
 
     Raises

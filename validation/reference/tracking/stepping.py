@@ -221,16 +221,16 @@ class FrontStepper:
         if outcome.zone_from_turn:
             self.committer.zone_from_turn()
         if outcome.detachment:
-            self._lose_contact(outcome.detachment)
+            self._lose_contact(outcome.detachment, segment)
         elif outcome.below_zone or fills_its_zone(self.problem, self.state.surface):
             self.outcome = below_zone_outcome([row[FORCE_OF_ROW] for row in state.recorded.rows], state.time)
 
-    def _lose_contact(self, reason: str) -> None:
-        """Contact ends here; the last row is the free surface."""
+    def _lose_contact(self, reason: str, segment: Segment) -> None:
+        """Contact ends here; the last row is the free surface, unless a force takes the indenter further."""
         state, surface = self.state, self.state.surface
         state.events.append(Event("pull-off", state.time, surface.penetration, state.force, surface.radius))
         self._end(OutcomeKind.DETACHED, reason)
-        if surface.radius > 0.0:
+        if surface.radius > 0.0 and segment.control != "force":
             stage = surface.penetration + self.problem.scene.loading.compliance * state.force
             free = surface.after_detachment(self.problem.body)
             state.surface, state.force = replace(free, penetration=stage), 0.0
