@@ -52,38 +52,40 @@ class PowerTransform:
 
 @dataclass(frozen=True)
 class PiecewiseTransform:
-    """Transform of a slope ``c0 + c1 r + c2 r^2`` on each of the intervals ``[left, right]``, (m,)."""
+    """Transform of a slope ``c0 + c1 r + c2 r^2`` between any two of the knots, from 0 to infinity.
 
-    left: Array
-    right: Array
+    ``knots`` has shape (m + 1,), ``coefficients`` (3, m).
+    """
+
+    knots: Array
     coefficients: Array
 
     def __call__(self, x: Array) -> Array:
         at = np.asarray(x, float)
-        safe = np.where(at > 0.0, at, 1.0)[..., None]
-        upper = self._antiderivative(np.minimum(self.right, safe), safe)
-        lower = self._antiderivative(np.minimum(self.left, safe), safe)
-        return np.where(at > 0.0, at * (upper - lower).sum(axis=-1), 0.0)
+        safe = np.where(at > 0.0, at, 1.0)
+        angle, root, product = self._between(safe[..., None])
+        c0, c1, c2 = self.coefficients[:, : angle.shape[-1]]
+        total = angle @ c0 - root @ c1 + 0.5 * (safe**2 * (angle @ c2) - product @ c2)
+        return np.where(at > 0.0, at * total, 0.0)
 
     def integral(self, x: float) -> float:
         if x <= 0.0:
             return 0.0
-        upper = self._weighted(np.minimum(self.right, x), x)
-        return float((upper - self._weighted(np.minimum(self.left, x), x)).sum())
-
-    def _antiderivative(self, r: Array, x: Array) -> Array:
-        c0, c1, c2 = self.coefficients
+        r = np.minimum(self.knots, x)
         root, angle = np.sqrt((x - r) * (x + r)), np.arcsin(r / x)
-        return c0 * angle - c1 * root + c2 * 0.5 * (x * x * angle - r * root)
-
-    def _weighted(self, r: Array, x: float) -> Array:
         c0, c1, c2 = self.coefficients
-        root, angle = np.sqrt((x - r) * (x + r)), np.arcsin(r / x)
-        return (
-            c0 * 0.5 * (r * root + x * x * angle)
-            - c1 * root**3 / 3.0
-            + c2 * (r * (2.0 * r * r - x * x) * root + x**4 * angle) / 8.0
+        parts = (
+            0.5 * c0 * np.diff(r * root + x * x * angle),
+            -c1 * np.diff(root**3) / 3.0,
+            0.125 * c2 * np.diff(r * (2.0 * r * r - x * x) * root + x**4 * angle),
         )
+        return float(sum(part.sum() for part in parts))
+
+    def _between(self, x: Array) -> tuple[Array, Array, Array]:
+        """Changes of ``arcsin(r/x)``, of ``sqrt(x^2 - r^2)`` and of r times it over the intervals up to x."""
+        r = np.minimum(self.knots[: int(np.searchsorted(self.knots, x.max())) + 1], x)
+        root = np.sqrt((x - r) * (x + r))
+        return np.diff(np.arcsin(r / x)), np.diff(root), np.diff(r * root)
 
 
 def transform(indenter: Indenter) -> Transform:
@@ -117,6 +119,4 @@ def _tabulated(indenter: TabulatedProfile) -> PiecewiseTransform:
         [first - c1 * left + c2 * left * right, c1 - c2 * (left + right), c2]
     )  # Newton's form about left and right, in powers of r
     beyond = np.array([[float(indenter.slope(right[-1]))], [0.0], [0.0]])
-    return PiecewiseTransform(
-        np.append(left, right[-1]), np.append(right, np.inf), np.hstack((parabola, beyond))
-    )
+    return PiecewiseTransform(np.array([*indenter.radii, np.inf]), np.hstack((parabola, beyond)))

@@ -72,4 +72,10 @@ def zone_at(edge: EdgeFields, stress: float, relaxed: float, transform: Transfor
     longest = radius * (1.0 - 1e-9)
     if excess(longest) >= 0.0:
         return radius
-    return float(brentq(excess, least, longest, xtol=1e-15 * radius, rtol=1e-14))
+
+    def slope(root: float) -> float:
+        """Nearly straight in the root of the length: next to the edge the tension goes like ``K/sqrt(x)``."""
+        return excess(root * root) / root
+
+    ends = math.sqrt(least), math.sqrt(longest)
+    return float(brentq(slope, *ends, xtol=1e-15 * ends[1], rtol=1e-14)) ** 2
