@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 from support.spring_solver import fake
 
-from contact_scene import Loading, Oscillate, OutcomeKind, Sweep
+from contact_scene import Loading, Oscillate, OutcomeKind, Ramp, Sweep
 from validation import solvers
 from validation.cases import Expected, load
 from validation.compare.against_reference import against_reference, check_case
@@ -75,6 +75,10 @@ def test_cycle_times():
     assert steady[3] == pytest.approx(3 * 2 * np.pi / 1.4)
     assert cycle_times(load("cycle-v0.1").scene.loading) == ()
     assert cycle_times(load("force-2").scene.loading) == ()
+    swing = Oscillate(1e-3, 2.0 * np.pi, 3.0)
+    reached = Ramp(0.02, 0.1, until_force=1e-3)
+    assert cycle_times(Loading("relaxed", 0.0, (reached, swing))) == ()  # when it is reached the run will tell
+    assert cycle_times(Loading("relaxed", 0.0, (swing, reached))) == (0.0, 1.0, 2.0, 3.0)
 
 
 @pytest.mark.parametrize("step", [Oscillate(1e-3, 2.0 * np.pi, 1.1e6), Sweep(1e-3, 2.2e6 * 2.0 * np.pi, 1.0)])

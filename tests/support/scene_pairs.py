@@ -1,7 +1,7 @@
 """Scenes and commands in which every two of their features meet at least once: a table of pairs.
 
-Every indenter, step kind, material form and adhesion with each other, with every command and with every
-option that keeps or resumes. The full product has thousands of rows; the table has some sixty.
+Every indenter, step kind, material form, adhesion and step before with each other, with every command and
+with every option that keeps or resumes. The full product has thousands of rows; the table has some sixty.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ MATERIALS = {
     "bulk = { modulus = 1e6, branches = [{ modulus = 1e6, time = 1.0 }] }",
 }
 ADHESIONS = {"none": "", "adhesive": "[adhesion]\nwork = 1e-3\nzone = 3e-6\n"}
+BEFORE = {"nothing": "", "level": '[[loading.steps]]\nkind = "hold"\nduration = 0.1\nuntil_force = 1.0\n'}
+"""What comes before the load step; when a step that waits for a level ends is known only after the run."""
 COMMANDS = {
     "solve bem": ("plain", "out", "fresh", "resume", "plot", "estimate"),
     "solve fem": ("plain", "out", "fresh", "resume", "plot", "estimate"),
@@ -58,6 +60,7 @@ class Row:
     step: str
     material: str
     adhesion: str
+    before: str
     command: str
     option: str
 
@@ -74,15 +77,15 @@ class Row:
         file.write_text(
             f"[material]\n{modulus}poisson = 0.4\n{MATERIALS[self.material]}\n"
             f'[indenter]\nshape = "{self.indenter}"\n{INDENTERS[self.indenter]}\n{ADHESIONS[self.adhesion]}'
-            '[loading]\nstart = "relaxed"\npenetration = 1e-6\n'
+            f'[loading]\nstart = "relaxed"\npenetration = 1e-6\n{BEFORE[self.before]}'
             f'[[loading.steps]]\nkind = "{self.step}"\n{STEPS[self.step]}\n'
         )
         return file
 
 
 PRONY = "i,tau_i,alpha_i,E_0,E_i\n-,s,-,Pa,Pa\n1,0.3,0.75,4e6,3e6\n"
-VALUES = (tuple(INDENTERS), tuple(STEPS), tuple(MATERIALS), tuple(ADHESIONS), tuple(COMMANDS), OPTIONS)
-COMMAND, OPTION = 4, 5
+VALUES = (*map(tuple, (INDENTERS, STEPS, MATERIALS, ADHESIONS, BEFORE, COMMANDS)), OPTIONS)
+COMMAND, OPTION = 5, 6
 Pair = tuple[int, str, int, str]
 """Two features: column and name of each."""
 

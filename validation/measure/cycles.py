@@ -13,11 +13,12 @@ def cycle_times(loading: Loading) -> tuple[float, ...]:
 
     Empty too where there are more than any solver takes, ``MOST_CYCLES``: their times could not be held.
 
-    Steps before it must be controlled by penetration: otherwise its start is known only after the run.
+    Steps before it must be controlled by penetration and end at a time, not at a level: otherwise its start is
+    known only after the run.
     """
     for step, segment in loading.segments():
         time = segment.start
-        if segment.control != "penetration":
+        if segment.control != "penetration" or not math.isfinite(time):
             return ()
         if isinstance(step, Oscillate):
             period = 2.0 * math.pi / step.angular_frequency
