@@ -49,16 +49,16 @@ def untouched_state(problem: Problem, time: float, penetration: float) -> HalfSp
 
 
 def largest_stable(
-    trial: Callable[[float], TrialContact], scale: float, indenter: Indenter
+    trial: Callable[[float], TrialContact], scale: float, indenter: Indenter, work: float
 ) -> TrialContact | None:
-    """Largest stable contact, or ``None``.
+    """Largest stable contact, or ``None``; ``work`` is that at which an edge opens.
 
     Edges from far above ``scale`` downwards are looked over for where the residual falls below zero, which
-    brackets the stable root. A flat punch is in full contact unless its edge recedes.
+    brackets the stable root. A flat face, which touches as a whole, is in full contact unless its edge opens.
     """
     edge, end = min(indenter.edge, _SCAN_START * scale), _SCAN_END * scale
     largest = trial(edge)
-    if edge == indenter.edge and largest.residual <= 0.0:
+    if edge == indenter.edge and min(largest.residual, largest.closure - work) <= 0.0:
         return largest
     while edge > end and trial(edge).residual <= 0.0:
         edge /= _SCAN_RATIO
@@ -95,7 +95,7 @@ def equilibrium(
     def trial(edge: float) -> TrialContact:
         return evaluate(problem, state, 0.0, edge, control, value)
 
-    return largest_stable(cache(trial), scale, problem.scene.indenter)
+    return largest_stable(cache(trial), scale, problem.scene.indenter, problem.work)
 
 
 def radius_where(indenter: Indenter, reached: Callable[[float], bool]) -> float:

@@ -6,7 +6,7 @@ The closure integral ``I`` of the edge is an energy per area. An edge
 - closes (advances) where ``I`` falls to ``work_closing``;
 - is pinned while ``I`` lies between the two.
 
-The contact a run starts from has been made by closing.
+The contact a run starts from has been made by closing; a flat face has touched as a whole.
 
 The process zone has a fixed length, ``zone``, or a fixed cohesive ``stress`` s, as in a Dugdale interface.
 Its length ``da`` is then the one over which the tension of the sharp edge has the mean ``(4/pi) s``,

@@ -35,7 +35,7 @@ class FollowingContactSolver:
         self.setup, self.counters = setup, counters
 
     def start(self, control: Control, value: float, relaxed: bool) -> ContactCandidate:
-        """Glassy or relaxed equilibrium, from the undeformed half-space.
+        """Glassy or relaxed equilibrium, from the undeformed half-space; a flat face touches up to its rim.
 
         Parameters
         ----------
@@ -49,6 +49,10 @@ class FollowingContactSolver:
         ContactCandidate
         """
         dt = math.inf if relaxed else 0.0
+        if math.isfinite(self.setup.surfaces.rim):
+            whole = self.held(dt, control, value, self.setup.surfaces.rim)
+            if whole.problem.closure(whole.edge.s) <= self.setup.adhesion.work:
+                return whole
         search = self._search(dt, control, value)
         radius = search.sharp_radius(self.setup.surfaces.largest)
         if radius == 0.0:

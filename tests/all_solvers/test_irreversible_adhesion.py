@@ -65,6 +65,22 @@ def loss_of_balance(trace):
 
 
 @each_solver
+@pytest.mark.parametrize("state", ["relaxed", "jump-in"])
+@pytest.mark.parametrize(
+    "material", [ELASTIC, Material(0.75, 0.5, (Branch(3.0, 1.0),))], ids=["elastic", "branch"]
+)
+def test_a_flat_face_starts_whole_where_it_could_not_close(solver, state, material):
+    """Under a tension between those at which its edge closes and opens; G = D^2 E*/(2 pi a) is halfway."""
+    modulus = material.relaxed_plane_modulus if state == "relaxed" else material.glassy_plane_modulus
+    depth = -math.sqrt(math.pi * (WORK + CLOSING) * 0.1 / modulus)
+    steps, law = [Ramp(0.0, 1e-2)], Adhesion(WORK, 0.002, CLOSING)
+    trace = solved(solver, scene(steps, law, depth, material, FlatPunch(0.1), state))
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert trace.contact_radius[0] == pytest.approx(0.1)
+    assert trace.force[0] == pytest.approx(2.0 * modulus * 0.1 * depth, rel=5e-3)
+
+
+@each_solver
 def test_the_edge_is_pinned_between_two_branches(solver):
     depths = [0.01, 0.02, 0.01, 0.012, 0.006]
     trace = solved(solver, scene([Ramp(to, 1e-3) for to in depths[1:]], Adhesion(WORK, ZONE, CLOSING), 0.01))

@@ -25,6 +25,7 @@ from contact_scene import (
     SceneError,
     Sphere,
     Table,
+    TabulatedProfile,
 )
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
@@ -89,6 +90,38 @@ def test_amplitude_counts_whatever_its_sign():
     for amplitude in (0.01, -0.01):
         asked = scene(Oscillate(amplitude, 3.0, 100.0), depth=0.03)
         assert largest_contact_radius(asked) == pytest.approx(SPARE * 0.2)
+
+
+REACHED = Ramp(0.04, 1e-2, until_force=1e-3)
+"""Its end is known only after the run."""
+
+
+@pytest.mark.parametrize(
+    ("later", "deepest"),
+    [
+        ((Ramp(0.09, 1.0),), 0.09),
+        ((Oscillate(1e-4, 3.0, 10.0), Ramp(0.09, 1.0)), 0.09),
+        ((Ramp(0.09, 1.0, until_force=0.02),), 0.0),
+        ((ForceRamp(0.02, 1e-2),), 0.0),
+        ((Oscillate(1e-4, 3.0, 10.0), ForceRamp(0.02, 1e-2)), 0.0),
+    ],
+    ids=["deeper", "oscillation, deeper", "next level", "force", "oscillation, force"],
+)
+@pytest.mark.parametrize("indenter", [Sphere(1.0), TabulatedProfile((0.0, 0.2, 0.6), (0.0, 0.02, 0.18))])
+def test_what_comes_after_a_level_counts(indenter, later, deepest):
+    """The mesh was made for the first level, and a profile ended in a traceback."""
+    alone = (
+        scene(ForceRamp(0.02, 1.0), indenter=indenter)
+        if deepest == 0.0
+        else scene(*later[-1:], indenter=indenter)
+    )
+    assert largest_contact_radius(scene(REACHED, *later, indenter=indenter)) >= largest_contact_radius(alone)
+
+
+def test_an_oscillation_about_where_a_force_has_led():
+    a = largest_contact_radius(scene(ForceRamp(0.01, 1.0))) / SPARE
+    asked = scene(ForceRamp(0.01, 1.0), Oscillate(0.01, 3.0, 100.0))
+    assert 1.0 <= largest_contact_radius(asked) / (SPARE * np.sqrt(a**2 + 0.01)) < 1.07
 
 
 def test_drift_counts_where_it_presses():

@@ -13,8 +13,8 @@ def cycle_times(loading: Loading) -> tuple[float, ...]:
 
     Empty too where there are more than any solver takes, ``MOST_CYCLES``: their times could not be held.
 
-    Steps before it must be controlled by penetration and end at a time, not at a level: otherwise its start is
-    known only after the run.
+    Steps before it must be controlled by penetration and end at a time, not at a level: otherwise its start
+    is known only after the run.
     """
     for step, segment in loading.segments():
         time = segment.start

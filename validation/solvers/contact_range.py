@@ -110,8 +110,8 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
     """Largest penetration, force and position of the stage of the loading; minus infinity without.
 
     A force ramp takes over the force it finds: at most the glassy one at the penetration reached, the relaxed
-    one at a relaxed start. A stage starts no farther than where that contact puts it. A smooth table
-    has its extrema in its rows.
+    one at a relaxed start. After a force the indenter is no deeper than where the relaxed contact bears it. A
+    stage starts no farther than where that contact puts it. A smooth table has its extrema in its rows.
     """
     depth, force, before = scene.loading.penetration, 0.0, "start"
     deepest, strongest, farthest = depth, -math.inf, -math.inf
@@ -126,13 +126,13 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
             return depth, _pressing(scene, depth, before == "start" and scene.loading.start == "relaxed")
         return depth, force
 
-    for step, segment in scene.loading.segments(state):
+    for step, segment in scene.loading.segments(state, own_time=True):  # when a level is reached is not known
         values = [segment.value(at) for at in (segment.start, *segment.kinks, segment.end)]
         if isinstance(step, Table):
             values[1:1] = step.values
         before, trigger = segment.control, segment.trigger
         if segment.control == "force":
-            force = values[-1]
+            force, depth = values[-1], _deepest_under(scene, max(values))
             strongest = max(strongest, *values)
             continue
         sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
@@ -155,7 +155,8 @@ def _deepest_under(scene: Scene, force: float) -> float:
     work = scene.adhesion.work if scene.adhesion is not None else 0.0
     pull = np.sqrt(8.0 * np.pi * radii**3 * stiffness * work)
     held = np.flatnonzero(sneddon.force(scene.indenter, radii, stiffness) - pull <= force)
-    return float(sneddon.depth(scene.indenter, radii[held[-1] : held[-1] + 1])[0]) if held.size else 0.0
+    beyond = radii[min(held[-1] + 1, radii.size - 1)] if held.size else 0.0
+    return float(sneddon.depth(scene.indenter, np.array([beyond]))[0]) if held.size else 0.0
 
 
 def _pressing(scene: Scene, depth: float, relaxed: bool) -> float:

@@ -17,7 +17,7 @@ from validation.reference.tracking.law import Griffith, NoTension
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, FrontCandidate, StepOutcome
-from validation.reference.tracking.surface import Surface
+from validation.reference.tracking.surface import Body, Surface
 from validation.reference.tracking.trial import Trial
 
 Equilibrium = Callable[..., "Surface | None"]
@@ -37,6 +37,11 @@ LOST_FORCE = 1e-11
 """Contact that is being lost counts as lost below this fraction of the peak force."""
 AT_SMALLEST_RADIUS = 1e-6
 """Distance from the smallest radius, relative to it, below which a jump has shrunk the contact that far."""
+EVEN_RELEASE = 0.03
+"""Change of the energy release rate of the glassy tip from row to row of a jump, relative to the largest, up
+to which its path is smooth: where an edge that has rested sets off, it changes within a process zone."""
+HALVINGS = 8
+"""Halvings of parts of a jump in which it changes by more."""
 BISECTIONS = 24
 """Bisections of the part of a jump in which contact begins or is lost."""
 FINER_SEARCHES = (1.0, 1.0 / 16.0, 1.0 / 256.0)
@@ -72,7 +77,7 @@ def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> Ste
     whole = problem.trial(state, segment)
     if not (begins and force_controlled) and _rests_at_once(whole, start.radius):
         end = problem.candidate(state.time, whole.surface_at(0.0, start.radius))
-        return StepOutcome(candidates=(end,))
+        return StepOutcome(candidates=(end,), reversible=True)
 
     def equilibrium(share: float, begin: float, finer: float = 1.0) -> Surface | None:
         load = at_rest(segment, before + share * change) if share < 1.0 else segment
@@ -80,24 +85,31 @@ def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> Ste
         radius = equilibrium_radius(problem, state, trial, begin, finer)
         return None if radius is None else trial.surface_at(0.0, radius)
 
-    rows, last, lost = _equilibria(equilibrium, start, _shares(0.0, 1.0, begins, False), not begins)
+    def along(shares: list[float], contact: bool = False) -> tuple[list[Surface], float, float, int | None]:
+        return _equilibria(problem, equilibrium, start, shares, contact)
+
+    rows, last, lost, runs = along(_shares(0.0, 1.0, begins, False), not begins)
     if rows and begins and last == 1.0:  # contact begins on the way: the parts are refined from there on
         first = 0.0 if force_controlled else _first_contact(equilibrium, start)
-        rows, last, lost = _equilibria(equilibrium, start, _shares(first, 1.0, True, False))
+        rows, last, lost, runs = along(_shares(first, 1.0, True, False))
     elif last < 1.0:
         last, farthest = _last_contact(equilibrium, rows[-1] if rows else start, last, lost)
-        rows, _, _ = _equilibria(equilibrium, start, _shares(0.0, last, begins, True)[:-1], True)
+        rows, _, _, runs = along(_shares(0.0, last, begins, True)[:-1], True)
         rows.append(farthest)
         shortest = problem.condition.smallest_radius
         if rows and rows[-1].radius - shortest < AT_SMALLEST_RADIUS * shortest:
             return StepOutcome(
                 candidates=(problem.candidate(state.time, rows[-1]),),
                 equilibria=tuple(rows[:-1]),
+                reversible=True,
+                unstable_row=runs,
                 below_zone=True,
             )
     return StepOutcome(
         candidates=(problem.candidate(state.time, rows[-1] if rows else start),),
         equilibria=tuple(rows[:-1]),
+        reversible=True,
+        unstable_row=0 if begins and isinstance(problem.condition, Griffith) else runs,
         kink=last == 1.0,
         detachment="" if last == 1.0 else NO_STABLE_CONTACT,
     )
@@ -130,11 +142,16 @@ def _shares(first: float, last: float, begins: bool, ends: bool) -> list[float]:
 
 
 def _equilibria(
-    equilibrium: Equilibrium, start: Surface, shares: list[float], contact: bool = False
-) -> tuple[list[Surface], float, float]:
+    problem: FrontProblem,
+    equilibrium: Equilibrium,
+    start: Surface,
+    shares: list[float],
+    contact: bool = False,
+) -> tuple[list[Surface], float, float, int | None]:
     """Equilibria at the shares as far as there is contact, the last such share and the one after.
 
-    With ``contact`` from the start on, rows before and after the largest unstable motion are among them.
+    With ``contact`` from the start on, rows before and after the largest unstable motion are among them, and
+    the number of the row after it is told.
     """
     rows: list[Surface] = []
     last = 0.0
@@ -146,15 +163,40 @@ def _equilibria(
             break
         rows.append(surface)
         last = share
+    unstable = None
     if contact and rows:
-        rows = _around_unstable_motion(equilibrium, [start, *rows], [0.0, *shares])[1:]
-    return rows, last, last if lost is None else lost
+        rows, shares = [start, *rows], [0.0, *shares[: len(rows)]]
+        if isinstance(problem.condition, Griffith):
+            rows, shares = _where_release_changes(problem.body, equilibrium, rows, shares)
+        rows, unstable = _around_unstable_motion(equilibrium, rows, shares)
+    return rows, last, last if lost is None else lost, unstable
+
+
+def _where_release_changes(
+    body: Body, equilibrium: Equilibrium, rows: list[Surface], shares: list[float]
+) -> tuple[list[Surface], list[float]]:
+    """Rows and shares of a jump with those between which the release rate of the tip would change by much."""
+    for _ in range(HALVINGS):
+        rate = [row.edge_stress(body) ** 2 / row.radius for row in rows]
+        allowed, added = EVEN_RELEASE * max(rate), 0
+        for late in range(len(rows) - 1, 0, -1):
+            moves = rows[late].radius != rows[late - 1].radius
+            if not moves or abs(rate[late] - rate[late - 1]) <= allowed:
+                continue
+            middle = 0.5 * (shares[late - 1] + shares[late])
+            surface = equilibrium(middle, rows[late - 1].radius)
+            if surface is not None:
+                rows, shares = [*rows[:late], surface, *rows[late:]], [*shares[:late], middle, *shares[late:]]
+                added += 1
+        if not added:
+            break
+    return rows, shares
 
 
 def _around_unstable_motion(
     equilibrium: Equilibrium, rows: list[Surface], shares: list[float]
-) -> list[Surface]:
-    """The rows at shares of a jump, with those on both sides of an unstable motion among them.
+) -> tuple[list[Surface], int | None]:
+    """Rows at shares of a jump after the first, those beside an unstable motion too, and which ends it.
 
     It may be in the part in which the edge goes farther than in both beside it. The load is constant in an
     unstable motion: a chord over that part would count the work of one that moves evenly with the load.
@@ -162,20 +204,21 @@ def _around_unstable_motion(
     travel = [abs(late.radius - early.radius) for early, late in pairwise(rows)]
     farthest = max(range(len(travel)), key=travel.__getitem__)
     if travel[farthest] <= sum(travel[max(farthest - 1, 0) : farthest + 2]) - travel[farthest]:
-        return rows
+        return rows[1:], None
     before, after = rows[farthest], rows[farthest + 1]
     low, high = shares[farthest], shares[farthest + 1]
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         surface = equilibrium(middle, before.radius)
         if surface is None:
-            return rows
+            return rows[1:], None
         if abs(surface.radius - before.radius) < abs(after.radius - surface.radius):
             low, before = middle, surface
         else:
             high, after = middle, surface
-    unstable = abs(after.radius - before.radius) > 0.5 * travel[farthest]
-    return [*rows[: farthest + 1], before, after, *rows[farthest + 1 :]] if unstable else rows
+    if abs(after.radius - before.radius) <= 0.5 * travel[farthest]:
+        return rows[1:], None
+    return [*rows[1 : farthest + 1], before, after, *rows[farthest + 1 :]], farthest + 1
 
 
 def _last_contact(

@@ -55,14 +55,30 @@ class RecordedRows:
 
     ``kinks``: rows at which rates jump. ``over_radius``: rows at the end of steps that are smooth over the
     radius. ``interpolated``: rows to be added by interpolation, as the step they lie in, their time, the
-    penetration if it is prescribed, and the radius in a step that is smooth over it.
+    penetration if it is prescribed, and the radius in a step that is smooth over it. ``reversible``: rows to
+    which equilibria at a fixed time lead from the row before.
     """
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
     kinks: list[int] = field(default_factory=list)
     over_radius: list[int] = field(default_factory=list)
     interpolated: list[tuple[int, float, float | None, float | None]] = field(default_factory=list)
+    reversible: list[int] = field(default_factory=list)
     tip_energy: float = 0.0
+
+
+@dataclass(frozen=True)
+class DenseRows:
+    """Recorded and interpolated rows in order.
+
+    ``ends``: rows at which smooth stretches end. ``over_radius``: first and last rows of steps that are
+    smooth over the radius. ``reversible``: first and last rows of ways of equilibria at a fixed time.
+    """
+
+    rows: Array
+    ends: list[int]
+    over_radius: list[tuple[int, int]]
+    reversible: list[tuple[int, int]]
 
 
 @dataclass
@@ -119,6 +135,11 @@ class Recorder:
         """
         self.recorded.interpolated.append((len(self.recorded.rows) - 1 - back, time, depth, radius))
 
+    def reversible(self, first: int, unstable: int | None) -> None:
+        """Equilibria at one time lead to each row from ``first`` on, but to one, counted from there."""
+        rows = range(first, len(self.recorded.rows))
+        self.recorded.reversible += [row for row in rows if row - first != unstable]
+
     def over_radius(self) -> None:
         """The step to the last row is smooth over the radius, not in time."""
         self.recorded.over_radius.append(len(self.recorded.rows) - 1)
@@ -132,7 +153,8 @@ class Recorder:
         0 without contact), ``energy_release_rate`` (between a row and the one before; repeated where the
         area hardly changed), ``branch_dissipation`` and ``separation_energy``. If not ``whole``, without the
         last two steps: their interpolated rows depend on later steps."""
-        rows, ends, over_radius = self._dense()
+        dense = self._dense()
+        rows, ends, over_radius = dense.rows, dense.ends, dense.over_radius
         if not whole:
             last = float(self.recorded.rows[max(len(self.recorded.rows) - 3, 0)][0])
             rows = rows[: int(np.searchsorted(rows[:, 0], last, side="right"))]
@@ -148,6 +170,11 @@ class Recorder:
                     np.abs(radius[each] - radius[begin]), force[each], depth[each], [0, last - begin]
                 )
                 work[first:last] = over[first - begin :]
+        for first, last in dense.reversible:
+            if last < len(time):  # no dashpot moves: what is done is stored, or released at the tip
+                each = slice(first, last + 1)
+                released = released_at_once(radius[each], stress[each] ** 2) / self.body.rheology.glassy
+                work[first:last] = np.diff(energy[each]) - released
         external = _accumulated(work)[: len(time)]
         stored = energy - energy[:1]
         if self.irreversible is None:
@@ -174,9 +201,8 @@ class Recorder:
             "separation_energy": spent,
         }
 
-    def _dense(self) -> tuple[Array, list[int], list[tuple[int, int]]]:
-        """All rows with the interpolated ones, the rows at which smooth stretches end, and the first and last
-        rows of steps that are smooth over the radius."""
+    def _dense(self) -> DenseRows:
+        """All rows with the interpolated ones."""
         rows = np.array(self.recorded.rows).reshape(-1, len(ROW))
         stands = np.diff(rows[:, 0]) <= 0.0
         turns = np.flatnonzero(stands[1:] != stands[:-1]) + 1
@@ -187,8 +213,11 @@ class Recorder:
             parts = interface_work(self.irreversible.adhesion, rows[:, 0], area, closure, ends.tolist())
             rows[:, SEPARATION] = _accumulated(parts)[: len(rows)]
         last_rows = np.array(self.recorded.over_radius, dtype=int)
+        reached = np.array(self.recorded.reversible, dtype=int)
+        begins = reached[~np.isin(reached - 1, reached)] - 1
+        lasts = reached[~np.isin(reached + 1, reached)]
         if not self.recorded.interpolated:
-            return rows, ends.tolist(), list(zip(last_rows - 1, last_rows, strict=True))
+            return DenseRows(rows, ends.tolist(), _pairs(last_rows - 1, last_rows), _pairs(begins, lasts))
         inner = sorted(self.recorded.interpolated, key=lambda entry: entry[:2])
         index = np.array([entry[0] for entry in inner])
         times = np.array([entry[1] for entry in inner])
@@ -208,9 +237,11 @@ class Recorder:
                 extra[each, 1:] = cubics(x, near[:, 1:], whole, np.array([len(near) - 2]), at)[0]
         known = np.array([entry[2] is not None for entry in inner], dtype=bool)
         extra[known, DEPTH] = [entry[2] for entry in inner if entry[2] is not None]
-        first_rows, last_rows, ends = (at + index.searchsorted(at) for at in (last_rows - 1, last_rows, ends))
-        pairs = list(zip(first_rows.tolist(), last_rows.tolist(), strict=True))
-        return np.insert(rows, index + 1, extra, axis=0), ends.tolist(), pairs
+        first_rows, last_rows, ends, begins, lasts = (
+            at + index.searchsorted(at) for at in (last_rows - 1, last_rows, ends, begins, lasts)
+        )
+        all_rows = np.insert(rows, index + 1, extra, axis=0)
+        return DenseRows(all_rows, ends.tolist(), _pairs(first_rows, last_rows), _pairs(begins, lasts))
 
     def _release_rate(self, area: Array, potential: Array) -> Array:
         """``(dU - F dD)/dA``; the work of adhesion, its value in equilibrium, before anything has moved."""
@@ -223,6 +254,31 @@ class Recorder:
         each = np.divide(np.diff(potential), step, out=np.zeros_like(step), where=moves)
         rate[1:] = np.where(last >= 0, each[last], self.work)
         return rate
+
+
+def _pairs(first: NDArray[np.int64], last: NDArray[np.int64]) -> list[tuple[int, int]]:
+    return list(zip(first.tolist(), last.tolist(), strict=True))
+
+
+def released_at_once(radius: Array, squared: Array) -> Array:
+    """``int q^2 da`` between equilibria at a fixed time, from ``a`` and ``q(a)^2``, both of shape (l,).
+
+    The edge may rest first: where it sets off, ``q^2/a``, which hardly changes along equilibria, goes on
+    from the rows behind.
+    """
+    parts = np.zeros(len(radius) - 1)
+    moved = np.flatnonzero(radius != radius[0])
+    if not len(moved):
+        return parts
+    first, rate = int(moved[0]), squared / np.where(radius > 0.0, radius, 1.0)
+    start = rate[first]
+    if first + 1 < len(radius) and radius[first + 1] != radius[first]:
+        slope = (rate[first + 1] - rate[first]) / (radius[first + 1] - radius[first])
+        start = start + slope * (radius[0] - radius[first])
+    begin = slice(first - 1, None)
+    path = np.concatenate(([start * radius[0]], squared[first:]))
+    parts[begin] = integrals(np.zeros(len(path)), path, radius[begin], [0, len(path) - 1])
+    return parts
 
 
 def stretch_over_radius(radius: Array, row: int, first: int) -> int:

@@ -51,6 +51,10 @@ class StepOutcome:
         Rate of that slope; ``None``: as before.
     equilibria : tuple of Surface
         Rows at the present time before the candidate, recorded without being steps.
+    reversible : bool
+        Whether the way from row to row, up to the candidate, is one of equilibria at a fixed time.
+    unstable_row : int or None
+        But for this row, counted from the first of ``equilibria``: an unstable motion has led there.
     event : Event or None
     kink : bool
         Whether rates jump at the last candidate.
@@ -73,6 +77,8 @@ class StepOutcome:
     steepness: float | None = None
     steepening: float | None = None
     equilibria: tuple[Surface, ...] = ()
+    reversible: bool = False
+    unstable_row: int | None = None
     event: Event | None = None
     kink: bool = False
     zone_from_turn: bool = False

@@ -203,10 +203,13 @@ class FrontStepper:
         state = self.state
         if outcome.rejected:
             state.counters.rejected_steps += 1
+        first = len(state.recorded.rows)
         for surface in outcome.equilibria:
             self.recorder.add(state.time, surface, surface.force(self.problem.body))
         for candidate in outcome.candidates:
             self.committer.commit(candidate, segment)
+        if outcome.reversible:
+            self.recorder.reversible(first, outcome.unstable_row)
         state.proposal, state.unstable = outcome.proposal, outcome.unstable
         state.steepening = state.steepening if outcome.steepening is None else outcome.steepening
         state.travel = state.travel if outcome.travel is None else outcome.travel
