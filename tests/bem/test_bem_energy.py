@@ -133,6 +133,7 @@ def test_branches_dissipate_the_loss_of_a_swing_without_adhesion():
     assert_allclose(trace.extra["branch_dissipation"][-1], trace.dissipated_energy[-1], rtol=6e-3)
 
 
+@pytest.mark.slow
 def test_branches_dissipate_the_loss_of_a_hold():
     """Of steps short for the slow branch, not for the fast one: 1.7e-3 too much with straight supplies."""
     trace = bem(scene(Ramp(0.01, 0.02), Hold(3.0), start="jump-in", at=0.0, adhesion=None, material=APART))

@@ -76,6 +76,7 @@ def test_an_edge_that_closes_slowly_moves_evenly_in_long_steps():
     assert 4 < len(speed) < 30
 
 
+@pytest.mark.slow
 def test_a_stiff_glass_closes_in_long_steps():
     """Of 121 times the relaxed modulus: errors of the strains ahead came back magnified."""
     material = replace(SLOW.material, branches=(Branch(120.0, 0.01),))
@@ -164,6 +165,7 @@ def slow_cycle():
     return (heat - HEAT) / HEAT[-1], trace.external_work[-1] / WORK - 1.0
 
 
+@pytest.mark.slow
 def test_heat_and_work_of_a_slow_cycle_in_long_steps():
     """All the way: at the end alone errors of either sign cancel."""
     heat, work = slow_cycle()

@@ -333,6 +333,7 @@ def test_creep_over_the_first_zones_beyond_a_place_of_rest():
     assert abs(ahead) < 0.01 * zone
 
 
+@pytest.mark.slow
 def test_edge_returns_over_what_it_has_left_and_beyond():
     """Wide annuli read now and then what it had left there: the edge went on in jumps, 1760 steps."""
     rubber = Material(2e6, 0.49, (Branch(5e6, 0.05), Branch(3e6, 1.5)))

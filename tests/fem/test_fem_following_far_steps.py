@@ -93,6 +93,7 @@ def test_the_record_is_read_the_same_after_it_has_been_thinned(free):
     assert known.positions.size < strip.size + 60
 
 
+@pytest.mark.slow
 def test_an_edge_returns_over_what_it_has_just_left():
     """The dent keeps its form: at the same penetration the edge is where it was before."""
     trace = FiniteElements().solve(DENTED, 2)

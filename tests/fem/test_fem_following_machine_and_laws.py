@@ -219,6 +219,7 @@ def test_a_relaxing_punch_that_is_pressed_hard_and_pulled_slowly():
     assert_allclose(mine.outcome.time, other.outcome.time, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_an_edge_leaves_the_rim_in_a_step_that_ends_within_a_part_of_its_zone():
     """A step of mostly rest gave it a mean speed: it was four zones inside, and stayed too far inside."""
     *before, retraction = PUNCH.loading.steps

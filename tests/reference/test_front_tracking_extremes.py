@@ -86,6 +86,7 @@ def test_collapse_of_a_rated_edge_within_the_rounding_of_time() -> None:
     assert trace.counters.rejected_steps < 50  # it rejected a thousand and went on
 
 
+@pytest.mark.slow
 def test_a_limited_law_has_limit_points() -> None:
     """Beyond its bound no speed balances the edge: contact is lost at fixed time, as by the others."""
     question = random_scene(6056).scene

@@ -101,6 +101,7 @@ def test_adhesionless_creep_under_constant_force() -> None:
     assert np.ptp(trace.force[trace.time > 0.0]) < 1e-7 * force  # nodes are dropped
 
 
+@pytest.mark.slow
 def test_adhesionless_force_back_to_zero() -> None:
     question = _scene((ForceRamp(0.01, 0.01), ForceRamp(-0.01, 0.01)), depth=-0.02, adhesion=None)
     trace = solve(question, Options(resolution=4))

@@ -75,6 +75,7 @@ def test_the_root_is_left_behind() -> None:
     assert isinstance(history.expectation(RADIUS), RowExtrapolation)
 
 
+@pytest.mark.slow
 def test_speed_changes_as_the_root_of_the_time() -> None:
     """Smooth up to one zone from the turn; from there on the radius leaves it with the power 3/2."""
     times = np.arange(24.6, 25.3, 0.02)
@@ -135,6 +136,7 @@ def test_other_turns_are_as_accurate(name: str) -> None:
         assert np.abs(one - two).max() < 1e-5 * np.abs(two).max(), column
 
 
+@pytest.mark.slow
 def test_laws_without_a_fixed_zone_go_without() -> None:
     """An edge that rests at its turn, or whose zone changes, has no place to end a step at."""
     for adhesion in (Adhesion(5e-4, ZONE, work_closing=2e-4), Adhesion(5e-4, stress=0.1)):
