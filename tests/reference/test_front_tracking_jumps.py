@@ -290,18 +290,16 @@ def test_an_unstable_motion_within_a_load_jump_is_at_constant_load() -> None:
 @pytest.mark.parametrize(
     ("start", "depth", "shape", "force"),
     [
-        ("jump-in", 2e-5, Cone(85.0), -1e-5),
-        ("relaxed", 2e-5, Cone(85.0), 0.0),
-        ("relaxed", 1e-5, Sphere(1e-3), 0.0),
+        pytest.param("jump-in", 2e-5, Cone(85.0), -1e-5, id="cone"),
+        pytest.param("relaxed", 1e-5, Sphere(1e-3), 0.0, id="relaxed sphere", marks=pytest.mark.slow),
     ],
-    ids=["cone", "relaxed cone", "relaxed sphere"],
 )
 def test_work_of_a_jump_of_the_force(start, depth, shape, force, monkeypatch):  # type: ignore[no-untyped-def]
-    """Five times as many parts change nothing; by chords a thousandth was off where the force ends."""
+    """Twice as many parts change nothing; by chords a thousandth was off where the force ends."""
     gel = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
     scene = _scene((Force(force, 0.0),), depth, start, shape, gel, Adhesion(0.05, 1e-6))
     works = []
-    for parts in (instantaneous.JUMP_PARTS, 5 * instantaneous.JUMP_PARTS):
+    for parts in (instantaneous.JUMP_PARTS, 2 * instantaneous.JUMP_PARTS):
         monkeypatch.setattr(instantaneous, "JUMP_PARTS", parts)
         works.append(solve(scene, COARSE).external_work[-1])
     assert works[0] == pytest.approx(works[1], rel=1e-5)
