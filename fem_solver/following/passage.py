@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 
 _LEAST_SHARE = 1e-6
 """Share of a node's contact below which what it would have in full contact is that of one just covered."""
+_TOLD = 1e-3
+"""Share of a node that is free below which its mean does not tell what the free radii have been through: mean
+and radii in contact agree to the second order of a step, which is divided by this share."""
 
 
 @dataclass(frozen=True)
@@ -155,7 +158,7 @@ class NodePassage:
             remaining[0] = share
             if partly < len(first):
                 shares[partly] = before
-                free[:, partly] = (self.b[:, partly] - before * self.held) / (1.0 - before)
+                free[:, partly] = self._free_radii(partly, before, imposed(first))
             parts = imposed(first), contact
             lost = self.solid.lost_by_release(length, (shares, remaining), parts, reached, free)
         # the node that remains in part, as if it had stayed in contact
@@ -165,6 +168,16 @@ class NodePassage:
         self.creep(length, force)
         self._lose(lost, dissipated)
         self.recover((1.0 - last) * dt)
+
+    def _free_radii(self, node: int, share: float, imposed: Array) -> Array:
+        """``b`` of the free radii of a node in contact in part, shape (branches,), to count what they hold.
+
+        Where they are too few for the mean to tell, that of radii that are released now.
+        """
+        if 1.0 - share >= _TOLD:
+            return np.asarray((self.b[:, node] - share * self.held) / (1.0 - share))
+        v, b = imposed[node : node + 1], self.held[:, None]
+        return self.solid.linear(v, b, 0.0, self.solid.relieved(v, b, 0.0))[:, 0]
 
     def _lose(self, lost: Array, before: float) -> None:
         """Count what the parts of the nodes lose instead of what their means have lost.
@@ -212,10 +225,11 @@ class NodePassage:
         free[:, 0] = (free[:, 0] - before * self.held) / (1.0 - before)
         lost, dissipated = np.zeros(0), self.dissipated
         if self.accounts:
-            shares, contact = np.zeros(len(first)), np.zeros_like(free)
+            shares, contact, counted = np.zeros(len(first)), np.zeros_like(free), free.copy()
             shares[0], contact[:, 0] = before, self.held
+            counted[:, 0] = self._free_radii(0, before, imposed(first))
             parts = imposed(first), contact
-            lost = self.solid.lost_by_cover(length, (shares, share), parts, reached, free)
+            lost = self.solid.lost_by_cover(length, (shares, share), parts, reached, counted)
         v, free = self.solid.recovered(free, length)
         self.linear(length, share * reached + (1.0 - share) * v)
         self._lose(lost, dissipated)

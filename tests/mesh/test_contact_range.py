@@ -118,6 +118,11 @@ def test_what_comes_after_a_level_counts(indenter, later, deepest):
     assert largest_contact_radius(scene(REACHED, *later, indenter=indenter)) >= largest_contact_radius(alone)
 
 
+def test_a_ramp_that_waits_for_less_than_it_begins_with_goes_to_its_end():
+    passed = scene(Ramp(0.09, 1.0, until_force=1e-6), depth=0.03)
+    assert largest_contact_radius(passed) == largest_contact_radius(scene(Ramp(0.09, 1.0)))
+
+
 def test_an_oscillation_about_where_a_force_has_led():
     a = largest_contact_radius(scene(ForceRamp(0.01, 1.0))) / SPARE
     asked = scene(ForceRamp(0.01, 1.0), Oscillate(0.01, 3.0, 100.0))

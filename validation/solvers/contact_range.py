@@ -111,15 +111,17 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
 
     A force ramp takes over the force it finds: at most the glassy one at the penetration reached, the relaxed
     one at a relaxed start. After a force the indenter is no deeper than where the relaxed contact bears it. A
-    stage starts no farther than where that contact puts it. A smooth table has its extrema in its rows.
+    stage starts no farther than where that contact puts it. A smooth table has its extrema in its rows. A
+    ramp that waits for a force below that from which it presses goes to its end.
     """
     depth, force, before = scene.loading.penetration, 0.0, "start"
     deepest, strongest, farthest = depth, -math.inf, -math.inf
     if scene.loading.start_control == "stage":
         deepest, farthest = -math.inf, depth
     compliance = scene.loading.compliance
+    told = _pressing(scene, depth, scene.loading.start == "relaxed")  # the force, where it is known; or more
     if compliance > 0.0 and scene.loading.start_control != "stage":
-        force = _pressing(scene, depth, scene.loading.start == "relaxed")
+        force = told
 
     def state(step: Step) -> tuple[float, float]:
         if isinstance(step, ForceRamp) and before != "force":
@@ -133,14 +135,17 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
         before, trigger = segment.control, segment.trigger
         if segment.control == "force":
             force, depth = values[-1], _deepest_under(scene, max(values))
-            strongest = max(strongest, *values)
+            strongest, told = max(strongest, *values), force
             continue
         sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
         values.append(values[0] + abs(getattr(step, "amplitude", 0.0)) + sinking)
-        if trigger is not None and trigger.quantity == "force" and values[0] < max(values):
-            force = trigger.level  # which is reached before the end of the ramp
+        presses_to_force = trigger is not None and trigger.quantity == "force" and values[0] < max(values)
+        if trigger is not None and presses_to_force and trigger.level >= told:
+            force = told = trigger.level  # which is reached before the end of the ramp
             strongest, depth = max(strongest, force), max(depth, _deepest_under(scene, force))
-        elif segment.control == "stage":
+            continue
+        told = -math.inf
+        if segment.control == "stage":
             farthest = max(farthest, *values)
             force = (values[-2] - depth) / compliance
         else:
