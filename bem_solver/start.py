@@ -49,16 +49,17 @@ def untouched_state(problem: Problem, time: float, penetration: float) -> HalfSp
 
 
 def largest_stable(
-    trial: Callable[[float], TrialContact], scale: float, indenter: Indenter, work: float
+    problem: Problem, trial: Callable[[float], TrialContact], scale: float
 ) -> TrialContact | None:
-    """Largest stable contact, or ``None``; ``work`` is that at which an edge opens.
+    """Largest stable contact, or ``None``.
 
     Edges from far above ``scale`` downwards are looked over for where the residual falls below zero, which
     brackets the stable root. A flat face, which touches as a whole, is in full contact unless its edge opens.
     """
+    indenter = problem.scene.indenter
     edge, end = min(indenter.edge, _SCAN_START * scale), _SCAN_END * scale
     largest = trial(edge)
-    if edge == indenter.edge and min(largest.residual, largest.closure - work) <= 0.0:
+    if edge == indenter.edge and min(largest.residual, largest.closure - problem.work) <= 0.0:
         return largest
     while edge > end and trial(edge).residual <= 0.0:
         edge /= _SCAN_RATIO
@@ -95,7 +96,7 @@ def equilibrium(
     def trial(edge: float) -> TrialContact:
         return evaluate(problem, state, 0.0, edge, control, value)
 
-    return largest_stable(cache(trial), scale, problem.scene.indenter, problem.work)
+    return largest_stable(problem, cache(trial), scale)
 
 
 def radius_where(indenter: Indenter, reached: Callable[[float], bool]) -> float:

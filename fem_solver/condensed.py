@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from fem_solver.partial_release import (
     PartialContact,
     PartlyHeld,
-    PartlyReleased,
+    StripsInStep,
     energy_at_edge,
     partly_held,
 )
@@ -38,13 +38,13 @@ class Response:
     """Surface displacement at the end of a step for new surface forces: ``u = free + C f/modulus``.
 
     ``free`` (n,) is the displacement of the surface without forces; ``operator`` holds ``C``. ``partly`` are
-    the nodes in parts where the step begins.
+    the strips of nodes where the step begins.
     """
 
     operator: SurfaceOperator
     modulus: float
     free: Array
-    partly: PartlyReleased | None = None
+    partly: StripsInStep | None = None
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PartlyReleased:
-    """The nodes of strips where a step begins, and what they bear at its end.
+class StripsInStep:
+    """The strips where a step begins, and what they bear at its end.
 
     Parameters
     ----------
@@ -49,9 +49,21 @@ class PartlyReleased:
     looked_up: dict[int, list[tuple[float, float]]] = field(default_factory=dict)
 
     def bearing(self, node: int, share: float, whole: float) -> float:
-        """``y`` of a node per modulus, with a share of it in contact at the end; ``whole`` in full contact.
+        """``y`` of a node per modulus, in contact in part at the end.
 
         The strips that the edge leaves bear nothing; those that it covers bear what they would in contact.
+
+        Parameters
+        ----------
+        node : int
+        share : float
+            Of it, in contact at the end.
+        whole : float
+            ``y`` per modulus in full contact, if all of it had the past of the mean.
+
+        Returns
+        -------
+        float
         """
         if node not in self.looked_up:
             own = self.strips.of(node)
@@ -111,16 +123,16 @@ class PartlyHeld:
         -------
         tuple of float
         """
-        own, contact = self.strips.of(self.contact.node), self.contact
+        contact, own = self.contact, self.strips.of(self.contact.node)
         first_free = int(np.count_nonzero(self.strips.within(contact.node, contact.share)[own]))
         stresses = self.strips.stresses[own]
         closing = contact.depth - self.modulus.depths(self.strips.parts)[own][first_free]
         return float(stresses[max(first_free - 1, 0)]), float(stresses[first_free] + modulus * closing)
 
-    def released(self, dt: float, unit: Array) -> PartlyReleased:
+    def released(self, dt: float, unit: Array) -> StripsInStep:
         """The strips in a step; ``unit`` (n,) is ``e`` of the surface then."""
         memory = self.modulus.step(dt).memory_depth(self.strips.parts)
-        return PartlyReleased(self.strips, unit[self.strips.nodes] * memory)
+        return StripsInStep(self.strips, unit[self.strips.nodes] * memory)
 
     def energy(self, unit: Array) -> float:
         """Energy of all strips beyond that of the means; ``unit`` (n,) is ``e`` of the glassy surface."""

@@ -69,12 +69,7 @@ class SeriesStep:
 
     def memory_depth(self, parts: tuple[RelaxingField, ...]) -> Array:
         """Depth that would cause, without a past, the stress left at the end at no depth; shape (strips,)."""
-        left = self._memories(parts)
-        depths = (
-            weight * stress / step.modulus
-            for weight, stress, step in zip(self.series.compliances, left, self.increments, strict=True)
-        )
-        return np.asarray(sum(depths))
+        return self._depth_of(self._memories(parts))
 
     def advanced(self, parts: tuple[RelaxingField, ...], depth: Array) -> tuple[RelaxingField, ...]:
         """State of the strips at the end.
@@ -90,10 +85,10 @@ class SeriesStep:
         -------
         tuple of RelaxingField
         """
-        stress = self.modulus * (depth + self.memory_depth(parts))
+        memories = self._memories(parts)
+        stress = self.modulus * (depth + self._depth_of(memories))
         reached = (
-            (stress - left) / step.modulus
-            for left, step in zip(self._memories(parts), self.increments, strict=True)
+            (stress - left) / step.modulus for left, step in zip(memories, self.increments, strict=True)
         )
         return tuple(
             RelaxingField(part.modulus, x, step.advance(part.branches, x - part.x))
@@ -105,3 +100,10 @@ class SeriesStep:
             step.decay @ part.branches - float(step.gain.sum()) * part.x
             for part, step in zip(parts, self.increments, strict=True)
         ]
+
+    def _depth_of(self, memories: list[Array]) -> Array:
+        depths = (
+            weight * stress / step.modulus
+            for weight, stress, step in zip(self.series.compliances, memories, self.increments, strict=True)
+        )
+        return np.asarray(sum(depths))

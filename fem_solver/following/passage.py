@@ -169,13 +169,17 @@ class NodePassage:
         self._lose(lost, dissipated)
         self.recover((1.0 - last) * dt)
 
+    def _free_by_mean(self, node: int, share: float) -> Array:
+        """``b`` of the free radii of a node in contact in part, as its mean has it; shape (branches,)."""
+        return np.asarray((self.b[:, node] - share * self.held) / (1.0 - share))
+
     def _free_radii(self, node: int, share: float, imposed: Array) -> Array:
         """``b`` of the free radii of a node in contact in part, shape (branches,), to count what they hold.
 
         Where they are too few for the mean to tell, that of radii that are released now.
         """
         if 1.0 - share >= _TOLD:
-            return np.asarray((self.b[:, node] - share * self.held) / (1.0 - share))
+            return self._free_by_mean(node, share)
         v, b = imposed[node : node + 1], self.held[:, None]
         return self.solid.linear(v, b, 0.0, self.solid.relieved(v, b, 0.0))[:, 0]
 
@@ -222,7 +226,7 @@ class NodePassage:
         """
         self.recover(first * dt)
         length, free, reached = (last - first) * dt, self.b.copy(), imposed(last)
-        free[:, 0] = (free[:, 0] - before * self.held) / (1.0 - before)
+        free[:, 0] = self._free_by_mean(0, before)
         lost, dissipated = np.zeros(0), self.dissipated
         if self.accounts:
             shares, contact, counted = np.zeros(len(first)), np.zeros_like(free), free.copy()

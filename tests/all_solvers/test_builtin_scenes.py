@@ -77,9 +77,7 @@ def test_cycle_times():
     assert cycle_times(load("force-2").scene.loading) == ()
     swing = Oscillate(1e-3, 2.0 * np.pi, 3.0)
     reached = Ramp(0.02, 0.1, until_force=1e-3)
-    assert (
-        cycle_times(Loading("relaxed", 0.0, (reached, swing))) == ()
-    )  # when it is reached the run will tell
+    assert cycle_times(Loading("relaxed", 0.0, (reached, swing))) == ()  # the run will tell when
     assert cycle_times(Loading("relaxed", 0.0, (swing, reached))) == (0.0, 1.0, 2.0, 3.0)
 
 

@@ -30,7 +30,7 @@ from contact_scene import (
 from validation.reference import Options, sneddon, solve
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
-from validation.reference.tracking import instantaneous
+from validation.reference.tracking import load_jump
 from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.root import rising_root
 from validation.reference.tracking.step_outcome import StepOutcome
@@ -299,7 +299,7 @@ def test_work_of_a_jump_of_the_force(start, depth, shape, force, monkeypatch):  
     gel = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
     scene = _scene((Force(force, 0.0),), depth, start, shape, gel, Adhesion(0.05, 1e-6))
     works = []
-    for parts in (instantaneous.JUMP_PARTS, 2 * instantaneous.JUMP_PARTS):
-        monkeypatch.setattr(instantaneous, "JUMP_PARTS", parts)
+    for parts in (load_jump.JUMP_PARTS, 2 * load_jump.JUMP_PARTS):
+        monkeypatch.setattr(load_jump, "JUMP_PARTS", parts)
         works.append(solve(scene, COARSE).external_work[-1])
     assert works[0] == pytest.approx(works[1], rel=1e-5)

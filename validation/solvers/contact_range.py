@@ -139,9 +139,9 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
             continue
         sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
         values.append(values[0] + abs(getattr(step, "amplitude", 0.0)) + sinking)
-        presses_to_force = trigger is not None and trigger.quantity == "force" and values[0] < max(values)
-        if trigger is not None and presses_to_force and trigger.level >= told:
-            force = told = trigger.level  # which is reached before the end of the ramp
+        awaited = trigger.level if trigger is not None and trigger.quantity == "force" else math.nan
+        if awaited >= told and values[0] < max(values):
+            force = told = awaited  # which is reached before the end of the ramp
             strongest, depth = max(strongest, force), max(depth, _deepest_under(scene, force))
             continue
         told = -math.inf
@@ -160,8 +160,10 @@ def _deepest_under(scene: Scene, force: float) -> float:
     work = scene.adhesion.work if scene.adhesion is not None else 0.0
     pull = np.sqrt(8.0 * np.pi * radii**3 * stiffness * work)
     held = np.flatnonzero(sneddon.force(scene.indenter, radii, stiffness) - pull <= force)
-    beyond = radii[min(held[-1] + 1, radii.size - 1)] if held.size else 0.0
-    return float(sneddon.depth(scene.indenter, np.array([beyond]))[0]) if held.size else 0.0
+    if not held.size:
+        return 0.0
+    beyond = radii[min(held[-1] + 1, radii.size - 1)]
+    return float(sneddon.depth(scene.indenter, np.array([beyond]))[0])
 
 
 def _pressing(scene: Scene, depth: float, relaxed: bool) -> float:

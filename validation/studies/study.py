@@ -147,7 +147,17 @@ def _level_tasks(case: Case, ladder: Ladder, reference: Trace | None) -> list[Ta
     warmed_up = False
 
     def run_timed(case: Case, scheme: str, level: Level, reference: Trace | None) -> LevelRun:
-        """:func:`run_level`, repeated; before the first of these levels, the coarsest is run to warm up."""
+        """:func:`run_level`, repeated; before the first of these levels, the coarsest is run to warm up.
+
+        Parameters
+        ----------
+        case, scheme, level, reference
+            As of :func:`run_level`.
+
+        Returns
+        -------
+        LevelRun
+        """
         nonlocal warmed_up
         if not warmed_up:  # imports, caches, pages of memory
             run_level(case, scheme, ladder.levels[0], None)

@@ -1,30 +1,22 @@
-"""Instantaneous events: load jumps, unstable motion of the edge, first contact.
+"""Instantaneous events: where an edge comes to rest at a fixed time, unstable motion, first contact.
 
-At a fixed time the half-space is glassy and its response reversible, so a jump of the load is a path of
-equilibria, all computed from the state before it. Its rows share one time; the work is done along them.
+Jumps of the load are in ``load_jump``.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 
 from contact_scene import Segment
 from validation.reference.tracking.arrest import arrest_radius
 from validation.reference.tracking.law import Griffith, NoTension
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.state import FrontState
-from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, FrontCandidate, StepOutcome
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.step_outcome import FrontCandidate
+from validation.reference.tracking.surface import Surface
 from validation.reference.tracking.trial import Trial
 
-Equilibrium = Callable[..., "Surface | None"]
-"""Surface at a share of a load jump, searched from a radius, in finer intervals if a third number says by how
-much; ``None`` where contact is lost."""
-JUMP_PARTS = 32
-"""Parts of a load jump during which the edge moves."""
 ADHESIVE_STRIDE = 0.15
 """Search interval for the arrest of an unstable edge, in process zones."""
 ELASTIC_STRIDE = 0.02
@@ -35,20 +27,8 @@ TOUCHING_STRESS = 1e-12
 """Edge stress, relative to the largest, below which two plane faces just touch."""
 LOST_FORCE = 1e-11
 """Contact that is being lost counts as lost below this fraction of the peak force."""
-AT_SMALLEST_RADIUS = 1e-6
-"""Distance from the smallest radius, relative to it, below which a jump has shrunk the contact that far."""
-EVEN_RELEASE = 0.03
-"""Change of the energy release rate of the glassy tip from row to row of a jump, relative to the largest, up
-to which its path is smooth: where an edge that has rested sets off, it changes within a process zone."""
-HALVINGS = 8
-"""Halvings of parts of a jump in which it changes by more."""
-BISECTIONS = 24
-"""Bisections of the part of a jump in which contact begins or is lost."""
-FINER_SEARCHES = (1.0, 1.0 / 16.0, 1.0 / 256.0)
-"""Search intervals in turn where contact is lost, relative to the usual one: the stable radius and the
-unstable one below it come together there, and an interval that holds both shows neither."""
 FINER_REACH = 32.0
-"""Finer intervals searched: two of those before, in one of which the stable radius must be."""
+"""Finer intervals searched, of a sixteenth: two whole ones, in one of which the stable radius must be."""
 
 
 def at_rest(segment: Segment, value: float) -> Segment:
@@ -56,71 +36,7 @@ def at_rest(segment: Segment, value: float) -> Segment:
     return replace(segment, value=lambda time: value, rate=lambda time: 0.0, kinks=(), linear=True)
 
 
-def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> StepOutcome:
-    """The load jumps to the first value of the segment.
-
-    Parameters
-    ----------
-    problem, state : FrontProblem, FrontState
-        Present state.
-    segment : Segment
-        Load step that begins now.
-
-    Returns
-    -------
-    StepOutcome
-    """
-    start, force_controlled = state.surface, segment.control == "force"
-    before = segment.present(start.penetration, state.force)
-    change = segment.value(segment.start) - before
-    begins = start.radius == 0.0
-    whole = problem.trial(state, segment)
-    if not (begins and force_controlled) and _rests_at_once(whole, start.radius):
-        end = problem.candidate(state.time, whole.surface_at(0.0, start.radius))
-        return StepOutcome(candidates=(end,), reversible=True)
-
-    def equilibrium(share: float, begin: float, finer: float = 1.0) -> Surface | None:
-        load = at_rest(segment, before + share * change) if share < 1.0 else segment
-        trial = problem.trial(state, load)
-        radius = equilibrium_radius(problem, state, trial, begin, finer)
-        return None if radius is None else trial.surface_at(0.0, radius)
-
-    def along(shares: list[float], contact: bool = False) -> tuple[list[Surface], float, float, int | None]:
-        return _equilibria(problem, equilibrium, start, shares, contact)
-
-    rows, last, lost, runs = along(_shares(0.0, 1.0, begins, False), not begins)
-    if rows and begins and last == 1.0:  # contact begins on the way: the parts are refined from there on
-        first = 0.0 if force_controlled else _first_contact(equilibrium, start)
-        rows, last, lost, runs = along(_shares(first, 1.0, True, False))
-    elif last < 1.0:
-        last, farthest = _last_contact(equilibrium, rows[-1] if rows else start, last, lost)
-        rows, _, _, runs = along(_shares(0.0, last, begins, True)[:-1], True)
-        rows.append(farthest)
-        shortest = problem.condition.smallest_radius
-        if rows and rows[-1].radius - shortest < AT_SMALLEST_RADIUS * shortest:
-            return StepOutcome(
-                candidates=(problem.candidate(state.time, rows[-1]),),
-                equilibria=tuple(rows[:-1]),
-                reversible=True,
-                unstable_row=runs,
-                below_zone=True,
-            )
-    return StepOutcome(
-        candidates=(problem.candidate(state.time, rows[-1] if rows else start),),
-        equilibria=tuple(rows[:-1]),
-        reversible=True,
-        unstable_row=0 if begins and isinstance(problem.condition, Griffith) else runs,
-        kink=last == 1.0,
-        detachment="" if last == 1.0 else NO_STABLE_CONTACT,
-    )
-
-
-def _rests_at_once(trial: Trial, radius: float) -> bool:
-    """Whether the edge stays where it is at fixed time."""
-    return max(_forces_at_once(trial, radius)) <= trial.condition.tolerance
-
-
-def _forces_at_once(trial: Trial, radius: float) -> tuple[float, float]:
+def forces_at_once(trial: Trial, radius: float) -> tuple[float, float]:
     """Inward and outward driving force on an edge that has come to ``radius`` at fixed time."""
     if isinstance(trial.condition, Griffith):
         return trial.forces_at_once(radius)
@@ -128,126 +44,6 @@ def _forces_at_once(trial: Trial, radius: float) -> tuple[float, float]:
         return trial.driving_forces(0.0)
     inward = trial.residual(0.0, radius)
     return inward, -inward if radius < trial.largest_radius else -1.0
-
-
-def _shares(first: float, last: float, begins: bool, ends: bool) -> list[float]:
-    """Shares of a jump; graded where contact begins or ends, for there the radius is a root of the load."""
-    parts = [part / JUMP_PARTS for part in range(1, JUMP_PARTS + 1)]
-    if begins:
-        parts = [part**2 for part in parts]
-    if ends:
-        parts = [1.0 - (1.0 - part) ** 2 for part in parts]
-    shares = [first + (last - first) * part for part in parts]
-    return ([first] if first > 0.0 else []) + shares[:-1] + [last]
-
-
-def _equilibria(
-    problem: FrontProblem,
-    equilibrium: Equilibrium,
-    start: Surface,
-    shares: list[float],
-    contact: bool = False,
-) -> tuple[list[Surface], float, float, int | None]:
-    """Equilibria at the shares as far as there is contact, the last such share and the one after.
-
-    With ``contact`` from the start on, rows before and after the largest unstable motion are among them, and
-    the number of the row after it is told.
-    """
-    rows: list[Surface] = []
-    last = 0.0
-    lost = None
-    for share in shares:
-        surface = equilibrium(share, rows[-1].radius if rows else start.radius)
-        if surface is None:
-            lost = share
-            break
-        rows.append(surface)
-        last = share
-    unstable = None
-    if contact and rows:
-        rows, shares = [start, *rows], [0.0, *shares[: len(rows)]]
-        if isinstance(problem.condition, Griffith):
-            rows, shares = _where_release_changes(problem.body, equilibrium, rows, shares)
-        rows, unstable = _around_unstable_motion(equilibrium, rows, shares)
-    return rows, last, last if lost is None else lost, unstable
-
-
-def _where_release_changes(
-    body: Body, equilibrium: Equilibrium, rows: list[Surface], shares: list[float]
-) -> tuple[list[Surface], list[float]]:
-    """Rows and shares of a jump with those between which the release rate of the tip would change by much."""
-    for _ in range(HALVINGS):
-        rate = [row.edge_stress(body) ** 2 / row.radius for row in rows]
-        allowed, added = EVEN_RELEASE * max(rate), 0
-        for late in range(len(rows) - 1, 0, -1):
-            moves = rows[late].radius != rows[late - 1].radius
-            if not moves or abs(rate[late] - rate[late - 1]) <= allowed:
-                continue
-            middle = 0.5 * (shares[late - 1] + shares[late])
-            surface = equilibrium(middle, rows[late - 1].radius)
-            if surface is not None:
-                rows, shares = [*rows[:late], surface, *rows[late:]], [*shares[:late], middle, *shares[late:]]
-                added += 1
-        if not added:
-            break
-    return rows, shares
-
-
-def _around_unstable_motion(
-    equilibrium: Equilibrium, rows: list[Surface], shares: list[float]
-) -> tuple[list[Surface], int | None]:
-    """Rows at shares of a jump after the first, those beside an unstable motion too, and which ends it.
-
-    It may be in the part in which the edge goes farther than in both beside it. The load is constant in an
-    unstable motion: a chord over that part would count the work of one that moves evenly with the load.
-    """
-    travel = [abs(late.radius - early.radius) for early, late in pairwise(rows)]
-    farthest = max(range(len(travel)), key=travel.__getitem__)
-    if travel[farthest] <= sum(travel[max(farthest - 1, 0) : farthest + 2]) - travel[farthest]:
-        return rows[1:], None
-    before, after = rows[farthest], rows[farthest + 1]
-    low, high = shares[farthest], shares[farthest + 1]
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        surface = equilibrium(middle, before.radius)
-        if surface is None:
-            return rows[1:], None
-        if abs(surface.radius - before.radius) < abs(after.radius - surface.radius):
-            low, before = middle, surface
-        else:
-            high, after = middle, surface
-    if abs(after.radius - before.radius) <= 0.5 * travel[farthest]:
-        return rows[1:], None
-    return [*rows[1 : farthest + 1], before, after, *rows[farthest + 1 :]], farthest + 1
-
-
-def _last_contact(
-    equilibrium: Equilibrium, reached: Surface, low: float, lost: float
-) -> tuple[float, Surface]:
-    """The last share with contact, between one with and one without, and the surface there."""
-    for finer in FINER_SEARCHES:
-        high = lost
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            surface = equilibrium(middle, reached.radius, finer)
-            if surface is None:
-                high = middle
-            else:
-                low, reached = middle, surface
-    return low, reached
-
-
-def _first_contact(equilibrium: Equilibrium, start: Surface) -> float:
-    """The last share without contact, of a jump during which contact begins."""
-    low, high = 0.0, 1.0
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        surface = equilibrium(middle, start.radius)
-        if surface is not None and surface.radius > 0.0:
-            high = middle
-        else:
-            low = middle
-    return low
 
 
 def equilibrium_radius(
@@ -274,7 +70,7 @@ def equilibrium_radius(
     without_adhesion = isinstance(problem.condition, NoTension) and trial.segment.control == "force"
     if without_adhesion and trial.segment.value(state.time) <= 0.0:
         return None
-    inward, outward = _forces_at_once(trial, begin)
+    inward, outward = forces_at_once(trial, begin)
     if max(inward, outward) <= problem.condition.tolerance:
         return begin
     return _arrest(problem, state, trial, begin, outward > inward, finer)

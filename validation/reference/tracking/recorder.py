@@ -19,7 +19,7 @@ from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.energy import stored_energy
 from validation.reference.tracking.interface_work import interface_work
 from validation.reference.tracking.law import Griffith
-from validation.reference.tracking.row_integrals import integrals
+from validation.reference.tracking.row_integrals import integrals, released_at_once
 from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
@@ -258,27 +258,6 @@ class Recorder:
 
 def _pairs(first: NDArray[np.int64], last: NDArray[np.int64]) -> list[tuple[int, int]]:
     return list(zip(first.tolist(), last.tolist(), strict=True))
-
-
-def released_at_once(radius: Array, squared: Array) -> Array:
-    """``int q^2 da`` between equilibria at a fixed time, from ``a`` and ``q(a)^2``, both of shape (l,).
-
-    The edge may rest first: where it sets off, ``q^2/a``, which hardly changes along equilibria, goes on
-    from the rows behind.
-    """
-    parts = np.zeros(len(radius) - 1)
-    moved = np.flatnonzero(radius != radius[0])
-    if not len(moved):
-        return parts
-    first, rate = int(moved[0]), squared / np.where(radius > 0.0, radius, 1.0)
-    start = rate[first]
-    if first + 1 < len(radius) and radius[first + 1] != radius[first]:
-        slope = (rate[first + 1] - rate[first]) / (radius[first + 1] - radius[first])
-        start = start + slope * (radius[0] - radius[first])
-    begin = slice(first - 1, None)
-    path = np.concatenate(([start * radius[0]], squared[first:]))
-    parts[begin] = integrals(np.zeros(len(path)), path, radius[begin], [0, len(path) - 1])
-    return parts
 
 
 def stretch_over_radius(radius: Array, row: int, first: int) -> int:

@@ -1,4 +1,4 @@
-"""Integrals of one column of the rows over another, ``int F dD``."""
+"""Integrals of one column of the rows over another, ``int F dD``, ``int q^2 da``."""
 
 from __future__ import annotations
 
@@ -42,4 +42,34 @@ def integrals(time: Array, force: Array, depth: Array, ends: list[int]) -> Array
         at = t[:-1, None] + h[:, None] * _GAUSS
         speed = hermite.rate(t, d, d_slope, at)
         parts[first:last] = h * ((hermite.evaluate(t, f, f_slope, at) * speed) @ _WEIGHT)
+    return parts
+
+
+def released_at_once(radius: Array, squared: Array) -> Array:
+    """``int q^2 da`` between rows that are equilibria at a fixed time.
+
+    The edge may rest first: where it sets off, ``q^2/a``, which hardly changes along equilibria, goes on
+    from the rows behind.
+
+    Parameters
+    ----------
+    radius, squared : ndarray, shape (l,)
+        ``a`` and ``q(a)^2``.
+
+    Returns
+    -------
+    ndarray, shape (l - 1,)
+    """
+    parts = np.zeros(len(radius) - 1)
+    moved = np.flatnonzero(radius != radius[0])
+    if not len(moved):
+        return parts
+    first, rate = int(moved[0]), squared / np.where(radius > 0.0, radius, 1.0)
+    start = rate[first]
+    if first + 1 < len(radius) and radius[first + 1] != radius[first]:
+        slope = (rate[first + 1] - rate[first]) / (radius[first + 1] - radius[first])
+        start = start + slope * (radius[0] - radius[first])
+    begin = slice(first - 1, None)
+    path = np.concatenate(([start * radius[0]], squared[first:]))
+    parts[begin] = integrals(np.zeros(len(path)), path, radius[begin], [0, len(path) - 1])
     return parts

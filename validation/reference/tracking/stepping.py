@@ -16,10 +16,8 @@ from contact_scene.run_control import (
     stops_within,
 )
 from contact_scene.trigger import passed
-from validation.reference.tracking.instantaneous import (
-    force_without_contact,
-    load_jump,
-)
+from validation.reference.tracking.instantaneous import force_without_contact
+from validation.reference.tracking.load_jump import load_jump
 from validation.reference.tracking.options import Options
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.recorder import FORCE_OF_ROW, Recorder
