@@ -1,19 +1,22 @@
 """Path of the edge in a step that passes over process zones, and what its square root does on the way.
 
 What the closure sees at the end of such a step was left behind within it, at times that follow from the path,
-and the condition there is one on the speed of the edge. The path is the parabola through the edge at the
-last two rows and at the end of the step: with rows of equal spacing its speed there is the second-order
-backward differentiation formula. That of a receding edge is the cubic through one more row, of third order;
-the closure of an advancing one hardly depends on its speed, so that the unevenness of more rows would come
-back magnified. Times count from the end of the step backwards, because what matters happens just before it:
-``g`` is the share of the step still to come.
+and the condition there is one on the speed of the edge. The path is the parabola through the edge at the last
+two rows and at the end of the step: with rows of equal spacing its speed there is the second-order backward
+differentiation formula. That of a receding edge is the cubic through one more row, of third order; the
+closure of an advancing one hardly depends on its speed, so that the unevenness of more rows would come back
+magnified. Before a limit point the edge goes as the root of the time that is left, which no polynomial
+follows; there the time is one of the edge, and what acts at the edge follows its place. Times count from the
+end of the step backwards, because what matters happens just before it: ``g`` is the share of the step still
+to come.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +25,7 @@ from bem_solver.creep import SMALLEST
 from bem_solver.outer_fall import OuterFall
 
 Array = NDArray[np.float64]
+Fall = Callable[[Array, Array], Array]
 
 _LARGEST_BEND = 0.99
 """Change of the speed within a step, relative to its mean over it: below 1 the edge does not turn."""
@@ -44,7 +48,8 @@ class EarlierRow:
 
     With adhesion also its ``edge`` and its ``load``, ``v`` at a distance ``ahead`` outside the edge. Where
     the edge has a curved path, ``ahead`` is zero and ``fall`` that of the load outside the last row;
-    ``further`` are time before the last and edge of the row before this one, where that path is a cubic.
+    ``further`` are time before the last and edge of the row before this one, where that path is a cubic, and
+    ``of_travel`` tells whether it is one of the time over the edge.
     """
 
     time: float
@@ -54,6 +59,7 @@ class EarlierRow:
     ahead: float = 0.0
     fall: OuterFall | None = None
     further: tuple[float, float] | None = None
+    of_travel: bool = False
 
 
 def _root_of_parabola(first: float, second: float, value: Array) -> Array:
@@ -84,96 +90,145 @@ def parabola_bend(earlier: tuple[float, float], value: float, duration: float, e
 
 
 @dataclass(frozen=True)
-class BentPath:
-    """``a(g) = end - travel g - bend g (1 - g) - twist g (1 - g) (reach - g)``, share ``g`` still to come.
+class BentShare:
+    """``y(x) = x + bend x (1 - x) + twist x (1 - x) (reach - x)``, rising from 0 to 1 as ``x`` does.
 
-    The cubic part is zero at both ends of the step and at the row before, ``reach`` steps back.
+    The cubic part is zero at both ends of the step and at the row before, ``reach`` in units of the step.
     """
 
-    end: float
-    travel: float
-    bend: float
+    bend: float = 0.0
     twist: float = 0.0
     reach: float = 1.0
 
     @classmethod
+    def through(cls, earlier: Sequence[tuple[float, float]]) -> BentShare:
+        """The parabola or cubic through (0, 0), (1, 1) and one or two earlier (x, y), the later first."""
+        (reach, y), *further = earlier
+        bend = (y - reach) / (reach * (1.0 - reach))
+        bend = min(max(bend, -_LARGEST_BEND), _LARGEST_BEND)
+        if not further:
+            return cls(bend)
+        ((x, y),) = further
+        twist = (y - x - bend * x * (1.0 - x)) / (x * (1.0 - x) * (reach - x))
+        limit = (_LARGEST_BEND - abs(bend)) / reach
+        return cls(bend, min(max(twist, -limit), limit), reach)
+
+    def mean(self, x: Array) -> Array:
+        """``y/x``."""
+        bend = self.bend if self.twist == 0.0 else self.bend + self.twist * (self.reach - x)
+        return 1.0 + bend * (1.0 - x)
+
+    def slope(self, x: Array) -> Array:
+        """``dy/dx``."""
+        bend = self.bend + self.twist * (self.reach - x)
+        return 1.0 + bend * (1.0 - 2.0 * x) - self.twist * x * (1.0 - x)
+
+    def at(self, x: Array) -> Array:
+        """``y`` at shares ``x`` of any size."""
+        return x * self.mean(x)
+
+    def inverse(self, y: Array) -> Array:
+        """``x`` of shares ``y``.
+
+        Beyond [0, 1] continued by the parabola that follows it at that end; where it does not reach ``y``,
+        the share at which it comes nearest.
+        """
+        if self.twist == 0.0:
+            return _root_of_parabola(1.0 + self.bend, -self.bend, y)
+        first = 1.0 + self.bend + self.twist * self.reach
+        second = -self.bend - self.twist * (1.0 + self.reach)
+        at_start = first + 2.0 * second + 3.0 * self.twist
+        early = 1.0 + _root_of_parabola(at_start, second + 3.0 * self.twist, y - 1.0)
+        late = _root_of_parabola(first, second, y)
+        x = np.minimum(np.maximum(np.where(y > 0.5, early, late), 0.0), 1.0)
+        for _ in range(_NEWTON_STEPS):
+            missed = x * (first + x * (second + x * self.twist)) - y
+            slope = first + x * (2.0 * second + 3.0 * x * self.twist)
+            x = np.minimum(np.maximum(x - missed / slope, 0.0), 1.0)
+        return np.where(y <= 0.0, late, np.where(y >= 1.0, early, x))
+
+
+@dataclass(frozen=True)
+class BentPath:
+    """Way of the edge to ``end``: the share of its ``travel`` still to come over that of the time.
+
+    ``share`` is the former over the latter, or, ``of_travel``, the latter over the former.
+    """
+
+    end: float
+    travel: float
+    share: BentShare = BentShare()
+    of_travel: bool = False
+
+    @classmethod
     def straight(cls, edge: float, end: float) -> BentPath:
         """The path of constant speed."""
-        return cls(end, end - edge, 0.0)
+        return cls(end, end - edge)
 
     @classmethod
     def through(
         cls,
-        before: tuple[float, float],
+        rows: Sequence[tuple[float, float]],
         edge: float,
         duration: float,
         end: float,
-        further: tuple[float, float] | None = None,
+        of_travel: bool = False,
     ) -> BentPath:
         """The parabola, or the cubic, through earlier rows and both ends of a step.
 
         Parameters
         ----------
-        before, edge, duration, end
-            The four of :func:`parabola_bend`, its value being the edge.
-        further : tuple of float, optional
-            Time from one more row, the earliest, to the start of the step, and the edge there.
+        rows : sequence of tuple of float
+            One or two earlier rows, the later first: time until the start of the step, and the edge there.
+        edge, duration, end : float
+            Edge at the start, length of the step, and edge at its end.
+        of_travel : bool, optional
+            Whether the time is the polynomial, over the edge, if that has come the same way.
 
         Returns
         -------
         BentPath
         """
         travel = end - edge
-        limit = _LARGEST_BEND * abs(travel)
-        bend = min(max(parabola_bend(before, edge, duration, end), -limit), limit)
-        if further is None:
-            return cls(end, travel, bend)
-        reach, share = 1.0 + before[0] / duration, -further[0] / duration
-        missed = further[1] - (edge + travel * share + bend * share * (share - 1.0))
-        twist = missed / (share * (share - 1.0) * (share + reach - 1.0))
-        limit = max(limit - abs(bend), 0.0) / reach
-        return cls(end, travel, bend, min(max(twist, -limit), limit), reach)
+        shares = [(1.0 + time / duration, (end - before) / travel) for time, before in rows]
+        if of_travel and all(before > now for (_, before), (_, now) in pairwise([*shares[::-1], (1.0, 1.0)])):
+            return cls(end, travel, BentShare.through([(way, time) for time, way in shares]), True)
+        return cls(end, travel, BentShare.through(shares))
 
     def edge(self, left: Array) -> Array:
         """Edge with a share of the step still to come."""
-        bend = self.bend if self.twist == 0.0 else self.bend + self.twist * (self.reach - left)
-        return self.end - left * (self.travel + bend * (1.0 - left))
+        return self._edge(self.course(left))
 
     def left(self, radius: Array) -> Array:
         """Share of the step still to come when the edge passes a radius.
 
-        Beyond [0, 1] continued by the parabola that follows the path at that end; where it does not reach the
-        radius, the share at which it comes nearest.
+        Beyond the step continued by parabolas, or, of a path of the travel, 0 and 1.
         """
-        distance = self.end - radius
-        if self.twist == 0.0:
-            return _root_of_parabola(self.travel + self.bend, -self.bend, distance)
-        first = self.travel + self.bend + self.twist * self.reach
-        second = -self.bend - self.twist * (1.0 + self.reach)
-        at_start = first + 2.0 * second + 3.0 * self.twist
-        early = 1.0 + _root_of_parabola(at_start, second + 3.0 * self.twist, distance - self.travel)
-        late = _root_of_parabola(first, second, distance)
-        part = distance / self.travel
-        share = np.minimum(np.maximum(np.where(part > 0.5, early, late), 0.0), 1.0)
-        for _ in range(_NEWTON_STEPS):
-            missed = share * (first + share * (second + share * self.twist)) - distance
-            slope = first + share * (2.0 * second + 3.0 * share * self.twist)
-            share = np.minimum(np.maximum(share - missed / slope, 0.0), 1.0)
-        return np.where(part <= 0.0, late, np.where(part >= 1.0, early, share))
+        passage = self._passage(radius)
+        return self.share.at(np.minimum(np.maximum(passage, 0.0), 1.0)) if self.of_travel else passage
 
     def mean_since(self, left: Array) -> Array:
         """Mean speed from a share of the step still to come on, over the speed then."""
-        bend = self.bend + self.twist * (self.reach - left)
-        mean = self.travel + bend * (1.0 - left)
-        return mean / (mean - left * (bend + self.twist * (1.0 - left)))
+        course = self.course(left)
+        ratio = self.share.mean(course) / self.share.slope(course)
+        return 1.0 / ratio if self.of_travel else ratio
 
-    def distance(self, radius: Array, left: Array) -> Array:
-        """``|r - a|`` with a share of the step still to come."""
-        return np.abs(radius - self.edge(left))
+    def course(self, left: Array) -> Array:
+        """Share still to come of what loads at the edge go evenly with: of its travel, or of the step."""
+        return self.share.inverse(left) if self.of_travel else left
+
+    def _edge(self, course: Array) -> Array:
+        """Edge with a share of its course still to come."""
+        return self.end - self.travel * (course if self.of_travel else self.share.at(course))
+
+    def _passage(self, radius: Array) -> Array:
+        """Share of the course still to come when the edge passes a radius, continued beyond [0, 1]."""
+        to_come = (self.end - radius) / self.travel
+        return to_come if self.of_travel else self.share.inverse(to_come)
 
     def recent_change(
         self,
-        fall: Callable[[Array, Array], Array],
+        fall: Fall,
         radius: Array,
         y: Array,
         begin: Array,
@@ -185,7 +240,7 @@ class BentPath:
         Parameters
         ----------
         fall : callable
-            ``S`` of a distance from the edge, a square root near it, and the share still to come.
+            ``S`` of a distance from the edge, a square root near it, and the share of :meth:`course` gone by.
         radius : ndarray (m,)
             Radii that the edge does not pass between them.
         y : ndarray (K,)
@@ -201,44 +256,47 @@ class BentPath:
 
         Notes
         -----
-        By parts; what remains is smooth in the root of the time from the passage of the edge, within or
+        By parts; what remains is smooth in the root of the course from the passage of the edge, within or
         beyond the step.
         """
         radius, begin, end = radius[:, None], begin[:, None], end[:, None]
-        ends = np.concatenate((begin, end), axis=1)
-        at_ends = fall(self.distance(radius, ends), ends)
+        first, last = self.course(begin), self.course(end)
+        ends = np.concatenate((first, last), axis=1)
+        at_ends = fall(np.abs(radius - self._edge(ends)), 1.0 - ends)
         left_of_begin = np.exp(y * (end - begin)) - even
         change = (1.0 - even) * at_ends[:, 1:] - left_of_begin * at_ends[:, :1]
         remembered = y * float((begin - end).max(initial=0.0)) <= _FORGOTTEN
         forgets = ~remembered
         if remembered.any():
-            change[:, remembered] -= self._lagging(fall, radius, y[remembered], begin, end)
+            change[:, remembered] -= self._lagging(fall, radius, y[remembered], end, first, last)
         if forgets.any():
-            first = np.minimum(begin, end + _FORGOTTEN / y[forgets])
-            change[:, forgets] -= self._lagging(fall, radius, y[forgets], first, end)
+            since = self.course(np.minimum(begin, end + _FORGOTTEN / y[forgets]))
+            change[:, forgets] -= self._lagging(fall, radius, y[forgets], end, since, last)
         return change
 
-    def _lagging(
-        self, fall: Callable[[Array, Array], Array], radius: Array, y: Array, begin: Array, end: Array
-    ) -> Array:
-        """``int S(|r - a(t)|, t) d exp(-(t_end - t)/theta)`` (m, K) between two shares still to come.
+    def _lagging(self, fall: Fall, radius: Array, y: Array, end: Array, first: Array, last: Array) -> Array:
+        """``int S(|r - a(t)|, t) d exp(-(t_end - t)/theta)`` (m, K) between two shares of the course to come.
 
-        ``radius`` and ``end`` are (m, 1). ``begin`` is (m, K), or (m, 1) if it is the same for all branches:
-        ``S`` is then read once for all of them, and that is what costs.
+        ``radius``, ``last`` and ``end``, the share of the step then still to come, are (m, 1). ``first`` is
+        (m, K), or (m, 1) if it is the same for all branches: ``S`` is then read once for all of them, and
+        that is what costs.
         """
-        passage = self.left(radius)
-        before = passage >= 0.5 * (begin + end)  # the passage lies before, not after
+        passage = self._passage(radius)
+        before = passage >= 0.5 * (first + last)  # the passage lies before, not after
         away = np.where(before, -1.0, 1.0)
-        nearest = np.where(before, np.minimum(begin, passage), np.maximum(end, passage))
+        nearest = np.where(before, np.minimum(first, passage), np.maximum(last, passage))
         near = np.sqrt(away * (nearest - passage))
         length = float(y.max())
         points, weights = next(rule for longest, rule in _RULES.items() if length <= longest)
         # from the nearest share, not from the passage: an edge that hardly moves passes 1e16 steps away
-        ways = np.maximum(away * (np.where(before, end, begin) - nearest), 0.0)
+        ways = np.maximum(away * (np.where(before, last, first) - nearest), 0.0)
         reach = ways / np.maximum(near + np.sqrt(near**2 + ways), SMALLEST)
         beyond = reach[..., None] * points
         z = near[..., None] + beyond
-        left = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)
-        values = fall(self.distance(radius[..., None], left), left) * z
+        course = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)
+        values = fall(np.abs(radius[..., None] - self._edge(course)), 1.0 - course) * z
+        if self.of_travel:
+            values *= self.share.slope(course)
+        left = self.share.at(course) if self.of_travel else course
         memory = np.exp(y[:, None] * (end[..., None] - left))  # (m, K, points)
         return 2.0 * y * reach * ((values * memory) @ weights)

@@ -77,15 +77,19 @@ class LoadControl:
     def _ending(self, motion: Motion, surface: ContactSurface) -> Motion:
         """The motion whose end is that of a surface."""
         fall = None if motion.fall is None else motion.fall.towards(surface)
-        return replace(motion, fall=fall, load_bend=self._load_bend(motion, surface))
+        rise, bend = self._load_course(motion, surface)
+        return replace(motion, fall=fall, load_rise=rise, load_bend=bend)
 
-    def _load_bend(self, motion: Motion, surface: ContactSurface) -> float:
-        """``c`` of the load through the earlier row: at the edge of a curved path, or ahead of another."""
-        earlier = self.earlier
-        if earlier is None or earlier.load is None or (motion.path is not None and earlier.fall is None):
-            return 0.0
+    def _load_course(self, motion: Motion, surface: ContactSurface) -> tuple[float, float]:
+        """Rise and bend of the load through the earlier row: at the edge of its path, or ahead of others."""
+        earlier, path = self.earlier, motion.path
+        if earlier is None or earlier.load is None or (path is not None and earlier.fall is None):
+            return 0.0, 0.0
         start, end = (of.load_ahead(earlier.ahead) for of in (self.state.surface, surface))
-        return parabola_bend((earlier.time, earlier.load), start, motion.duration, end)
+        if path is not None and path.of_travel and earlier.edge is not None:
+            ago = (motion.edge - earlier.edge) / path.travel
+            return end - start, parabola_bend((ago, earlier.load), start, 1.0, end)
+        return end - start, parabola_bend((earlier.time, earlier.load), start, motion.duration, end)
 
     def _controlled(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration, and surface, that the control asks for."""

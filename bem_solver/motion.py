@@ -54,12 +54,10 @@ class CarriedDisplacement:
         -------
         ndarray (m, K)
         """
-
-        def of(distance: Array, left: Array) -> Array:
-            return self.fall(distance, 1.0 - left)
-
         share, y = (1.0 - end)[:, None], duration / chain.relaxation
-        change = self.path.recent_change(of, radius, y, np.ones_like(end), end, chain.spread(share * y))
+        change = self.path.recent_change(
+            self.fall, radius, y, np.ones_like(end), end, chain.spread(share * y)
+        )
         return chain.stress_rate * (self.bend * share**2 * chain.spread_bent(share * y) - change)
 
 
@@ -69,8 +67,8 @@ class Motion:
 
     ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step.
     ``path`` is that of an edge whose speed is not constant, and ``fall`` then takes the place of the square
-    root, or both None; ``load_bend`` is ``c`` in the load at the edge of a path, or ahead of any
-    other edge, after a share s of the step: ``... + c s (s - 1)``.
+    root, or both None; ``load_rise`` and ``load_bend`` are R and c in the load at the edge of a path, or
+    ahead of others, after a share s of the step, or of the course of its path: ``... + R s + c s (s - 1)``.
     ``earlier`` a row (time before the start, penetration) through which the penetration is a parabola, where
     it is prescribed its value within the step (time negative), or None where it is linear.
     ``carried`` is the displacement ahead of an edge that advances over process zones, where it is known.
@@ -88,6 +86,7 @@ class Motion:
     path: BentPath | None = None
     fall: OuterFall | None = None
     earlier: tuple[float, float] | None = None
+    load_rise: float = 0.0
     load_bend: float = 0.0
     carried: CarriedDisplacement | None = None
 
@@ -127,12 +126,14 @@ class Motion:
         if path is None or fall is None:
             raise ValueError("the edge has no path")
 
-        def of(distance: Array, left: Array) -> Array:
-            return fall(distance, 1.0 - left)
+        def lacking(distance: Array, come: Array) -> Array:
+            return fall(distance, come) - come * (self.load_rise - self.load_bend * (1.0 - come))
 
         y = self.duration / chain.retardation
         even = chain.spread((begin - end)[:, None] * y)
-        change = -path.recent_change(of, radius, y, begin, end, even)
+        if path.of_travel:
+            return -chain.lag_rate * path.recent_change(lacking, radius, y, begin, end, even)
+        change = -path.recent_change(fall, radius, y, begin, end, even)
         return chain.lag_rate * change + self.lags_of_bend(chain, begin - end)
 
     def lags_of_bend(self, chain: Chain, share: Array) -> Array | float:

@@ -22,6 +22,9 @@ _ANNULI_OF_ESTIMATE = 24
 _FINER_AT_EDGE = 8.0
 """By how much graded annuli are finer at the edge than the resolution asks of the process zone: it costs a
 few annuli, and the relaxing layer behind a slowly advancing edge errs by the square of that step."""
+_AT_CENTRE = 1.5
+"""Graded annuli per unit of the angle, in divisions: behind a slow edge, whose steps are long, they miss more
+than the steps do with fewer, and they cost next to nothing."""
 _SMALLEST_GRADING = 1e-5
 """Smallest step of graded annuli at the edge over that at the centre: below it the elliptic functions lose
 digits, and no process zone above 1e-10 of the radius asks for it."""
@@ -74,10 +77,11 @@ def _annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
 def graded_annuli(divisions: int, step: float) -> tuple[int, float]:
     """Number and grading of annuli that resolve a ``step`` of the angle at the edge.
 
-    At the centre the step is ``1/divisions``; the number grows with the logarithm of the one over the other.
+    At the centre the step is ``2/(3 divisions)``; the number grows with the logarithm of the one over the
+    other.
     """
     grading = min(max(divisions * step / _FINER_AT_EDGE, _SMALLEST_GRADING), 1.0)
-    return max(int(np.ceil(divisions * ellipkm1(grading**2))), FEWEST_ANNULI), grading
+    return max(int(np.ceil(_AT_CENTRE * divisions * ellipkm1(grading**2))), FEWEST_ANNULI), grading
 
 
 def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float, divisions: int) -> float:

@@ -313,7 +313,14 @@ class TrialStep(StepStart):
         if len(rows) > 2 and last.edge < before.edge < rows[-3].edge:
             further = last.parameter - rows[-3].parameter, rows[-3].edge
         curved = self._as_earlier(before)
-        return replace(curved, load=before.edge_load, ahead=0.0, fall=self._fall, further=further)
+        return replace(
+            curved,
+            load=before.edge_load,
+            ahead=0.0,
+            fall=self._fall,
+            further=further,
+            of_travel=self.state.accepted.time_is_smoother,
+        )
 
     def _as_earlier(self, row: AcceptedRow) -> EarlierRow:
         """An accepted row as the earlier one of a parabola."""

@@ -85,6 +85,26 @@ class AcceptedSteps:
         """Whether there are rows enough for a parabola."""
         return len(self.rows) > 2
 
+    @property
+    def time_is_smoother(self) -> bool:
+        """Whether a parabola of the parameter over the edge meets the last rows better than one of the edge.
+
+        So it is before a limit point, where the edge runs away, and after a start with a leap; not where the
+        edge sets out from rest.
+        """
+        if len(self.rows) < 4:
+            return False
+        (t0, a0, *_), *rest = [
+            (t - self.rows[-1].parameter, a - self.rows[-1].edge) for t, a, *_ in self.rows[-4:]
+        ]
+        travels = [later.edge - earlier.edge for earlier, later in pairwise(self.rows[-4:])]
+        if not (min(travels) > 0.0 or max(travels) < 0.0):
+            return False
+        times, edges = [t for t, _ in rest], [a for _, a in rest]
+        missed_edge = (_parabola(times, edges, t0) - a0) / travels[0]
+        missed_time = (_parabola(edges, times, a0) - t0) / (times[0] - t0)
+        return abs(missed_time) < abs(missed_edge)
+
     def rates(self, step: float) -> tuple[float, float]:
         """Rates of edge and load over the accepted steps, as far back as ``step`` is long.
 
@@ -190,6 +210,12 @@ class AcceptedSteps:
                 return math.inf
             turn -= slope / bend
         return turn
+
+
+def _parabola(x: list[float], y: list[float], at: float) -> float:
+    """The parabola through three points, at another place."""
+    early, late = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
+    return y[2] + (at - x[2]) * (late + (at - x[1]) * (late - early) / (x[2] - x[0]))
 
 
 def departure_from_line(extrapolation_error: float, scale: float) -> float:

@@ -134,7 +134,8 @@ def _motion(
         row = row or (earlier.time, earlier.penetration)
     if earlier is not None and earlier.edge is not None and earlier.fall is not None:
         if edge != state.edge:
-            path = BentPath.through((earlier.time, earlier.edge), state.edge, duration, edge, earlier.further)
+            rows = [(earlier.time, earlier.edge), *([earlier.further] if earlier.further else [])]
+            path = BentPath.through(rows, state.edge, duration, edge, earlier.of_travel)
             fall = earlier.fall
     elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)
