@@ -95,7 +95,8 @@ class LoadControl:
         """Motion with the penetration, and surface, that the control asks for."""
         self.problem.counters.linear_solves += 1
         if self.control == "penetration":
-            motion = replace(motion, new_penetration=self.value)
+            if motion.new_penetration != self.value:
+                motion = replace(motion, new_penetration=self.value)
             return motion, self._surface(motion)
         # everything is affine in the new penetration
         start = self.state.penetration

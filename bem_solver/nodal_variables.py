@@ -90,7 +90,7 @@ class NodalVariables:
         x = radius
         if self.kinks:
             base = self._origin.take(i)
-            x = np.where(np.isnan(base), radius, np.sqrt(np.maximum(radius - base, 0.0)))
+            x = np.where(base == base, np.sqrt(np.maximum(radius - base, 0.0)), radius)
         z = np.minimum(np.maximum((x - start.take(i)) / width.take(i), 0.0), 1.0)[:, None]
         cubics = self._cubics.take(i, axis=0)
         return cubics[:, 0] + z * (cubics[:, 1] + z * (cubics[:, 2] + z * cubics[:, 3]))
@@ -104,9 +104,13 @@ class NodalVariables:
         strength : ndarray (k, K)
             ``s`` in ``values = ... + s sqrt(r - radius)``.
         """
-        first = np.array([low for low in self._bounds[:-1] if low > 0], np.intp)
-        _, width = self._intervals
-        return self.radius[first], self._cubics[first, 1] / width[first, None]
+        sections = [section for section in pairwise(self._bounds) if section[0] > 0]
+        width, strength = self._intervals[1], np.empty((len(sections), self.values.shape[1]))
+        for strengths, (low, high) in zip(strength, sections, strict=True):
+            last = min(low + 2, high)
+            rise = self.values[low + 1 : last + 1] - self.values[low:last]
+            strengths[:] = _slopes(width[low:last, None], rise)[0]
+        return self.radius[[low for low, _ in sections]], strength
 
     def with_distinct_kinks(self, faded: float, edge: float, apart: float) -> NodalVariables:
         """Without kinks whose root has faded, and without one of two that the edge cannot tell apart.

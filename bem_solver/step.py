@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from functools import cache, cached_property
+from typing import NamedTuple
 
 from scipy.optimize import brentq
 
@@ -70,6 +71,15 @@ class Candidate:
     speed_jumps: bool = False
 
 
+class _StepEnd(NamedTuple):
+    """End of a trial step but for the edge, as :func:`~bem_solver.trial.evaluate` takes it."""
+
+    duration: float
+    value: float
+    earlier: EarlierRow | None
+    within: tuple[float, float] | None
+
+
 @dataclass(frozen=True)
 class TrialStep(StepStart):
     """A step of length ``step`` from the committed state along a loading interval.
@@ -81,6 +91,7 @@ class TrialStep(StepStart):
     """
 
     step: float
+    _ends: dict[float, _StepEnd] = field(init=False, compare=False, default_factory=dict)
 
     @property
     def end(self) -> float:
@@ -284,16 +295,23 @@ class TrialStep(StepStart):
         return trial.closure - adhesion.work
 
     def _trial(self, parameter: float, edge: float) -> TrialContact:
-        interval, contact = self.interval, self.state.contact
-        duration = 0.0 if interval.jump else interval.time(parameter) - contact.time
-        prescribed = interval.prescribed(parameter)
-        earlier = self._earlier(duration)
+        if parameter not in self._ends:
+            self._ends[parameter] = self._end(parameter)
+        end, control = self._ends[parameter], self.interval.control
+        return evaluate(
+            self.problem, self.state.contact, end.duration, edge, control, end.value, end.earlier, end.within
+        )
+
+    def _end(self, parameter: float) -> _StepEnd:
+        """What trials that end at a parameter have in common."""
+        interval = self.interval
+        duration = 0.0 if interval.jump else interval.time(parameter) - self.state.contact.time
         within = None
         if interval.control == "penetration" and duration > 0.0:
             share = self.problem.chain.share_to_meet(duration)
             start = self.state.parameter
             within = share * duration, interval.prescribed(start + share * (parameter - start))
-        return evaluate(self.problem, contact, duration, edge, interval.control, prescribed, earlier, within)
+        return _StepEnd(duration, interval.prescribed(parameter), self._earlier(duration), within)
 
     def _earlier(self, duration: float) -> EarlierRow | None:
         """The row before the last, with its edge where the step takes the edge far enough for a curved path.

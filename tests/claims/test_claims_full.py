@@ -8,10 +8,9 @@ from multiprocessing import get_context
 
 import pytest
 
-from contact_scene import Scene
 from validation.claims.all import CLAIMS, findings
 from validation.claims.claim import Verdict
-from validation.claims.evidence import DEPTH, SOLVER, Evidence, collect, gather, required_runs
+from validation.claims.evidence import SOLVER, Evidence, collect, gather, required_runs
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.tasks import run_tasks
 from validation.report.figures.paper_figures import FIGURES, draw_figure
@@ -20,15 +19,7 @@ from validation.solvers import SOLVERS
 LONG = 10.0
 """Expected seconds of a run that the slow tests leave out: some hundred cycles of an oscillation."""
 COARSE = 6
-"""Annuli per zone in the sweeps over rests and preloads: half the default gives the same verdicts."""
-
-
-def resolution(scene: Scene, solver: str) -> int | None:
-    """Of a run among the slow tests."""
-    loading = scene.loading
-    rests = any(step.kind == "hold" for step in loading.steps)
-    preloaded = loading.start == "relaxed" and loading.penetration != DEPTH
-    return COARSE if solver == SOLVER and (rests or preloaded) else None
+"""Annuli per zone of the boundary elements: half the default gives the same verdicts."""
 
 
 def processes() -> ProcessPoolExecutor:
@@ -42,7 +33,7 @@ def short_runs() -> Evidence:
         for case, solver in required_runs()
         if SOLVERS[solver].expected_cost(case.scene).seconds < LONG
     ]
-    tasks = [run_task(case, solver, resolution(case.scene, solver)) for case, solver in asked]
+    tasks = [run_task(case, solver, COARSE if solver == SOLVER else None) for case, solver in asked]
     with processes() as executor:
         runs = map(run_of, run_tasks(tasks, executor))
         return collect(asked, {(run.scene, run.solver): run for run in runs})
