@@ -379,7 +379,7 @@ def test_edge_returns_over_what_it_has_left_and_beyond():
     assert_allclose(trace.contact_radius[-1], 1.736266741e-4, rtol=2e-4)  # by front tracking
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_third_opening_of_an_oscillation_over_a_short_zone():
     """Each turn leaves a place of rest; the edge meets the first ones again. Radius by front tracking.
 

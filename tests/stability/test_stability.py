@@ -251,7 +251,7 @@ def test_elements_follow_the_edge_up_to_its_last_root():
 @pytest.mark.parametrize("axis", ["step", "scale", "speed"])
 def test_whole_axes_hold(axis):
     asked = AXES[axis]()
-    asked = {"step": asked, "scale": asked[1::2], "speed": asked[1::3]}[axis]
+    asked = {"step": asked[::2], "scale": asked[1::2], "speed": asked[1::3]}[axis]
     matrix = run(asked, jobs=2)
     assert [(cell.name, cell.worst, cell.error) for cell in matrix.faults] == []
     assert {cell.verdict for cell in matrix.cells} == {CellVerdict.WITHIN}
