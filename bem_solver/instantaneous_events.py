@@ -158,10 +158,6 @@ def released(start: StepStart) -> tuple[HalfSpaceState, Energies]:
     state, interval = start.state, start.interval
     free = ContactSurface.free(start.problem.annuli)
     stage = interval.prescribed(state.parameter)
-    if interval.control == "force":
-        stage = (
-            state.contact.penetration + start.problem.scene.loading.compliance * state.contact.surface.force
-        )
     contact, adhesion = state.contact, start.problem.irreversible
     after = HalfSpaceState(contact.time, stage, free, contact.history)
     if adhesion is not None:

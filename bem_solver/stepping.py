@@ -294,7 +294,7 @@ class GradedRun:
         if isinstance(event, Outcome) or event.event:
             state.record.event("pull-off" if receding else "snap-in", state.contact)
         lost = isinstance(event, Outcome) and event.kind is OutcomeKind.DETACHED
-        if lost and self.problem.scene.loading.compliance > 0.0:
+        if lost and start.interval.control == "stage":
             state.contact, state.energies = released(start)
             state.record.row(self.problem.chain, state.contact, state.energies)
         return self._after_event(event, start.interval, report)

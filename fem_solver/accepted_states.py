@@ -192,7 +192,7 @@ class AcceptedStates:
             reason = f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
         control = cast("Control", candidate.problem.control)
-        self._pulled_off(self._limit_point(control))
+        self._pulled_off(control, self._limit_point(control))
 
     def _limit_point(self, control: Control) -> LimitPoint | None:
         """Where contact is lost, as the rows since the last instability tell it."""
@@ -204,10 +204,11 @@ class AcceptedStates:
         rows = np.array(content.rows)[:, 1:4]
         return limit_point(rows, element, control, self.setup.compliance)
 
-    def _pulled_off(self, at: LimitPoint | None = None) -> NoReturn:
+    def _pulled_off(self, control: Control, at: LimitPoint | None = None) -> NoReturn:
         self.recorder.event("pull-off", at)
         reason = f"contact lost at penetration {self.state.penetration:.6g}"
-        if self.setup.compliance > 0.0:  # the spring takes the indenter to where the stage is
+        # the spring takes the indenter to where the stage is; a given force takes the stage along
+        if self.setup.compliance > 0.0 and control != "force":
             stage = self.state.penetration + self.setup.compliance * self.state.force
             self._commit(self.solver.held(0.0, "stage", stage, 0.0), contact=False)
         self._end(OutcomeKind.DETACHED, reason)
@@ -222,7 +223,7 @@ class AcceptedStates:
         assert isinstance(law, AdhesiveEdge)
         reached = zone_reached(self.solver, law.taken, load)
         if reached is None:
-            self._pulled_off()
+            self._pulled_off(load(0.0)[1])
         self.time += reached.dt
         self._commit(reached)
         forces = [row[2] for row in self.recorder.content.rows]

@@ -77,6 +77,18 @@ def test_contact_is_lost_at_the_limit_point_of_the_stage(solver, share):
     assert trace.external_work[-1] == pytest.approx(along, rel=2e-2)
 
 
+@pytest.mark.parametrize("name", SOLVERS)
+def test_a_given_force_takes_the_stage_along_where_it_tears_the_contact(name):
+    """At constant stage this one would not tear: energy would be gained. The last row is in contact."""
+    limit = LAW.pull_off_force_control()
+    pull = ForceRamp(1.5 * limit.force, 1e-3)
+    trace = SOLVERS[name].solve(scene(ELASTIC, pull, machine=Machine(3.0 * STIFFNESS)))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.force[-1] == pytest.approx(limit.force, rel=5e-3)
+    assert trace.contact_radius[-1] > 0.9 * limit.contact_radius
+    assert trace.columns()["instability_loss"][-1] == 0.0
+
+
 @every_solver
 def test_rigid_spring_is_no_spring_bit_for_bit(solver):
     plain = scene(RELAXING, Ramp(0.004, 0.1))

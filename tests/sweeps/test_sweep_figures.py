@@ -39,6 +39,19 @@ def test_one_coordinate_gives_a_curve():
     assert line.get_ydata().tolist() == pytest.approx(np.sqrt(np.arange(1.0, 6.0)).tolist())
 
 
+def test_one_value_gives_a_point():
+    (axes,) = drawn(dataset(1))
+    assert axes.lines[0].get_ydata().tolist() == [1.0]
+
+
+@pytest.mark.parametrize("hole", [False, True])
+def test_words_are_drawn_side_by_side(hole):
+    data = dataset(2, 1, hole=hole).assign_coords(speed=["jump-in", "relaxed"])
+    (axes,) = drawn(data)
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["jump-in", "relaxed"]
+    assert np.isfinite(axes.lines[0].get_ydata()).tolist() == [not hole, True]
+
+
 def test_two_coordinates_give_a_map_with_contours_and_holes_are_said():
     (axes,) = drawn(dataset(5, 4))
     mesh, contours = axes.collections

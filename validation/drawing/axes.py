@@ -23,6 +23,8 @@ def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float
     grid_width : float
         Points.
     """
+    from matplotlib.ticker import ScalarFormatter
+
     axes.grid(True, which="major", color=GRID, linewidth=grid_width)
     axes.set_axisbelow(True)
     for one in (axes, *axes.child_axes):
@@ -33,7 +35,8 @@ def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float
         for axis in (one.xaxis, one.yaxis):
             axis.label.set_color(INK)
             axis.get_offset_text().set_color(INK)
-        if one.get_xscale() == "linear":
+        # numbers: neither words nor logarithms
+        if isinstance(one.xaxis.get_major_formatter(), ScalarFormatter):
             one.ticklabel_format(axis="x", style="sci", scilimits=powers, useOffset=False)
-        if one.get_yscale() == "linear":
+        if isinstance(one.yaxis.get_major_formatter(), ScalarFormatter):
             one.ticklabel_format(axis="y", style="sci", scilimits=powers, useOffset=False)

@@ -59,8 +59,9 @@ def _figure(data: xarray.Dataset, name: str) -> Figure:
     numeric = [dim for dim in dimensions if np.issubdtype(data[dim].dtype, np.number) and data[dim].size > 1]
     words = [dim for dim in dimensions if dim not in numeric]
     numeric.sort(key=lambda dim: -data[dim].size)
-    across = numeric[:2] if len(numeric) > 1 else numeric[:1]
-    outer = [dim for dim in (*numeric[2:], *words) if data[dim].size > 1]
+    varied = [dim for dim in words if data[dim].size > 1]
+    across = numeric[:2] or varied[:1] or dimensions[:1]
+    outer = [dim for dim in (*numeric[2:], *varied) if dim not in across]
     measure = measure.squeeze([dim for dim in dimensions if dim not in across and dim not in outer])
     if len(across) == 1 and outer and math.prod(data[dim].size for dim in outer) <= MOST_CURVES:
         return _curves(data, name, measure, across[0], outer)
@@ -72,7 +73,7 @@ def _figure(data: xarray.Dataset, name: str) -> Figure:
         if len(across) == 2:
             picture = _map(one, data, part, across[0], across[1], limits)
         else:
-            _curve(one, data, name, part, across[0] if across else outer[0], 0, "")
+            _curve(one, data, name, part, across[0], 0, "")
         one.set_title(_title(data, chosen), fontsize="small")
     if len(across) == 2:
         bar = figure.colorbar(picture, ax=axes, shrink=0.9 if len(panels) == 1 else 0.6)
