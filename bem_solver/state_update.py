@@ -175,6 +175,8 @@ def _new_history(
     kinks, direction, turning, farthest = updated_kinks(
         state.history, motion.edge, edge, 8.0 * smallest, EDGE_ACCURACY * tolerance * length
     )
+    if problem.irreversible is not None and motion.duration > 0.0 and edge == motion.edge:
+        direction, farthest = 0, edge  # it rests, and may go on from here the way it came
     fixed = (edge, *kinks) if turning is None or turning == edge else (edge, turning, *kinks)
     rest = turning if turning is not None and turning < edge else None
     if rest is not None:
