@@ -266,9 +266,11 @@ class BentPath:
         left_of_begin = np.exp(y * (end - begin)) - even
         change = (1.0 - even) * at_ends[:, 1:] - left_of_begin * at_ends[:, :1]
         remembered = y * float((begin - end).max(initial=0.0)) <= _FORGOTTEN
-        forgets = ~remembered
+        if remembered.all():
+            return change - self._lagging(fall, radius, y, end, first, last)
         if remembered.any():
             change[:, remembered] -= self._lagging(fall, radius, y[remembered], end, first, last)
+        forgets = ~remembered
         if forgets.any():
             since = self.course(np.minimum(begin, end + _FORGOTTEN / y[forgets]))
             change[:, forgets] -= self._lagging(fall, radius, y[forgets], end, since, last)

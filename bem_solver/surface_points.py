@@ -219,6 +219,12 @@ def displacement_outside(chain: Chain, variables: Array, load: Array) -> Array:
     return load / chain.relaxed - chain.lag(variables @ chain.rotation.T)
 
 
+def _kept(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
+    """Variables of points inside all the time."""
+    rise = motion.new_penetration - points.height - points.displacement
+    return pressed(chain, points.variables, rise, motion.duration, motion.bend)
+
+
 def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array | None) -> Array:
     """Variables of any points at the end of the step.
 
@@ -237,18 +243,18 @@ def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     inside_before, inside_after = points.radius <= motion.edge, points.radius <= motion.new_edge
     if motion.edge <= 0.0:
         inside_before[:] = False
-    result = np.empty_like(points.variables)
     stays = inside_before & inside_after
+    if stays.all():
+        return _kept(chain, points, motion)
+    result = np.empty_like(points.variables)
     if stays.any():
-        some = points[stays]
-        rise = motion.new_penetration - some.height - some.displacement
-        result[stays] = pressed(chain, some.variables, rise, motion.duration, motion.bend)
-    joins = ~inside_before & inside_after
+        result[stays] = _kept(chain, points[stays], motion)
+    joins = inside_after & ~stays
     if joins.any():
         result[joins] = covered(chain, points[joins], motion)
     if new_load is None:
         return result
-    leaves = inside_before & ~inside_after
+    leaves = inside_before & ~stays
     begin = np.ones(len(points))
     if leaves.any():
         some = points[leaves]
