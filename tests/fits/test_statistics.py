@@ -98,3 +98,10 @@ def test_intervals_of_logarithms_are_factors_and_stay_within_bounds():
     assert one.low == pytest.approx(0.9)
     assert bound_notes([parameter], np.array([np.log(0.9)]), np.array([[0.01]])) == ["held by its bound"]
     assert bound_notes([parameter], np.array([0.5]), np.array([[1.0]])) == ["not determined by these data"]
+
+
+@pytest.mark.parametrize(("size", "holds"), [(0.2, True), (1.0, False)])
+def test_a_shape_below_the_noise_tells_nothing_of_the_model(size, holds):
+    """Of a record without noise what is left is the solver's own error, and goes in waves."""
+    waves = size * np.sqrt(2.0) * np.sin(np.linspace(0.0, 20.0, 400))
+    assert goodness(waves, 3, [("one", waves)], 100.0).explained is holds

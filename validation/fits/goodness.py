@@ -79,8 +79,13 @@ class Goodness:
 
     @property
     def explained(self) -> bool:
-        """Whether the model explains the data within their noise."""
-        return self.probability >= UNLIKELY and all(one.probability >= UNLIKELY for one in self.runs)
+        """Whether the model explains the data within their noise.
+
+        Where residuals are less than noise can be, as of a record without any, their signs tell nothing of it.
+        """
+        below = self.probability > 1.0 - UNLIKELY
+        at_random = all(one.probability >= UNLIKELY for one in self.runs)
+        return self.probability >= UNLIKELY and (below or at_random)
 
 
 def runs_test(curve: str, residuals: Array) -> RunsTest:
