@@ -14,7 +14,7 @@ from validation.fits.afm_files import read_afm, write_afm
 from validation.fits.baseline import features
 from validation.fits.curve_files import read_csv, write_csv
 from validation.fits.curve_model import CurveModel
-from validation.fits.data_checks import check
+from validation.fits.data_checks import check, require_contact
 from validation.fits.decimation import decimated
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.measured_path import straight_lines
@@ -136,6 +136,7 @@ def test_noise_of_the_motion_makes_no_corners():
 def checked(curve, scene=None, free=()):
     scene = scene or elastic_scene()
     model = CurveModel.of(curve, scene)
+    require_contact(model)
     return check(model, ParameterSet((scene_parameter(scene, "material.modulus"),)))
 
 
@@ -150,6 +151,7 @@ def checked(curve, scene=None, free=()):
         (lambda c: {"force": 1e-300 * c.force}, "at least 1e-60"),
         (lambda c: {"penetration": 0.0 * c.motion}, "does not move"),
         (lambda c: {"force": 1e-4 * np.random.default_rng(0).standard_normal(c.time.size)}, "no contact"),
+        (lambda c: {"force": 0.0 * c.force}, "no contact"),
         (lambda c: {"penetration": c.motion - 0.05}, "never comes to 0"),
     ],
 )

@@ -27,6 +27,20 @@ COARSE = 0.2
 """Change between neighbouring rows over the range of the force, jumps aside, that is coarse sampling."""
 
 
+def require_contact(model: CurveModel) -> None:
+    """Refuse a curve whose force is noise alone: ranges of its parameters would be empty.
+
+    Raises
+    ------
+    SceneError
+        One line.
+    """
+    seen = model.features
+    if seen.last - seen.first < 2:
+        problem = f"never leaves its noise of {seen.noise:.3g}: no contact"
+        raise SceneError("force", problem, "a record with contact", model.curve.name)
+
+
 def check(model: CurveModel, parameters: ParameterSet) -> list[str]:
     """Warnings about a curve.
 
@@ -42,11 +56,6 @@ def check(model: CurveModel, parameters: ParameterSet) -> list[str]:
 
     inside = slice(seen.first, seen.last)
     force, motion = curve.force, curve.position
-    rows = seen.last - seen.first
-    if rows < 2:
-        raise error(
-            "force", f"never leaves its noise of {seen.noise:.3g}: no contact", "a record with contact"
-        )
     column = "penetration" if curve.penetration is not None else "stage"
     _check_columns(model, column)
     if np.ptp(motion[inside]) > 0.0 and np.ptp(force[inside]) > 0.0:

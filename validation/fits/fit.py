@@ -122,6 +122,8 @@ def _prepared(
     """
     shortened = [decimated(curve) for curve in curves]
     models = [CurveModel.of(curve, scene) for curve, _ in shortened]
+    for model in models:
+        data_checks.require_contact(model)
     parameters = ParameterSet(tuple(unknowns(models, scene, settings)))
     _check_profiles(parameters, settings)
     warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]

@@ -81,7 +81,7 @@ class Goodness:
     def explained(self) -> bool:
         """Whether the model explains the data within their noise.
 
-        Where residuals are less than noise can be, as of a record without any, their signs tell nothing of it.
+        Where residuals are less than noise can be, as of a record without any, their signs tell nothing.
         """
         below = self.probability > 1.0 - UNLIKELY
         at_random = all(one.probability >= UNLIKELY for one in self.runs)
