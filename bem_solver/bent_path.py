@@ -48,8 +48,9 @@ class EarlierRow:
 
     With adhesion also its ``edge`` and its ``load``, ``v`` at a distance ``ahead`` outside the edge. Where
     the edge has a curved path, ``ahead`` is zero and ``fall`` that of the load outside the last row;
-    ``further`` are time before the last and edge of the row before this one, where that path is a cubic, and
-    ``of_travel`` tells whether it is one of the time over the edge.
+    ``further`` are time before the last and edge of the row before this one, where that path is a cubic,
+    ``of_travel`` tells whether it is one of the time over the edge, and ``load_of_travel`` whether the load
+    goes with the edge there.
     """
 
     time: float
@@ -60,6 +61,7 @@ class EarlierRow:
     fall: OuterFall | None = None
     further: tuple[float, float] | None = None
     of_travel: bool = False
+    load_of_travel: bool = False
 
 
 def _root_of_parabola(first: float, second: float, value: Array) -> Array:
@@ -152,13 +154,15 @@ class BentShare:
 class BentPath:
     """Way of the edge to ``end``: the share of its ``travel`` still to come over that of the time.
 
-    ``share`` is the former over the latter, or, ``of_travel``, the latter over the former.
+    ``share`` is the former over the latter, or, ``of_travel``, the latter over the former. ``load_of_travel``
+    tells whether what acts at the edge goes evenly with its travel there, or with the time.
     """
 
     end: float
     travel: float
     share: BentShare = BentShare()
     of_travel: bool = False
+    load_of_travel: bool = False
 
     @classmethod
     def straight(cls, edge: float, end: float) -> BentPath:
@@ -173,6 +177,7 @@ class BentPath:
         duration: float,
         end: float,
         of_travel: bool = False,
+        load_of_travel: bool = False,
     ) -> BentPath:
         """The parabola, or the cubic, through earlier rows and both ends of a step.
 
@@ -184,6 +189,8 @@ class BentPath:
             Edge at the start, length of the step, and edge at its end.
         of_travel : bool, optional
             Whether the time is the polynomial, over the edge, if that has come the same way.
+        load_of_travel : bool, optional
+            Whether the load at the edge goes with the travel then.
 
         Returns
         -------
@@ -192,7 +199,9 @@ class BentPath:
         travel = end - edge
         shares = [(1.0 + time / duration, (end - before) / travel) for time, before in rows]
         if of_travel and all(before > now for (_, before), (_, now) in pairwise([*shares[::-1], (1.0, 1.0)])):
-            return cls(end, travel, BentShare.through([(way, time) for time, way in shares]), True)
+            return cls(
+                end, travel, BentShare.through([(way, time) for time, way in shares]), True, load_of_travel
+            )
         return cls(end, travel, BentShare.through(shares))
 
     def edge(self, left: Array) -> Array:
@@ -214,8 +223,12 @@ class BentPath:
         return 1.0 / ratio if self.of_travel else ratio
 
     def course(self, left: Array) -> Array:
-        """Share still to come of what loads at the edge go evenly with: of its travel, or of the step."""
+        """Share still to come of what the path is a polynomial of: of its travel, or of the step."""
         return self.share.inverse(left) if self.of_travel else left
+
+    def left_of_load(self, left: Array) -> Array:
+        """Share still to come of what the load at the edge goes evenly with: of the travel, or the step."""
+        return self.course(left) if self.load_of_travel else left
 
     def _edge(self, course: Array) -> Array:
         """Edge with a share of its course still to come."""
@@ -240,7 +253,8 @@ class BentPath:
         Parameters
         ----------
         fall : callable
-            ``S`` of a distance from the edge, a square root near it, and the share of :meth:`course` gone by.
+            ``S`` of a distance from the edge, a square root near it, and the share gone by, the rest of
+            :meth:`left_of_load`.
         radius : ndarray (m,)
             Radii that the edge does not pass between them.
         y : ndarray (K,)
@@ -262,7 +276,8 @@ class BentPath:
         radius, begin, end = radius[:, None], begin[:, None], end[:, None]
         first, last = self.course(begin), self.course(end)
         ends = np.concatenate((first, last), axis=1)
-        at_ends = fall(np.abs(radius - self._edge(ends)), 1.0 - ends)
+        left = ends if self.load_of_travel else np.concatenate((begin, end), axis=1)
+        at_ends = fall(np.abs(radius - self._edge(ends)), 1.0 - left)
         left_of_begin = np.exp(y * (end - begin)) - even
         change = (1.0 - even) * at_ends[:, 1:] - left_of_begin * at_ends[:, :1]
         remembered = y * float((begin - end).max(initial=0.0)) <= _FORGOTTEN
@@ -296,9 +311,10 @@ class BentPath:
         beyond = reach[..., None] * points
         z = near[..., None] + beyond
         course = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)
-        values = fall(np.abs(radius[..., None] - self._edge(course)), 1.0 - course) * z
+        left = self.share.at(course) if self.of_travel else course
+        of_load = course if self.load_of_travel else left
+        values = fall(np.abs(radius[..., None] - self._edge(course)), 1.0 - of_load) * z
         if self.of_travel:
             values *= self.share.slope(course)
-        left = self.share.at(course) if self.of_travel else course
         memory = np.exp(y[:, None] * (end[..., None] - left))  # (m, K, points)
         return 2.0 * y * reach * ((values * memory) @ weights)

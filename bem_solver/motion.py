@@ -68,7 +68,7 @@ class Motion:
     ``singular`` is the coefficient in ``v = ... - singular sqrt(r - a)``, taken at the start of the step.
     ``path`` is that of an edge whose speed is not constant, and ``fall`` then takes the place of the square
     root, or both None; ``load_rise`` and ``load_bend`` are R and c in the load at the edge of a path, or
-    ahead of others, after a share s of the step, or of the course of its path: ``... + R s + c s (s - 1)``.
+    ahead of others, after a share s of the step, or of the travel: ``... + R s + c s (s - 1)``.
     ``earlier`` a row (time before the start, penetration) through which the penetration is a parabola, where
     it is prescribed its value within the step (time negative), or None where it is linear.
     ``carried`` is the displacement ahead of an edge that advances over process zones, where it is known.
@@ -131,7 +131,7 @@ class Motion:
 
         y = self.duration / chain.retardation
         even = chain.spread((begin - end)[:, None] * y)
-        if path.of_travel:
+        if path.load_of_travel:
             return -chain.lag_rate * path.recent_change(lacking, radius, y, begin, end, even)
         change = -path.recent_change(fall, radius, y, begin, end, even)
         return chain.lag_rate * change + self.lags_of_bend(chain, begin - end)

@@ -86,24 +86,24 @@ class AcceptedSteps:
         return len(self.rows) > 2
 
     @property
-    def time_is_smoother(self) -> bool:
-        """Whether a parabola of the parameter over the edge meets the last rows better than one of the edge.
+    def smoother_over_edge(self) -> tuple[bool, bool]:
+        """Whether the path, and the load at the edge, are smoother over the edge than over the parameter.
 
-        So it is before a limit point, where the edge runs away, and after a start with a leap; not where the
-        edge sets out from rest.
+        By how closely parabolas through the last three states meet the one before. The path is before a limit
+        point, where the edge runs away, and after a start with a leap; not where the edge sets out from rest.
+        The load is not where it changes on an edge that hardly moves.
         """
         if len(self.rows) < 4:
-            return False
-        (t0, a0, *_), *rest = [
-            (t - self.rows[-1].parameter, a - self.rows[-1].edge) for t, a, *_ in self.rows[-4:]
-        ]
-        travels = [later.edge - earlier.edge for earlier, later in pairwise(self.rows[-4:])]
+            return False, False
+        rows = self.rows[-4:]
+        travels = [later.edge - earlier.edge for earlier, later in pairwise(rows)]
         if not (min(travels) > 0.0 or max(travels) < 0.0):
-            return False
-        times, edges = [t for t, _ in rest], [a for _, a in rest]
-        missed_edge = (_parabola(times, edges, t0) - a0) / travels[0]
-        missed_time = (_parabola(edges, times, a0) - t0) / (times[0] - t0)
-        return abs(missed_time) < abs(missed_edge)
+            return False, False
+        times = [row.parameter - rows[-1].parameter for row in rows]
+        edges = [row.edge - rows[-1].edge for row in rows]
+        loads = [row.edge_load - rows[-1].edge_load for row in rows]
+        of_time, of_edge = _missed(edges, times) / (times[1] - times[0]), _missed(times, edges) / travels[0]
+        return of_time < abs(of_edge), _missed(edges, loads) < _missed(times, loads)
 
     def rates(self, step: float) -> tuple[float, float]:
         """Rates of edge and load over the accepted steps, as far back as ``step`` is long.
@@ -212,10 +212,11 @@ class AcceptedSteps:
         return turn
 
 
-def _parabola(x: list[float], y: list[float], at: float) -> float:
-    """The parabola through three points, at another place."""
-    early, late = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
-    return y[2] + (at - x[2]) * (late + (at - x[1]) * (late - early) / (x[2] - x[0]))
+def _missed(x: list[float], y: list[float]) -> float:
+    """By how much the parabola through the last three of four points misses the first."""
+    early, late = (y[2] - y[1]) / (x[2] - x[1]), (y[3] - y[2]) / (x[3] - x[2])
+    bend = (late - early) / (x[3] - x[1])
+    return abs(y[3] + (x[0] - x[3]) * (late + (x[0] - x[2]) * bend) - y[0])
 
 
 def departure_from_line(extrapolation_error: float, scale: float) -> float:

@@ -169,8 +169,8 @@ def slow_cycle():
 def test_heat_and_work_of_a_slow_cycle_in_long_steps():
     """All the way: at the end alone errors of either sign cancel."""
     heat, work = slow_cycle()
-    assert np.abs(heat).max() < 4e-4
-    assert abs(work) < 8e-5
+    assert np.abs(heat).max() < 6e-4
+    assert abs(work) < 4e-5
 
 
 @pytest.mark.slow
@@ -188,7 +188,7 @@ def test_a_load_at_the_edge_of_the_surface_before_is_seen(monkeypatch):
 def test_a_load_at_the_edge_that_keeps_to_a_straight_line_is_seen(monkeypatch):
     monkeypatch.setattr(load_control, "parabola_bend", lambda *a: 0.0)
     _, work = slow_cycle()
-    assert abs(work) > 1.2e-4
+    assert abs(work) > 6e-5
 
 
 def test_punch_sets_out_after_a_long_press_when_it_should():

@@ -188,7 +188,7 @@ def test_faults_of_the_path_are_seen(fault, monkeypatch):
     if fault == "release time":
         monkeypatch.setattr(BentPath, "left", lambda path, radius: 1.1 * left(path, radius))
     else:
-        through = classmethod(lambda cls, rows, edge, duration, end, of_travel: cls.straight(edge, end))
+        through = classmethod(lambda cls, rows, edge, duration, end, *_: cls.straight(edge, end))
         monkeypatch.setattr(BentPath, "through", through)
     assert abs(pulled(1.3e-3, 4)[0]) > 4e-3
 
@@ -252,14 +252,16 @@ def test_path_of_an_edge_that_runs_away():
     assert_allclose(path.edge(left), np.sqrt(1.0 - end + left * (end - now)), rtol=1e-14)
 
 
-@pytest.mark.parametrize(("power", "smoother"), [(0.5, True), (2.0, False)])
-def test_time_or_edge_whichever_is_smoother(power, smoother):
-    """An edge that runs away as the root of the time that is left, and one that sets out from rest."""
+@pytest.mark.parametrize("runs_away", [True, False])
+@pytest.mark.parametrize("follows", [True, False])
+def test_time_or_edge_whichever_is_smoother(runs_away, follows):
+    """An edge that runs away as the root of the time left, or sets out from rest; load with it, or not."""
     steps = AcceptedSteps()
     for time in (1.0, 2.0, 3.0, 4.0):
-        left = 5.0 - time if smoother else time
-        steps.add(AcceptedRow(time, 1.0 + left**power, 0.0))
-    assert steps.time_is_smoother is smoother
+        edge = 1.0 + (np.sqrt(5.0 - time) if runs_away else -(time**2))
+        load = edge**2 if follows else time**2
+        steps.add(AcceptedRow(time, edge, 0.0, load))
+    assert steps.smoother_over_edge == (runs_away, follows)
 
 
 def test_few_steps_up_to_where_the_edge_runs_away():
