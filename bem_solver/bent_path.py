@@ -48,9 +48,8 @@ class EarlierRow:
 
     With adhesion also its ``edge`` and its ``load``, ``v`` at a distance ``ahead`` outside the edge. Where
     the edge has a curved path, ``ahead`` is zero and ``fall`` that of the load outside the last row;
-    ``further`` are time before the last and edge of the row before this one, where that path is a cubic,
-    ``of_travel`` tells whether it is one of the time over the edge, and ``load_of_travel`` whether the load
-    goes with the edge there.
+    ``further`` are time before the last and edge of the row before this one, where that path is a cubic, and
+    ``of_travel`` tells whether it is one of the time over the edge.
     """
 
     time: float
@@ -61,7 +60,6 @@ class EarlierRow:
     fall: OuterFall | None = None
     further: tuple[float, float] | None = None
     of_travel: bool = False
-    load_of_travel: bool = False
 
 
 def _root_of_parabola(first: float, second: float, value: Array) -> Array:
@@ -154,15 +152,14 @@ class BentShare:
 class BentPath:
     """Way of the edge to ``end``: the share of its ``travel`` still to come over that of the time.
 
-    ``share`` is the former over the latter, or, ``of_travel``, the latter over the former. ``load_of_travel``
-    tells whether what acts at the edge goes evenly with its travel there, or with the time.
+    ``share`` is the former over the latter, or, ``of_travel``, the latter over the former; what acts at the
+    edge goes evenly with its travel then.
     """
 
     end: float
     travel: float
     share: BentShare = BentShare()
     of_travel: bool = False
-    load_of_travel: bool = False
 
     @classmethod
     def straight(cls, edge: float, end: float) -> BentPath:
@@ -177,7 +174,6 @@ class BentPath:
         duration: float,
         end: float,
         of_travel: bool = False,
-        load_of_travel: bool = False,
     ) -> BentPath:
         """The parabola, or the cubic, through earlier rows and both ends of a step.
 
@@ -188,9 +184,8 @@ class BentPath:
         edge, duration, end : float
             Edge at the start, length of the step, and edge at its end.
         of_travel : bool, optional
-            Whether the time is the polynomial, over the edge, if that has come the same way.
-        load_of_travel : bool, optional
-            Whether the load at the edge goes with the travel then.
+            Whether the time is the polynomial, over the edge, if that has come the same way, and no more
+            slowly than a parabola can: where it hardly moved, its load has changed with the time.
 
         Returns
         -------
@@ -199,9 +194,9 @@ class BentPath:
         travel = end - edge
         shares = [(1.0 + time / duration, (end - before) / travel) for time, before in rows]
         if of_travel and all(before > now for (_, before), (_, now) in pairwise([*shares[::-1], (1.0, 1.0)])):
-            return cls(
-                end, travel, BentShare.through([(way, time) for time, way in shares]), True, load_of_travel
-            )
+            share = BentShare.through([(way, time) for time, way in shares])
+            if abs(share.bend) < _LARGEST_BEND:
+                return cls(end, travel, share, True)
         return cls(end, travel, BentShare.through(shares))
 
     def edge(self, left: Array) -> Array:
@@ -223,12 +218,8 @@ class BentPath:
         return 1.0 / ratio if self.of_travel else ratio
 
     def course(self, left: Array) -> Array:
-        """Share still to come of what the path is a polynomial of: of its travel, or of the step."""
+        """Share still to come of what the path is a polynomial of, and loads go with: of travel or step."""
         return self.share.inverse(left) if self.of_travel else left
-
-    def left_of_load(self, left: Array) -> Array:
-        """Share still to come of what the load at the edge goes evenly with: of the travel, or the step."""
-        return self.course(left) if self.load_of_travel else left
 
     def _edge(self, course: Array) -> Array:
         """Edge with a share of its course still to come."""
@@ -253,8 +244,7 @@ class BentPath:
         Parameters
         ----------
         fall : callable
-            ``S`` of a distance from the edge, a square root near it, and the share gone by, the rest of
-            :meth:`left_of_load`.
+            ``S`` of a distance from the edge, a square root near it, and the share of :meth:`course` gone by.
         radius : ndarray (m,)
             Radii that the edge does not pass between them.
         y : ndarray (K,)
@@ -276,8 +266,7 @@ class BentPath:
         radius, begin, end = radius[:, None], begin[:, None], end[:, None]
         first, last = self.course(begin), self.course(end)
         ends = np.concatenate((first, last), axis=1)
-        left = ends if self.load_of_travel else np.concatenate((begin, end), axis=1)
-        at_ends = fall(np.abs(radius - self._edge(ends)), 1.0 - left)
+        at_ends = fall(np.abs(radius - self._edge(ends)), 1.0 - ends)
         left_of_begin = np.exp(y * (end - begin)) - even
         change = (1.0 - even) * at_ends[:, 1:] - left_of_begin * at_ends[:, :1]
         remembered = y * float((begin - end).max(initial=0.0)) <= _FORGOTTEN
@@ -312,8 +301,7 @@ class BentPath:
         z = near[..., None] + beyond
         course = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)
         left = self.share.at(course) if self.of_travel else course
-        of_load = course if self.load_of_travel else left
-        values = fall(np.abs(radius[..., None] - self._edge(course)), 1.0 - of_load) * z
+        values = fall(np.abs(radius[..., None] - self._edge(course)), 1.0 - course) * z
         if self.of_travel:
             values *= self.share.slope(course)
         memory = np.exp(y[:, None] * (end[..., None] - left))  # (m, K, points)

@@ -124,7 +124,7 @@ class FreeCreep:
         if carried is None or not share.any():
             return otherwise
         _, left = motion.passing(motion.new_edge - distance)
-        kept = 1.0 - carried.path.left_of_load(left) * carried.growth
+        kept = 1.0 - carried.path.course(left) * carried.growth
         slowed = np.sqrt(carried.path.mean_since(left))
         gained = 1.0 - kept * slowed, 1.0 - kept / slowed
         of_inverse_root, of_root = self.chain.moduli_of_passage(left * motion.duration, gained)

@@ -86,7 +86,7 @@ class LoadControl:
         if earlier is None or earlier.load is None or (path is not None and earlier.fall is None):
             return 0.0, 0.0
         start, end = (of.load_ahead(earlier.ahead) for of in (self.state.surface, surface))
-        if path is not None and path.load_of_travel and earlier.edge is not None:
+        if path is not None and path.of_travel and earlier.edge is not None:
             ago = (motion.edge - earlier.edge) / path.travel
             return end - start, parabola_bend((ago, earlier.load), start, 1.0, end)
         return end - start, parabola_bend((earlier.time, earlier.load), start, motion.duration, end)

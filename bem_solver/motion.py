@@ -131,7 +131,7 @@ class Motion:
 
         y = self.duration / chain.retardation
         even = chain.spread((begin - end)[:, None] * y)
-        if path.load_of_travel:
+        if path.of_travel:
             return -chain.lag_rate * path.recent_change(lacking, radius, y, begin, end, even)
         change = -path.recent_change(fall, radius, y, begin, end, even)
         return chain.lag_rate * change + self.lags_of_bend(chain, begin - end)

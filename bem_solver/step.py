@@ -331,15 +331,13 @@ class TrialStep(StepStart):
         if len(rows) > 2 and last.edge < before.edge < rows[-3].edge:
             further = last.parameter - rows[-3].parameter, rows[-3].edge
         curved = self._as_earlier(before)
-        of_path, of_load = self.state.accepted.smoother_over_edge
         return replace(
             curved,
             load=before.edge_load,
             ahead=0.0,
             fall=self._fall,
             further=further,
-            of_travel=of_path,
-            load_of_travel=of_load,
+            of_travel=self.state.accepted.time_is_smoother,
         )
 
     def _as_earlier(self, row: AcceptedRow) -> EarlierRow:

@@ -86,24 +86,22 @@ class AcceptedSteps:
         return len(self.rows) > 2
 
     @property
-    def smoother_over_edge(self) -> tuple[bool, bool]:
-        """Whether the path, and the load at the edge, are smoother over the edge than over the parameter.
+    def time_is_smoother(self) -> bool:
+        """Whether a parabola of the parameter over the edge meets the last rows better than one of the edge.
 
-        By how closely parabolas through the last three states meet the one before. The path is before a limit
-        point, where the edge runs away, and after a start with a leap; not where the edge sets out from rest.
-        The load is not where it changes on an edge that hardly moves.
+        By how closely those through the last three states meet the one before. So it is before a limit point,
+        where the edge runs away, and after a start with a leap; not where the edge sets out from rest.
         """
         if len(self.rows) < 4:
-            return False, False
+            return False
         rows = self.rows[-4:]
         travels = [later.edge - earlier.edge for earlier, later in pairwise(rows)]
         if not (min(travels) > 0.0 or max(travels) < 0.0):
-            return False, False
+            return False
         times = [row.parameter - rows[-1].parameter for row in rows]
         edges = [row.edge - rows[-1].edge for row in rows]
-        loads = [row.edge_load - rows[-1].edge_load for row in rows]
         of_time, of_edge = _missed(edges, times) / (times[1] - times[0]), _missed(times, edges) / travels[0]
-        return of_time < abs(of_edge), _missed(edges, loads) < _missed(times, loads)
+        return of_time < abs(of_edge)
 
     def rates(self, step: float) -> tuple[float, float]:
         """Rates of edge and load over the accepted steps, as far back as ``step`` is long.

@@ -135,8 +135,7 @@ def _motion(
     if earlier is not None and earlier.edge is not None and earlier.fall is not None:
         if edge != state.edge:
             rows = [(earlier.time, earlier.edge), *([earlier.further] if earlier.further else [])]
-            way = earlier.of_travel, earlier.load_of_travel
-            path = BentPath.through(rows, state.edge, duration, edge, *way)
+            path = BentPath.through(rows, state.edge, duration, edge, earlier.of_travel)
             fall = earlier.fall
     elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)

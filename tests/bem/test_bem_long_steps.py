@@ -9,6 +9,7 @@ from scipy.integrate import quad
 from support.bem_runs import bem, front
 from support.paper_scenes import ONE, cycle, scene
 
+from bem_solver import Options, load_control, solve
 from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
 from bem_solver.energy import Energies, WorkIncrement, updated_energies
@@ -94,11 +95,14 @@ def test_heat_of_the_branches_of_an_edge_that_turns(steps, most, resolution, wit
 
 
 @pytest.mark.slow
-def test_load_ahead_of_an_edge_that_turns_bends_within_a_step():
+def test_load_ahead_of_an_edge_that_turns_bends_within_a_step(monkeypatch):
     """The edge stays within 0.04 zones for a fifth of the approach; the loss tells what it set off from."""
     question = cycle(0.002)
     expected = front(question, 16).external_work[-1]
     assert_allclose(bem(question, resolution=8).external_work[-1], expected, rtol=3e-5)
+    monkeypatch.setattr(load_control, "parabola_bend", lambda *a: 0.0)
+    straight = solve(question, Options(8)).external_work[-1]
+    assert abs(straight / expected - 1.0) > 1.2e-4
 
 
 def history_beyond(edge, places, root):

@@ -91,7 +91,7 @@ def test_what_holds_the_edge_is_seen(monkeypatch):
     """A fall outside the edge that knows no layer, and cubics as steep as the interval beside theirs."""
     monkeypatch.setattr(Problem, "nearest", property(lambda self: 1e-3 * self.zone))
     monkeypatch.setattr(nodal_variables, "_LONG", np.inf)
-    assert off("slow-press", 6)[:3].max() > 1.0
+    assert off("slow-press", 8)[:3].max() > 1e-2
 
 
 def test_a_long_interval_beside_a_short_one_is_not_as_steep():
