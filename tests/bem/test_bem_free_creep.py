@@ -133,7 +133,7 @@ SWINGS = Scene(
 )
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_slow_swings_over_what_an_edge_has_left():
     """A cone, zone 1e-5 of its radius; at the end by front tracking. What was left behind creeps on."""
     trace = bem(SWINGS)

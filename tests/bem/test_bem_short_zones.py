@@ -127,7 +127,7 @@ def test_limit_point_of_a_very_short_zone():
     assert_allclose(trace.time[-1], 0.00794907, rtol=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_steps_of_an_edge_before_layers_of_three_branches():
     """Over four decades of time; an uneven speed of the fast edge took 1072 steps."""
     branches = (Branch(3.0, 0.01), Branch(2.5, 1.0), Branch(1.25, 100.0))

@@ -299,7 +299,7 @@ def alive(process: int) -> bool:
         return False
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_report_killed_again_and_again(tmp_path):
     """The real solvers in processes of their own; the store grows until nothing is missing."""
     given = [sys.executable, "-m", "crosscontact", "compare", "relaxed-equilibrium"]
