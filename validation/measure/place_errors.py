@@ -113,7 +113,8 @@ def add_at_pull_off(
 def add_at_detachment(errors: dict[str, float], trace: Trace, compared: bool = False) -> None:
     """Add to the errors of radius and force at detachment what they may have lost after the last row.
 
-    Time and penetration are those of an event, but the edge runs away there.
+    Time and penetration are those of an event, but the edge runs away there. The last step tells how far, and
+    the one before where that is short by chance.
 
     Parameters
     ----------
@@ -133,7 +134,7 @@ def add_at_detachment(errors: dict[str, float], trace: Trace, compared: bool = F
         key, column = f"detachment_{name}", trace.columns()[column_of(name)]
         relative_to = scale(key, float(column[last]), trace)
         if key in errors and relative_to > 0.0:
-            away = RUNAWAY * abs(float(column[last] - column[before]))
+            away = RUNAWAY * float(np.abs(np.diff(column[touching[-3:]])).max())
             errors[key] = _joined(errors, key, min(away, abs(float(column[last]))) / relative_to, compared)
 
 
