@@ -165,12 +165,20 @@ class AdhesiveEdge:
 
 
 class AdhesionlessEdge:
-    """No tension inside, no penetration outside: whole nodes, ``s`` an integer."""
+    """No tension inside, no penetration outside: whole nodes, ``s`` an integer.
 
-    def __init__(self, geometry: EdgeGeometry, positions: list[float]) -> None:
+    Parameters
+    ----------
+    geometry : EdgeGeometry
+    positions, depths : list of float
+        Radius at which the contact that ends at each node is without singularity, and the penetration that
+        presses an elastic half-space into that contact.
+    """
+
+    def __init__(self, geometry: EdgeGeometry, positions: list[float], depths: list[float]) -> None:
         self.geometry = geometry
         self.lowest = NO_CONTACT
-        self._positions = positions
+        self._positions, self._depths = positions, depths
 
     def start(self, problem: ContactProblem) -> EdgePosition:
         """Grow the contact from nothing."""
@@ -200,13 +208,18 @@ class AdhesionlessEdge:
         while m > lowest and not self._presses(problem, m):
             m -= 1
         untouched = m == NO_CONTACT and s == NO_CONTACT and not self._pulls(problem)
-        held = m > NO_CONTACT and self._presses(problem, m)
+        held = m > NO_CONTACT and self._presses(problem, m) and not self._is_let_go(problem)
         return EdgePosition(EdgeMotion.RESTING if held or untouched else EdgeMotion.RECEDING, float(m))
 
     @staticmethod
     def _presses(problem: ContactProblem, node: int) -> bool:
         """Whether contact up to this node leaves it under pressure."""
         return problem.intensity(node, float(node)) > 0.0
+
+    @staticmethod
+    def _is_let_go(problem: ContactProblem) -> bool:
+        """Whether the prescribed force presses no more: a plane tip would touch at none."""
+        return problem.control == "force" and problem.value <= 0.0
 
     @staticmethod
     def _pulls(problem: ContactProblem) -> bool:
@@ -220,7 +233,19 @@ class AdhesionlessEdge:
             return 0.0
         if self.geometry.capped and m == self.geometry.last:
             return self.geometry.radius(s)
-        inside = max(problem.intensity(m, s), 0.0)
-        outside = min(problem.intensity(m + 1, s), 0.0)
+        inside = max(problem.intensity(m, s), 0.0) / self._kept(problem, m - 1, s)
+        outside = min(problem.intensity(m + 1, s), 0.0) / self._kept(problem, m + 1, s)
         share = inside / (inside - outside) if inside > outside else 0.5
         return self._positions[m] + (self._positions[m + 1] - self._positions[m]) * share
+
+    def _kept(self, problem: ContactProblem, node: int, s: float) -> float:
+        """How steeply the intensity falls to the next node, relative to an elastic contact.
+
+        Under the indenter stresses relax, while the gap beside it does not: read as one line, both would let
+        the edge of a contact at rest creep by parts of an element.
+        """
+        if not 0 <= node < self.geometry.last:
+            return 1.0
+        elastic = self._depths[node + 1] - self._depths[node]
+        fall = problem.intensity(node, s) - problem.intensity(node + 1, s)
+        return fall / elastic if fall > 0.0 and elastic > 0.0 else 1.0

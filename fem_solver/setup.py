@@ -143,6 +143,7 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
         glassy = history.instantaneous
     stage_done()
     radii = space.radii[:count]
+    height = scene.indenter.height(radii)
     zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
     # contact radii are those of the glassy response, in which the edge moves
     effective = glassy.effective_radii(material.unit_plane_modulus)
@@ -154,7 +155,9 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     if scene.adhesion is not None and zone is not None:
         law = edge_law(geometry, scene.adhesion)
     else:
-        law = AdhesionlessEdge(geometry, history.operator.transform_radii(radii).tolist())
+        operator = history.operator
+        depths = operator.elastic_depths(height).tolist()
+        law = AdhesionlessEdge(geometry, operator.transform_radii(radii).tolist(), depths)
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)
     return Setup(
         space=space,
@@ -164,7 +167,7 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
         geometry=geometry,
         law=law,
         radii=radii,
-        height=scene.indenter.height(radii),
+        height=height,
         travel=_edge_travel(geometry, reach, options.resolution),
         resolved_from=_resolved_from(mesh, zone),
         shortest_time=float(times.min()) if times.size else math.inf,

@@ -93,4 +93,8 @@ class SurfaceOperator:
         A punch of height ``r^2`` has the transform ``2 x^2``. Radii that elements of some 1e-9 of them leave
         within rounding of each other are put in order.
         """
-        return np.sort(np.sqrt(np.maximum(0.5 * self.transform(radii**2) / self.unit, 0.0)))
+        return np.sort(np.sqrt(np.maximum(0.5 * self.elastic_depths(radii**2), 0.0)))
+
+    def elastic_depths(self, height: Array) -> Array:
+        """Penetration at which contact with this height ends at each node, without adhesion."""
+        return self.transform(height) / self.unit
