@@ -29,6 +29,8 @@ _FIRST_CONTACT_STEP = 1e-6
 _SCAN = 1.02, 4
 """Ratio of neighbouring contact radii in the search for the next stable one, and how many are passed at once
 where the residual is nowhere near zero."""
+_TOUCHING = 1e-12
+"""Distance from the touch, relative to the interval, that is rounding."""
 _ZERO_RESIDUAL = 1e-9
 """Residual, relative to the work of adhesion or the mean pressure, below which it may be rounding."""
 _SMALLEST_CONTACT, _LARGEST_CONTACT = 1e-3, 1e3
@@ -63,7 +65,7 @@ class EdgeJump:
 
 
 def without_contact(start: StepStart) -> FreeMotion | EdgeJump | Outcome:
-    """Without contact, move until the load turns positive, then make the first small contact.
+    """Without contact, move until the load turns positive, then make the first contact: small or a plane tip.
 
     An outcome if the indenter is pulled away, or no first contact is in equilibrium.
     """
@@ -73,11 +75,17 @@ def without_contact(start: StepStart) -> FreeMotion | EdgeJump | Outcome:
         return Outcome(OutcomeKind.DETACHED, "pulled without contact", contact.time)
     later = min(parameter + length / _STEPS_WITHOUT_CONTACT, length)
     if interval.prescribed(later) <= 0.0:
-        penetration = contact.penetration if interval.control == "force" else interval.prescribed(later)
-        free = ContactSurface.free(problem.annuli)
-        return FreeMotion(later, HalfSpaceState(interval.time(later), penetration, free, contact.history))
+        return _moved(start, later, contact.penetration)
     if interval.prescribed(parameter) < 0.0:
-        parameter = brentq(interval.prescribed, parameter, later, xtol=1e-14 * length)
+        touch = brentq(interval.prescribed, parameter, later, xtol=1e-14 * length)
+        if touch > parameter + _TOUCHING * length:
+            return _moved(start, touch, 0.0)
+        parameter = touch
+    if interval.control == "force" and contact.penetration < 0.0:
+        return _moved(start, parameter, 0.0)
+    if problem.plane_tip > 0.0:
+        whole = evaluate(problem, contact, 0.0, problem.plane_tip, interval.control, 0.0)
+        return EdgeJump(parameter, whole, _FIRST_CONTACT_STEP * length)
     first = min(parameter + _FIRST_CONTACT_STEP * length, length)
     while interval.prescribed(first) <= 0.0 and first < length:
         first = min(parameter + 2.0 * (first - parameter), length)
@@ -87,6 +95,14 @@ def without_contact(start: StepStart) -> FreeMotion | EdgeJump | Outcome:
     if trial is None:
         return Outcome(OutcomeKind.NO_EQUILIBRIUM, "no first contact found", contact.time)
     return EdgeJump(first, trial, max(first - parameter, _FIRST_CONTACT_STEP * length))
+
+
+def _moved(start: StepStart, parameter: float, held: float) -> FreeMotion:
+    """The indenter without contact, taken to a parameter; ``held`` is its penetration if that is free."""
+    contact, interval = start.state.contact, start.interval
+    penetration = held if interval.control == "force" else interval.prescribed(parameter)
+    free = ContactSurface.free(start.problem.annuli)
+    return FreeMotion(parameter, HalfSpaceState(interval.time(parameter), penetration, free, contact.history))
 
 
 def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
@@ -130,10 +146,12 @@ def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
 
 
 def contact_lost(start: StepStart) -> bool:
-    """Whether an adhesionless contact has become too small to follow."""
+    """Whether an adhesionless contact has become too small to follow, or has shrunk to a plane tip."""
     problem, state = start.problem, start.state
+    edge, before = state.contact.edge, state.accepted.rows[-2:][0].edge
     return problem.work == 0.0 and (
-        state.contact.edge < LOST_RADIUS * state.largest_edge
+        edge < LOST_RADIUS * state.largest_edge
+        or edge <= problem.plane_tip < before
         or abs(state.contact.surface.force) < LOST_FORCE * state.largest_force
     )
 
@@ -141,13 +159,20 @@ def contact_lost(start: StepStart) -> bool:
 def lift_off(start: StepStart) -> tuple[HalfSpaceState, Energies]:
     """State when the last, vanishing contact of an adhesionless indenter is gone.
 
-    Its area is extrapolated to zero linearly; the surface outside keeps its history.
+    The height of the indenter at its edge is extrapolated to zero linearly, but a plane tip is let go as a
+    whole; the surface outside keeps its history.
     """
     problem, state, interval = start.problem, start.state, start.interval
-    (before, wide, *_), (now, narrow, *_) = state.accepted.rows[-2:]
-    ahead = narrow**2 * (now - before) / (wide**2 - narrow**2) if wide > narrow else 0.0
-    end, contact = min(now + ahead, interval.length), state.contact
-    penetration = contact.penetration if interval.control == "force" else interval.prescribed(end)
+    before, last = state.accepted.rows[-2:]
+    high, low = (float(problem.scene.indenter.height(row.edge)) for row in (before, last))
+    ahead = low / (high - low) if high > low and problem.plane_tip == 0.0 else 0.0
+    contact, penetration = state.contact, last.load + ahead * (last.load - before.load)
+    if interval.control == "force" and ahead > 0.0:  # contact ends with the force
+        forces = interval.prescribed(before.parameter), interval.prescribed(last.parameter)
+        ahead = forces[1] / (forces[0] - forces[1]) if forces[0] > forces[1] else ahead
+    end = min(last.parameter + ahead * (last.parameter - before.parameter), interval.length)
+    if interval.control != "force":
+        penetration = interval.prescribed(end)
     history = replace(SurfaceHistory.blank(len(problem.chain)), outer=contact.history.outer)
     free = ContactSurface.free(problem.annuli)
     return HalfSpaceState(interval.time(end), penetration, free, history), state.energies.unloaded()

@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 
 class Indenter:
-    """A shape; each defines ``height`` and ``slope``, and ``edge`` where it ends."""
+    """A shape; each defines ``height`` and ``slope``, ``edge`` where it ends, ``plane_tip`` if it has one."""
 
     shape: ClassVar[str]
 
@@ -40,6 +40,11 @@ class Indenter:
     def edge(self) -> float:
         """Largest possible contact radius; infinite for smooth profiles."""
         return math.inf
+
+    @property
+    def plane_tip(self) -> float:
+        """Radius of a plane tip, which without adhesion touches, and is let go, as a whole; 0 without one."""
+        return 0.0
 
     def height(self, radius: ArrayLike) -> Array:
         """``f(r)`` for ``radius >= 0``; same shape as ``radius``."""
@@ -113,6 +118,10 @@ class FlatPunch(Indenter):
     def edge(self) -> float:
         return self.radius
 
+    @property
+    def plane_tip(self) -> float:
+        return self.radius
+
     def height(self, radius: ArrayLike) -> Array:
         return np.zeros_like(np.asarray(radius, float))
 
@@ -181,6 +190,10 @@ class TabulatedProfile(Indenter):
         object.__setattr__(self, "radii", radii)
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "_curve", _monotone_curve(radii, heights))
+
+    @property
+    def plane_tip(self) -> float:
+        return self.radii[self.heights.count(0.0) - 1]
 
     def height(self, radius: ArrayLike) -> Array:
         r = np.asarray(radius, float)

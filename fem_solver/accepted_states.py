@@ -192,7 +192,20 @@ class AcceptedStates:
             reason = f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
         control = cast("Control", candidate.problem.control)
+        if geometry.zone is None and candidate.dt > 0.0:
+            self._last_touch(candidate.dt, control, candidate.problem.value)
         self._pulled_off(control, self._limit_point(control))
+
+    def _last_touch(self, dt: float, control: Control, value: float) -> None:
+        """The row of the last touch without adhesion: a point, or a plane tip that a force lets go.
+
+        A blunt profile keeps a radius within the shortest step of that.
+        """
+        value = 0.0 if control == "force" else value
+        plane = self.solver.plane_contact(dt, control, value)
+        if plane is None or control == "force":
+            self.time += dt
+            self._commit(plane or self.solver.held(dt, control, value, 0.0))
 
     def _limit_point(self, control: Control) -> LimitPoint | None:
         """Where contact is lost, as the rows since the last instability tell it."""

@@ -133,6 +133,25 @@ class ContactSolver:
         edge = EdgePosition(EdgeMotion.RESTING, s)
         return ContactCandidate(dt, self._problem(dt, control, value), edge)
 
+    def plane_contact(self, dt: float, control: Control, value: float) -> ContactCandidate | None:
+        """Contact of all of a plane tip, as it touches or is let go; ``None`` without one of two nodes.
+
+        Parameters
+        ----------
+        dt, control, value
+            As of :meth:`trial`.
+
+        Returns
+        -------
+        ContactCandidate or None
+        """
+        last = int(np.count_nonzero(self.setup.height[: self.setup.geometry.last + 1] == 0.0)) - 1
+        if last < 1:
+            return None
+        self.counters.linear_solves += 1
+        edge = EdgePosition(EdgeMotion.RESTING, float(last))
+        return ContactCandidate(dt, self._problem(dt, control, value), edge)
+
     def extended(self, candidate: ContactCandidate) -> ContactCandidate:
         """The search of a candidate without equilibrium, continued to the end of the mesh."""
         edge, law = candidate.edge, self.setup.law

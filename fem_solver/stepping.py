@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import NoReturn
 
+from scipy.optimize import brentq
+
 from contact_scene import KeptState, Loading, Outcome, OutcomeKind, Segment
 from contact_scene.run_control import Stop, interruption, stops_within
 from contact_scene.segment import Control
@@ -27,6 +29,8 @@ _SHORTEST = 1e-6
 """Shortest step, relative to the shortest relaxation time or the interval: below it the edge is unstable."""
 _SHORTEST_RATED = 1e-12
 """The same where the energy follows the speed: such an edge always has one, until rounding hides it."""
+_TOUCHING = 1e-12
+"""Distance from the touch that is rounding, relative to the way that is prescribed, or its duration."""
 _FIRST = 1.0 / 64.0
 """First step, relative to the interval; twice that relative to the shortest relaxation time."""
 _LONGEST = 0.125
@@ -99,6 +103,7 @@ class NodeReleaseRun(SteppedStates):
         cursor = self.cursor
         if not cursor.jump_done:
             self._triggered(segment)
+            self._lower(segment)
             self._load_jump(segment)
             cursor.jump_done, self.step = True, None
         if self._triggered(segment):
@@ -127,23 +132,66 @@ class NodeReleaseRun(SteppedStates):
     def _carry_out_interval(
         self, loading: Loading, segment: Segment, start: float, stop: Stop, span: float
     ) -> None:
-        """From one stop to the next; ``span`` is the swing of the prescribed value over the load step."""
-        if self.interval is None:
-            self.interval, self.before = self._new_interval(start, stop.time, self._longest(segment)), None
-        while not self.interval.done:
+        """From one stop to the next; ``span`` is the swing of the prescribed value over the load step.
+
+        Where an indenter comes to touch on its way, in two parts.
+        """
+        interval = self.interval
+        if interval is None:
+            if self._touches(segment, stop.time):
+                self._touch(segment.control, segment.value(self.time))
+            end = self._first_touch(segment, start, stop.time)
+            interval, self.before = self._new_interval(start, end, self._longest(segment)), None
+            self.interval = interval
+        while not interval.done:
             outcome = interruption(self.monitor, self.snapshot, self.time)
             if outcome is not None:
                 raise RunEnded(outcome)
-            self._advance(segment, self.interval, span)
+            self._advance(segment, interval, span)
             if self.progress is not None:
                 self.progress(self.cursor.share(loading, segment, self.time))
             if self._triggered(segment):
                 return
+        self.interval = None
+        if interval.end < stop.time:
+            self.step = None
+            self._carry_out_interval(loading, segment, interval.end, stop, span)
+            return
         self.on_stop(stop.time)
         if stop.kink:
             self.estimator.reset(self._continuous_rates())
-        self.step = None if stop.kink else self.interval.dt
-        self.interval = None
+        self.step = None if stop.kink else interval.dt
+
+    def _touches(self, segment: Segment, stop: float) -> bool:
+        """Whether an indenter without contact or adhesion touches now, and is pressed on."""
+        if self.setup.geometry.zone is not None or self.state.radius > 0.0:
+            return False
+        return abs(segment.value(self.time)) <= _TOUCHING * segment.value(stop)
+
+    def _lower(self, segment: Segment) -> None:
+        """Lower an indenter without contact or adhesion that a force presses, until it touches."""
+        if self.setup.geometry.zone is not None or self.state.radius > 0.0 or segment.control != "force":
+            return
+        touching = self.solver.held(0.0, "force", 0.0, 0.0)
+        pressed = segment.value(segment.start) > 0.0 or segment.rate(segment.start) > 0.0
+        if pressed and touching.penetration != self.state.penetration:
+            self._commit(touching, contact=False)
+            self._touch("force", 0.0)
+
+    def _touch(self, control: Control, value: float) -> None:
+        """Where a plane tip touches, all of it is in contact; others begin from a point."""
+        whole = self.solver.plane_contact(0.0, control, value)
+        if whole is not None:
+            self.estimator.reset()
+            self._commit(whole)
+
+    def _first_touch(self, segment: Segment, start: float, stop: float) -> float:
+        """The time at which an indenter without adhesion touches on its way down to a stop, else the stop."""
+        if self.setup.geometry.zone is not None or self.state.radius > 0.0:
+            return stop
+        if self._touches(segment, stop) or not segment.value(start) < 0.0 < segment.value(stop):
+            return stop
+        return float(brentq(segment.value, start, stop, xtol=_TOUCHING * (stop - start)))
 
     def _longest(self, segment: Segment) -> float:
         """Longest step within a load step; none where no work is done, or nothing lost."""

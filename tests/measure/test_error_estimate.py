@@ -9,7 +9,7 @@ import pytest
 from support.spring_solver import SCENE, FunctionSolver, fake, named
 from support.spring_solver import spring as spring_solve
 
-from contact_scene import Counters, Loading, Outcome, OutcomeKind, Ramp, Trace
+from contact_scene import Counters, Force, ForceRamp, Loading, Outcome, OutcomeKind, Ramp, Trace
 from crosscontact import registry
 from crosscontact.cli import main
 from validation import solvers
@@ -117,6 +117,8 @@ def test_the_edge_runs_away_after_the_last_row():
     assert from_own(at_rest, {"detachment_force": -1.1})["detachment_force"] == 0.0
     closing = dataclasses.replace(run, contact_radius=np.append(edge[:-1], 1e-6))
     assert from_own(closing, {"detachment_radius": 1e-6})["detachment_radius"] <= 1e-4
+    in_a_point = from_own(run, {"detachment_radius": 0.0, "detachment_force": 0.0})
+    assert (in_a_point["detachment_radius"], in_a_point["detachment_force"]) == (0.0, 0.0)
 
 
 def test_the_place_of_the_largest_tension_is_as_uncertain_as_the_way_its_error_reaches():
@@ -355,6 +357,18 @@ def test_where_the_penetration_has_a_smooth_maximum_the_end_of_approach_is_uncer
     )
     corner = spring(1.0)
     assert estimates(corner, corner)["approach_force"] == 0.0
+
+
+@pytest.mark.parametrize(("drift", "least", "most"), [(0.0, 0.0, 1e-12), (2e-2, 0.2, 2.0)])
+def test_where_a_creeping_penetration_turns_is_as_uncertain_as_its_error_changes(drift, least, most):
+    """An error that is the same all along does not move the turn at t = 0.5; one that grows does."""
+    rough = spring(1.0)
+    t, loading = rough.time, Loading("jump-in", 0.0, (Force(1.0, 0.5), ForceRamp(0.0, 2.0)))
+    depth = np.where(t < 0.5, 1.0 + 1e-2 * (t - 0.5), 1.5 - t)
+    run = dataclasses.replace(rough, penetration=depth, force=2.0 - t)
+    other = dataclasses.replace(run, penetration=depth + 1e-3 - drift * t)
+    found = estimates(run, other, loading=loading)
+    assert least <= found["approach_time"] <= most
 
 
 def test_energies_that_do_not_add_up_are_an_error_of_the_dissipated_energy():

@@ -26,6 +26,7 @@ from validation.measure.norms import (
     interpolation_error,
     movement_bound,
     movement_distance,
+    parting_time,
 )
 from validation.measure.row_interpolation import POINTS, WEIGHTS, RowCurve, column_curve
 from validation.measure.windows import windows
@@ -205,3 +206,15 @@ def test_a_curve_turns_where_a_load_step_begins_even_if_the_rows_before_are_spar
     spans = np.array([[0.0, end], [end, 10.08]])
     moved = movement_distance(run(sparse, force(sparse)), run(dense, force(dense)), spans)
     assert moved.rms < 1e-5
+
+
+def test_a_jump_at_times_that_rounding_holds_apart_is_one():
+    jump = np.nextafter(0.5, 1.0)
+    one = run([0.0, 0.5, 0.5, 1.0], [0.0, 0.0, 1.0, 1.0])
+    two = run([0.0, jump, jump, 1.0], [0.0, 0.0, 1.0, 1.0])
+    apart, spans = distance(one, two), np.array([[0.0, 1.0], [0.5, 1.0]])
+    assert (apart.rms, apart.mean, apart.largest) == (0.0, 0.0, 0.0)
+    assert movement_distance(one, two, spans).rms == 0.0
+    assert parting_time(one, two, 1e-3) is None
+    later = run([0.0, 0.51, 0.51, 1.0], [0.0, 0.0, 1.0, 1.0])
+    assert distance(one, later).rms == pytest.approx(0.1)

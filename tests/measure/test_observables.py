@@ -21,7 +21,7 @@ from contact_scene import (
 )
 from contact_scene.run_control import below_zone_outcome
 from validation.cases import load
-from validation.measure.approach import end_of_approach
+from validation.measure.approach import end_of_approach, is_located
 from validation.measure.norms import distance, parting_time
 from validation.measure.observables import at_last_contact, cycle_losses, observe
 from validation.measure.scalars import measure
@@ -82,6 +82,9 @@ def test_an_event_at_the_free_surface_is_the_row_before_where_contact_is_lost_at
         [0, 1, 1.9, 2], [2, 1, 0.1, 0], [2, 1, 0.1, 0], [1, 0.7, 0.3, 0], None, OutcomeKind.DETACHED, free
     )
     assert observe(sphere).detachment_radius == 0.0
+    radius = [1, 0.7, 1e-3, 0]  # under a force, that little is left within rounding of the end
+    forced = trace([0, 1, 2, 2], [2, 1, 0.1, 0], [2, 1, 1e-9, 0], radius, None, OutcomeKind.DETACHED, free)
+    assert observe(forced).detachment_radius == 0.0
     assert observe(punch).detachment_time == observe(sphere).detachment_time == 2.0
 
 
@@ -161,6 +164,19 @@ def test_rows_at_nearly_one_time_make_no_crest_of_a_bump():
     time = [0.0, 1.0, 1.0 + 1e-12, 2.0, 2.0 + 1e-12, 3.0, 4.0]
     depth = [0.0, 1.0, 1.0 + 1e-9, 1.0 - 1e-9, 1.0 - 2e-9, 3.0, 0.0]
     assert end_of_approach(trace(time, depth, time)) == 5
+
+
+@pytest.mark.parametrize(("rate", "located"), [(1.0, True), (20.0, False)])
+def test_a_penetration_that_creeps_until_it_all_but_rests_ends_the_approach_at_no_certain_time(rate, located):
+    t = np.linspace(0.0, 2.0, 201)
+    crept = trace(t, np.where(t < 1.0, 1.0 - np.exp(-rate * t), 2.0 - t), np.ones_like(t))
+    force, pressed = Loading("jump-in", 0.0, (Force(1.0, 1.0),)), Loading("jump-in", 0.0, (Ramp(1.0, 1.0),))
+    assert is_located("approach_time", crept, force) is located
+    assert is_located("approach_force", crept, force)
+    assert is_located("pull_off_time", crept, force)
+    assert is_located("approach_time", crept, pressed)
+    swung = Loading("jump-in", 0.0, (Oscillate(0.1, 6.0, 2.0),))
+    assert not is_located("approach_radius", crept, swung)
 
 
 def test_a_run_stopped_after_its_first_crest_has_ended_its_approach():

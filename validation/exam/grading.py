@@ -16,7 +16,7 @@ from validation.exam.answer import Answer
 from validation.exam.curve_errors import curve_error, factor_in_words, in_contact
 from validation.exam.energy_balance import balance_error
 from validation.execution.runs import Run
-from validation.measure.approach import has_smooth_crests
+from validation.measure.approach import is_located
 from validation.measure.cycles import cycle_times
 from validation.measure.error_estimate import MOVEMENT
 from validation.measure.norms import movement_distance
@@ -168,7 +168,7 @@ def _scalars(answer: Answer, trace: Trace, scene: Scene, reference: Trace, base:
         needed = _needed(name)
         if expected is None or not needed or not needed <= set(answer.columns):
             continue
-        if name.startswith("approach") and has_smooth_crests(scene.loading):
+        if not is_located(name, reference, scene.loading):
             continue
         if name.startswith("final") and reference.outcome.kind is OutcomeKind.DETACHED:
             continue

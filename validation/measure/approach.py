@@ -20,6 +20,9 @@ MOST_MISSED = 0.02
 """Part of the range of the penetration by which rows may miss a crest: a dozen even rows a cycle miss theirs
 by 1.7 %. Bumps below it, rounding of rows at nearly the same time, are no crests that rows missed."""
 
+CREPT = 1e-3
+"""Part of the range of the penetration within which it all but rests, and of the run that this may last."""
+
 
 def end_of_approach(trace: Trace) -> int:
     """Index of the row at the end of the approach.
@@ -50,14 +53,36 @@ def end_of_approach(trace: Trace) -> int:
     )
 
 
-def has_smooth_crests(loading: Loading) -> bool:
-    """Whether the load may have smooth crests: a load step is not straight between its kinks.
+def is_located(name: str, trace: Trace, loading: Loading) -> bool:
+    """Whether an observable at the end of the approach is the same in all right runs.
 
-    Where the approach ends at one, time, force and contact radius are those of the row next to it, which lies
-    where the steps of the run happen to end: right runs differ in them by the root of what their rows miss of
-    the penetration.
+    Where the approach ends at a smooth crest, time, force and contact radius are those of the row next to it,
+    which lies where the steps of the run happen to end: right runs differ in them by the root of what their
+    rows miss of the penetration. Where the penetration creeps, under a force or on a spring, until it all but
+    rests, it is largest at a time that depends on its last digits.
+
+    Parameters
+    ----------
+    name : str
+        Name of the observable; any other than at the end of the approach is located.
+    trace : Trace
+    loading : Loading
+
+    Returns
+    -------
+    bool
     """
-    return any(not segment.linear for _, segment in loading.segments())
+    if not name.startswith("approach"):
+        return True
+    segments = [segment for _, segment in loading.segments()]
+    if not all(segment.linear for segment in segments):  # a smooth crest
+        return False
+    if name != "approach_time" or all(segment.control == "penetration" for segment in segments):
+        return True
+    depth, end = trace.penetration, end_of_approach(trace)
+    rests = depth[: end + 1] >= depth[end] - CREPT * float(np.ptp(depth))
+    first = end - int(np.argmin(rests[::-1])) + 1 if not rests.all() else 0
+    return bool(trace.time[end] - trace.time[first] <= CREPT * np.ptp(trace.time))
 
 
 def _may_reach(trace: Trace, row: int) -> float:

@@ -112,11 +112,12 @@ def from_two_runs(
                 errors[column + MOVEMENT] = _extrapolated(moved.rms, usual, ratio) + between
     deepest, other_deepest = measured.get("approach_penetration"), otherwise.get("approach_penetration")
     change = 0.0 if deepest is None or other_deepest is None else abs(other_deepest - deepest)
-    add_at_approach(errors, run, _extrapolated(change, usual, ratio), spans)
+    of_depth = _apart(run, other, "penetration", usual, ratio)
+    add_at_approach(errors, run, spans, _extrapolated(change, usual, ratio), of_depth)
     apart = distance(other, run, "force")
     usually = 0.0 if apart is None else _extrapolated(apart.rms, 1.0, ratio)
-    add_at_pull_off(errors, run, _apart(run, other, 1.0, ratio), usually)
-    add_at_detachment(errors, run, compared=True)
+    add_at_pull_off(errors, run, _apart(run, other, "force", 1.0, ratio), usually)
+    add_at_detachment(errors, run, measured.get("detachment_radius"), compared=True)
     return errors
 
 
@@ -149,9 +150,9 @@ def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -
             bound = movement_bound(trace, spans, column) * error
             between = movement_interpolation_error(trace, spans, column)
             errors[column + MOVEMENT] = trace.errors.get(column + MOVEMENT, bound) + between
-    add_at_approach(errors, trace, 0.0, spans)
+    add_at_approach(errors, trace, spans)
     add_at_pull_off(errors, trace)
-    add_at_detachment(errors, trace)
+    add_at_detachment(errors, trace, measured.get("detachment_radius"))
     return errors
 
 
@@ -196,12 +197,14 @@ def _extrapolated(difference: float, order: float, ratio: float) -> float:
     return SAFETY * difference / abs(ratio**order - 1.0)
 
 
-def _apart(run: Trace, other: Trace, order: float, ratio: float) -> Array:
-    """Estimated error of the force in every row, signed; nan where the other run has ended.
+def _apart(run: Trace, other: Trace, column: str, order: float, ratio: float) -> Array:
+    """Estimated error of a column in every row, signed; nan where the other run has ended.
 
     Parameters
     ----------
     run, other : Trace
+    column : str
+        Name of the column.
     order, ratio : float
         As of :func:`from_two_runs`.
 
@@ -212,8 +215,8 @@ def _apart(run: Trace, other: Trace, order: float, ratio: float) -> Array:
     if len(other) < 2:
         return np.full(len(run), np.nan)
     within = (run.time >= other.time[0]) & (run.time <= other.time[-1])
-    curve = column_curve(other, "force")
+    curve = column_curve(other, column)
     difference = np.array(
         [curve.at(float(time)) if here else np.nan for time, here in zip(run.time, within, strict=True)]
     )
-    return (difference - run.force) * _extrapolated(1.0, order, ratio)
+    return (difference - run.columns()[column]) * _extrapolated(1.0, order, ratio)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Trace
-from validation.measure.row_interpolation import POINTS, WEIGHTS, column_curve
+from validation.measure.row_interpolation import POINTS, SHORTEST, WEIGHTS, column_curve
 
 Array = NDArray[np.float64]
 
@@ -97,9 +97,9 @@ def distance(run: Trace, reference: Trace, column: str = "force") -> Distance | 
     scale = float(np.abs(second).max())
     if scale == 0.0:
         scale = 1.0
-    h = np.diff(grid)
+    h = _lengths(grid)
     span = float(grid[-1] - grid[0])
-    worst = np.unravel_index(int(np.argmax(np.abs(apart))), apart.shape)
+    worst = np.unravel_index(int(np.argmax(np.abs(apart) * (h > 0.0))), apart.shape)
     longer = max(run.time[-1] - run.time[0], reference.time[-1] - reference.time[0])
     return Distance(
         mean=float((h * _mean_magnitude(apart)).sum() / span / scale),
@@ -223,7 +223,7 @@ def _worst_window(
     -------
     MovementDistance or None
     """
-    h = np.diff(grid)
+    h = _lengths(grid)
     first, square = _cumulated(h * (WEIGHTS @ apart)), _cumulated(h * (WEIGHTS @ apart**2))
     least = LEAST_EXCURSION * float(np.abs(values).max())
     lowest, highest = values.min(axis=0), values.max(axis=0)
@@ -266,7 +266,7 @@ def parting_time(run: Trace, reference: Trace, tolerance: float, column: str = "
         return None
     first = column_curve(run, column).within(grid)
     second = column_curve(reference, column).within(grid)
-    apart = np.abs(first - second) > tolerance * float(np.abs(second).max())
+    apart = (np.abs(first - second) > tolerance * float(np.abs(second).max())) & (_lengths(grid) > 0.0)
     where = np.flatnonzero(apart.any(axis=0))
     if where.size == 0:
         return None
@@ -281,6 +281,12 @@ def _common_times(first: Array, second: Array, spans: Array | None = None) -> Ar
     times = np.concatenate((first, second) if spans is None else (first, second, spans.ravel()))
     times = np.unique(times)
     return times[(times >= begin) & (times <= end)]
+
+
+def _lengths(grid: Array) -> Array:
+    """Lengths of the intervals between times; none between two that rounding holds apart, as of one jump."""
+    lengths = np.diff(grid)
+    return np.where(lengths > SHORTEST * (grid[-1] - grid[0]), lengths, 0.0)
 
 
 def _mean_magnitude(apart: Array) -> Array:

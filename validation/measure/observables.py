@@ -25,6 +25,9 @@ PULLED_BACK = 1e-6
 """Part of the range of the penetration by which an indenter is pulled back: on a spring the penetration is
 found with the edge, and rows at nearly the same time may go back by what neither is known."""
 
+VANISHED = 1e-2
+"""Contact radius, relative to the largest, below which a contact without adhesion has shrunk to a point."""
+
 
 @dataclass(frozen=True)
 class Observables:
@@ -210,14 +213,15 @@ def _detachment(trace: Trace, zone: float) -> dict[str, float]:
     """The solver's own "pull-off" event where it gives one, else the last row still in contact.
 
     An event without a contact radius is the loss seen from the free surface: that of a punch is lost at once,
-    and the row before it, at the same time, is the last state in contact.
+    and the row before it, at the same time, is the last state in contact, unless it had shrunk to a point.
     """
     if trace.outcome.kind is not OutcomeKind.DETACHED:
         return {}
     last = _last_in_contact(trace, zone)
     until = trace.time[last] + ROUND_OFF * float(np.ptp(trace.time))
+    vanished = trace.contact_radius[last] < VANISHED * float(trace.contact_radius.max())
     for event in reversed(trace.events):
-        free = event.contact_radius == 0.0 and event.time <= until
+        free = event.contact_radius == 0.0 and event.time <= until and not vanished
         if event.kind == "pull-off" and event.contact_radius >= zone and not free:
             return {
                 "detachment_time": event.time,

@@ -29,41 +29,45 @@ LEAST_VARIED = 0.5
 row to row may vanish by accident."""
 
 
-def add_at_approach(errors: dict[str, float], trace: Trace, depth_error: float, spans: Array) -> None:
+def add_at_approach(
+    errors: dict[str, float], trace: Trace, spans: Array, depth_error: float = 0.0, apart: Array | None = None
+) -> None:
     """Add to the errors at the end of approach how far the rest goes while the penetration hardly changes.
 
     The largest penetration is a corner where it is prescribed, and known exactly; where the force is, it is
     smooth, and the row at which it is largest is a matter of its error and of where the rows are. Where load
-    steps begin and end, it may have a corner as well.
+    steps begin and end, it may have a corner as well: its place then is uncertain by where the error of the
+    penetration changes by more than the penetration does, which may have all but ceased to creep.
 
     Parameters
     ----------
     errors : dict of str to float
         Relative, by observable; added to.
     trace : Trace
-    depth_error : float
-        Error of the largest penetration, a length; 0 if it is not known.
     spans : ndarray, shape (k, 2)
         Begin and end of every window of the run.
+    depth_error : float
+        Error of the largest penetration, a length; 0 if it is not known.
+    apart : ndarray, shape (n,), optional
+        Estimated error of the penetration in every row, nan where there is none.
     """
     if "approach_penetration" not in errors:
         return
     depth = trace.penetration
     row = end_of_approach(trace)
-    missed = MissedMaximum(0.0, float(trace.time[row]), float(trace.time[row]))
+    missed, corner = MissedMaximum(0.0, float(trace.time[row]), float(trace.time[row])), False
     if trace.contact_radius[row] > 0.0:
         near = ROUND_OFF * float(np.ptp(trace.time))
         corner = bool(np.isclose(_turns(trace, spans), trace.time[row], rtol=0.0, atol=near).any())
         missed = missed_maximum(trace, depth, row, corner)
     if missed.excess + depth_error <= ROUND_OFF * float(np.ptp(depth)):
         return
+    possible = depth + _uncertain(trace, row, depth_error, apart, 0.0 if corner else LEAST_VARIED)
     for name in ("force", "radius", "time"):
         column = trace.columns()[column_of(name)]
         relative_to = scale(f"approach_{name}", float(column[row]), trace)
         if f"approach_{name}" in errors and relative_to > 0.0:
-            away = 0.0
-            if depth_error > 0.0:
-                away = reach_of_maximum(depth, column, row, depth[row] - depth_error)
+            away = reach_of_maximum(possible, column, row, float(depth[row])) if depth_error > 0.0 else 0.0
             errors[f"approach_{name}"] += (away + missed.away(trace, column, row)) / relative_to
 
 
@@ -95,12 +99,7 @@ def add_at_pull_off(
     if "pull_off_force" in errors:
         errors["pull_off_force"] += missed.excess / scale("pull_off_force", float(trace.force[row]), trace)
     level = max(errors.get("pull_off_force", 0.0), usual) * float(tension[row])
-    uncertain = np.full(len(trace), level)
-    if apart is not None and np.isfinite(apart[row]):
-        known = np.isfinite(apart)
-        varied = np.abs(apart[known] - apart[row]) + missed.excess
-        uncertain[known] = np.clip(varied, LEAST_VARIED * level, level)
-    possible = tension + uncertain
+    possible = tension + _uncertain(trace, row, level, apart, LEAST_VARIED, missed.excess)
     for name in ("penetration", "radius", "time"):
         key, column = f"pull_off_{name}", trace.columns()[column_of(name)]
         relative_to = scale(key, float(column[row]), trace)
@@ -110,22 +109,26 @@ def add_at_pull_off(
             errors[key] = _joined(errors, key, away / relative_to, apart is not None)
 
 
-def add_at_detachment(errors: dict[str, float], trace: Trace, compared: bool = False) -> None:
+def add_at_detachment(
+    errors: dict[str, float], trace: Trace, radius: float | None, compared: bool = False
+) -> None:
     """Add to the errors of radius and force at detachment what they may have lost after the last row.
 
     Time and penetration are those of an event, but the edge runs away there. The last step tells how far, and
-    the one before where that is short by chance.
+    the one before where that is short by chance. A contact that ends in a point has lost nothing.
 
     Parameters
     ----------
     errors : dict of str to float
         Relative, by observable; added to.
     trace : Trace
+    radius : float or None
+        Contact radius at detachment, as it was measured.
     compared : bool
         Whether they come from the difference of two runs, which has what the place adds in it.
     """
     touching = np.flatnonzero(trace.contact_radius > 0.0)
-    if trace.outcome.kind is not OutcomeKind.DETACHED or touching.size < 2:
+    if trace.outcome.kind is not OutcomeKind.DETACHED or radius == 0.0 or touching.size < 2:
         return
     before, last = touching[-2], touching[-1]
     if trace.contact_radius[before] == trace.contact_radius[last]:
@@ -136,6 +139,35 @@ def add_at_detachment(errors: dict[str, float], trace: Trace, compared: bool = F
         if key in errors and relative_to > 0.0:
             away = RUNAWAY * float(np.abs(np.diff(column[touching[-3:]])).max())
             errors[key] = _joined(errors, key, min(away, abs(float(column[last]))) / relative_to, compared)
+
+
+def _uncertain(
+    trace: Trace, row: int, level: float, apart: Array | None, least: float, excess: float = 0.0
+) -> Array:
+    """By how much an extremum at a row may be missed at the others: what its error changes by on the way.
+
+    Parameters
+    ----------
+    trace : Trace
+    row : int
+    level : float
+        Error at the row, which is taken for all where those of the rows are not known.
+    apart : ndarray, shape (n,), optional
+        Estimated error in every row, nan where there is none.
+    least : float
+        Least change, relative to ``level``.
+    excess : float
+        What the rows miss of the extremum.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    uncertain = np.full(len(trace), level)
+    if apart is not None and np.isfinite(apart[row]):
+        known = np.isfinite(apart)
+        uncertain[known] = np.clip(np.abs(apart[known] - apart[row]) + excess, least * level, level)
+    return uncertain
 
 
 def _joined(errors: Mapping[str, float], name: str, away: float, compared: bool) -> float:

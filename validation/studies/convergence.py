@@ -15,7 +15,7 @@ import numpy as np
 
 from contact_scene import Scene, Trace
 from validation.cases import Case
-from validation.measure.approach import has_smooth_crests
+from validation.measure.approach import is_located
 from validation.measure.cycles import cycle_times
 from validation.measure.norms import distance
 from validation.measure.scalars import measure
@@ -226,7 +226,7 @@ def scales(reference: Trace, scene: Scene) -> dict[str, float]:
     for name, value in measure(reference, scene, 0.0).items():
         if name not in SCALARS or value is None:
             continue
-        if name.startswith("approach") and has_smooth_crests(scene.loading):
+        if not is_located(name, reference, scene.loading):
             continue
         sizes[name] = largest.scale(name, value) or 1.0
     return sizes

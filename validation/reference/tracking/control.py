@@ -20,6 +20,10 @@ Array = NDArray[np.float64]
 TRIAL_SEPARATION = 1e-3
 """Least difference of two trials, relative to the force (or stage): closer ones lose digits."""
 
+UNBALANCED = 1e-13
+"""Difference from the force (or stage) asked for, relative to it, above which a state is corrected: the
+limited slopes of the fields bend a little with the penetration."""
+
 
 def prescribed_penetration(
     segment: Segment, time: float, duration: float, surface: Surface
@@ -66,7 +70,7 @@ def balanced(
     """The surface at the end of a step at which the force, or the stage ``D + F/k``, is ``target``.
 
     For a given path of the edge every field is affine in the penetration at the end of the step, so that the
-    surfaces for two penetrations give the balanced one.
+    surfaces for two penetrations give the balanced one, but for the slopes of the fields between their nodes.
 
     Parameters
     ----------
@@ -121,14 +125,20 @@ def balanced(
         return two
     share = lacking / gained
     balancing = one.penetration + share * (two.penetration - one.penetration)
-    return Surface(
+    mixed = Surface(
         balancing,
         one.inside,
         one.branches + share * (two.branches - one.branches),
         one.outside,
         one.units + share * (two.units - one.units),
-        trial(balancing, True).tip_energy if with_tip_energy else 0.0,
+        0.0,
     )
+    if not with_tip_energy:
+        return mixed
+    missed = wanted - measure(mixed)
+    if abs(missed) <= UNBALANCED * abs(wanted):
+        return replace(mixed, tip_energy=trial(balancing, True).tip_energy)
+    return trial(balancing + missed / gained * (two.penetration - one.penetration), True)
 
 
 def _stiffness(body: Body, duration: float, path: EdgePath) -> float:

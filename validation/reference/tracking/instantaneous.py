@@ -5,7 +5,6 @@ Jumps of the load are in ``load_jump``.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from contact_scene import Segment
@@ -122,7 +121,7 @@ def unstable_edge(
 
 
 def flat_first_contact(problem: FrontProblem, state: FrontState, segment: Segment) -> FrontCandidate | None:
-    """Contact over the whole face of a punch that has just come to touch; ``None`` if it has not.
+    """Contact over the whole of a plane tip that has just come to touch; ``None`` if it has not.
 
     Parameters
     ----------
@@ -135,8 +134,8 @@ def flat_first_contact(problem: FrontProblem, state: FrontState, segment: Segmen
     -------
     FrontCandidate or None
     """
-    edge = problem.edge_radius
-    if math.isinf(edge) or state.surface.radius > 0.0 or isinstance(problem.condition, Griffith):
+    edge = problem.plane_tip
+    if edge == 0.0 or state.surface.radius > 0.0:
         return None
     load = at_rest(segment, segment.present(state.surface.penetration, 0.0))
     trial = problem.trial(state, load)

@@ -66,6 +66,11 @@ class FrontProblem:
         return self.scene.indenter.edge
 
     @property
+    def plane_tip(self) -> float:
+        """Radius of a plane tip that touches, and is let go, as a whole; 0 without one, and with adhesion."""
+        return self.scene.indenter.plane_tip if isinstance(self.condition, NoTension) else 0.0
+
+    @property
     def shortest_time(self) -> float:
         """Shortest relaxation time; infinite if nothing relaxes."""
         return float(self.body.rheology.times.min(initial=math.inf))
@@ -229,7 +234,7 @@ def front_problem(scene: Scene, fineness: Fineness) -> FrontProblem:
     depth, load = _largest_load(scene, body)
     edge = scene.indenter.edge
     radius = max(touching_radius(body, depth, edge), pressed_radius(body, load, edge))
-    deepest = max(depth, float(body.transform(np.array([radius]))[0]))
+    deepest = max(depth, _depth_under(body, load, edge))
     condition: EdgeCondition
     if scene.adhesion is not None and scene.is_adhesive:
         condition = Griffith(scene.adhesion)
@@ -259,7 +264,9 @@ def _largest_load(scene: Scene, body: Body) -> tuple[float, float]:
         if segment.control == "stage":
             relaxed = body.rheology.relaxed
             radius = staged_radius(body, relaxed, max(values), segment.compliance, edge)
-            values = [float(body.transform(np.array([radius]))[0])] if radius > 0.0 else [depth]
+            soft = 2.0 * relaxed * segment.compliance
+            staged = (max(values) + soft * body.transform.integral(radius)) / (1.0 + soft * radius)
+            values = [staged] if radius > 0.0 else [depth]
         if trigger is not None and trigger.quantity == "force":
             hardest, force = max(hardest, trigger.level), trigger.level
             values = [min(max(values), _depth_under(body, trigger.level, edge))]
@@ -272,4 +279,6 @@ def _largest_load(scene: Scene, body: Body) -> tuple[float, float]:
 def _depth_under(body: Body, force: float, edge: float) -> float:
     """Penetration of the adhesionless relaxed contact under a force."""
     radius = pressed_radius(body, force, edge)
-    return float(body.transform(np.array([radius]))[0]) if radius > 0.0 else 0.0
+    if radius == 0.0:
+        return 0.0
+    return float((0.5 * force / body.rheology.relaxed + body.transform.integral(radius)) / radius)

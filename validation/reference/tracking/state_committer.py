@@ -133,7 +133,7 @@ class StateCommitter:
         return segment.value(time) if segment.control == "penetration" else None
 
     def flat_first_contact(self, segment: Segment) -> None:
-        """Contact that begins with a whole face at once, if it does."""
+        """Contact that begins with a plane tip at once, if it does."""
         candidate = contact_of_flat_face(self.problem, self.state, segment)
         if candidate is not None:
             self.commit(candidate)

@@ -33,6 +33,8 @@ LARGEST_GROWTH = 2.0
 """Largest ratio of successive steps, in the variable over which rows are extrapolated."""
 FIRST_STEP = 100.0
 """First step after a kink, in allowed deviations times the shortest time: it has no error estimate."""
+FIRST_SHARE = 1e-2
+"""The same of the time to the next stop, at most."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +95,8 @@ def trial_step(
         if departure is not None and departure > tick:
             end = problem.candidate(state.time + departure, trial.surface_at(departure, a0))
             return StepOutcome(candidates=(end,), first_contact=True, kink=True)
+    if edge.radius < a0 <= problem.plane_tip:
+        return StepOutcome(detachment=NO_STABLE_CONTACT)
     if not edge.stable:
         return prescribed_travel(problem, state, trial, edge.radius, h, rows.allowed(segment))
     end = problem.candidate(state.time + h, trial.surface_at(h, edge.radius))
@@ -162,12 +166,12 @@ def _vanishing_contact(
         if segment.value(state.time + h) <= 0.0:
             return approach_zero_radius(problem, state, segment, h, allowed)
     elif state.history.rate_of_radius() < 0.0 and (
-        state.surface.radius <= problem.largest_travel
+        0.0 < state.surface.radius - problem.plane_tip <= problem.largest_travel
         or state.force <= VANISHING_FORCE * problem.fineness.deviation * state.largest_force
     ):
         trial = problem.trial(state, segment)
-        if trial.residual(left, 0.0) > 0.0:
-            return prescribed_travel(problem, state, trial, 0.0, left, allowed)
+        if trial.residual(left, problem.plane_tip) > 0.0:
+            return prescribed_travel(problem, state, trial, problem.plane_tip, left, allowed)
     return None
 
 
@@ -192,8 +196,10 @@ def _step_error(
 
 def _first_duration(problem: FrontProblem, state: FrontState, segment: Segment, left: float) -> float:
     """Duration of the first step after a kink: a small part of every time scale."""
-    part = FIRST_STEP * problem.fineness.deviation
-    quick = min(part * problem.shortest_time, 1e-2 * left)
+    part, share = FIRST_STEP * problem.fineness.deviation, FIRST_SHARE
+    if state.surface.radius == 0.0:  # a new contact grows as a root of the time
+        part, share = part**2, share**2
+    quick = min(part * problem.shortest_time, share * left)
     scale = segment.present(state.largest_depth, state.largest_force)
     rate = abs(segment.rate(state.time))
     if rate > 0.0 and scale > 0.0:

@@ -158,6 +158,8 @@ class FrontStepper:
         self.committer.kink()
         if segment.value(segment.start) != segment.present(state.surface.penetration, state.force):
             self._apply(load_jump(self.problem, state, segment), segment)
+        elif segment.rate(segment.start) > 0.0:
+            self.committer.flat_first_contact(segment)
         self.cursor.jump_done = True
 
     def _step(self, segment: Segment, stop: float) -> None:

@@ -1,0 +1,155 @@
+"""Press, hold and release without adhesion by all three solvers: points, plane tips, forces, springs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.invariants.coarse_solvers import SOLVERS
+
+from contact_scene import (
+    Branch,
+    Cone,
+    FlatPunch,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Machine,
+    Material,
+    OutcomeKind,
+    PowerLaw,
+    Ramp,
+    Scene,
+    Sphere,
+    TabulatedProfile,
+)
+from validation import reference
+from validation.measure.observables import observe
+
+GEL = Material(2e4, 0.45, (Branch(1e4, 0.3),))
+PUNCH, BALL, BLUNT = FlatPunch(1e-3), Sphere(5e-3), PowerLaw(4.0, 5e7)
+WORN = TabulatedProfile((0.0, 1e-4, 2e-4, 4e-4, 1e-3, 3e-3), (0.0, 0.0, 0.0, 1e-5, 4e-5, 1.4e-4))
+"""A plane face, a ball, a paraboloid of fourth order, and a cone whose tip has been worn plane."""
+PRESSED, RELEASED = Ramp(1e-4, 1e-3), Ramp(-2e-5, 1e-3)
+every_solver = pytest.mark.parametrize("solver", SOLVERS.values(), ids=list(SOLVERS))
+
+
+def slow(value):
+    return pytest.param(value, marks=pytest.mark.slow)
+
+
+def scene(indenter, *steps, start=0.0, material=GEL, machine=None):
+    return Scene(material, indenter, Loading("relaxed", start, steps, machine))
+
+
+@every_solver
+@pytest.mark.parametrize("indenter", [BALL, Cone(70.0)], ids=["ball", "cone"])
+def test_the_edge_of_a_contact_that_relaxes_is_at_rest(solver, indenter):
+    """Lee and Radok: pressed in, the radius is that of an elastic contact, whatever relaxes."""
+    trace = solver.solve(scene(indenter, PRESSED, Hold(3.0), start=1e-5))
+    depth, radius = trace.penetration, trace.contact_radius
+    exact = np.sqrt(5e-3 * depth) if indenter is BALL else depth / (0.5 * math.pi * indenter.cotangent)
+    held = trace.time > trace.time[-1] - 2.9
+    assert held.sum() > 3
+    accuracy = {"reference": 1e-8, "bem": 3e-4, "fem": 1e-4}[solver.name]
+    assert radius[held] == pytest.approx(exact[held], rel=accuracy)
+    if solver.name != "bem":  # its annuli follow the pressure
+        assert np.ptp(radius[held]) <= 1e-7 * radius[-1]
+
+
+PLANE = {
+    "from above": scene(PUNCH, PRESSED, Hold(1.0), RELEASED, start=-2e-5),
+    "touching": scene(PUNCH, PRESSED, Hold(1.0), RELEASED),
+    "under a force": scene(PUNCH, ForceRamp(4e-3, 4e-3), ForceRamp(-1e-3, 4e-3)),
+    "a force from above": scene(PUNCH, Force(4e-3, 1.0), ForceRamp(0.0, 4e-3), start=-1e-5),
+    "on a spring": scene(PUNCH, PRESSED, Hold(1.0), RELEASED, machine=Machine(100.0)),
+    "an elastic one": scene(PUNCH, PRESSED, RELEASED, start=-2e-5, material=Material(2e4, 0.45)),
+    "worn": scene(WORN, PRESSED, Hold(1.0), RELEASED, start=-2e-5),
+}
+
+
+@every_solver
+@pytest.mark.parametrize("name", [*(name for name in PLANE if name != "worn"), slow("worn")])
+def test_a_plane_tip_touches_and_is_let_go_as_a_whole(solver, name):
+    asked = PLANE[name]
+    trace, tip = solver.solve(asked), asked.indenter.plane_tip
+    near = {"reference": 1e-9, "bem": 1e-9, "fem": 0.0 if asked.indenter is PUNCH else 0.1}[solver.name]
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    touching = np.flatnonzero(trace.contact_radius > 0.0)
+    first, last = touching[0], touching[-1]
+    hardest = trace.force.max()
+    start, end = trace.contact_radius[[first, last]]
+    assert start == pytest.approx(tip, rel=near)
+    assert trace.force[first] == pytest.approx(0.0, abs=1e-9 * hardest)
+    assert trace.time[first] == trace.time[first - 1]  # the row of the touch, without contact
+    assert trace.penetration[first - 1 : first + 1] == pytest.approx(0.0, abs=1e-12)
+    assert end == pytest.approx(tip, rel=near)
+    assert trace.force[last] == pytest.approx(0.0, abs=1e-5 * hardest)
+    found = observe(trace, loading=asked.loading)
+    assert found.detachment_radius == pytest.approx(tip, rel=near)
+    assert found.final_radius == 0.0
+
+
+POINTS = {
+    "ball": scene(BALL, PRESSED, Hold(1.0), RELEASED),
+    "cone": scene(Cone(75.0), PRESSED, Hold(1.0), RELEASED, start=-2e-5),
+    "blunt": scene(BLUNT, PRESSED, Hold(1.0), RELEASED),
+    "force": scene(Cone(75.0), Force(1e-3, 3.0), ForceRamp(0.0, 1e-3), start=-1e-5),
+    "force on a ball": scene(BALL, ForceRamp(1e-3, 1e-3), ForceRamp(-1e-3, 1e-3), start=-1e-5),
+}
+
+
+@every_solver
+@pytest.mark.parametrize("name", ["blunt", *(slow(name) for name in POINTS if name != "blunt")])
+def test_any_other_contact_ends_in_a_point(solver, name):
+    asked = POINTS[name]
+    trace, exact = solver.solve(asked), SOLVERS["reference"].solve(asked)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert (trace.contact_radius[-1], trace.force[-1]) == (0.0, 0.0)
+    found, expected = (observe(one, loading=asked.loading) for one in (trace, exact))
+    assert found.detachment_radius == expected.detachment_radius == 0.0
+    assert found.detachment_force == pytest.approx(0.0, abs=1e-12)
+    assert found.detachment_time == pytest.approx(expected.detachment_time, rel=1e-3)
+    deepest = exact.penetration.max()
+    assert found.detachment_penetration == pytest.approx(expected.detachment_penetration, abs=1e-3 * deepest)
+
+
+@every_solver
+def test_a_force_that_lowers_an_indenter_does_no_work_on_the_way(solver):
+    """It is as if the indenter had touched from the start."""
+    steps = Force(1e-3, 1.0), ForceRamp(2e-3, 1e-3)
+    above, touching = (solver.solve(scene(BALL, *steps, start=start)) for start in (-1e-4, 0.0))
+    assert above.external_work[-1] == pytest.approx(touching.external_work[-1], rel=1e-3)
+
+
+@pytest.mark.parametrize("steps", [(Force(1e-2, 5.0), Force(1e-3, 5.0)), slow((ForceRamp(1e-2, 1e-3),))])
+def test_front_tracking_keeps_a_given_force(steps):
+    material = Material(1.8e6, 0.5, (Branch(2e6, 0.1), Branch(1e6, 2.0)))
+    asked = scene(Sphere(2e-3), *steps, start=1e-6, material=material)
+    trace = reference.solve(asked, reference.Options(8))
+    given = np.where(trace.time < 5.0, 1e-2, 1e-3) if len(steps) == 2 else trace.force[0] + 1e-3 * trace.time
+    smooth = (trace.time > 0.0) & (trace.time != 5.0)
+    assert trace.force[smooth] == pytest.approx(given[smooth], rel=1e-11)
+
+
+@pytest.mark.parametrize("material", [GEL, Material(2e4, 0.45)], ids=["gel", "elastic"])
+@pytest.mark.parametrize("indenter", [BALL, BLUNT], ids=["ball", "blunt"])
+def test_front_tracking_follows_a_new_contact_from_its_first_moment(indenter, material):
+    """The radius goes as a root of the time, which a long first step draws as a chord."""
+    trace = reference.solve(scene(indenter, PRESSED, material=material), reference.Options(8))
+    assert 0.0 < trace.time[1] <= 1e-4 * trace.time[-1]
+    exponent = 2.0 if indenter is BALL else 4.0
+    middle = 0.5 * (trace.time[1:] + trace.time[:-1])
+    exact = trace.contact_radius[-1] * (middle / trace.time[-1]) ** (1.0 / exponent)
+    chord = 0.5 * (trace.contact_radius[1:] + trace.contact_radius[:-1])
+    missed = np.sqrt(np.sum(np.diff(trace.time) * (chord - exact) ** 2) / trace.time[-1])
+    assert missed <= 3e-5 * trace.contact_radius[-1]
+
+
+def test_the_tips_that_are_plane():
+    assert [PUNCH.plane_tip, WORN.plane_tip, BALL.plane_tip, Cone(60.0).plane_tip] == [1e-3, 2e-4, 0.0, 0.0]
+    raised = replace(WORN, heights=tuple(height + 1e-6 for height in WORN.heights))
+    assert raised.plane_tip == 2e-4
