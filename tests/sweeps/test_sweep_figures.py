@@ -52,6 +52,15 @@ def test_words_are_drawn_side_by_side(hole):
     assert np.isfinite(axes.lines[0].get_ydata()).tolist() == [not hole, True]
 
 
+def test_no_line_joins_words():
+    data = dataset(3, 2).assign_coords(speed=["jump-in", "relaxed", "snap-in"], preload=["cone", "sphere"])
+    (axes,) = drawn(data)
+    assert [line.get_linestyle() for line in axes.lines] == ["None", "None"]
+    assert len({(line.get_color(), line.get_marker()) for line in axes.lines}) == 2
+    (axes,) = drawn(dataset(3))
+    assert axes.lines[0].get_linestyle() == "-"
+
+
 def test_two_coordinates_give_a_map_with_contours_and_holes_are_said():
     (axes,) = drawn(dataset(5, 4))
     mesh, contours = axes.collections

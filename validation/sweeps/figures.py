@@ -95,12 +95,16 @@ def _curve(
     axes: Axes, data: xarray.Dataset, name: str, part: xarray.DataArray, across: str, index: int, label: str
 ) -> None:
     x, y = data[across].values, part.values
-    if not np.issubdtype(x.dtype, np.number):
+    numeric = np.issubdtype(x.dtype, np.number)
+    style: dict[str, Any] = {"color": SERIES[index % len(SERIES)], "marker": MARKERS[index % len(MARKERS)]}
+    if numeric:
+        style |= {"linestyle": DASHES[index % len(DASHES)], "linewidth": 1.3, "markersize": 3}
+    else:  # between two words there is nothing that a line could show
         x = np.array([str(value) for value in x])
-    line = {"color": SERIES[index % len(SERIES)], "linestyle": DASHES[index % len(DASHES)]}
-    axes.plot(x, y, marker=MARKERS[index % len(MARKERS)], markersize=3, linewidth=1.3, label=label, **line)
+        style |= {"linestyle": "none", "markersize": 5}
+    axes.plot(x, y, label=label, **style)
     known = np.isfinite(y)
-    if not known.all() and known.any() and np.issubdtype(x.dtype, np.number):
+    if numeric and not known.all() and known.any():
         axes.plot(x[~known], np.full((~known).sum(), 0.03), "x", color=INK, markersize=4,
                   transform=axes.get_xaxis_transform())  # fmt: skip
     _scales(axes, data, across, None)
