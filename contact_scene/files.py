@@ -9,14 +9,14 @@ import io
 import os
 import re
 import uuid
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contact_scene.errors import SceneError, of_class, shown
-from contact_scene.units import bracketed, check_units
+from contact_scene.units import bracketed, check_units, without_unit
 
 TOO_LARGE = 10_000_000
 """Bytes; a scene or a table larger than this is a mistake."""
@@ -124,6 +124,31 @@ def read_rows(text: str, file: str) -> list[tuple[int, list[str]]]:
     if not rows:
         raise SceneError("", "the file is empty", "a CSV table", file)
     return rows
+
+
+def check_separator(line: int, head: Sequence[str], names: Collection[str], file: str) -> None:
+    """Refuse the head of a table that is one cell in which other signs than commas separate the columns.
+
+    Parameters
+    ----------
+    line : int
+        Number of its line.
+    head : sequence of str
+        Its cells.
+    names : collection of str
+        Columns, one of which tells that the cell is several.
+    file : str
+
+    Raises
+    ------
+    SceneError
+        One line that names the sign.
+    """
+    cell = without_unit(head[0]) if len(head) == 1 else ""
+    for sign, name in ((";", "semicolons"), ("\t", "tabs"), (" ", "blanks")):
+        if sign in cell and not {word.strip().lower() for word in cell.split(sign)}.isdisjoint(names):
+            allowed = "commas between cells, points in numbers"
+            raise SceneError(f"line {line}", f"cells are separated by {name}", allowed, file)
 
 
 def read_pairs(

@@ -14,7 +14,7 @@ from typing import Any
 
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import is_number
-from contact_scene.units import bracketed
+from contact_scene.units import bracketed, without_unit
 
 KINDS = {
     "time": ("t", "time"),
@@ -127,8 +127,7 @@ def cells_of_line(content: str, line: int, file: str, strict: bool = True) -> li
 def _split(cell: str) -> tuple[str, str]:
     """Name and unit of a column: ``E' [MPa]``, ``omega (rad/s)``; the argument of ``E(t)`` is no unit."""
     unit = bracketed(cell)
-    name = re.sub(r"[\[(][^\])]*[\])]", "", cell).strip().replace(" ", "_")
-    return name, "" if unit in ("t", "w", "f", "omega", "ω") else unit
+    return without_unit(cell).replace(" ", "_"), "" if unit in ("t", "w", "f", "omega", "ω") else unit
 
 
 def kind_of(name: str) -> str:

@@ -53,6 +53,11 @@ def bracketed(cell: str) -> str:
     return next(filter(kind_of_unit, found), found[-1] if found else "")
 
 
+def without_unit(cell: str) -> str:
+    """What stands in the head of a column (or of several) beside the units in brackets."""
+    return re.sub(r"[\[(][^\])]*[\])]", "", cell).strip()
+
+
 def kind_of_unit(unit: str) -> str:
     """Kind of a plain unit; "" of any other text, compound units such as N/m included."""
     return next((kind for kind, form in _UNITS.items() if re.fullmatch(form, _spelt(unit))), "")

@@ -45,6 +45,7 @@ FAULTS = {
     HEAD + "time;force\n0,5;0,1\n": "line 2: cells are separated by semicolons; allowed: commas",
     HEAD + "Time\tForce\n0\t0\n": "line 2: cells are separated by tabs",
     HEAD + "time force\n0 0\n": "line 2: cells are separated by blanks",
+    HEAD + "time [s]\n0\n": "column 'time [s]' states a unit",
     HEAD.replace("\n", "\r") + "time,force\r0,0\r": "lines that end in a carriage return alone",
     (HEAD + "time,force\n0,0\n").replace("", "\0"): "holds zero bytes, as UTF-16 does; allowed: UTF-8 text",
 }

@@ -79,6 +79,10 @@ def test_a_curve_comes_back_from_a_file_for_afm_programs(tmp_path, ending, stiff
         ),
         ("force,penetration,time\n" + "\n".join(f"{k},{k},{(k - 9) ** 2}" for k in range(30)), "swapped?"),
         ("time,time,force\n1,2,3\n", "stands twice"),
+        ("# noise = 1\ntime [s];stage [m];force [N]\n0,1;0;0\n", "line 2: cells are separated by semicolons"),
+        ("Time\tPenetration\tForce\n0\t0\t0\n", "line 1: cells are separated by tabs"),
+        ("time penetration force\n0 0 0\n", "line 1: cells are separated by blanks"),
+        ("time [s]\n0\n", "no column force"),
     ],
 )
 def test_a_file_that_is_no_record_is_said_in_one_line(tmp_path, lines, words):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contact_scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, SceneError, Trace
 from contact_scene.errors import LARGEST, shown
-from contact_scene.files import read_rows, read_text
+from contact_scene.files import check_separator, read_rows, read_text
 from validation.exam.header import Header, read_header
 
 Array = NDArray[np.float64]
@@ -119,19 +119,10 @@ def _check_signs(text: str, file: str) -> None:
         raise SceneError("", "has lines that end in a carriage return alone", "line feeds", file)
 
 
-def _check_separator(line: int, head: str, file: str) -> None:
-    """A head of one cell that other signs separate."""
-    for sign, name in ((";", "semicolons"), ("\t", "tabs"), (" ", "blanks")):
-        if {"time", *COLUMNS[1:]} & {word.strip().lower() for word in head.split(sign)} and sign in head:
-            allowed = "commas between cells, points in numbers"
-            raise SceneError(f"line {line}", f"cells are separated by {name}", allowed, file)
-
-
 def _columns(text: str, file: str) -> tuple[dict[str, Array], tuple[str, ...]]:
     rows = read_rows(text, file)
     (line, names), body = rows[0], rows[1:]
-    if len(names) == 1:
-        _check_separator(line, names[0], file)
+    check_separator(line, names, COLUMNS, file)
     for name in names:
         if any(sign in name for sign in "[(/"):
             allowed = "columns in the units of the scene, without a unit in their names"
