@@ -50,6 +50,48 @@ def as_path(given: Any, key: str = "path", allowed: str = "the path of a file") 
     return Path(given)
 
 
+def as_target(given: Any, key: str = "path") -> Path:
+    """What names a regular file that is there or can be made, as a path.
+
+    Parameters
+    ----------
+    given : Any
+    key : str
+        Name of the argument, for the error.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    SceneError
+        If it is no path, that of a folder or a device, or in a folder that is not there or not to be written.
+    """
+    target, problem = as_path(given, key), ""
+    try:
+        target.stat()
+    except FileNotFoundError:
+        if not target.parent.is_dir():
+            problem = "is in no folder that exists"
+    except (OSError, ValueError) as error:
+        problem = f"cannot be written: {getattr(error, 'strerror', None) or error}"
+    else:
+        if _is_no_file(target):
+            problem = "is a folder" if target.is_dir() else "is not a regular file"
+    if not problem and not os.access(target.parent, os.W_OK):
+        problem = "is in a folder that cannot be written to"
+    if problem:
+        allowed = "the path of a file, in a folder that exists and can be written to"
+        raise SceneError(key, f"{target} {problem}", allowed)
+    return target
+
+
+def _is_no_file(target: Path) -> bool:
+    """Whether something else than a regular file stands there, which a new file would take away."""
+    return not target.name or (target.exists() and not target.is_file())
+
+
 def read_text(file: Path, most: int = TOO_LARGE) -> str:
     """The text of a regular UTF-8 file of at most ``most`` bytes, line ends as ``\\n``.
 
@@ -85,10 +127,10 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
     Raises
     ------
     OSError
-        With the name of the file; also where a device or a pipe stands, which a new file would take away.
+        With the name of the file; also where a device or a pipe stands.
     """
     target = Path(path)
-    if not target.name or (target.exists() and not target.is_file()):
+    if _is_no_file(target):
         raise OSError(errno.EINVAL, "is not the name of a regular file", str(target))
     partial = target.with_name(f".{target.name}.{uuid.uuid4().hex}.part")
     try:

@@ -19,7 +19,7 @@ from contact_scene.adhesion import Adhesion
 from contact_scene.approach import Approach
 from contact_scene.edge_rate import PowerRate, RateTable
 from contact_scene.errors import FINITE, POSITIVE, SceneError, a_string, of_class, one_of, shown
-from contact_scene.files import as_path, read_pairs, read_text, write_pairs, write_whole
+from contact_scene.files import as_path, as_target, read_pairs, read_text, write_pairs, write_whole
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.load_steps import STEPS
 from contact_scene.loading import STARTS, Loading
@@ -88,9 +88,15 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
 
 
 def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
-    """Write a scene as TOML (tables of profiles and loading go into CSV files beside it)."""
+    """Write a scene as TOML (tables of profiles and loading go into CSV files beside it).
+
+    Raises
+    ------
+    SceneError
+        One line, if the path is none of a file that can be written.
+    """
     of_class(scene, "scene", Scene, "a Scene")
-    target = as_path(path)
+    target = as_target(path)
     data: dict[str, Any] = {"title": scene.title, "material": _material_table(scene.material)}
     if isinstance(scene.indenter, TabulatedProfile):
         name = f"{target.stem}-profile.csv"
@@ -121,11 +127,17 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
 
 def write_material(material: Material, path: str | os.PathLike[str], remark: str = "") -> None:
-    """Write the table ``[material]`` of a scene file as TOML, below the lines of ``remark`` as comments."""
+    """Write the table ``[material]`` of a scene file as TOML, below the lines of ``remark`` as comments.
+
+    Raises
+    ------
+    SceneError
+        One line, if the path is none of a file that can be written.
+    """
     of_class(material, "material", Material, "a Material")
     comments = "".join(f"# {line}\n" for line in a_string(remark, "remark").splitlines())
     write_whole(
-        as_path(path),
+        as_target(path),
         comments + tomli_w.dumps({"material": _material_table(material)}),
     )
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import as_tuple, function_or_none, of_class, shown
+from contact_scene.files import as_target
 from contact_scene.run_control import whole_number
 from crosscontact import registry
 from crosscontact.limits import SMALLEST_RESOLUTION
@@ -244,9 +245,15 @@ def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
-    """Write a curve: as CSV, or by its ending (``.h5``, ``.tab``) as a file that AFM programs open."""
+    """Write a curve: as CSV, or by its ending (``.h5``, ``.tab``) as a file that AFM programs open.
+
+    Raises
+    ------
+    SceneError
+        One line, if the path is none of a file that can be written.
+    """
     of_class(curve, "curve", MeasuredCurve, "a MeasuredCurve")
-    file = checked_path(path, "path")
+    file = as_target(path)
     if is_afm_file(file):
         write_afm(curve, file)
     else:

@@ -131,6 +131,31 @@ def test_a_place_that_cannot_be_written_is_one_line(result, tmp_path):
         result.save(tmp_path / "taken")
 
 
+@pytest.mark.parametrize("write", [cc.write_scene, cc.write_material, cc.write_curve])
+def test_a_file_that_cannot_be_written_is_one_line(write, tmp_path):
+    rows = range(30)
+    written = {
+        cc.write_scene: SCENE,
+        cc.write_material: SCENE.material,
+        cc.write_curve: cc.MeasuredCurve(rows, rows, rows),
+    }[write]
+    (tmp_path / "file").write_text("")
+    for place, words in (
+        (tmp_path, f"{tmp_path} is a folder; allowed: the path of a file"),
+        (tmp_path / "no" / "a.csv", "is in no folder that exists"),
+        (tmp_path / "file" / "a.csv", "Not a directory"),
+        ("a" * 300, "aaa"),
+        ("a\0b", "null"),
+        ("/dev/null", "/dev/null is not a regular file"),
+    ):
+        with pytest.raises(cc.SceneError) as caught:
+            write(written, place)
+        assert str(caught.value).startswith("path: ")
+        assert words in str(caught.value)
+    write(written, tmp_path / "a.csv")
+    assert (tmp_path / "a.csv").stat().st_size
+
+
 def test_pandas(result):
     frame = result.to_pandas()
     assert list(frame.columns) == list(result.trace.columns())
