@@ -144,6 +144,15 @@ def test_out_must_be_a_folder(capsys, tmp_path, scene_file, fakes):
         assert "--out" in refused(capsys, "compare", scene_file, "--out", out)
 
 
+def test_out_on_a_link_to_nowhere(capsys, tmp_path, scene_file, fakes):
+    link, beyond = tmp_path / "link", tmp_path / "gone"
+    link.symlink_to(beyond)
+    for out in (link, link / "below"):
+        said = refused(capsys, "solve", scene_file, "--solver", "bem", "--out", str(out))
+        assert f"--out: {link} is a link to {beyond}, which does not exist" in said
+    assert not beyond.exists()
+
+
 def test_solve_writes_the_contract(capsys, tmp_path, scene_file, fakes):
     out = tmp_path / "deep" / "down"
     assert code_of("solve", scene_file, "--solver", "bem", "--resolution", "4", "--out", str(out)) == 0

@@ -60,7 +60,7 @@ def output_folder(path: str | os.PathLike[str], key: str = "--out") -> Path:
     Raises
     ------
     SceneError
-        If it names a file or cannot be written.
+        If it names a file or a link to nowhere, or cannot be written.
     """
     folder = Path(path)
     allowed = "a folder that exists or can be made, and can be written to"
@@ -69,6 +69,10 @@ def output_folder(path: str | os.PathLike[str], key: str = "--out") -> Path:
             raise SceneError(key, "is empty", allowed)
         if folder.exists() and not folder.is_dir():
             raise SceneError(key, f"{folder} is a file", allowed)
+        for place in (folder, *folder.parents):
+            if place.is_symlink() and not place.exists():
+                nowhere = f"{place} is a link to {place.readlink()}, which does not exist"
+                raise SceneError(key, nowhere, allowed)
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
