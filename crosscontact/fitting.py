@@ -23,13 +23,14 @@ from validation.execution.store import Store
 from validation.fits.afm_files import is_afm_file, read_afm, write_afm
 from validation.fits.curve_files import read_csv, write_csv
 from validation.fits.fit import fit_curves
-from validation.fits.fit_question import check_folder, question
+from validation.fits.fit_question import RESULT, check_folder, question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import REGULARISATION, FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.statistics import Estimate
 from validation.fits.synthetic import synthetic
 from validation.report.figures import fit_chart
+from validation.report.report_folder import check_kind
 from validation.report.sections.fit import lead, statements, table
 from validation.report.write_fit import write_fit
 
@@ -224,6 +225,7 @@ def _fit_and_write(
 ) -> FitResult:
     """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
     if folder is not None:
+        check_kind(folder, RESULT, "out")
         check_folder(folder, question(curves, guess, settings), guess, "out")
     store = Store(folder)
     try:

@@ -20,6 +20,7 @@ from validation.execution.engines import Engine, engine_of, own_engine
 from validation.execution.folder_lock import locked_folder
 from validation.execution.polled_jobs import JobQueue
 from validation.execution.run_table import RunTable
+from validation.report.report_folder import SWEEP, check_kind
 from validation.sweeps.dataset import check_installed, to_dataset
 from validation.sweeps.plan import SweepPlan, plan_from_dict
 from validation.sweeps.run_plan import carry_out
@@ -99,7 +100,8 @@ def sweep(
     Raises
     ------
     SceneError
-        If an argument is wrong or the scene refuses a value, before anything runs; one line.
+        If an argument is wrong, the scene refuses a value, or ``out`` holds what another kind of command has
+        written, before anything runs; one line.
     """
     check_installed()
     one_of(design, "design", DESIGNS)
@@ -125,6 +127,8 @@ def sweep(
         plan = _checked_plan(table, _base(scene, opened), target is not None)
         engine = _engine(opened, executor, jobs, batch_seconds)
         folder = None if target is None else opened.enter_context(locked_folder(target, "out"))
+        if folder is not None:
+            check_kind(folder, SWEEP, "out")
         stored = opened.enter_context(RunTable(folder))
         runs = carry_out(plan, stored, engine, progress)
         return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)

@@ -20,7 +20,7 @@ from validation.fits.fit import fit_curves
 from validation.fits.fit_question import RESULT, check_folder, question
 from validation.fits.fit_result import InterruptedFit
 from validation.fits.fit_settings import FitSettings
-from validation.report.report_folder import check_page_unused
+from validation.report.report_folder import check_kind
 from validation.report.write_fit import write_fit
 
 OPTIONS = ("vary", "tie", "per_curve", "free", "prony", "starts", "seed", "profile", "resolution")
@@ -78,7 +78,7 @@ def run(
         raise SceneError("", str(error), "a CSV file, or the extra") from None
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
-        check_page_unused(folder, RESULT)
+        check_kind(folder, RESULT)
         check_folder(folder, question(curves, scene, settings), scene)
     store = Store(folder, fresh)
     try:

@@ -13,6 +13,7 @@ from validation.execution.files import in_words
 from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress, duration
 from validation.execution.run_table import RunTable
+from validation.report.report_folder import SWEEP, check_kind
 from validation.sweeps.dataset import FILE, check_installed, read_dataset
 from validation.sweeps.forecast import SweepForecast, forecast
 from validation.sweeps.plan import SweepPlan, plan_names, read_plan
@@ -40,7 +41,7 @@ def run(name: str, out: str | None, jobs: int, dask: str | None, dry_run: bool, 
     dry_run : bool
         Whether to say only what there is to do.
     fresh : bool
-        Whether stored runs are ignored.
+        Whether stored runs are ignored, and a folder is taken that another kind of command has written to.
 
     Returns
     -------
@@ -50,7 +51,8 @@ def run(name: str, out: str | None, jobs: int, dask: str | None, dry_run: bool, 
     Raises
     ------
     SceneError
-        If the plan is wrong, or nothing could be written.
+        If the plan is wrong, nothing could be written, or the folder holds what another kind of command has
+        written.
     """
     plan = read_plan(name)
     registry.usable()  # names those that cannot be loaded
@@ -64,6 +66,8 @@ def run(name: str, out: str | None, jobs: int, dask: str | None, dry_run: bool, 
     check_installed()
     check_writable(plan)
     folder = Path(out)
+    if not fresh:
+        check_kind(folder, SWEEP)
     with RunTable(folder, fresh) as table:
         with Progress(f"sweep {Path(name).stem}") as progress, own_engine(jobs, dask) as engine:
             progress.phase("runs")

@@ -8,9 +8,11 @@ import signal
 import tomllib
 
 import pytest
+from support.recorded import elastic_scene, hertz_curve
 from support.report_commands import WORK
 from support.spring_solver import SCENE, FunctionSolver, named, resumable, small_scene, spring
 
+import crosscontact as cc
 from contact_scene.scenefile import scene_from_dict
 from crosscontact.cli import main
 from validation import cases, solvers
@@ -20,10 +22,11 @@ from validation.execution.run_folder import write_run
 from validation.execution.runs import Run
 from validation.report import json_data
 from validation.report.report_folder import (
-    PAGES,
+    KINDS,
     RESULT,
     STABILITY,
-    check_page_unused,
+    SWEEP,
+    check_kind,
     poisson_json,
     zones_json,
 )
@@ -83,7 +86,7 @@ def test_a_foreign_trace_is_kept(capsys, tmp_path, command):
 
 def test_another_command_s_page_is_kept(capsys, tmp_path, command):
     own = own_numbers(command) or STABILITY
-    others = [(name, kind) for name, kind in PAGES.items() if name != own and own in PAGES]
+    others = [(name, kind) for name, kind in KINDS.items() if name != own and own in KINDS]
     for name, kind in others:
         other = tmp_path / "out" / name
         other.write_text("{}")
@@ -105,7 +108,7 @@ def test_numbers_on_another_scene_are_kept(capsys, tmp_path, command):
     def write(**changes):
         one = {**scene, **changes}
         alone = {"scene": one["name"], "premises": one["premises"]}
-        numbers.write_text(json.dumps({"scenes": [one]} if name in PAGES else alone))
+        numbers.write_text(json.dumps({"scenes": [one]} if name in KINDS else alone))
 
     write()
     with pytest.raises(WorkBegan):
@@ -123,7 +126,33 @@ def test_numbers_on_another_scene_are_kept(capsys, tmp_path, command):
 def test_a_fit_does_not_replace_a_report(tmp_path):
     (tmp_path / "report.json").write_text("{}")
     with pytest.raises(ValueError, match="holds a report"):
-        check_page_unused(tmp_path, RESULT)
+        check_kind(tmp_path, RESULT)
+    with pytest.raises(ValueError, match=r"^out: .* holds a report, report\.json; allowed: another folder$"):
+        cc.fit(hertz_curve(), elastic_scene(), ["material.modulus"], out=tmp_path)
+
+
+@pytest.mark.parametrize("other", [name for name in KINDS if name != SWEEP])
+def test_a_sweep_does_not_join_another_command_s_page(capsys, tmp_path, monkeypatch, other):
+    def work(*given):
+        raise WorkBegan
+
+    monkeypatch.setattr("crosscontact.commands.sweep.carry_out", work)
+    monkeypatch.setattr("crosscontact.sweeps.carry_out", work)
+    scene, plan, out = small_scene(tmp_path), tmp_path / "plan.toml", tmp_path / "out"
+    coordinate = '[[coordinates]]\nkeys = ["material.modulus"]\nvalues = [0.7, 0.8]\n'
+    plan.write_text(f'scene = "{scene}"\n{coordinate}')
+    given = ["sweep", str(plan), "--jobs", "1", "--out", str(out)]
+    out.mkdir()
+    (out / other).write_text("{}")
+    assert f"holds {KINDS[other]}, {other}" in refused(capsys, given)
+    with pytest.raises(cc.SceneError, match=r"^out: .* holds .*; allowed: another folder$"):
+        cc.sweep(scene, {"material.modulus": [0.7]}, out=out)
+    assert [file.name for file in out.iterdir()] == [other]
+    with pytest.raises(WorkBegan):
+        main([*given, "--fresh"])
+    (out / other).unlink()
+    with pytest.raises(WorkBegan):
+        main(given)
 
 
 def test_premises_are_what_is_written(tmp_path):

@@ -77,8 +77,9 @@ def check_unused(folder: Path, scene: Scene, key: str = "--out", solver: str | N
 
 
 def occupied(folder: Path, holds: str, key: str = "--out") -> SceneError:
-    """The refusal of a folder for what it holds."""
-    return SceneError(key, f"{folder} holds {holds}", "another folder, or --fresh to replace what it holds")
+    """The refusal of a folder for what it holds; ``--fresh`` belongs to the command line, as its keys do."""
+    fresh = ", or --fresh to replace what it holds" if key.startswith("--") else ""
+    return SceneError(key, f"{folder} holds {holds}", f"another folder{fresh}")
 
 
 def _solvers_of(folder: Path) -> set[str]:

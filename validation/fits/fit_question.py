@@ -11,7 +11,7 @@ from pathlib import Path
 from contact_scene import Scene, SceneError
 from contact_scene.files import read_text
 from validation.execution.fingerprints import canonical
-from validation.execution.run_folder import check_unused
+from validation.execution.run_folder import check_unused, occupied
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 
@@ -55,13 +55,12 @@ def check_folder(folder: Path, asked: dict[str, str], scene: Scene, key: str = "
         there = json.loads(read_text(file))["question"]
         differing = [name for name, value in asked.items() if there[name] != value]
     except (SceneError, ValueError, TypeError, KeyError):
-        problem = f"{folder} holds a {RESULT} that is not of a fit of this program"
+        holds = f"a {RESULT} that is not of a fit of this program"
     else:
         if not differing:
             return
-        problem = f"{folder} holds another fit (other {' and '.join(differing)})"
-    fresh = ", or --fresh to replace what it holds" if key.startswith("--") else ""
-    raise SceneError(key, problem, f"another folder{fresh}")
+        holds = f"another fit (other {' and '.join(differing)})"
+    raise occupied(folder, holds, key)
 
 
 def _hash(value: object) -> str:

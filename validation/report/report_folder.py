@@ -1,7 +1,8 @@
 """The folder of a report, before anything is written to it: whose numbers it holds.
 
-A folder has one page, ``index.html``, and beside it the file of that page's numbers, by which it is known. A
-command writes over its own numbers on the same scenes, with the same or other options, and over nothing else.
+A folder has one page, ``index.html``, and beside it the file of that page's numbers, by which it is known;
+that of a sweep has no page and is known by its runs. A command writes over its own numbers on the same
+scenes, with the same or other options, and over nothing else.
 """
 
 from __future__ import annotations
@@ -16,17 +17,19 @@ from contact_scene.files import read_text
 from validation.cases import Case
 from validation.compare.premises import of_case
 from validation.execution.run_folder import OUTPUT, check_unused, occupied
+from validation.execution.run_table import FILE as SWEEP
 from validation.fits.fit_question import RESULT
 
 REPORT, STUDY, STABILITY, EXAM = "report.json", "study.json", "stability.json", "exam.json"
-PAGES = {
+KINDS = {
     REPORT: "a report",
     STUDY: "a study",
     STABILITY: "a stability matrix",
     EXAM: "the verdicts on an exam",
     RESULT: "a fit",
+    SWEEP: "a sweep",
 }
-"""Files of numbers with a page, and what they are."""
+"""Files by which a folder is known, and what they are."""
 LARGEST = 1_000_000_000
 """Bytes of such a file, at most: beyond, it is not of this program."""
 
@@ -61,9 +64,9 @@ def check_report_unused(folder: Path, own: str, cases: Sequence[Case] = ()) -> N
         check_unused(folder, case.scene)
     run = next((name for name in OUTPUT if (folder / name).exists()), None)
     if run is not None and not cases:
-        raise occupied(folder, f"a {run}, which is not of {PAGES[own]}")
-    if own in PAGES:
-        check_page_unused(folder, own)
+        raise occupied(folder, f"a {run}, which is not of {KINDS[own]}")
+    if own in KINDS:
+        check_kind(folder, own)
     if cases and (folder / own).exists():
         _check_scenes(folder, own, {case.name: case for case in cases})
     for case in cases if own == REPORT else ():
@@ -71,16 +74,25 @@ def check_report_unused(folder: Path, own: str, cases: Sequence[Case] = ()) -> N
             check_unused(earlier, case.scene)
 
 
-def check_page_unused(folder: Path, own: str) -> None:
-    """Refuse a folder whose page is not that of the numbers ``own``, one of ``PAGES``.
+def check_kind(folder: Path, own: str, key: str = "--out") -> None:
+    """Refuse a folder that another kind of command has written to.
+
+    Parameters
+    ----------
+    folder : Path
+        That is to be written to.
+    own : str
+        File by which it will be known, one of ``KINDS``.
+    key : str
+        What named the folder.
 
     Raises
     ------
     SceneError
     """
-    for name, kind in PAGES.items():
+    for name, kind in KINDS.items():
         if name != own and (folder / name).exists():
-            raise occupied(folder, f"{kind}, {name}")
+            raise occupied(folder, f"{kind}, {name}", key)
 
 
 def _check_scenes(folder: Path, own: str, asked: dict[str, Case]) -> None:
