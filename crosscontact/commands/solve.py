@@ -99,7 +99,7 @@ def run(
             if result.finished:
                 writer.remove()  # before anything is printed, to a reader that may have gone
     finally:  # numbers that a full disk does not take are printed all the same
-        _print(case, result, estimate)
+        _print(case, result, _without_errors(writer, estimate))
     if not said:
         warn(result.warnings)
     if drawn is not None and result.trace is not None:
@@ -140,7 +140,14 @@ def _ending(result: Run, writer: CheckpointWriter, estimate: bool) -> int:
     return 0
 
 
-def _print(case: cases.Case, result: Run, estimate: bool) -> None:
+def _without_errors(writer: CheckpointWriter, estimate: bool) -> str:
+    """Why a run that is whole has no error estimate."""
+    if not estimate:
+        return "add --estimate"
+    return "it was interrupted" if writer.stopped else "the coarser run ends otherwise"
+
+
+def _print(case: cases.Case, result: Run, without_errors: str) -> None:
     print(f"{result.scene} by {result.solver}: {result.ending}")
     steps = result.measures.get("counters.steps")
     rows = table(key_numbers(case.scene, result.measures, result.errors))
@@ -154,7 +161,7 @@ def _print(case: cases.Case, result: Run, estimate: bool) -> None:
     if result.errors:
         print(f"  errors are relative: {SCALES_IN_WORDS}")
     elif result.finished:
-        print(f"  no error estimate ({'the coarser run ends otherwise' if estimate else 'add --estimate'})")
+        print(f"  no error estimate ({without_errors})")
 
 
 def _draw(result: Result, folder: Path) -> None:

@@ -97,7 +97,9 @@ def test_interrupted_in_the_error_estimate_the_run_stands(capsys, tmp_path, scen
     summary = json.loads((out / "summary.json").read_text())
     assert (summary["outcome"], summary["finished"], summary["error_estimates"]) == ("detached", True, {})
     assert not (out / "checkpoint").exists()
-    assert "the run is whole, its errors are not estimated" in capsys.readouterr().err
+    shown, said = capsys.readouterr()
+    assert "no error estimate (it was interrupted)" in shown
+    assert "the run is whole, its errors are not estimated" in said
 
 
 def test_a_budget_that_ends_a_run_is_said(capsys, tmp_path, scene_file, monkeypatch):
