@@ -7,7 +7,7 @@ import os
 from contact_scene.errors import SceneError, one_of, positive
 from contact_scene.files import as_path, read_text
 from contact_scene.material import Material
-from contact_scene.prony import fit_prony, series_material, young_over
+from contact_scene.prony import PronyFit, fit_prony, series_material, young_over
 from contact_scene.pyvisco import read_pyvisco
 from contact_scene.readers import FORMATS, MEASURED, branch_table, format_of, measured_data
 
@@ -70,8 +70,13 @@ def _fitted(text: str, file: str, format: str, poisson: float, modulus: float | 
     if fit.misfit > LARGEST_MISFIT:
         raise SceneError(
             "",
-            f"no Prony series meets the data: misfit {fit.misfit:.2g}, at most {fit.largest_residual:.2g}",
+            no_series_meets(fit),
             f"a misfit of at most {LARGEST_MISFIT:g}; `crosscontact material {file} --plot` draws it",
             file,
         )
     return material
+
+
+def no_series_meets(fit: PronyFit) -> str:
+    """What is wrong with data that the best series misses."""
+    return f"no Prony series meets the data: misfit {fit.misfit:.2g}, at most {fit.largest_residual:.2g}"

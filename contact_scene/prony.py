@@ -80,6 +80,8 @@ class PronyFit:
         Branches left when neighbours among these were joined.
     dropped : tuple of DroppedBranch
         In the order in which they were dropped.
+    unknowns : int
+        Numbers that were fitted: two a branch, and the relaxed modulus where it was not given.
     """
 
     data: RelaxationData | DynamicData
@@ -90,6 +92,12 @@ class PronyFit:
     used: int
     joined: int
     dropped: tuple[DroppedBranch, ...]
+    unknowns: int
+
+    @property
+    def determined(self) -> bool:
+        """Whether there are at least as many measured moduli as fitted numbers."""
+        return self.unknowns <= self.residuals.size
 
     @property
     def misfit(self) -> float:
@@ -192,8 +200,9 @@ def fit_prony(
     series = last.refined(series, LAST_REFINEMENTS)
     order = np.argsort(series.times)
     branches = tuple(Branch(float(series.moduli[k]), float(series.times[k])) for k in order)
+    unknowns = 2 * len(branches) + int(relaxed is None and series.relaxed > 0.0)
     return PronyFit(
-        data, series.relaxed, branches, design.residuals(series), grid, used, joined, tuple(dropped)
+        data, series.relaxed, branches, design.residuals(series), grid, used, joined, tuple(dropped), unknowns
     )
 
 

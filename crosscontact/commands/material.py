@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import Material, SceneError
 from contact_scene.errors import one_of, positive
 from contact_scene.files import read_text
-from contact_scene.material_file import read_material
+from contact_scene.material_file import LARGEST_MISFIT, no_series_meets, read_material
 from contact_scene.measured_moduli import RelaxationData
 from contact_scene.prony import TOLERANCE, PronyFit, fit_prony, young_over
 from contact_scene.readers import FORMATS, MEASURED, format_of, measured_data
@@ -58,7 +59,7 @@ def run(
     Returns
     -------
     int
-        0; bad input raises.
+        1 if no series meets the data, or they do not determine it, else 0; bad input raises.
     """
     text = read_text(Path(file))
     kind = format_of(text, file) if format is None else one_of(format, "--format", FORMATS)
@@ -68,10 +69,13 @@ def run(
     drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
     fit: PronyFit | None = None
     material: Material | None = None
+    doubts: list[str] = []
     if kind in MEASURED:
-        fit = _fit(text, file, kind, poisson, modulus, TOLERANCE if tolerance is None else tolerance)
+        allowed_misfit = TOLERANCE if tolerance is None else tolerance
+        fit = _fit(text, file, kind, poisson, modulus, allowed_misfit)
         material = fit.material(poisson) if fit.modulus else None
         lines = _fit_lines(file, fit)
+        doubts = _doubts(fit, allowed_misfit)
     else:
         material = read_material(file, poisson, modulus, kind)
         lines = [f"{file}: Prony series ({kind}) of {len(material.branches)} branches"]
@@ -84,9 +88,11 @@ def run(
         if material is None:
             allowed = "the relaxed Young's modulus, > 0"
             raise SceneError("--modulus", "is missing: the data show no relaxed modulus", allowed, file)
-        write_material(material, folder / "material.toml", "\n".join(lines))
+        write_material(material, folder / "material.toml", "\n".join([*lines, *doubts]))
         print(f"written to {folder / 'material.toml'}")
-    return 0
+    for doubt in doubts:
+        print(f"crosscontact: {file}: {doubt}", file=sys.stderr)
+    return 1 if doubts else 0
 
 
 def _fit(
@@ -120,6 +126,18 @@ def _fit(
         return fit_prony(data, relaxed=relaxed, tolerance=tolerance)
     except SceneError as error:
         raise error if error.key else error.in_file(file) from None
+
+
+def _doubts(fit: PronyFit, tolerance: float) -> list[str]:
+    """Why the series is not one of the data, a line each: a misfit above what a scene or the user allows, or
+    more numbers than were measured."""
+    largest, found = max(LARGEST_MISFIT, tolerance), []
+    if fit.misfit > largest:
+        found.append(f"{no_series_meets(fit)}; allowed: a misfit of at most {largest:g}")
+    if not fit.determined:
+        few = f"{fit.residuals.size} measured moduli do not determine {fit.unknowns} numbers of the series"
+        found.append(f"{few}; allowed: at least as many moduli, or a coarser --tolerance")
+    return found
 
 
 def _fit_lines(file: str, fit: PronyFit) -> list[str]:

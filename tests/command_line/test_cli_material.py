@@ -107,6 +107,30 @@ def test_a_melt_needs_a_relaxed_modulus(tmp_path, capsys):
     assert "modulus = 1e-06" in (tmp_path / "material.toml").read_text()
 
 
+def test_data_that_no_series_meets_are_told_and_exit_1(tmp_path, capsys):
+    file, out = tmp_path / "rising.csv", tmp_path / "out"
+    file.write_text("t,E\n" + "".join(f"{t},{t}\n" for t in range(1, 6)))
+    assert code_of(file, "--out", out) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    doubt = "no Prony series meets the data: misfit 0.54, at most 0.69; allowed: a misfit of at most 0.05"
+    assert line == f"crosscontact: {file}: {doubt}"
+    assert f"# {doubt}\n" in (out / "material.toml").read_text()
+    with pytest.raises(cc.SceneError, match="no Prony series meets the data: misfit 0"):
+        cc.read_material(file)
+    assert code_of(file, "--tolerance", "0.6") == 0  # as much was allowed
+
+
+def test_moduli_too_few_for_their_series_are_told_and_exit_1(tmp_path, capsys):
+    file, out = tmp_path / "three.csv", tmp_path / "out"
+    file.write_text("t,E\n1,3\n10,2\n100,1.5\n")
+    assert code_of(file, "--out", out) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"crosscontact: {file}: 3 measured moduli do not determine 5 numbers of the")
+    assert "# 3 measured moduli do not determine" in (out / "material.toml").read_text()
+    assert code_of(file, "--tolerance", "0.2") == 0
+    assert capsys.readouterr().err == ""
+
+
 @pytest.mark.slow
 def test_a_relaxed_modulus_above_the_data_is_doubtful(capsys, dynamic):
     least = KNOWN.storage_modulus(1.0 / TIMES).min()  # of Young: the file holds a third
