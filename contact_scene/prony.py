@@ -165,7 +165,8 @@ def fit_prony(
     relaxed : float, optional
         Relaxed modulus > 0, of the kind of the data, where it is known; fitted otherwise.
     tolerance : float
-        Branches are dropped as long as the root mean square of the relative residuals stays below, 0 to 1.
+        Branches are dropped as long as the root mean square of the relative residuals stays below, 0 to 1;
+        of data that scatter by more, as long as Schwarz' criterion prefers the shorter series.
 
     Returns
     -------

@@ -21,7 +21,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--tolerance",
         type=float,
         metavar="X",
-        help="drop branches as long as the misfit (relative, root mean square) stays below X; default: 0.001",
+        help="drop branches as long as the misfit (relative, root mean square) stays below X; of data that "
+        "scatter by more, as long as Schwarz' criterion prefers the shorter series; default: 0.001",
     )
     command.add_argument("--out", metavar="DIR", help="write material.toml, the table of a scene, there")
     command.add_argument(

@@ -52,7 +52,7 @@ def run(
     modulus : float or None
         Relaxed Young's modulus, where the file has none.
     tolerance : float or None
-        Misfit below which branches are dropped; ``None``: ``TOLERANCE``.
+        As of :func:`contact_scene.prony.fit_prony`; ``None``: ``TOLERANCE``.
     plot : bool
         Whether ``material.png`` and ``material.svg`` are drawn, into ``out`` or the current folder.
 
@@ -110,7 +110,7 @@ def _fit(
     modulus : float or None
         Relaxed Young's modulus, if given.
     tolerance : float
-        Misfit below which branches are dropped.
+        As of :func:`contact_scene.prony.fit_prony`.
 
     Returns
     -------

@@ -67,6 +67,21 @@ def test_every_branch_at_a_finer_tolerance(capsys, relaxation):
     assert "  branches                  3 " in capsys.readouterr().out
 
 
+def test_branches_of_scattered_data_are_dropped_as_the_help_says(tmp_path, capsys):
+    """By Schwarz' criterion, at misfits above the tolerance."""
+    assert code_of("--help") == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "scatter by more, as long as Schwarz' criterion prefers the shorter series; default: 0.001" in told
+    file = tmp_path / "noisy.txt"
+    scatter = 1.0 + 0.01 * np.random.default_rng(1).standard_normal(TIMES.size)
+    file.write_text(table("t E", TIMES, KNOWN.relaxation_modulus(TIMES) * scatter))
+    assert code_of(file) == 0
+    lines = capsys.readouterr().out.splitlines()
+    afters = [float(line.split("->")[1]) for line in lines if "dropped: time" in line]
+    assert afters
+    assert min(afters) > 0.001
+
+
 def test_storage_and_loss_of_shear(tmp_path, capsys, dynamic):
     assert code_of(dynamic, "--tolerance", "1e-6", "--out", tmp_path / "out") == 0
     assert "storage and loss shear modulus over angular frequency, 49 rows" in capsys.readouterr().out
