@@ -73,7 +73,11 @@ class Fit:
         return statements(self.result)
 
     def __getitem__(self, name: str) -> Estimate:
-        """A parameter by name: ``value``, ``deviation``, ``low`` and ``high`` of its 95 % interval."""
+        """A parameter by name: ``value``, ``deviation``, ``low`` and ``high`` of its 95 % interval.
+
+        The standard deviation ``deviation`` is that of the logarithm, a share of ``value``, where
+        ``logarithmic``, as of positive numbers of the scene; else it has the unit of ``value``.
+        """
         for one in self.result.estimates:
             if one.name == name:
                 return one

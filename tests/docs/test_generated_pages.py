@@ -6,6 +6,7 @@ import html
 import json
 import re
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from fem_solver.recorder import EXTRA
 from validation import scenes
 from validation.claims.all import CLAIMS
 from validation.claims.claim import Finding, Part, Verdict
+from validation.fits.statistics import Estimate
 from validation.reference.tracking.recorder import EXTRA_COLUMNS
 from validation.report import saved
 from validation.solvers import SOLVERS
@@ -80,6 +82,13 @@ def test_keys_of_a_summary_are_in_the_reference(tmp_path):
     keys = json.loads((tmp_path / "summary.json").read_text("utf-8"))
     assert [name for name in keys if f"`{name}`" not in page] == []
     assert len(keys) > 30
+
+
+def test_keys_of_a_fitted_number_are_in_its_guide():
+    page = (ROOT / "docs" / "how-to" / "fit.md").read_text("utf-8")
+    table = "".join(re.findall(r"^\| `.*?\|", page.partition("## What comes out")[2], re.MULTILINE))
+    assert [one.name for one in fields(Estimate) if f"`{one.name}`" not in table] == []
+    assert "where `logarithmic` that of the logarithm" in page
 
 
 @pytest.mark.slow

@@ -42,10 +42,12 @@ class Estimate:
     name : str
     value : float
     deviation : float
-        Standard deviation, of the logarithm where ``logarithmic``.
+        Standard deviation: of the logarithm, a share of ``value``, where ``logarithmic``; else in the unit of
+        ``value``.
     logarithmic : bool
+        Whether the logarithm was searched.
     low, high : float
-        95 % interval.
+        95 % interval, in the unit of ``value``.
     start : float
     note : str
         What is wrong with it, if anything.
