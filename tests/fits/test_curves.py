@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,7 @@ from validation.fits.decimation import decimated
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.measured_path import straight_lines
 from validation.fits.parameters import ParameterSet, scene_parameter
+from validation.fits.swapped_columns import exchanged, force_ignores_rest
 
 
 def test_a_curve_comes_back_from_csv_bit_for_bit(tmp_path):
@@ -175,6 +177,50 @@ def test_columns_that_were_swapped_are_known_by_the_size_of_the_contact():
     assert checked(MeasuredCurve(good.time, force, motion), scene) == []
     with pytest.raises(SceneError, match="swapped"):
         checked(MeasuredCurve(good.time, motion, force), scene)
+
+
+def afm_curve(stiffness=None):
+    """A soft sphere in SI units, driven by its position or by the stage of a spring, and a scene for it."""
+    time = np.linspace(0.0, 4.0, 120)
+    driven, depths = 1e-6 * (3.0 - 2.0 * np.abs(time - 2.0)), np.linspace(-1e-6, 3e-6, 1000)
+    force = 4.0 / 3.0 * 8e3 / 0.75 * np.sqrt(1e-4) * np.maximum(depths, 0.0) ** 1.5
+    places = depths if stiffness is None else depths + force / stiffness
+    recorded = np.interp(driven, places, force) + 1e-9 * np.random.default_rng(0).standard_normal(120)
+    scene = with_values(elastic_scene(), {"material.modulus": 8e3, "indenter.radius": 1e-4})
+    if stiffness is None:
+        return MeasuredCurve(time, recorded, driven), scene
+    return MeasuredCurve(time, recorded, stage=driven, stiffness=stiffness), scene
+
+
+@pytest.mark.parametrize("stiffness", [None, 0.1])
+@pytest.mark.parametrize("guess", [0.3, 1.0, 3.0])
+@pytest.mark.parametrize("part", [slice(None), slice(None, 60), slice(60, None)])
+def test_columns_that_were_swapped_are_known_by_the_rows_without_contact(stiffness, guess, part):
+    """Their sizes could be those of a stiffer material; approach and retraction tell each for itself."""
+    curve, scene = afm_curve(stiffness)
+    scene = with_values(scene, {"material.modulus": 8e3 * guess})
+    names = [name for name in ("time", "force", "penetration", "stage") if getattr(curve, name) is not None]
+    curve = replace(curve, **{name: getattr(curve, name)[part] for name in names})
+    checked(curve, scene)
+    assert not force_ignores_rest(curve)
+    with pytest.raises(SceneError) as caught:
+        checked(exchanged(curve), scene)
+    said = r"rests where the force goes on as before: swapped\? \(.* times the force .*, .* times if they are"
+    assert re.search(said, str(caught.value))
+
+
+@pytest.mark.parametrize("guess", [1e-2, 1.0, 1e2])
+def test_a_force_that_relaxes_at_rest_is_not_taken_for_a_motion(guess):
+    """Pressed from the first row on and held: no row is without contact, and the position rests in most."""
+    time = np.linspace(0.0, 10.0, 400)
+    held = np.minimum(time, 1.0)
+    for noise, order in ((0.0, 1), (1e-3, 1), (1e-3, -1)):
+        force = 3e-5 * held**1.5 * (0.3 + 0.7 * np.exp(-np.maximum(time - 1.0, 0.0) / 3.0))
+        scatter = noise * np.random.default_rng(0).standard_normal((2, 400))
+        curve = MeasuredCurve(time, force[::order] + 3e-5 * scatter[0], 3e-6 * (held[::order] + scatter[1]))
+        _, scene = afm_curve()
+        assert not force_ignores_rest(curve)
+        checked(curve, with_values(scene, {"material.modulus": 8e3 * guess}))
 
 
 def test_a_weak_record_has_warnings_and_a_good_one_none():

@@ -8,6 +8,7 @@ from contact_scene import Scene, SceneError
 from validation.fits.curve_model import CurveModel
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.parameters import CONTACT_POINT, SPRING, ParameterSet
+from validation.fits.swapped_columns import exchanged, force_ignores_rest
 from validation.reference import sneddon
 
 OPPOSED = -0.5
@@ -17,6 +18,9 @@ OUTSIDE_ROWS = 5
 ABSURD, PLAUSIBLE = 1e4, 1e2
 """Factors by which the largest force may miss that of the scene's elastic contact: above the first it is not
 this contact, below the second it may be, and between them a warning says so."""
+OUTWEIGHS = 3.0
+"""Factor by which a record comes closer to that force than with its columns swapped, from which its size
+tells more than its shape: first guesses are about as good."""
 SAME_SPRING = 1e-3
 """Relative difference of two spring constants that is not mentioned: springs are hardly calibrated to it."""
 FEW_ROWS = 50
@@ -93,18 +97,27 @@ def of_spring(curve: MeasuredCurve, scene: Scene, parameters: ParameterSet) -> l
 
 def _check_columns(model: CurveModel, column: str) -> None:
     """Whether force and motion are of the order of the scene's contact, or of each other's."""
-    curve, expected = model.curve, _elastic_force
-    reach, force = float(np.ptp(curve.motion)), float(np.ptp(curve.force))
-    as_stated = force / expected(model.scene, reach)
-    swapped = reach / expected(model.scene, force)
-    if 1.0 / ABSURD < as_stated < ABSURD:
-        return
-    if 1.0 / PLAUSIBLE < swapped < PLAUSIBLE:
-        raise SceneError(
-            column, "looks like the force, and the force like it: swapped?", "each in its column", curve.name
-        )
-    problem = f"is {as_stated:.0e} times that of the scene's contact: other units?"
-    raise SceneError("force", problem, "force, lengths and times in the units of the scene", curve.name)
+    curve, other = model.curve, exchanged(model.curve)
+    as_stated, swapped = _over_expected(model.scene, curve), _over_expected(model.scene, other)
+    off, off_swapped = (max(factor, 1.0 / factor) for factor in (as_stated, swapped))
+    compared = f"{as_stated:.2g} times the force of the scene's contact, {swapped:.2g} times if they are"
+    if off_swapped < PLAUSIBLE:
+        problem = ""
+        if off >= ABSURD:
+            problem = f"looks like the force, and the force like it: swapped? ({compared})"
+        elif off_swapped < OUTWEIGHS * off and force_ignores_rest(curve):
+            problem = f"rests where the force goes on as before: swapped? ({compared})"
+        if problem:
+            raise SceneError(column, problem, "each in its column", curve.name)
+    if off >= ABSURD:
+        problem = f"is {as_stated:.0e} times that of the scene's contact: other units?"
+        raise SceneError("force", problem, "force, lengths and times in the units of the scene", curve.name)
+
+
+def _over_expected(scene: Scene, curve: MeasuredCurve) -> float:
+    """Range of the force over the force of the scene's contact at the range of the motion."""
+    expected = _elastic_force(scene, float(np.ptp(curve.motion)))
+    return float(np.ptp(curve.force)) / expected if expected > 0.0 else np.inf
 
 
 def _elastic_force(scene: Scene, depth: float) -> float:
