@@ -53,13 +53,23 @@ def end_of_approach(trace: Trace) -> int:
     )
 
 
+def rests_after(trace: Trace, row: int) -> bool:
+    """Whether the penetration stays what it is at a row, as in a hold."""
+    later = np.flatnonzero(trace.time[row + 1 :] > trace.time[row])
+    if not later.size:
+        return False
+    moved = abs(float(trace.penetration[row + 1 + later[0]] - trace.penetration[row]))
+    return moved <= ROUND_OFF * float(np.ptp(trace.penetration))
+
+
 def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     """Whether an observable at the end of the approach is the same in all right runs.
 
     Where the approach ends at a smooth crest, time, force and contact radius are those of the row next to it,
     which lies where the steps of the run happen to end: right runs differ in them by the root of what their
-    rows miss of the penetration. Where the penetration creeps, under a force or on a spring, until it all but
-    rests, it is largest at a time that depends on its last digits.
+    rows miss of the penetration. Where the penetration is found, under a force, on a spring or to a level,
+    its last digits tell which of two crests is higher, and at which time it is that has all but ceased to
+    creep.
 
     Parameters
     ----------
@@ -77,12 +87,16 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     segments = [segment for _, segment in loading.segments()]
     if not all(segment.linear for segment in segments):  # a smooth crest
         return False
-    if name != "approach_time" or all(segment.control == "penetration" for segment in segments):
+    given = all(segment.control == "penetration" and segment.trigger is None for segment in segments)
+    if given or name == "approach_penetration":
         return True
     depth, end = trace.penetration, end_of_approach(trace)
-    rests = depth[: end + 1] >= depth[end] - CREPT * float(np.ptp(depth))
-    first = end - int(np.argmin(rests[::-1])) + 1 if not rests.all() else 0
-    return bool(trace.time[end] - trace.time[first] <= CREPT * np.ptp(trace.time))
+    highest = np.flatnonzero(depth >= depth[end] - CREPT * float(np.ptp(depth)))
+    crests = np.split(highest, np.flatnonzero(np.diff(highest) > 1) + 1)
+    if len(crests) > 1:
+        return False
+    rested = float(trace.time[end] - trace.time[highest[0]])
+    return name != "approach_time" or rested <= CREPT * float(np.ptp(trace.time))
 
 
 def _may_reach(trace: Trace, row: int) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 
 from contact_scene import OutcomeKind, Trace
 from contact_scene.trace import Array
-from validation.measure.approach import end_of_approach
+from validation.measure.approach import end_of_approach, rests_after
 from validation.measure.missed_maximum import MissedMaximum, missed_maximum, reach_of_maximum
 from validation.measure.observables import pull_off_row
 from validation.measure.round_off import ROUND_OFF
@@ -37,7 +37,8 @@ def add_at_approach(
     The largest penetration is a corner where it is prescribed, and known exactly; where the force is, it is
     smooth, and the row at which it is largest is a matter of its error and of where the rows are. Where load
     steps begin and end, it may have a corner as well: its place then is uncertain by where the error of the
-    penetration changes by more than the penetration does, which may have all but ceased to creep.
+    penetration changes by more than the penetration does, which may have all but ceased to creep. Where it
+    rests from there on, as in a hold, that is the place.
 
     Parameters
     ----------
@@ -60,7 +61,7 @@ def add_at_approach(
         near = ROUND_OFF * float(np.ptp(trace.time))
         corner = bool(np.isclose(_turns(trace, spans), trace.time[row], rtol=0.0, atol=near).any())
         missed = missed_maximum(trace, depth, row, corner)
-    if missed.excess + depth_error <= ROUND_OFF * float(np.ptp(depth)):
+    if missed.excess + depth_error <= ROUND_OFF * float(np.ptp(depth)) or rests_after(trace, row):
         return
     possible = depth + _uncertain(trace, row, depth_error, apart, 0.0 if corner else LEAST_VARIED)
     for name in ("force", "radius", "time"):
