@@ -175,6 +175,12 @@ def test_a_penetration_that_creeps_until_it_all_but_rests_ends_the_approach_at_n
     assert is_located("approach_force", crept, force)
     assert is_located("pull_off_time", crept, force)
     assert is_located("approach_time", crept, pressed)
+    again = trace([0, 1, 2, 3, 4], [0, 1, 0, 0.9999, 0], [0, 1, 0, 0.9, 0])
+    assert not is_located("approach_force", again, force)
+    assert is_located("approach_penetration", again, force)
+    assert is_located("approach_force", again, pressed)
+    to_a_level = Loading("jump-in", 0.0, (Ramp(1.0, 1.0, until_force=1.0),))
+    assert not is_located("approach_force", again, to_a_level)
     swung = Loading("jump-in", 0.0, (Oscillate(0.1, 6.0, 2.0),))
     assert not is_located("approach_radius", crept, swung)
 
