@@ -20,8 +20,8 @@ from crosscontact.tables import aligned, html_table
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.store import Store
-from validation.fits.afm_files import is_afm_file, read_afm, write_afm
-from validation.fits.curve_files import read_csv, write_csv
+from validation.fits.afm_files import is_afm_file, read_file, write_afm
+from validation.fits.curve_files import write_csv
 from validation.fits.fit import fit_curves
 from validation.fits.fit_question import RESULT, check_folder, question
 from validation.fits.fit_result import FitResult, InterruptedFit
@@ -246,8 +246,7 @@ def _fit_and_write(
 
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:
     """The curves of a file: one of a CSV, all of a file that ``afmformats`` reads (extra ``fit``)."""
-    file = checked_path(path, "path")
-    return read_afm(file) if is_afm_file(file) else [read_csv(file)]
+    return read_file(checked_path(path, "path"))
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:

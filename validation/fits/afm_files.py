@@ -7,14 +7,15 @@ the tip. A file may hold many curves.
 
 from __future__ import annotations
 
-import warnings
-from importlib import import_module
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contact_scene.errors import SceneError
+from validation.fits.afm_package import UnknownFormat, afmformats, errors_in_one_line
+from validation.fits.curve_files import read_csv
 from validation.fits.measured_curve import MeasuredCurve
 
 STAGE, TIP = "height (measured)", "tip position"
@@ -22,6 +23,28 @@ WRITTEN = {".h5": "hdf5", ".tab": "tab"}
 """Formats that can be written, by their ending."""
 READ = (".h5", ".ibw", ".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".tab", ".txt", ".zip")
 """Endings that are left to ``afmformats``; all others are CSV."""
+TEXT = ".txt"
+"""The one of them that tables have as well."""
+
+
+def read_file(path: Path) -> list[MeasuredCurve]:
+    """All curves of a file, CSV or of a microscope.
+
+    Raises
+    ------
+    SceneError
+        One line: file, line or column, what is wrong.
+    ImportError
+        If the file is left to ``afmformats``, which is not installed.
+    """
+    if path.suffix.lower() != TEXT:
+        return read_afm(path) if is_afm_file(path) else [read_csv(path)]
+    try:
+        return [read_csv(path)]
+    except SceneError as error:
+        with suppress(UnknownFormat):
+            return read_afm(path)
+        raise error from None
 
 
 def is_afm_file(path: Path) -> bool:
@@ -39,22 +62,15 @@ def read_afm(path: Path) -> list[MeasuredCurve]:
     ImportError
         If ``afmformats`` is not installed.
     """
-    package = _package()
-    if not path.is_file():
-        raise SceneError("", "cannot be read: no such file", "an existing file", str(path))
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            records = list(package.load_data(path))
-    except Exception as error:  # whatever a reader of foreign files may raise
-        reason = " ".join(f"{type(error).__name__} {error}".split())
-        raise SceneError("", f"cannot be read: {reason}", "a file of afmformats", str(path)) from None
-    if not records:
+    package = afmformats()
+    _require_content(path)
+    with errors_in_one_line(package, path):  # columns are read when they are asked for
+        records = package.load_data(path)
+        names = [path.stem] if len(records) == 1 else [f"{path.stem}-{n}" for n in range(len(records))]
+        curves = [_curve(record, name, str(path)) for record, name in zip(records, names, strict=True)]
+    if not curves:
         raise SceneError("", "holds no curve", "a file of force-distance curves", str(path))
-    return [
-        _curve(record, path.stem if len(records) == 1 else f"{path.stem}-{number}", str(path))
-        for number, record in enumerate(records)
-    ]
+    return curves
 
 
 def write_afm(curve: MeasuredCurve, path: Path) -> None:
@@ -65,7 +81,7 @@ def write_afm(curve: MeasuredCurve, path: Path) -> None:
     SceneError
         If the ending is none of those that can be written.
     """
-    package = _package()
+    package = afmformats()
     if path.suffix.lower() not in WRITTEN:
         raise SceneError("path", f"cannot write {path.suffix}", ", ".join((".csv", *WRITTEN)))
     columns = {
@@ -114,8 +130,15 @@ def _curve(record: Any, name: str, file: str) -> MeasuredCurve:
         raise error.in_file(file) from None
 
 
-def _package() -> Any:
+def _require_content(path: Path) -> None:
+    """Refuse what is no regular file, cannot be opened, or holds nothing."""
     try:
-        return import_module("afmformats")
-    except ImportError:
-        raise ImportError("afmformats is not installed: pip install 'crosscontact[fit]'") from None
+        if path.exists() and not path.is_file():  # never wait on a pipe
+            problem = "is a folder" if path.is_dir() else "is not a regular file"
+        else:
+            with path.open("rb") as stream:
+                problem = "" if stream.read(1) else "the file is empty"
+    except (OSError, ValueError) as error:
+        problem = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    if problem:
+        raise SceneError("", problem, "an existing, readable file of curves", str(path))

@@ -1,0 +1,112 @@
+"""Files of force microscopes: what ``afmformats`` cannot read is one line, a table called .txt is a table."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from support.recorded import elastic_scene, hertz_curve
+
+import crosscontact as cc
+from contact_scene import SceneError, write_scene
+from crosscontact.cli import main
+from validation.fits.afm_files import read_afm, write_afm
+from validation.fits.curve_files import write_csv
+
+afmformats = pytest.importorskip("afmformats", reason="the optional extra `fit` is not installed")
+
+UNKNOWN = "is damaged, or in no format that afmformats knows; allowed: a .{} of a force microscope; a table"
+
+
+def refusal(path):
+    """The one line with which a file is refused, without its name."""
+    with pytest.raises(SceneError) as caught:
+        cc.read_curves(path)
+    line = str(caught.value)
+    assert line.startswith(f"{path}: ")
+    assert "\n" not in line
+    return line.removeprefix(f"{path}: ")
+
+
+@pytest.mark.parametrize("ending", ["h5", "tab", "jpk-force", "jpk-force-map", "jpk-qi-data"])
+def test_a_file_in_no_known_format_is_refused_in_one_line(tmp_path, ending):
+    file = tmp_path / f"a.{ending}"
+    file.write_bytes(np.random.default_rng(1).bytes(5000))
+    assert UNKNOWN.format(ending) in refusal(file)
+    file.write_bytes(b"")
+    assert refusal(file).startswith("the file is empty;")
+
+
+def test_half_a_file_is_refused_by_the_command_in_one_line(tmp_path, capsys):
+    file, scene = tmp_path / "a.h5", tmp_path / "scene.toml"
+    write_afm(hertz_curve(), file)
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    write_scene(elastic_scene(), scene)
+    assert main(["fit", str(file), str(scene), "--vary", "material.modulus"]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert said[0].startswith(f"crosscontact: error: {file}: is damaged")
+
+
+def test_what_is_no_file_is_told_as_what_it_is(tmp_path):
+    (tmp_path / "a.h5").mkdir()
+    assert refusal(tmp_path / "a.h5").startswith("is a folder;")
+    assert refusal(tmp_path / "b.h5").startswith("cannot be read: No such file")
+
+
+def test_a_table_called_txt_is_read_as_one(tmp_path):
+    curve = hertz_curve()
+    write_csv(curve, tmp_path / "a.txt")
+    [back] = cc.read_curves(tmp_path / "a.txt")
+    assert back.name == "a"
+    assert np.array_equal(back.force, curve.force)
+
+
+def test_such_a_table_needs_no_afmformats(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "afmformats", None)
+    write_csv(hertz_curve(), tmp_path / "a.txt")
+    assert len(cc.read_curves(tmp_path / "a.txt")) == 1
+    (tmp_path / "a.txt").write_text("Device:\tChiaro\n")
+    with pytest.raises(ImportError, match="afmformats is not installed"):
+        cc.read_curves(tmp_path / "a.txt")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("time;penetration;force\n0;0;0\n", "line 1: cells are separated by semicolons"),
+        ("time,penetration,force\n0,0,x\n", "line 2, force: got 'x'"),
+        ("weight,depth\n1,2\n", "no column time; allowed: a header: time"),
+        ("", "the file is empty"),
+        ("0 1 2\n1 2 3\n", "does not state its sensitivity and spring constant; allowed: "),
+    ],
+)
+def test_a_txt_that_is_no_table_is_told_as_one_unless_afmformats_knows_it(tmp_path, text, words):
+    (tmp_path / "a.txt").write_text(text)
+    assert words in refusal(tmp_path / "a.txt")
+
+
+def test_a_txt_of_a_microscope_is_left_to_afmformats(tmp_path):
+    rows = "\n".join(f"{k / 10}\t{k}\t{k}\t{k}\t{2 * k}" for k in range(30))
+    head = [
+        "Date\t1.1.2026\tTime\t12:00:00\tDevice:\tChiaro\tSoftware version\t1",
+        "k (N/m)\t0.5\tMax load (\u00b5N)\t29",
+        "Piezo position (nm) (Measured)\t58\tPiezo speed  (\u00b5m/s)\t1",
+        "Time (s)\tLoad (uN)\tIndentation (nm)\tCantilever (nm)\tPiezo (nm)",
+    ]
+    (tmp_path / "a.txt").write_text("\n".join([*head, rows]), encoding="ISO-8859-1")
+    [curve] = cc.read_curves(tmp_path / "a.txt")
+    assert curve.stiffness == 0.5
+    assert curve.force[-1] == pytest.approx(29e-6)
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit])
+def test_an_interruption_while_a_file_is_read_goes_on(tmp_path, monkeypatch, interruption):
+    def interrupted(path):
+        raise interruption
+
+    write_afm(hertz_curve(), tmp_path / "a.h5")
+    monkeypatch.setattr(afmformats, "load_data", interrupted)
+    with pytest.raises(interruption):
+        read_afm(tmp_path / "a.h5")
