@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import subprocess
 import sys
 
 import numpy as np
@@ -47,6 +49,37 @@ def test_half_a_file_is_refused_by_the_command_in_one_line(tmp_path, capsys):
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 1
     assert said[0].startswith(f"crosscontact: error: {file}: is damaged")
+
+
+def test_the_log_of_afmformats_stays_off_stderr(tmp_path):
+    file, scene = tmp_path / "a.ibw", tmp_path / "scene.toml"
+    file.write_bytes(b"no wave")
+    write_scene(elastic_scene(), scene)
+    command = ["-m", "crosscontact", "fit", str(file), str(scene), "--vary", "material.modulus"]
+    # In a process of its own, whose log has no handlers: those of pytest would take what goes to stderr.
+    ended = subprocess.run([sys.executable, *command], capture_output=True, text=True)
+    assert ended.returncode == 2
+    assert len(ended.stderr.splitlines()) == 1
+    assert "cannot be read: ValueError invalid binary wave version" in ended.stderr
+
+
+def test_the_log_of_afmformats_is_only_put_aside(tmp_path, caplog):
+    def one_that_its_user_asked_for(record):
+        kept.append(record.getMessage())
+        return True
+
+    kept, handler, logger = [], logging.StreamHandler(), logging.getLogger("afmformats")
+    handler.addFilter(one_that_its_user_asked_for)
+    logger.addHandler(handler)
+    before = list(logger.handlers), logger.propagate
+    (tmp_path / "a.zip").write_bytes(b"no archive")
+    try:
+        assert "cannot be read: BadZipFile" in refusal(tmp_path / "a.zip")
+        assert (logger.handlers, logger.propagate) == before
+    finally:
+        logger.removeHandler(handler)
+    assert any("Loader failed" in line for line in kept)
+    assert not caplog.records
 
 
 def test_what_is_no_file_is_told_as_what_it_is(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -32,7 +33,7 @@ def afmformats() -> Any:
 
 @contextmanager
 def errors_in_one_line(package: Any, path: Path) -> Iterator[None]:
-    """What its readers, and those below them, raise about a file; warnings are passed over.
+    """What its readers, and those below them, raise about a file; warnings and its log stay off the terminal.
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ def errors_in_one_line(package: Any, path: Path) -> Iterator[None]:
     """
     own = package.errors.AFMFileFormatError, package.meta.MetaDataMissingError  # of BaseException
     try:
-        with warnings.catch_warnings():
+        with _logged_nowhere_else(), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
     except SceneError:
@@ -63,3 +64,16 @@ def errors_in_one_line(package: Any, path: Path) -> Iterator[None]:
             raise UnknownFormat("", problem, allowed, str(path)) from None
         reason = f"{type(error).__name__} {error}"
         raise SceneError("", f"cannot be read: {reason}", "a file of afmformats", str(path)) from None
+
+
+@contextmanager
+def _logged_nowhere_else() -> Iterator[None]:
+    """Its log goes only to handlers of its own, as of a file that its user asked for: not to stderr."""
+    logger, handler = logging.getLogger("afmformats"), logging.NullHandler()  # with none: stderr
+    propagated, logger.propagate = logger.propagate, False
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.propagate = propagated
