@@ -1,4 +1,4 @@
-"""Files of force microscopes: what ``afmformats`` cannot read is one line, a table called .txt is a table."""
+"""Files of force microscopes: what ``afmformats`` cannot read, or would misread, is refused in one line."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from validation.fits.afm_files import read_afm, write_afm
 from validation.fits.curve_files import write_csv
 
 afmformats = pytest.importorskip("afmformats", reason="the optional extra `fit` is not installed")
+h5py = pytest.importorskip("h5py", reason="the optional extra `fit` is not installed")
 
 UNKNOWN = "is damaged, or in no format that afmformats knows; allowed: a .{} of a force microscope; a table"
 
@@ -48,7 +49,8 @@ def test_half_a_file_is_refused_by_the_command_in_one_line(tmp_path, capsys):
     assert main(["fit", str(file), str(scene), "--vary", "material.modulus"]) == 2
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 1
-    assert said[0].startswith(f"crosscontact: error: {file}: is damaged")
+    assert said[0].startswith(f"crosscontact: error: {file}: cannot be read: OSError")
+    assert "truncated file" in said[0]
 
 
 def test_the_log_of_afmformats_stays_off_stderr(tmp_path):
@@ -86,6 +88,60 @@ def test_what_is_no_file_is_told_as_what_it_is(tmp_path):
     (tmp_path / "a.h5").mkdir()
     assert refusal(tmp_path / "a.h5").startswith("is a folder;")
     assert refusal(tmp_path / "b.h5").startswith("cannot be read: No such file")
+
+
+@pytest.mark.parametrize(
+    ("column", "unit", "allowed"), [("force", "nN", "N"), ("tip position", "nm", "m"), ("time", "ms", "s")]
+)
+def test_a_unit_that_is_not_the_one_a_column_is_read_in_is_refused(tmp_path, column, unit, allowed):
+    file = tmp_path / "a.h5"
+    write_afm(hertz_curve(), file)
+    with h5py.File(file, "r+") as opened:
+        opened["0"][column].attrs["unit"] = unit
+    assert refusal(file) == f"0/{column}: is in {unit}; allowed: {allowed}: nothing is converted"
+    for fine in (allowed, allowed.encode(), ""):
+        with h5py.File(file, "r+") as opened:
+            opened["0"][column].attrs["unit"] = fine
+        assert len(cc.read_curves(file)) == 1
+
+
+@pytest.mark.parametrize("kind", [np.complex128, np.bool_])
+def test_columns_that_hold_no_real_numbers_are_refused(tmp_path, kind):
+    file = tmp_path / "a.h5"
+    write_afm(hertz_curve(), file)
+    with h5py.File(file, "r+") as opened:
+        force = opened["0"]["force"][:].astype(kind)
+        del opened["0"]["force"]
+        opened["0"]["force"] = force
+    assert refusal(file) == f"0/force: holds {np.dtype(kind)}; allowed: real numbers"
+
+
+@pytest.mark.parametrize("ending", ["H5", "Tab"])
+def test_an_ending_in_capitals_is_the_same_ending(tmp_path, ending):
+    curve = hertz_curve()
+    write_afm(curve, tmp_path / f"a.{ending}")
+    [back] = cc.read_curves(tmp_path / f"a.{ending}")
+    assert back.name == "a"
+    assert np.allclose(back.force, curve.force, rtol=1e-6, atol=1e-8)
+    (tmp_path / f"a.{ending}").write_bytes(b"nothing that is known")
+    assert UNKNOWN.format(ending) in refusal(tmp_path / f"a.{ending}")
+
+
+def test_a_row_that_is_cut_off_is_told_by_its_line(tmp_path):
+    """Cells that are missing would be read as 0."""
+    file = tmp_path / "a.tab"
+    write_afm(hertz_curve(), file)
+    lines = file.read_text().splitlines()
+    first, rows = next(k for k, line in enumerate(lines) if line[0] != "#"), hertz_curve().time.size
+    cells = lines[first + 30].split("\t")
+    for last in (cells[:2], [*cells[:3], cells[3][:4]]):  # the latter is a number, but another one
+        file.write_text("\n".join([*lines[: first + 30], "\t".join(last)]))
+        assert refusal(file).startswith(f"line {first + 31}: ends within row 31 of {rows}; allowed: ")
+    file.write_text("\n".join([*lines[: first + 30], "\t".join(cells[:2]), *lines[first + 31 :], ""]))
+    allowed = f"{len(cells)}, separated by tabs, as in the header"
+    assert refusal(file) == f"line {first + 31}: 2 cells; allowed: {allowed}"
+    file.write_text("\n".join(lines))  # whole but for the last end of a line
+    assert len(cc.read_curves(file)) == 1
 
 
 def test_a_table_called_txt_is_read_as_one(tmp_path):

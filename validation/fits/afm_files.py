@@ -7,18 +7,21 @@ the tip. A file may hold many curves.
 
 from __future__ import annotations
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from shutil import copyfile
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from contact_scene.errors import SceneError
+from validation.fits.afm_columns import STAGE, TIP, check_columns
 from validation.fits.afm_package import UnknownFormat, afmformats, errors_in_one_line
 from validation.fits.curve_files import read_csv
 from validation.fits.measured_curve import MeasuredCurve
 
-STAGE, TIP = "height (measured)", "tip position"
 WRITTEN = {".h5": "hdf5", ".tab": "tab"}
 """Formats that can be written, by their ending."""
 READ = (".h5", ".ibw", ".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".tab", ".txt", ".zip")
@@ -64,9 +67,11 @@ def read_afm(path: Path) -> list[MeasuredCurve]:
     """
     package = afmformats()
     _require_content(path)
-    with errors_in_one_line(package, path):  # columns are read when they are asked for
-        records = package.load_data(path)
+    with _lower_case_ending(path) as opened, errors_in_one_line(package, path):
+        check_columns(opened)
+        records = package.load_data(opened)
         names = [path.stem] if len(records) == 1 else [f"{path.stem}-{n}" for n in range(len(records))]
+        # Within the block: columns are read from the file when they are asked for.
         curves = [_curve(record, name, str(path)) for record, name in zip(records, names, strict=True)]
     if not curves:
         raise SceneError("", "holds no curve", "a file of force-distance curves", str(path))
@@ -128,6 +133,21 @@ def _curve(record: Any, name: str, file: str) -> MeasuredCurve:
         return MeasuredCurve(**known, name=name)
     except SceneError as error:
         raise error.in_file(file) from None
+
+
+@contextmanager
+def _lower_case_ending(path: Path) -> Iterator[Path]:
+    """The file by a name whose ending ``afmformats``, which tells A from a, knows."""
+    if path.suffix == path.suffix.lower():
+        yield path
+        return
+    with TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        name = Path(folder) / f"{path.stem}{path.suffix.lower()}"
+        try:
+            name.symlink_to(path.resolve())
+        except OSError:  # on Windows links take a privilege
+            copyfile(path, name)
+        yield name
 
 
 def _require_content(path: Path) -> None:
