@@ -37,6 +37,9 @@ def main(arguments: list[str] | None = None) -> int:
             sys.stdout.flush()
             return code
     except KeyboardInterrupt:
+        # Python ends by the signal, not by our code, if the last text run by exec was interrupted, as it may
+        # be where dataclasses are made: run another.
+        exec("")
         print("crosscontact: interrupted", file=sys.stderr)
         return 1
     except BrokenPipeError:  # the reader of our output has gone, e.g. `| head`

@@ -6,6 +6,8 @@ import dataclasses
 import json
 import os
 import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -64,6 +66,20 @@ def test_interrupted_without_a_folder_what_there_is_is_printed(capsys, scene_fil
         "crosscontact: without --out DIR nothing is kept",
         "crosscontact: interrupted",
     ]
+
+
+def test_interrupted_while_a_class_is_made_the_exit_code_is_1(tmp_path):
+    """Its text is run by exec, as by dataclasses while a program is loaded."""
+    text = """import sys
+from crosscontact import cli
+cli._run = lambda options: exec("raise KeyboardInterrupt")
+sys.exit(cli.main(["scenes"]))
+"""
+    (tmp_path / "program.py").write_text(text)
+    path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
+    command = [sys.executable, "-m", "program"]
+    ended = subprocess.run(command, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (1, "crosscontact: interrupted\n")
 
 
 def test_interrupted_what_is_not_known_is_null(capsys, tmp_path, scene_file, monkeypatch):
