@@ -122,3 +122,32 @@ def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan, whole):
     assert killed
     assert not runs.failed
     assert there.identical(whole[1])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="no process groups here")
+def test_an_interrupted_dask_sweep_says_two_lines_and_goes_on(plan, whole, tmp_path):
+    """Ctrl-C on a terminal reaches the workers, too."""
+    pytest.importorskip("distributed", reason="the optional extra `dask` is not installed")
+    out, (folder, _) = tmp_path / "out", whole
+    asked = [*command(plan, out), "--dask", "local"]
+    process = subprocess.Popen(asked, cwd=ROOT, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    log, deadline = out / "runs.sqlite-wal", time.monotonic() + 120.0
+    while not (log.exists() and log.stat().st_size > 30_000):
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.002)
+    os.killpg(process.pid, signal.SIGINT)
+    _, said = process.communicate()
+    assert process.returncode == 1
+    told = [line for line in said.splitlines() if not line.startswith("sweep ")]  # without progress
+    assert told == [
+        f"crosscontact: kept in {out}: the same command goes on",
+        "crosscontact: interrupted",
+    ]
+    before = stored(out / "runs.sqlite")
+    assert 0 < len(before) < 60
+    again = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True)
+    assert again.returncode == 0, again.stderr
+    assert stored(out / "runs.sqlite").items() >= before.items()
+    assert (out / "sweep.nc").read_bytes() == (folder / "sweep.nc").read_bytes()

@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 
 from contact_scene.errors import SceneError
 from validation.execution.polled_jobs import JobQueue, PolledJobs
 from validation.execution.processes import processes
+from validation.execution.signals import deferred, interrupts_blocked
 from validation.execution.tasks import OUTSTANDING
 
 LOCAL_CLUSTER = "local"
@@ -94,10 +96,15 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
         own = address == LOCAL_CLUSTER
         if own:
             opened.enter_context(dask.config.set(LOCAL_SETTINGS))
-            cluster = distributed.LocalCluster(
-                n_workers=jobs, threads_per_worker=1, dashboard_address=":0", silence_logs=logging.CRITICAL
-            )
-            scheduler: object = opened.enter_context(cluster)
+            resource_tracker.ensure_running()  # begun later, it would unblock interrupts for the workers
+            with deferred(), interrupts_blocked():  # Ctrl-C reaches all of a terminal: workers leave it to us
+                cluster = distributed.LocalCluster(
+                    n_workers=jobs,
+                    threads_per_worker=1,
+                    dashboard_address=":0",
+                    silence_logs=logging.CRITICAL,
+                )
+                scheduler: object = opened.enter_context(cluster)
         else:
             scheduler = address
         try:

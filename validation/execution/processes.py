@@ -21,6 +21,7 @@ from weakref import WeakSet
 import pebble
 
 from validation.execution.memory import keep_freed
+from validation.execution.signals import interrupts_blocked
 
 WALL_PER_PROCESSOR_SECOND = 10.0
 """Wall time after which a task is given up, over its limit of processor time: a task that sleeps uses none,
@@ -83,7 +84,7 @@ class WorkerProcesses(Executor):
         # Bytes: what cannot be unpickled in a process then fails with its task, not with the process.
         call = pickle.dumps((function, arguments, named))
         timeout = None if seconds is None else self._wall_per_processor_second * seconds
-        with _interrupts_blocked():  # inherited by the threads begun here, and by every process they start
+        with interrupts_blocked():  # inherited by the threads begun here, and by every process they start
             future = self._pool.schedule(_carry_out, (call, seconds), timeout=timeout)
         self._futures.add(future)
         return future
@@ -161,15 +162,3 @@ def _begin_worker() -> None:
 def _exit_after(sentinel: int) -> None:
     wait([sentinel])
     os._exit(1)
-
-
-@contextmanager
-def _interrupts_blocked() -> Iterator[None]:
-    if not hasattr(signal, "pthread_sigmask"):  # not a Unix
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -18,6 +18,31 @@ def interrupting() -> Iterator[None]:
         yield
 
 
+@contextmanager
+def deferred() -> Iterator[None]:
+    """Either signal waits for the end of the block, which could not be interrupted cleanly."""
+    caught: list[int] = []
+    try:
+        with _handled(lambda number, frame: caught.append(number)):
+            yield
+    finally:
+        if caught:
+            signal.raise_signal(caught[0])
+
+
+@contextmanager
+def interrupts_blocked() -> Iterator[None]:
+    """Threads begun in the block, and the processes that they start, are not interrupted by Ctrl-C."""
+    if not hasattr(signal, "pthread_sigmask"):  # not a Unix
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 class GracefulStop:
     """Signal handler that has a run end with its present step.
 
