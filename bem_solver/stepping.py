@@ -17,6 +17,7 @@ from bem_solver.instantaneous_events import (
     EdgeJump,
     FreeMotion,
     contact_lost,
+    ends_in_a_point,
     lift_off,
     released,
     unstable_motion,
@@ -237,12 +238,15 @@ class GradedRun:
         state.travel_share = min(1.0, 2.0 * state.travel_share)
         if edge <= max(self.problem.zone, candidate.trial.zone):
             return below_zone_outcome(record.forces, state.contact.time)
-        if contact_lost(start):
-            state.contact, state.energies = lift_off(start)
-            record.event("pull-off", state.contact)
-            record.row(self.problem.chain, state.contact, state.energies)
-            return Outcome(OutcomeKind.DETACHED, "the contact area fell to zero", state.contact.time)
-        return None
+        return self._lift_off(start) if contact_lost(start) else None
+
+    def _lift_off(self, start: StepStart) -> Outcome:
+        """The end of a contact without adhesion."""
+        state = self.state
+        state.contact, state.energies = lift_off(start)
+        state.record.event("pull-off", state.contact)
+        state.record.row(self.problem.chain, state.contact, state.energies)
+        return Outcome(OutcomeKind.DETACHED, "the contact area fell to zero", state.contact.time)
 
     def _accepted_row(self, parameter: float, interval: LoadingInterval) -> AcceptedRow:
         """What the committed state adds to the accepted ones of its interval."""
@@ -291,6 +295,8 @@ class GradedRun:
         """Let the edge move unstably; an outcome if the run ends with it."""
         state = self.state
         event = unstable_motion(start, receding)
+        if isinstance(event, Outcome) and receding and ends_in_a_point(self.problem):
+            return self._lift_off(start)
         if isinstance(event, Outcome) or event.event:
             state.record.event("pull-off" if receding else "snap-in", state.contact)
         lost = isinstance(event, Outcome) and event.kind is OutcomeKind.DETACHED

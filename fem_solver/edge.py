@@ -173,10 +173,14 @@ class AdhesionlessEdge:
     positions, depths : list of float
         Radius at which the contact that ends at each node is without singularity, and the penetration that
         presses an elastic half-space into that contact.
+    plane_tip : float
+        Radius of a plane tip, all of which is in contact if any is; 0 without one.
     """
 
-    def __init__(self, geometry: EdgeGeometry, positions: list[float], depths: list[float]) -> None:
-        self.geometry = geometry
+    def __init__(
+        self, geometry: EdgeGeometry, positions: list[float], depths: list[float], plane_tip: float = 0.0
+    ) -> None:
+        self.geometry, self.plane_tip = geometry, plane_tip
         self.lowest = NO_CONTACT
         self._positions, self._depths = positions, depths
 
@@ -236,7 +240,8 @@ class AdhesionlessEdge:
         inside = max(problem.intensity(m, s), 0.0) / self._kept(problem, m - 1, s)
         outside = min(problem.intensity(m + 1, s), 0.0) / self._kept(problem, m + 1, s)
         share = inside / (inside - outside) if inside > outside else 0.5
-        return self._positions[m] + (self._positions[m + 1] - self._positions[m]) * share
+        between = self._positions[m] + (self._positions[m + 1] - self._positions[m]) * share
+        return max(between, self.plane_tip)
 
     def _kept(self, problem: ContactProblem, node: int, s: float) -> float:
         """How steeply the intensity falls to the next node, relative to an elastic contact.

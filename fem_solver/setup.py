@@ -157,7 +157,8 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     else:
         operator = history.operator
         depths = operator.elastic_depths(height).tolist()
-        law = AdhesionlessEdge(geometry, operator.transform_radii(radii).tolist(), depths)
+        positions = operator.transform_radii(radii).tolist()
+        law = AdhesionlessEdge(geometry, positions, depths, scene.indenter.plane_tip)
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)
     return Setup(
         space=space,

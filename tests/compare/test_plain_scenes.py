@@ -16,6 +16,12 @@ modulus = 1.8e6
 poisson = 0.5
 branches = [{ modulus = 2e6, time = 0.1 }, { modulus = 1e6, time = 2.0 }]
 """
+SOFT = """[material]
+modulus = 1e3
+poisson = 0.49
+branches = [{ modulus = 2e4, time = 1.0 }]
+"""
+REST, PULLED = '{ kind = "hold", duration = 2.0 }', '{ kind = "ramp", to = -5e-4, rate = 1e-4 }'
 HELD = '{ kind = "ramp", to = 1e-4, rate = 1e-3 }, { kind = "hold", duration = 3.0 }'
 BACK = '{ kind = "ramp", to = -1e-5, rate = 1e-3 }'
 SCENES = {
@@ -42,8 +48,21 @@ SCENES = {
         f"{HELD}, {BACK}",
         "[machine]\nstiffness = 100\n",
     ),
+    "the usual test: until a force, hold, back": (
+        GEL,
+        'shape = "sphere"\nradius = 5e-3',
+        0.0,
+        f'{{ kind = "ramp", to = 1e-3, rate = 1e-4, until_force = 1e-3 }}, {REST}, {PULLED}',
+        "[adhesion]\nwork = 0.02\nzone = 2e-5\n",
+    ),
+    "a soft rubber until a force": (
+        SOFT,
+        'shape = "power-law"\nexponent = 3\ncoefficient = 3e4',
+        -1e-5,
+        f'{{ kind = "ramp", to = 1e-3, rate = 1e-4, until_force = 3e-5 }}, {REST}, {BACK}',
+    ),
 }
-EXHAUSTIVE = {"a cone comes from above", "a ball on a spring", "a blunt tip"}
+EXHAUSTIVE = {"a cone comes from above", "a ball on a spring", "a blunt tip", "a soft rubber until a force"}
 
 
 @pytest.mark.slow

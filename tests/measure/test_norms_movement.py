@@ -218,3 +218,15 @@ def test_a_jump_at_times_that_rounding_holds_apart_is_one():
     assert parting_time(one, two, 1e-3) is None
     later = run([0.0, 0.51, 0.51, 1.0], [0.0, 0.0, 1.0, 1.0])
     assert distance(one, later).rms == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("exponent", [2.0, 3.0, 10.0])
+@pytest.mark.parametrize("ends", [False, True])
+def test_a_radius_that_begins_as_any_root_of_the_time_is_uncertain_by_more_than_the_rows_miss(exponent, ends):
+    fine = np.concatenate(([0.0], np.geomspace(1e-12, 1.0, 4000)))
+    t = np.concatenate(([0.0], fine[fine > 1e-2]))
+    times, exact = (1.0 - t[::-1], 1.0 - fine[::-1]) if ends else (t, fine)
+    radius = [(1.0 - one if ends else one) ** (1.0 / exponent) for one in (times, exact)]
+    rough, right = (run(one, 0.0 * one, a) for one, a in zip((times, exact), radius, strict=True))
+    missed = distance(rough, right, "contact_radius").rms
+    assert missed <= interpolation_error(rough, "contact_radius") <= 6.0 * missed

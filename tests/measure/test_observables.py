@@ -82,9 +82,9 @@ def test_an_event_at_the_free_surface_is_the_row_before_where_contact_is_lost_at
         [0, 1, 1.9, 2], [2, 1, 0.1, 0], [2, 1, 0.1, 0], [1, 0.7, 0.3, 0], None, OutcomeKind.DETACHED, free
     )
     assert observe(sphere).detachment_radius == 0.0
-    radius = [1, 0.7, 1e-3, 0]  # under a force, that little is left within rounding of the end
+    radius = [1, 0.7, 1e-2, 0]  # under a force, that much may be left within rounding of the end
     forced = trace([0, 1, 2, 2], [2, 1, 0.1, 0], [2, 1, 1e-9, 0], radius, None, OutcomeKind.DETACHED, free)
-    assert observe(forced).detachment_radius == 0.0
+    assert observe(forced, point=True).detachment_radius == 0.0
     assert observe(punch).detachment_time == observe(sphere).detachment_time == 2.0
 
 

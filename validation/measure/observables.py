@@ -25,9 +25,6 @@ PULLED_BACK = 1e-6
 """Part of the range of the penetration by which an indenter is pulled back: on a spring the penetration is
 found with the edge, and rows at nearly the same time may go back by what neither is known."""
 
-VANISHED = 1e-2
-"""Contact radius, relative to the largest, below which a contact without adhesion has shrunk to a point."""
-
 
 @dataclass(frozen=True)
 class Observables:
@@ -91,7 +88,9 @@ class Observables:
         return dict(vars(self))
 
 
-def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> Observables:
+def observe(
+    trace: Trace, zone: float = 0.0, loading: Loading | None = None, point: bool = False
+) -> Observables:
     """All observables of a run; of a run without a row, none.
 
     Parameters
@@ -101,6 +100,8 @@ def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> 
         Length of the process zone.
     loading : Loading, optional
         What was asked for: whether the approach of a run that did not finish had ended.
+    point : bool
+        Whether contact ends in a point: without adhesion, if the tip is not plane.
 
     Returns
     -------
@@ -125,7 +126,7 @@ def observe(trace: Trace, zone: float = 0.0, loading: Loading | None = None) -> 
     if pulling is not None:
         at = _row(trace, pulling, "pull_off")
         values |= at | {"pull_off_force": -at["pull_off_force"]}
-    values |= _detachment(trace, zone)
+    values |= _detachment(trace, zone, point)
     if "stage" in trace.extra:
         values["instability_loss"] = trace.extra["instability_loss"][-1]
         if "detachment_force" in values:
@@ -209,19 +210,18 @@ def _row(trace: Trace, index: int, name: str) -> dict[str, float]:
     }
 
 
-def _detachment(trace: Trace, zone: float) -> dict[str, float]:
+def _detachment(trace: Trace, zone: float, point: bool) -> dict[str, float]:
     """The solver's own "pull-off" event where it gives one, else the last row still in contact.
 
     An event without a contact radius is the loss seen from the free surface: that of a punch is lost at once,
-    and the row before it, at the same time, is the last state in contact, unless it had shrunk to a point.
+    and the row before it, at the same time, is the last state in contact.
     """
     if trace.outcome.kind is not OutcomeKind.DETACHED:
         return {}
     last = _last_in_contact(trace, zone)
     until = trace.time[last] + ROUND_OFF * float(np.ptp(trace.time))
-    vanished = trace.contact_radius[last] < VANISHED * float(trace.contact_radius.max())
     for event in reversed(trace.events):
-        free = event.contact_radius == 0.0 and event.time <= until and not vanished
+        free = event.contact_radius == 0.0 and event.time <= until and not point
         if event.kind == "pull-off" and event.contact_radius >= zone and not free:
             return {
                 "detachment_time": event.time,

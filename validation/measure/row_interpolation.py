@@ -7,7 +7,8 @@ two rows. A piece ends at a jump (two rows of equal time), at a corner, and wher
 a moving one comes to rest; between two rows that belong to no longer piece the curve is straight.
 
 Nobody knows the curve between rows: as an estimate of the interpolation error serves the difference from the
-curve with three-point slopes, whose error is of the same order and not of the same size.
+curve with three-point slopes, whose error is of the same order and not of the same size. Where contact begins
+or ends, the radius goes as some root of the time: it may be anything between the curve and a step.
 """
 
 from __future__ import annotations
@@ -42,10 +43,14 @@ class RowCurve:
         Rows, n >= 2; times never fall.
     corners : ndarray, shape (m,), optional
         Times at which the curve may turn, whether its rows tell it or not.
+    touches : bool
+        Whether it may jump within an interval at one end of which it is zero, as the radius of a contact.
     """
 
-    def __init__(self, time: Array, value: Array, corners: Array | None = None) -> None:
-        self.time, self.value = time, value
+    def __init__(
+        self, time: Array, value: Array, corners: Array | None = None, touches: bool = False
+    ) -> None:
+        self.time, self.value, self.touches = time, value, touches
         self.step = np.diff(time)
         least = SHORTEST * float(time[-1] - time[0])
         apart = self.step > least
@@ -68,7 +73,13 @@ class RowCurve:
 
     def uncertainty(self, grid: Array) -> Array:
         """Estimated interpolation error at the same points; none within the round-off of the values."""
-        apart = np.abs(self._cubic(grid, self.other_slopes) - self._cubic(grid, self.slopes))
+        curve = self._cubic(grid, self.slopes)
+        apart = np.abs(self._cubic(grid, self.other_slopes) - curve)
+        if self.touches:
+            i = self._interval(0.5 * (grid[1:] + grid[:-1]))
+            touch = (self.value[i] == 0.0) != (self.value[i + 1] == 0.0)
+            step = np.maximum(self.value[i], self.value[i + 1])
+            apart = np.maximum(apart, np.where(touch & (self.step[i] > 0.0), step - curve, 0.0))
         return np.where(apart > ROUND_OFF * float(np.abs(self.value).max()), apart, 0.0)
 
     def at(self, time: float) -> float:
@@ -83,9 +94,13 @@ class RowCurve:
         middle = 0.5 * (grid[1:] + grid[:-1])
         return self._between(middle, grid[:-1] + POINTS[:, None] * np.diff(grid), slopes)
 
+    def _interval(self, inside: Array) -> NDArray[np.intp]:
+        """The intervals of rows that contain these times."""
+        return np.clip(np.searchsorted(self.time, inside, side="right") - 1, 0, self.time.size - 2)
+
     def _between(self, inside: Array, at: Array, slopes: tuple[Array, Array]) -> Array:
         """Values at times ``at`` of the intervals of rows that contain the times ``inside``."""
-        i = np.clip(np.searchsorted(self.time, inside, side="right") - 1, 0, self.time.size - 2)
+        i = self._interval(inside)
         # Where the middle of two neighbouring floats is one of them, that pair of rows may be a jump.
         h = self.step[i]
         x = np.clip((at - self.time[i]) / np.where(h > 0.0, h, 1.0), 0.0, 1.0)
@@ -120,7 +135,7 @@ def column_curve(trace: Trace, column: str, corners: Array | None = None) -> Row
     rests = np.diff(trace.contact_radius) == 0.0
     ends = trace.time[1:-1][rests[1:] != rests[:-1]]
     both = ends if corners is None else np.concatenate((corners, ends))
-    return RowCurve(trace.time, trace.columns()[column], both)
+    return RowCurve(trace.time, trace.columns()[column], both, column == "contact_radius")
 
 
 def _smooth(secant: Array, step: Array, apart: NDArray[np.bool_], largest: float) -> NDArray[np.bool_]:

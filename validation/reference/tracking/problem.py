@@ -71,6 +71,11 @@ class FrontProblem:
         return self.scene.indenter.plane_tip if isinstance(self.condition, NoTension) else 0.0
 
     @property
+    def ends_in_a_point(self) -> bool:
+        """Whether contact shrinks to nothing before it is lost: without adhesion, if the tip is not plane."""
+        return isinstance(self.condition, NoTension) and self.plane_tip == 0.0
+
+    @property
     def shortest_time(self) -> float:
         """Shortest relaxation time; infinite if nothing relaxes."""
         return float(self.body.rheology.times.min(initial=math.inf))

@@ -235,6 +235,8 @@ class Recorder:
                 at = np.array([abs(radius - near[0, RADIUS_OF_ROW])])
                 whole = np.array([0, len(near) - 1])
                 extra[each, 1:] = cubics(x, near[:, 1:], whole, np.array([len(near) - 2]), at)[0]
+        if self.work == 0.0:  # no polynomial pulls where nothing can
+            extra[:, FORCE_OF_ROW] = np.maximum(extra[:, FORCE_OF_ROW], 0.0)
         known = np.array([entry[2] is not None for entry in inner], dtype=bool)
         extra[known, DEPTH] = [entry[2] for entry in inner if entry[2] is not None]
         first_rows, last_rows, ends, begins, lasts = (
