@@ -65,6 +65,7 @@ def test_displacement_outside_an_edge_that_never_receded_is_elastic(branches):
         assert_allclose(profile.displacement[outside], exact, atol=5e-5 * depth)
 
 
+@pytest.mark.slow
 def test_an_edge_that_closes_slowly_moves_evenly_in_long_steps():
     """With a gap that depends on the assumed path its speed swung by a tenth, and no step grew longer."""
     trace = bem(SLOW)

@@ -226,7 +226,10 @@ def test_press_after_rest_over_short_zones(resolution: int):
     assert_allclose(trace.contact_radius[-1], 0.175124396, rtol=1e-4)  # by front tracking
 
 
-@pytest.mark.parametrize("tolerance", [5.6e-4, pytest.param(2.8e-4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "tolerance",
+    [pytest.param(5.6e-4, marks=pytest.mark.slow), pytest.param(2.8e-4, marks=pytest.mark.exhaustive)],
+)
 def test_turn_over_an_annulus(tolerance: float):
     """An edge that turns back over an annulus at once takes the load along: no shorter step mends that.
 

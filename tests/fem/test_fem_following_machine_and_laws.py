@@ -294,6 +294,7 @@ def test_what_a_cycle_loses_in_which_hardly_anything_relaxes(softness):
     assert_allclose(found, lost, rtol=ACCURACY)
 
 
+@pytest.mark.slow
 def test_heat_where_an_edge_goes_to_and_fro_by_roundings_at_the_border_of_two_nodes():
     """By front tracking; divided by the free share of a node, 1e-11, the heat was 160 times too large."""
     glass = Material(1.5e5, 0.5, (Branch(3e7, 2e-3),))

@@ -114,7 +114,7 @@ def test_report_draws_fields_only_when_asked(monkeypatch, tmp_path):
     assert 'id="fields"' in (tmp_path / "drawn" / "index.html").read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH")
 def test_section_fits_a_phone(section, monkeypatch, tmp_path):
     for name in registry.names():

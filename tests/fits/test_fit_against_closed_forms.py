@@ -111,7 +111,7 @@ def ting_force(time, rate, peak, relaxed, branch, relaxation, steps=4000):
     return force
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_an_adhesionless_fit_agrees_with_a_ting_model_fit():
     truth = Scene(Material(1.0, 0.5, (Branch(4.0, 0.5),)), Sphere(1.0), LOADING)
     curve = synthetic(truth, 0.01, sampling=0.02)

@@ -170,7 +170,7 @@ from 1 um on; largest distance at 10 nm."""
 @pytest.mark.parametrize(
     ("kind", "quantity"),
     [
-        pytest.param(*key, id="-".join(key), marks=pytest.mark.exhaustive if key[0] == "cycle" else SLOW)
+        pytest.param(*key, id="-".join(key), marks=SLOW if key[0] == "retraction" else pytest.mark.exhaustive)
         for key in RATES
     ],
 )

@@ -130,7 +130,7 @@ def field_differences(times, grading=None, resolution=8):
     return differences
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_finite_elements_find_the_same_stress():
     """Theirs comes from the whole history in the body, that of the annuli from the pressure of the moment."""
     assert max(field_differences((1.6, 2.45))) < 0.01

@@ -140,9 +140,8 @@ def test_impossible_bulk_is_bad_input(ratio, capsys):
     assert "above 2/3" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "ratio", [pytest.param(10.0, marks=pytest.mark.slow), pytest.param(100.0, marks=pytest.mark.exhaustive)]
-)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("ratio", [10.0, 100.0])
 def test_finite_elements_with_elastic_bulk_meet_the_modulus_of_the_surface(ratio):
     """Two methods for nu(t): internal variables in the body, and a constant ratio with ``E*(t)``."""
     case = cases.load("cycle-v0.02")

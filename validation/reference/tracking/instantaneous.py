@@ -120,7 +120,7 @@ def unstable_edge(
     return end if outward or bears else None  # a plane face releases at once; else it holds by round-off only
 
 
-def flat_first_contact(problem: FrontProblem, state: FrontState, segment: Segment) -> FrontCandidate | None:
+def contact_of_plane_tip(problem: FrontProblem, state: FrontState, segment: Segment) -> FrontCandidate | None:
     """Contact over the whole of a plane tip that has just come to touch; ``None`` if it has not.
 
     Parameters

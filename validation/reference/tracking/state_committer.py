@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from contact_scene import Segment
 from validation.reference.tracking.coarsening import coarsened
-from validation.reference.tracking.instantaneous import flat_first_contact as contact_of_flat_face
+from validation.reference.tracking.instantaneous import contact_of_plane_tip
 from validation.reference.tracking.limit_points import AT_LIMIT_POINT
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.profiles import surface_profile
@@ -132,9 +132,9 @@ class StateCommitter:
         """Penetration where it is prescribed."""
         return segment.value(time) if segment.control == "penetration" else None
 
-    def flat_first_contact(self, segment: Segment) -> None:
+    def touch_of_plane_tip(self, segment: Segment) -> None:
         """Contact that begins with a plane tip at once, if it does."""
-        candidate = contact_of_flat_face(self.problem, self.state, segment)
+        candidate = contact_of_plane_tip(self.problem, self.state, segment)
         if candidate is not None:
             self.commit(candidate)
 

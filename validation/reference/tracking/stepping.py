@@ -149,7 +149,7 @@ class FrontStepper:
         if surface.penetration != state.surface.penetration:
             self.committer.commit(self.problem.candidate(state.time, surface))
         if segment.control == "force":
-            self.committer.flat_first_contact(segment)
+            self.committer.touch_of_plane_tip(segment)
         return segment
 
     def _begin(self, segment: Segment) -> None:
@@ -159,7 +159,7 @@ class FrontStepper:
         if segment.value(segment.start) != segment.present(state.surface.penetration, state.force):
             self._apply(load_jump(self.problem, state, segment), segment)
         elif segment.rate(segment.start) > 0.0:
-            self.committer.flat_first_contact(segment)
+            self.committer.touch_of_plane_tip(segment)
         self.cursor.jump_done = True
 
     def _step(self, segment: Segment, stop: float) -> None:
@@ -217,7 +217,7 @@ class FrontStepper:
         if outcome.event is not None:
             state.events.append(outcome.event)
         if outcome.first_contact:
-            self.committer.flat_first_contact(segment)
+            self.committer.touch_of_plane_tip(segment)
         if outcome.kink:
             self.committer.add_extremum(segment, 1)
             self.committer.kink()
