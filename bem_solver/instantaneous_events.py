@@ -13,7 +13,6 @@ from bem_solver.edge_energy import energy_spent
 from bem_solver.energy import Energies
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.history import SurfaceHistory
-from bem_solver.problem import Problem
 from bem_solver.root_search import first_stable, rising_root
 from bem_solver.run_state import StepStart
 from bem_solver.start import contact_scale, equilibrium
@@ -157,11 +156,6 @@ def contact_lost(start: StepStart) -> bool:
     )
 
 
-def ends_in_a_point(problem: Problem) -> bool:
-    """Whether a contact shrinks to nothing before it is lost: without adhesion, if the tip is not plane."""
-    return problem.work == 0.0 and problem.plane_tip == 0.0
-
-
 def lift_off(start: StepStart) -> tuple[HalfSpaceState, Energies]:
     """State when the last, vanishing contact of an adhesionless indenter is gone.
 
@@ -171,7 +165,7 @@ def lift_off(start: StepStart) -> tuple[HalfSpaceState, Energies]:
     problem, state, interval = start.problem, start.state, start.interval
     before, last = state.accepted.rows[-2:][0], state.accepted.rows[-1]
     high, low = (float(problem.scene.indenter.height(row.edge)) for row in (before, last))
-    ahead = low / (high - low) if high > low and ends_in_a_point(problem) else 0.0
+    ahead = low / (high - low) if high > low and problem.ends_in_a_point else 0.0
     contact, penetration = state.contact, last.load + ahead * (last.load - before.load)
     if interval.control == "force" and ahead > 0.0:  # contact ends with the force
         forces = interval.prescribed(before.parameter), interval.prescribed(last.parameter)

@@ -17,7 +17,6 @@ from bem_solver.instantaneous_events import (
     EdgeJump,
     FreeMotion,
     contact_lost,
-    ends_in_a_point,
     lift_off,
     released,
     unstable_motion,
@@ -295,7 +294,7 @@ class GradedRun:
         """Let the edge move unstably; an outcome if the run ends with it."""
         state = self.state
         event = unstable_motion(start, receding)
-        if isinstance(event, Outcome) and receding and ends_in_a_point(self.problem):
+        if isinstance(event, Outcome) and receding and self.problem.ends_in_a_point:
             return self._lift_off(start)
         if isinstance(event, Outcome) or event.event:
             state.record.event("pull-off" if receding else "snap-in", state.contact)

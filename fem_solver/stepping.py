@@ -162,15 +162,18 @@ class NodeReleaseRun(SteppedStates):
             self.estimator.reset(self._continuous_rates())
         self.step = None if stop.kink else interval.dt
 
+    @property
+    def _hovers(self) -> bool:
+        """Whether an indenter without adhesion is not in contact."""
+        return self.setup.geometry.zone is None and self.state.radius == 0.0
+
     def _touches(self, segment: Segment, stop: float) -> bool:
         """Whether an indenter without contact or adhesion touches now, and is pressed on."""
-        if self.setup.geometry.zone is not None or self.state.radius > 0.0:
-            return False
-        return abs(segment.value(self.time)) <= _TOUCHING * segment.value(stop)
+        return self._hovers and abs(segment.value(self.time)) <= _TOUCHING * segment.value(stop)
 
     def _lower(self, segment: Segment) -> None:
         """Lower an indenter without contact or adhesion that a force presses, until it touches."""
-        if self.setup.geometry.zone is not None or self.state.radius > 0.0 or segment.control != "force":
+        if not self._hovers or segment.control != "force":
             return
         touching = self.solver.held(0.0, "force", 0.0, 0.0)
         pressed = segment.value(segment.start) > 0.0 or segment.rate(segment.start) > 0.0
@@ -187,9 +190,11 @@ class NodeReleaseRun(SteppedStates):
 
     def _first_touch(self, segment: Segment, start: float, stop: float) -> float:
         """The time at which an indenter without adhesion touches on its way down to a stop, else the stop."""
-        if self.setup.geometry.zone is not None or self.state.radius > 0.0:
-            return stop
-        if self._touches(segment, stop) or not segment.value(start) < 0.0 < segment.value(stop):
+        if (
+            not self._hovers
+            or self._touches(segment, stop)
+            or not segment.value(start) < 0.0 < segment.value(stop)
+        ):
             return stop
         return float(brentq(segment.value, start, stop, xtol=_TOUCHING * (stop - start)))
 

@@ -11,7 +11,7 @@ from contact_scene.trace import Array
 from validation.cases import Case
 from validation.compare.checks import check_run, declined
 from validation.execution.runs import Run
-from validation.measure.approach import is_located
+from validation.measure.approach import has_smooth_crests, is_located
 from validation.measure.check import Check, agreement_limit, disagreement
 from validation.measure.dimensionless import unit_sizes
 from validation.measure.error_estimate import MOVEMENT
@@ -150,8 +150,9 @@ def _comparable(case: Case, solver: str, name: str, trace: Trace) -> bool:
     """Whether two right runs have the same value: it does not depend on which rows they have."""
     if not is_located(name, trace, case.scene.loading):
         return False
-    smooth = not all(segment.linear for _, segment in case.scene.loading.segments())
-    if name == "pull_off_time" and smooth:  # of cycles that pull alike, to the tolerance, any may pull most
+    if name == "pull_off_time" and has_smooth_crests(
+        case.scene.loading
+    ):  # of cycles that pull alike, to the tolerance, any may pull most
         return not _comes_back(-trace.force, case.tolerance(solver, "pull_off_force") or 0.0)
     # After a detachment force and radius are zero; time and penetration of the loss are detachment_*.
     return not (name.startswith("final") and trace.outcome.kind is OutcomeKind.DETACHED)

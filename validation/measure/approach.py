@@ -62,6 +62,11 @@ def rests_after(trace: Trace, row: int) -> bool:
     return moved <= ROUND_OFF * float(np.ptp(trace.penetration))
 
 
+def has_smooth_crests(loading: Loading) -> bool:
+    """Whether the load may have smooth crests: a load step is not straight between its kinks."""
+    return any(not segment.linear for _, segment in loading.segments())
+
+
 def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     """Whether an observable at the end of the approach is the same in all right runs.
 
@@ -84,9 +89,9 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     """
     if not name.startswith("approach"):
         return True
-    segments = [segment for _, segment in loading.segments()]
-    if not all(segment.linear for segment in segments):  # a smooth crest
+    if has_smooth_crests(loading):
         return False
+    segments = (segment for _, segment in loading.segments())
     given = all(segment.control == "penetration" and segment.trigger is None for segment in segments)
     if given or name == "approach_penetration":
         return True

@@ -93,6 +93,7 @@ def from_two_runs(
     """
     usual = solver(run.solver).order
     errors, floors = _of_curves(run, other, usual, ratio)
+    heat, loss = _losses_apart(run, other)
     for name, value in measured.items():
         there = otherwise.get(name)
         if value is None or there is None or not (column_of(name) or name in ENERGIES):
@@ -100,7 +101,8 @@ def from_two_runs(
         relative_to = scale(name, value, run)
         first = name in (*ENERGIES, *AT_LIMIT_POINTS) or name.startswith("pull_off")
         order = 1.0 if first else usual
-        differs = max(abs(there - value), _on_the_way(run, other, name))
+        on_the_way = heat if name in IN_LAYERS else loss if name in ENERGIES else 0.0
+        differs = max(abs(there - value), on_the_way)
         own = _extrapolated(differs / relative_to, order, ratio) if relative_to > 0.0 else 0.0
         errors[name] = max(own, (OF_SQUARE if name in IN_LAYERS else 1.0) * floors[order])
     _raise_to_balance(errors, run, measured)
@@ -173,19 +175,21 @@ def _of_curves(
     return errors, floors
 
 
-def _on_the_way(run: Trace, other: Trace, name: str) -> float:
-    """How far the losses of two runs lie apart on the way to an energy: root mean square; 0 for all else.
+def _losses_apart(run: Trace, other: Trace) -> tuple[float, float]:
+    """How far what two runs dissipate in branches, and in all, lies apart on the way: root mean square.
 
     What differs to and fro may agree at the end by accident. The heat in the layer at the edge is a square.
-    Where nothing relaxes a contact loses in jumps, at the time of which two runs differ.
+    Where nothing relaxes a contact loses in jumps, at the time of which two runs differ: no such difference.
     """
-    relaxes = bool(run.columns().get("branch_dissipation", np.zeros(1))[-1] > 0.0)
-    column = "branch_dissipation" if name in IN_LAYERS else "dissipated_energy"
-    if name not in ENERGIES or not relaxes or column not in other.columns():
-        return 0.0
-    apart = distance(other, run, column)
-    size = float(np.abs(run.columns()[column]).max(initial=0.0))
-    return 0.0 if apart is None else (OF_SQUARE if name in IN_LAYERS else 1.0) * apart.rms * size
+    heat = run.columns().get("branch_dissipation", np.empty(0))
+    if not heat.size or heat[-1] <= 0.0 or "branch_dissipation" not in other.columns():
+        return 0.0, 0.0
+    found = []
+    for column in ("branch_dissipation", "dissipated_energy"):
+        apart = distance(other, run, column)
+        size = float(np.abs(run.columns()[column]).max())
+        found.append(0.0 if apart is None else apart.rms * size)
+    return OF_SQUARE * found[0], found[1]
 
 
 def _raise_to_balance(errors: dict[str, float], run: Trace, measured: Measures) -> None:
