@@ -60,11 +60,19 @@ def _divided_differences(samples: Array) -> Array:
 
 def _cubic(table: Array, position: Array) -> Array:
     """The cubics of :func:`_divided_differences` at positions among the samples, which stand at 0, 1, ..."""
-    first = np.minimum(np.maximum(position.astype(int) - 1, 0), table.shape[1] - 1)
+    first = position.astype(np.intp)
+    first -= 1
+    np.minimum(np.maximum(first, 0, out=first), table.shape[1] - 1, out=first)
     z = position - first
-    # row by row, and clipped: all indices are in range, and to check them takes three times as long
-    value, slope, second, third = (row.take(first, mode="clip") for row in table)
-    return value + z * (slope + (z - 1.0) * (second + (z - 2.0) * third))
+    # clipped: all indices are in range, and to check them takes three times as long
+    value, slope, second, third = table.take(first, axis=1, mode="clip")
+    third *= z - 2.0  # in place: half of the time of so short arrays goes into making new ones
+    third += second
+    third *= z - 1.0
+    third += slope
+    third *= z
+    third += value
+    return third
 
 
 class Annuli:

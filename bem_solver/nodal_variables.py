@@ -93,7 +93,12 @@ class NodalVariables:
             x = np.where(base == base, np.sqrt(np.maximum(radius - base, 0.0)), radius)
         z = np.minimum(np.maximum((x - start.take(i)) / width.take(i), 0.0), 1.0)[:, None]
         cubics = self._cubics.take(i, axis=0)
-        return cubics[:, 0] + z * (cubics[:, 1] + z * (cubics[:, 2] + z * cubics[:, 3]))
+        values = cubics[:, 3] * z
+        for power in (2, 1):
+            values += cubics[:, power]
+            values *= z
+        values += cubics[:, 0]
+        return values
 
     def roots_at_kinks(self) -> tuple[Array, Array]:
         """Kinks beyond the first node, and the roots of the distance that begin there.

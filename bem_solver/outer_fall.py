@@ -94,15 +94,26 @@ class OuterFall:
     def __call__(self, distance: Array, share: Array) -> Array:
         """``v(a) - v(a + x)`` at distances >= 0, after shares of the step; arguments broadcast."""
         table = self._table
-        position = np.log(np.maximum(distance, self.distance[0]) / self.distance[0]) * self._per_ratio
-        first = np.minimum(position.astype(np.intp), table.shape[1] - 1)
-        part = np.minimum(position - first, 1.0)
-        # row by row, and clipped: all indices are in range, and to check them takes three times as long
-        strength, slope, *change = (row.take(first, mode="clip") for row in table)
-        strength += part * slope
+        position = np.maximum(distance, self.distance[0])
+        position /= self.distance[0]
+        np.log(position, out=position)
+        position *= self._per_ratio
+        first = position.astype(np.intp)
+        np.minimum(first, table.shape[1] - 1, out=first)
+        position -= first
+        part = np.minimum(position, 1.0, out=position)
+        # clipped: all indices are in range, and to check them takes three times as long
+        strength, slope, *change = table.take(first, axis=1, mode="clip")
+        slope *= part
+        strength += slope
         if change:
-            strength += share * (change[0] + part * change[1])
-        return strength * np.sqrt(distance)
+            gained, its_slope = change
+            its_slope *= part
+            gained += its_slope
+            gained *= share
+            strength += gained
+        strength *= np.sqrt(distance)
+        return strength
 
 
 def _entries(readings: Array) -> Array:

@@ -113,6 +113,17 @@ class StepStart:
         longest = self.problem.longest_travel(self.state.contact.edge, advancing)
         return self.state.travel_share * longest / self.settings.divisions
 
+    def coarseness(self, travel: float) -> float:
+        """Part of the usual coarsening of the history that a step of some travel may cause.
+
+        An unstable edge, as far beyond the limit point as the stable one is before it, has the same residual:
+        what stands between them falls with the square of the way that is left, and so must what nodes taken
+        out change of it.
+        """
+        left = max(self.state.accepted.way_to_limit_point() - travel, self.smallest_travel)
+        full = self.problem.longest_travel(self.state.contact.edge, advancing=False) / self.settings.divisions
+        return min(1.0, (left / full) ** 2)
+
     @property
     def smallest_travel(self) -> float:
         """Travel at constant load from which on an edge moves unstably; limit points are located to it.

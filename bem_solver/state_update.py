@@ -103,6 +103,7 @@ def updated_state(
     time: float,
     divisions: int,
     tolerance: float,
+    coarseness: float = 1.0,
 ) -> tuple[HalfSpaceState, Energies]:
     """The state after an accepted trial.
 
@@ -120,6 +121,8 @@ def updated_state(
         Nodes of the history per length on which the edge is resolved.
     tolerance : float
         Step tolerance, in which the coarsening of the history is measured.
+    coarseness : float
+        Part of the usual coarsening that is allowed.
 
     Returns
     -------
@@ -133,7 +136,7 @@ def updated_state(
     else:
         problem.counters.history_updates += 1
         length = problem.length_at(motion.new_edge)
-        history = _new_history(problem, state, trial, length, divisions, tolerance)
+        history = _new_history(problem, state, trial, length, divisions, tolerance, coarseness)
         variables = advanced(problem.chain, points, motion, None)
     increment = work_increment(
         problem.chain,
@@ -165,6 +168,7 @@ def _new_history(
     length: float,
     divisions: int,
     tolerance: float,
+    coarseness: float,
 ) -> SurfaceHistory:
     motion, surface = trial.motion, trial.surface
     chain, edge, radii = problem.chain, motion.new_edge, problem.annuli.radii
@@ -198,6 +202,7 @@ def _new_history(
 
     def coarsen(side: NodalVariables) -> NodalVariables:
         side = side.with_distinct_kinks(_FADED * unit, edge, tolerance)
-        return side.coarsened(_COARSENING * unit, spacing(side.radius, edge, length, divisions), parity)
+        widest = spacing(side.radius, edge, length, divisions)
+        return side.coarsened(coarseness * _COARSENING * unit, widest, parity)
 
     return SurfaceHistory(coarsen(inner), coarsen(outer), direction, turning, farthest)

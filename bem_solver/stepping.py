@@ -226,7 +226,8 @@ class GradedRun:
         state.step = max(grown(taken, candidate.error, order), self._shortened(taken, candidate.error))
         state.follow_slope(candidate.slope)
         state.parameter = candidate.parameter
-        self._commit(candidate.trial, interval.time(state.parameter), report)
+        coarseness = start.coarseness(abs(candidate.trial.motion.new_edge - state.contact.edge))
+        self._commit(candidate.trial, interval.time(state.parameter), report, coarseness)
         edge = state.contact.edge
         remember = state.accepted.start if leaps else state.accepted.add
         remember(self._accepted_row(state.parameter, interval))
@@ -331,8 +332,10 @@ class GradedRun:
         step = self.state.step
         return step if error <= 1.0 and taken < (1.0 - _SLIVER) * step else 0.0
 
-    def _commit(self, trial: TrialContact, time: float, report: Callable[[float], None]) -> None:
-        """Make the trial the state."""
+    def _commit(
+        self, trial: TrialContact, time: float, report: Callable[[float], None], coarseness: float = 1.0
+    ) -> None:
+        """Make the trial the state, its history coarsened by a part of what is usual."""
         state, surface = self.state, trial.surface
         if not (math.isfinite(surface.force) and math.isfinite(trial.motion.new_penetration)):
             raise FloatingPointError("force or penetration is not finite")
@@ -344,6 +347,7 @@ class GradedRun:
             time,
             self.settings.divisions,
             self.settings.tolerance,
+            coarseness,
         )
         state.largest_force = max(state.largest_force, abs(surface.force))
         state.largest_tension = max(state.largest_tension, -surface.force)

@@ -98,13 +98,15 @@ def evaluate(
     nodes = np.empty(0) if between is None else between.radius
     radii = edge * problem.annuli.radii
     points = points_at(problem, state, np.concatenate((radii, readings, nodes)))
-    motion = _motion(problem, state, duration, edge, earlier, within)
+    depth = value if control == "penetration" else state.penetration
+    motion = _motion(problem, state, duration, edge, depth, earlier, within)
     loading = LoadControl(problem, state, points, kinks, control, value, earlier, between)
     motion, surface = loading.satisfied(motion)
     creep = loading.creep(motion)
     if creep is not None:
         motion = replace(motion, carried=creep.motion.carried)
-    points = points[: len(radii) + len(readings)]
+    if len(nodes):
+        points = points[: len(radii) + len(readings)]
     if problem.work == 0.0:
         return TrialContact(motion, surface, points, -surface.kappa, 0.0)
     return _adhesive_contact(problem, state, motion, surface, points, creep)
@@ -122,10 +124,11 @@ def _motion(
     state: HalfSpaceState,
     duration: float,
     edge: float,
+    depth: float,
     earlier: EarlierRow | None,
     within: tuple[float, float] | None,
 ) -> Motion:
-    """The step of the edge, penetration unchanged: its root and a point inside, or its path and fall."""
+    """The step of the edge to a penetration ``depth``: its root and a point inside, or its path and fall."""
     singular, innermost = 0.0, None
     path = row = fall = None
     if within is not None:
@@ -143,11 +146,10 @@ def _motion(
     if problem.viscoelastic and path is None:
         singular = state.surface.root_strength(abs(edge - state.edge))
         if problem.work == 0.0 and state.edge > 0.0:
-            depth = _DEPTH_OF_LOAD * max(edge - state.edge, 0.0)
-            inside = max(min(edge, state.edge) - depth, 0.5 * state.edge)
+            away = _DEPTH_OF_LOAD * max(edge - state.edge, 0.0)
+            inside = max(min(edge, state.edge) - away, 0.5 * state.edge)
             innermost = points_at(problem, state, np.array([inside]))
-    depth = state.penetration
-    return Motion(duration, state.edge, edge, depth, depth, singular, innermost, path, fall, row)
+    return Motion(duration, state.edge, edge, state.penetration, depth, singular, innermost, path, fall, row)
 
 
 def _adhesive_contact(

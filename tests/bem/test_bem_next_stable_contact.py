@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from bem_solver.root_search import first_stable
 
@@ -36,6 +37,15 @@ def test_a_smooth_way_without_rest_costs_a_third(edge, end):
     assert first_stable(residual, edge, end, 1.02, 4, 1e-9, ()) is None
     assert len(residual.tried) < 0.36 * np.log(100.0) / np.log(1.02)
     assert residual.tried[-1] == end
+
+
+@WAYS
+def test_where_the_way_begins_far_from_zero_it_is_passed_over_as_elsewhere(edge, end):
+    way = np.sign(end - edge)
+    residual = Residual(lambda r: (end / r) ** (3.0 * way) - 1.1, way)
+    near, stable = first_stable(residual, edge, end, 1.02, 4, 1e-9, ())
+    assert residual.excess(near) > 0.0 > residual.excess(stable)
+    assert_allclose(np.sort(residual.tried)[:: int(way)][:3], edge * 1.02 ** (4.0 * way * np.arange(3)))
 
 
 @WAYS
