@@ -9,14 +9,15 @@ import io
 import os
 import re
 import uuid
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contact_scene.errors import SceneError, of_class, shown
-from contact_scene.units import bracketed, check_units, without_unit
+from contact_scene.separators import check_head, check_row, is_number
+from contact_scene.units import bracketed, check_units
 
 TOO_LARGE = 10_000_000
 """Bytes; a scene or a table larger than this is a mistake."""
@@ -168,31 +169,6 @@ def read_rows(text: str, file: str) -> list[tuple[int, list[str]]]:
     return rows
 
 
-def check_separator(line: int, head: Sequence[str], names: Collection[str], file: str) -> None:
-    """Refuse the head of a table that is one cell in which other signs than commas separate the columns.
-
-    Parameters
-    ----------
-    line : int
-        Number of its line.
-    head : sequence of str
-        Its cells.
-    names : collection of str
-        Columns, one of which tells that the cell is several.
-    file : str
-
-    Raises
-    ------
-    SceneError
-        One line that names the sign.
-    """
-    cell = without_unit(head[0]) if len(head) == 1 else ""
-    for sign, name in ((";", "semicolons"), ("\t", "tabs"), (" ", "blanks")):
-        if sign in cell and not {word.strip().lower() for word in cell.split(sign)}.isdisjoint(names):
-            allowed = "commas between cells, points in numbers"
-            raise SceneError(f"line {line}", f"cells are separated by {name}", allowed, file)
-
-
 def read_pairs(
     file: Path, names: tuple[str, str], others: Sequence[str] = ()
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -209,10 +185,14 @@ def read_pairs(
         return columns
     first: list[float] = []
     second: list[float] = []
-    for index, (line, cells) in enumerate(read_rows(text, shown_file)):
+    rows, lines = read_rows(text, shown_file), text.split("\n")
+    check_head(*rows[0], {*names, *others}, shown_file)
+    for index, (line, cells) in enumerate(rows):
         if index == 0 and len(cells) == 2 and not any(is_number(cell) for cell in cells):
             continue
         if len(cells) != 2 or not all(is_number(cell) for cell in cells):
+            for number, _ in rows[index : max(index + 1, 2)]:  # a header may have other names
+                check_row(number, lines[number - 1], shown_file)
             raise SceneError(f"line {line}", f"got {shown(','.join(cells))}", allowed, shown_file)
         first.append(float(cells[0]))
         second.append(float(cells[1]))
@@ -264,12 +244,3 @@ def write_pairs(path: Path, names: Sequence[str], first: Iterable[float], second
     """
     rows = [",".join(names)] + [f"{a!r},{b!r}" for a, b in zip(first, second, strict=True)]
     write_whole(path, "\n".join(rows) + "\n")
-
-
-def is_number(cell: str) -> bool:
-    """Whether a cell of a table holds a number as other programs write it, without underscores."""
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return "_" not in cell

@@ -26,6 +26,7 @@ from typing import Any
 from contact_scene.errors import SceneError, number, positive, shown
 from contact_scene.files import read_rows
 from contact_scene.material import Branch
+from contact_scene.separators import check_head
 from contact_scene.units import check_units
 
 CONTRADICTION = 0.01
@@ -103,7 +104,8 @@ def read_pyvisco(text: str, file: str, modulus: Any, poisson: Any) -> tuple[floa
 
 def _table(text: str, file: str) -> tuple[list[float], list[float], tuple[str, float] | None]:
     """Relaxation times, fractions, and the instantaneous modulus with its letter (E or G), if given."""
-    (_, header), *rows = read_rows(text, file)
+    (line, header), *rows = read_rows(text, file)
+    check_head(line, header, ("tau_i",), file)
     letter = next((m for m in "EG" if f"{m}_0" in header or f"{m}_i" in header), "E")
     names = [n for n in ("tau_i", "alpha_i", f"{letter}_0", f"{letter}_i") if n in header]
     if "tau_i" not in names or not ("alpha_i" in names or {f"{letter}_0", f"{letter}_i"} <= set(names)):
@@ -164,7 +166,7 @@ def _cell(cell: str, name: str, line: int, file: str) -> float:
     try:
         value = float(cell)
     except ValueError:
-        raise SceneError(where, f"got {shown(cell)}", "a number", file) from None
+        raise SceneError(where, f"got {shown(cell)}", "a number, with a decimal point", file) from None
     try:
         if name == "alpha_i":
             return number(value, where, "0 <= alpha_i <= 1", low=0.0, high=1.0)

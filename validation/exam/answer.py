@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from contact_scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, SceneError, Trace
 from contact_scene.errors import LARGEST, shown
-from contact_scene.files import check_separator, read_rows, read_text
+from contact_scene.files import read_rows, read_text
+from contact_scene.separators import check_head
 from validation.exam.header import Header, read_header
 
 Array = NDArray[np.float64]
@@ -122,7 +123,7 @@ def _check_signs(text: str, file: str) -> None:
 def _columns(text: str, file: str) -> tuple[dict[str, Array], tuple[str, ...]]:
     rows = read_rows(text, file)
     (line, names), body = rows[0], rows[1:]
-    check_separator(line, names, COLUMNS, file)
+    check_head(line, names, COLUMNS, file)
     for name in names:
         if any(sign in name for sign in "[(/"):
             allowed = "columns in the units of the scene, without a unit in their names"

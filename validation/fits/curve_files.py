@@ -21,7 +21,8 @@ from pathlib import Path
 import numpy as np
 
 from contact_scene.errors import SceneError, shown
-from contact_scene.files import check_separator, read_rows, read_text, write_whole
+from contact_scene.files import read_rows, read_text, write_whole
+from contact_scene.separators import check_head
 from contact_scene.units import bracketed, check_units
 from validation.fits.measured_curve import COLUMNS, Array, MeasuredCurve
 
@@ -45,7 +46,7 @@ def read_csv(path: Path) -> MeasuredCurve:
     text, file = read_text(path, LARGEST_FILE), str(path)
     head, body = _head_and_body(text)
     (line, header), *_ = read_rows(head, file)
-    check_separator(line, header, COLUMNS, file)
+    check_head(line, header, COLUMNS, file)
     names = [re.sub(r"[\[(].*", "", cell).strip().lower().replace(" ", "_") for cell in header]
     for needed in ("time", "force"):
         if needed not in names:
