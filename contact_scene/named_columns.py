@@ -1,7 +1,7 @@
 """Plain tables of material data: text to named columns of numbers, each error with its line.
 
-Cells are parted by commas, semicolons or blanks. Lines without a number before the first row are headers,
-and ``#`` starts a comment; the first of them with known names names the columns.
+Cells are parted by commas, semicolons, tabs or blanks. Lines without a number before the first row are
+headers, and ``#`` starts a comment; the first of them with known names names the columns, all of them.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contact_scene.errors import SceneError, shown
-from contact_scene.files import is_number
+from contact_scene.separators import ANY_SIGN, check_row, is_number
 from contact_scene.units import bracketed, without_unit
 
 KINDS = {
@@ -30,7 +30,11 @@ KINDS = {
 }
 """Names of columns by what they hold, as :func:`kind_of` compares them: E stands for G too."""
 
+_ABSCISSAS = {"time", "relaxation time", "frequency", "angular frequency", "temperature"}
+
 KNOWN_NAMES = "tau, E | t, E | f, E', E'' (f per unit time) | w, E', E'' (angular), with G for shear moduli"
+
+_NAME_AND_UNIT = re.compile(r"[^\s\[(]+(?: *[\[(][^\])]*[\])])*|\S+")
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,7 @@ class NamedColumns:
 
 def named_columns(text: str, file: str) -> NamedColumns:
     """The numbers of a plain table and, where a line before them names its columns, these names."""
-    headers: list[tuple[bool, list[str]]] = []
+    headers: list[_Header] = []
     lines: list[int] = []
     rows: list[tuple[float, ...]] = []
     for line, content in enumerate(text.split("\n"), 1):
@@ -58,7 +62,7 @@ def named_columns(text: str, file: str) -> NamedColumns:
         if not cells:
             continue
         if comment or (not rows and not any(is_number(cell) for cell in cells)):
-            headers.append((comment, cells))
+            headers.append(_Header(line, content, comment, cells))
             continue
         rows.append(tuple(number_in_line(cell, line, file) for cell in cells))
         lines.append(line)
@@ -67,34 +71,61 @@ def named_columns(text: str, file: str) -> NamedColumns:
             raise SceneError(f"line {line}", f"{len(rows[-1])} cells", allowed, file)
     if not rows:
         reason = "no rows of numbers" if headers else "the file is empty"
-        raise SceneError("", reason, f"a table of numbers: {KNOWN_NAMES}", file)
-    names, units = _header([header for header in headers if len(header[1]) == len(rows[0])], len(rows[0]))
+        raise SceneError("", reason, f"a table of numbers ({ANY_SIGN}): {KNOWN_NAMES}", file)
+    width = len(rows[0])
+    names, units = _names_and_units([header for header in headers if len(header.cells) == width], width)
+    if not any(names):
+        _check_width(headers, width, file)
     return NamedColumns(names, units, tuple(lines), tuple(rows))
 
 
-def _header(headers: Sequence[tuple[bool, list[str]]], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names and units of ``width`` columns; a header is whether it is a comment, and as many cells.
+@dataclass(frozen=True)
+class _Header:
+    """A line before the first row of numbers: its number and text, whether it is a comment, and its cells."""
+
+    line: int
+    content: str
+    comment: bool
+    cells: list[str]
+
+    @property
+    def kinds(self) -> list[str]:
+        """What columns of these names hold; "" where that is not known."""
+        return [kind_of(_split(cell)[0]) for cell in self.cells]
+
+
+def _names_and_units(headers: Sequence[_Header], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names and units of ``width`` columns, from headers of as many cells.
 
     The first line with a known name counts (of a comment all must be known), else the first that is neither a
     comment nor a list of parameters (``Mw = 1000; T = 20``): unknown names are for the caller to refuse.
     """
-    known = (
-        i
-        for i, (comment, cells) in enumerate(headers)
-        if (all if comment else any)(kind_of(_split(cell)[0]) for cell in cells)
-    )
-    plain = (i for i, (comment, cells) in enumerate(headers) if not comment and "=" not in "".join(cells))
+    known = (i for i, one in enumerate(headers) if (all if one.comment else any)(one.kinds))
+    plain = (i for i, one in enumerate(headers) if not one.comment and "=" not in "".join(one.cells))
     index = next(known, next(plain, None))
     if index is None:
         return ("",) * width, ("",) * width
-    names, units = zip(*map(_split, headers[index][1]), strict=True)
-    if not any(units) and index + 1 < len(headers) and not headers[index + 1][0]:
-        units = tuple(cell.strip() for cell in headers[index + 1][1])
+    names, units = zip(*map(_split, headers[index].cells), strict=True)
+    if not any(units) and index + 1 < len(headers) and not headers[index + 1].comment:
+        units = tuple(cell.strip() for cell in headers[index + 1].cells)
     return names, units
+
+
+def _check_width(headers: Sequence[_Header], width: int, file: str) -> None:
+    """Refuse names of columns, as far as they are no prose, that are more or fewer than ``width``."""
+    for header in headers:
+        kinds = set(header.kinds)
+        prose = "" in kinds and (header.comment or not re.search("[;,\t]", header.content))
+        if not prose and kinds & _ABSCISSAS and kinds - _ABSCISSAS - {""}:
+            problem = f"{len(header.cells)} names, {shown(','.join(header.cells))}, over {width} columns"
+            allowed = "a name for each column, points in numbers"
+            raise SceneError(f"line {header.line}", problem, allowed, file)
 
 
 def cells_of_line(content: str, line: int, file: str, strict: bool = True) -> list[str]:
     """Cells of a line, parted by semicolons, else by commas, else by blanks; empty for a blank line.
+
+    Names parted by tabs may hold blanks, and a unit in brackets is part of the name before it.
 
     Parameters
     ----------
@@ -104,7 +135,7 @@ def cells_of_line(content: str, line: int, file: str, strict: bool = True) -> li
     file : str
         Name of the file, for errors.
     strict : bool
-        Whether a quotation mark out of place is an error.
+        Whether a quotation mark out of place, or a row of numbers with decimal commas, is an error.
 
     Returns
     -------
@@ -112,6 +143,8 @@ def cells_of_line(content: str, line: int, file: str, strict: bool = True) -> li
     """
     if not content.strip():
         return []
+    if strict and "," in content:
+        check_row(line, content, file, only_commas=False)
     if ";" in content:
         return [cell.strip() for cell in content.strip().rstrip(";").split(";")]
     if "," in content:
@@ -121,7 +154,12 @@ def cells_of_line(content: str, line: int, file: str, strict: bool = True) -> li
             ]
         except csv.Error as error:
             raise SceneError(f"line {line}", f"not CSV: {error}", "comma-separated cells", file) from None
-    return content.split()
+    words = content.split()
+    if any(map(is_number, words)):
+        return words
+    if "\t" in content.strip():
+        return re.split(r"\s*\t\s*", content.strip())
+    return _NAME_AND_UNIT.findall(content)
 
 
 def _split(cell: str) -> tuple[str, str]:

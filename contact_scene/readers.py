@@ -14,8 +14,8 @@ Measured data, which :mod:`contact_scene.prony` turns into a series:
 - ``dynamic``: frequency, storage and loss modulus, ``w, E', E''`` (pyvisco: ``f, E_stor, E_loss``; RepTate:
   ``.tts``).
 
-Plain tables are text with cells parted by commas, semicolons or blanks. Lines without a number before the
-first row are headers, and ``#`` starts a comment; the first of them with known names names the columns.
+Plain tables are text with cells parted by commas, semicolons, tabs or blanks. Lines without a number before
+the first row are headers, and ``#`` starts a comment; the first of them with known names names the columns.
 Names tell ``f`` (cycles per unit time) from ``w`` or ``omega`` (radians per unit time), and ``E`` from ``G``.
 Without names two columns are time and modulus, three are angular frequency, storage and loss modulus, and the
 moduli are Young's (in RepTate's data files shear moduli).
@@ -203,13 +203,15 @@ def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.fl
     kinds = [kind_of(name) for name in table.names]
     if any(kinds):
         wanted = next((w for w in _TABLES[format] if set(w) <= set(kinds)), None)
-        if wanted is None or "" in kinds or any(kinds.count(kind) > 1 for kind in wanted):
+        if wanted is None or {*kinds} - {*wanted, "temperature"} or len({*kinds}) < len(kinds):
             raise unknown_columns(table, file)
     else:
         wanted = _TABLES[format][-1]
         if any(table.names) or len(table.rows[0]) != len(wanted):
             raise unknown_columns(table, file)
         kinds = list(wanted)
+    if "temperature" in kinds and len({row[kinds.index("temperature")] for row in table.rows}) > 1:
+        raise SceneError("temperature", "differs between rows", "moduli at one temperature", file)
     check_units(zip(kinds, table.units, strict=True), "columns", file)
     at = {kind: kinds.index(kind) for kind in wanted}
     letters = {letter for kind in wanted for letter in modulus_letter(table.names[at[kind]])}

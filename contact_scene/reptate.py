@@ -29,6 +29,9 @@ def reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
     for line, cells in rows:
         if len(cells) != 3:
             raise SceneError(f"line {line}", f"{len(cells)} cells", "three: i, tau_i, G_i", file)
+        if not cells[0].isdecimal():
+            allowed = "the number i of the mode, then tau_i, G_i"
+            raise SceneError(f"line {line}", f"got {shown(cells[0])} first", allowed, file)
         time, modulus = (number_in_line(cell, line, file) for cell in cells[1:])
         branches.append(
             Branch(

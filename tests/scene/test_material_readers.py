@@ -35,6 +35,7 @@ OTHERS = {
 }
 KNOWN = Material(1.0, 0.5, (Branch(5.0, 0.01), Branch(2.0, 1.0)))
 TIMES = np.geomspace(1e-3, 30.0, 25)
+COMMAS = "cells are separated by {} and numbers have decimal commas; allowed: points in numbers; semicolons,"
 
 
 def in_scene(folder, text, **keys):
@@ -122,6 +123,10 @@ def test_measured_storage_and_loss(tmp_path):
         ("f,E_stor,E_loss\nHz,MPa,MPa\n", w / (2 * np.pi), 1.0),  # pyvisco
         ("frequency storage_modulus loss_modulus\n", w / (2 * np.pi), 1.0),
         ("w G' G\"\n", w, 3.0),
+        ("f [Hz]\tE' [Pa]\tE'' [Pa]\n", w / (2 * np.pi), 1.0),
+        ("Frequency (Hz)\tStorage Modulus (Pa)\tLoss Modulus (Pa)\n", w / (2 * np.pi), 1.0),
+        ("f [Hz] G' [Pa] G'' [Pa]\n", w / (2 * np.pi), 3.0),
+        ("# storage modulus\nloss and storage modulus by frequency\n", w, 1.0),  # titles
     ]:
         text = header + rows(frequency, *parts)
         read = in_scene(tmp_path, text, format="dynamic")
@@ -154,6 +159,13 @@ def test_columns_come_in_any_order_and_rows_too(tmp_path):
     data = measured_data("E t\n" + rows(moduli[::-1], TIMES[::-1]), "x", "relaxation")
     assert (data.times == TIMES).all()
     assert (data.moduli == moduli).all()
+
+
+def test_data_of_one_temperature_may_say_so():
+    text = "t,E,T\n1,3,20\n2,2,20\n3,1,{}\n"
+    assert list(measured_data(text.format(20), "x", "relaxation").moduli) == [3.0, 2.0, 1.0]
+    with pytest.raises(SceneError, match=r"^x: temperature: differs between rows; allowed: moduli at one"):
+        measured_data(text.format(30), "x", "relaxation")
 
 
 def test_the_relaxed_modulus_may_be_given_beside_data(tmp_path):
@@ -215,7 +227,28 @@ def test_a_scene_read_from_a_file_is_written_as_branches(tmp_path):
         ("tau,E\n1,-2\n", "branches", "E, line 2"),
         ("tau,E\n1,2\n1,2,3\n", "branches", "line 3: 3 cells"),
         ("1,2\nx,3\n", "branches", "line 2: got 'x'"),
-        ("1;2,5\n", "branches", "line 1: got '2,5'"),
+        ("1;2,5;x\n", "branches", "line 1: got '2,5'"),
+        ("tau;E\n0,1;3,5\n1,0;2,5\n", "branches", f"line 2: {COMMAS.format('semicolons')}"),
+        ("# of tau, E\n1;2,5E-03\n", "branches", f"line 2: {COMMAS.format('semicolons')}"),
+        ("tau\tE\n1.000,1\t 3,5\n", "branches", f"line 2: {COMMAS.format('tabs')}"),
+        ("tau E\n1 -3,5\n", "branches", f"line 2: {COMMAS.format('blanks')}"),
+        ('"0,1","3,5"\n', "branches", f"line 1: {COMMAS.format('commas')}"),
+        ("1,5;?\n", "branches", "no rows of numbers; allowed: a table of numbers (points in numbers; semi"),
+        ("1\n1 0,1 3,5\n", "reptate", f"line 2: {COMMAS.format('blanks')}"),
+        ("tau_i;alpha_i\n0,1;0,5\n", "pyvisco", "line 1: cells are separated by semicolons; allowed: commas"),
+        ('tau_i,alpha_i\n1,"0,5"\n', "pyvisco", "alpha_i, line 2: got '0,5'; allowed: a number, with a"),
+        ("0.1 5 7\n1 2 3\n", "reptate", "line 1: got '0.1' first; allowed: the number i of the mode"),
+        (
+            "w, E'\n1,2,3\n2,3,4\n3,4,5\n",
+            "dynamic",
+            'line 1: 2 names, "w,E\'", over 3 columns; allowed: a name',
+        ),
+        ("# w E'\n1 2 3\n2 3 4\n3 4 5\n", "dynamic", "line 1: 2 names"),
+        ("w,E',E''\n1,2\n2,3\n3,4\n", "relaxation", "line 1: 3 names"),
+        ("DMA\nt;E;remark\n1;2\n2;1\n3;1\n", "relaxation", "line 2: 3 names"),
+        ("t,E,E'\n1,2,3\n2,1,3\n3,1,3\n", "relaxation", 'columns: got "t,E,E\'"'),
+        ("tau,E,t\n1,2,3\n", "branches", "columns: got 'tau,E,t'"),
+        ("f,w,E',E''\n1,2,3,4\n", "dynamic", "columns: got \"f,w,E',E''\""),
         ('1,2\n"3,4\n', "branches", "line 2: not CSV"),
         ("tau,E\n1,1e70\n", "branches", "E, line 2"),
         ("T,E\n1,2\n2,1\n3,1\n", "relaxation", "columns: got 'T,E'"),  # temperature
