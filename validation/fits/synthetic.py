@@ -77,6 +77,7 @@ def synthetic(
     """
     of_class(scene, "scene", Scene, "a Scene, as read_scene reads one from a file")
     noise = number(noise, "noise", NOT_NEGATIVE, low=0.0)
+    sampling = None if sampling is None else positive(sampling, "sampling")
     contact_point, baseline = finite(contact_point, "contact_point"), finite(baseline, "baseline")
     drift = finite(drift, "drift")
     seed = whole_number(seed, "seed", 0)
@@ -199,7 +200,7 @@ def _row_times(
     before = scene.loading.start != "relaxed" and segments[0].rate(0.0) > 0.0
     last = end + beside if run.lost is not None else end
     last = min(last, segments[-1].end)
-    step = end / (ROWS - of_end) if sampling is None else positive(sampling, "sampling")
+    step = end / (ROWS - of_end) if sampling is None else sampling
     begin = -beside - of_begin * step if before else 0.0
     rows = math.floor((last - begin) / step) + 1
     if not FEWEST_ROWS <= rows <= MOST_ROWS:
