@@ -1,7 +1,7 @@
 """Where the residual vanishes as a function of the edge: the root it rises through, and the stable one ahead.
 
-The root is found by secants, and parabolas through the last three trials, safeguarded by a bracket once there is
-one; the way of an unstable edge is looked over in equal ratios of the radius.
+The root is found by secants and parabolas through the last three trials, safeguarded by a bracket once there
+is one; the way of an unstable edge is looked over in equal ratios of the radius.
 """
 
 from __future__ import annotations
