@@ -43,10 +43,12 @@ ROOMS = {
     "exam": BELOW_EVIDENCE,
     "report": BELOW_EVIDENCE | EVIDENCE | {"exam"},
 }
-# What one kind of evidence may use of another, module by module: the accuracy of fields is a study of them.
+# What one kind of evidence may use of another, module by module: the accuracy of fields is a study of them,
+# random scenes are judged as a user would see them compared.
 BESIDE = {
     ("validation.studies.fields_accuracy", "validation.fields.balance"),
     ("validation.studies.fields_accuracy", "validation.fields.request"),
+    ("validation.stability.random_compared", "validation.compare.against_reference"),
 }
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.

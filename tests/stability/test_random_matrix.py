@@ -17,14 +17,17 @@ from validation.measure.scalars import measure
 from validation.stability import (
     random_instruments,
     random_matrix,
+    random_plain,
     random_report,
     random_runs,
     random_swings,
     trace_invariants,
 )
 from validation.stability.random_answers import AnswerFinding, JudgedScene, RandomSceneAnswer, examine
+from validation.stability.random_compared import examine_compared
 from validation.stability.random_instruments import random_instrument
 from validation.stability.random_matrix import table
+from validation.stability.random_numbers import rounded
 from validation.stability.random_scenes import LOADINGS, random_scene, random_short_zone
 from validation.stability.random_swings import random_swing
 
@@ -60,7 +63,7 @@ def answer(excursion: float = 0.1, kind: OutcomeKind = OutcomeKind.COMPLETED) ->
 
 
 def result(solver: str, trace: Trace | None, error: float = 1e-3, **how) -> TaskResult:
-    task = Task("key", "label", print)
+    task = Task("key", "label", print, (CHOSEN.case, solver))
     if trace is None:
         return TaskResult(task, how.pop("value", None), **how)
     run = Run("seed", solver, trace, measures=measure(trace, SCENE, 0.0))
@@ -127,6 +130,32 @@ def test_swings_go_to_and_fro_over_short_zones():
     assert any(isinstance(step, Hold) for steps in ramps for step in steps)
 
 
+def test_plain_scenes_have_round_numbers_every_test_and_every_tip():
+    assert random_plain.random_plain(7) == random_plain.random_plain(7)
+    assert random_matrix.FAMILIES["plain"](7) == random_plain.random_plain(7)
+    many = [random_plain.random_plain(seed) for seed in range(1, 200)]
+    scenes = [one.scene for one in many]
+    assert {one.kind for one in many} == set(random_plain.LOADINGS)
+    tips = {"sphere", "cone", "flat-punch", "power-law", "profile"}
+    assert {scene.indenter.shape for scene in scenes} == tips
+    assert {scene.loading.start for scene in scenes} == {"jump-in", "relaxed", "snap-in"}
+    counts = {len(scene.material.branches) for scene in scenes}
+    assert {0, 1, 2, 3} < counts
+    laws = [scene.adhesion for scene in scenes if scene.adhesion is not None]
+    assert 0.25 < len(laws) / len(scenes) < 0.42
+    speeds = [step.rate for scene in scenes for step in scene.loading.steps if isinstance(step, Ramp)]
+    numbers = [*speeds, *(law.work for law in laws), *(law.zone for law in laws)]
+    assert all(number == rounded(number) for number in numbers)
+
+
+@pytest.mark.parametrize(
+    ("value", "near"),
+    [(1.4, 1.0), (1.5, 2.0), (3.0, 2.0), (3.3, 5.0), (8.0, 10.0), (4e-7, 5e-7), (1e-7, 1e-7)],
+)
+def test_round_numbers_are_the_nearest_in_the_logarithm(value, near):
+    assert rounded(value) == near
+
+
 def test_solvers_may_be_left_out_but_not_the_reference(tmp_path, asked):
     seed = next(seed for seed in range(1, 6) if random_matrix._possible(seed, "short-zones"))
     arguments = ["--out", str(tmp_path), "--seeds", str(seed), "--family", "short-zones", "--solvers"]
@@ -162,6 +191,39 @@ def test_a_movement_counts_relative_to_itself():
     assert judged(result("bem", answer(0.102), 5e-5)).finding is AnswerFinding.UNDERSTATED
     assert judged(result("bem", answer(0.102), 1e-3)).finding is AnswerFinding.AGREES
     assert judged(result("bem", answer(0.102), 1e-2)).finding is AnswerFinding.LOOSE
+
+
+def compared(mine: TaskResult, base: Trace | None = None) -> dict[str, RandomSceneAnswer]:
+    """All answers, held to the checks of a comparison as well."""
+    results = {
+        "bem": mine,
+        "fem": result("fem", answer()),
+        "reference": result("reference", base or answer()),
+    }
+    found = examine_compared(replace(CHOSEN, scene=SCENE), results)
+    return {one.solver: one for one in found.answers}
+
+
+def test_what_a_comparison_rejects_is_a_finding_unless_there_is_a_worse_one():
+    found = compared(result("bem", answer()))
+    assert {one.finding for one in found.values()} == {AnswerFinding.AGREES}
+    loose = compared(result("bem", answer(), error=0.05))["bem"]
+    assert judged(result("bem", answer(), error=0.05)).finding is AnswerFinding.LOOSE
+    assert loose.finding is AnswerFinding.FAILED
+    assert "F(t), RMS: the run estimates its own error at 0.05" in loose.note
+    off = compared(result("bem", answer(0.13), 5e-5))["bem"]
+    assert off.finding is AnswerFinding.WRONG
+    assert "F(t), movement" in off.note
+    silent = compared(result("bem", answer()), base=answer(kind=OutcomeKind.NO_EQUILIBRIUM))
+    assert silent["reference"].finding is AnswerFinding.FAILED
+    assert silent["bem"].finding is AnswerFinding.NO_REFERENCE
+
+
+def test_a_scene_that_all_solvers_refuse_is_not_compared():
+    refusal = {"value": Run("seed", "bem", failure="not this one", refused=True)}
+    results = {name: result(name, None, **refusal) for name in solvers.SOLVERS}
+    found = examine_compared(replace(CHOSEN, scene=SCENE), results)
+    assert {one.finding for one in found.answers} == {AnswerFinding.DECLINED}
 
 
 def test_other_findings():
@@ -227,6 +289,27 @@ def test_without_an_estimate_only_a_wrong_answer_is_told():
     found = judged(bare)
     assert found.finding is AnswerFinding.AGREES
     assert math.isinf(found.allowed)
+
+
+def test_a_matrix_holds_answers_to_a_comparison_if_asked(tmp_path, monkeypatch):
+    """And not together with estimates where they decide alone: a comparison has them all."""
+
+    def carried_out(numbered, executor, outstanding):
+        for number, task in numbered:
+            yield number, result(task.arguments[1], answer(), 0.05)
+
+    monkeypatch.setattr(random_runs, "completed_tasks", carried_out)
+    findings = []
+    for asked in (False, True):
+        settings = random_runs.RandomRunSettings(compared=asked)
+        ((_, one),) = random_runs.judged_scenes([replace(CHOSEN, scene=SCENE)], settings, None)
+        findings.append({each.finding for each in one.answers})
+    assert findings == [
+        {AnswerFinding.AGREES, AnswerFinding.LOOSE},
+        {AnswerFinding.AGREES, AnswerFinding.FAILED},
+    ]
+    with pytest.raises(SystemExit):
+        random_matrix.main(["--out", str(tmp_path), "--screened", "--compared"])
 
 
 def test_a_stopped_matrix_goes_on(tmp_path, asked):

@@ -6,6 +6,7 @@ its verdict. ``matrix`` lists the cases, ``runner`` runs them in processes that 
 
 ``random_scenes`` makes scenes of seeds over wide ranges; ``random_matrix``, run as a module, puts them
 through all solvers and judges every answer by ``trace_invariants`` and against the front tracking
-(``random_answers``). Families of their own are ``random_instruments`` (springs, levels, records, laws) and
-``random_swings`` (to and fro several times).
+(``random_answers``), if asked also by the checks of a comparison (``random_compared``). Families of their own
+are ``random_instruments`` (springs, levels, records, laws), ``random_swings`` (to and fro several times) and
+``random_plain`` (what a first-time user writes).
 """

@@ -58,6 +58,7 @@ class AnswerFinding(StrEnum):
     WRONG = "silently wrong"
     TOLD = "wrong, and says so"
     UNDERSTATED = "off by more than its estimate"
+    FAILED = "fails a check"
     LOOSE = "estimate is large"
     NO_REFERENCE = "nothing to compare with"
     DECLINED = "reports no answer"
@@ -71,6 +72,7 @@ FAULTS = (
     AnswerFinding.WRONG,
     AnswerFinding.TOLD,
     AnswerFinding.UNDERSTATED,
+    AnswerFinding.FAILED,
 )
 """Judgements after which the scene is written to a file."""
 

@@ -28,6 +28,7 @@ from validation.stability.random_answers import (
     RandomSceneAnswer,
 )
 from validation.stability.random_instruments import random_instrument
+from validation.stability.random_plain import random_plain
 from validation.stability.random_runs import RandomRunSettings, judged_scenes
 from validation.stability.random_scenes import RandomScene, random_scene, random_short_zone
 from validation.stability.random_swings import random_swing
@@ -37,6 +38,7 @@ FAMILIES: dict[str, Callable[[int], RandomScene]] = {
     "instruments": random_instrument,
     "short-zones": random_short_zone,
     "swings": random_swing,
+    "plain": random_plain,
 }
 """What makes the scene of a seed, by the family of scenes."""
 
@@ -176,8 +178,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     sizes = parser.add_mutually_exclusive_group()
     sizes.add_argument("--resolution", type=int, help="divisions per process zone, of every solver")
     sizes.add_argument("--coarse", action="store_true", help="the coarse resolution of each solver")
-    parser.add_argument(
+    estimates = parser.add_mutually_exclusive_group()
+    estimates.add_argument(
         "--screened", action="store_true", help="estimates only where an answer is off by more than it may be"
+    )
+    estimates.add_argument(
+        "--compared", action="store_true", help="the checks of `crosscontact compare` as well"
     )
     parser.add_argument(
         "--solvers",
@@ -190,7 +196,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     seeds = chosen.seeds or range(chosen.first, chosen.first + chosen.count)
     asked = [name for name in SOLVERS if name == REFERENCE or name in chosen.solvers]
-    settings = RandomRunSettings(chosen.seconds, chosen.resolution, chosen.coarse, chosen.screened, asked)
+    settings = RandomRunSettings(
+        chosen.seconds, chosen.resolution, chosen.coarse, chosen.screened, asked, chosen.compared
+    )
     try:
         judged = run(output_folder(chosen.out), seeds, chosen.jobs, settings, chosen.family)
     except SceneError as error:

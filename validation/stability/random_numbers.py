@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -20,6 +21,13 @@ class SceneSizes:
     time: float
 
 
+def rounded(value: float) -> float:
+    """The nearest of 1, 2, 5 times a power of ten, in the logarithm, of a positive number."""
+    power = math.floor(math.log10(value))
+    near = [float(f"{digit}e{power}") for digit in (1, 2, 5, 10)]
+    return min(near, key=lambda one: abs(math.log(one / value)))
+
+
 class RandomNumbers:
     """Random numbers of a seed, rounded to a few digits so that a scene can be read."""
 
@@ -29,6 +37,10 @@ class RandomNumbers:
     def decades(self, low: float, high: float) -> float:
         """Evenly over powers of ten."""
         return float(f"{10.0 ** self._generator.uniform(low, high):.3g}")
+
+    def near(self, size: float, low: float, high: float) -> float:
+        """A round number, evenly over powers of ten of ``size`` but for its rounding."""
+        return rounded(size * self.decades(low, high))
 
     def between(self, low: float, high: float) -> float:
         """Evenly."""

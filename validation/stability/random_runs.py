@@ -12,11 +12,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 
-from validation.cases import Case
 from validation.execution.solver_tasks import run_task
 from validation.execution.tasks import Task, TaskEnding, TaskResult, completed_tasks
 from validation.solvers import REFERENCE, SOLVERS, solver
 from validation.stability.random_answers import AnswerFinding, JudgedScene, examine
+from validation.stability.random_compared import examine_compared
 from validation.stability.random_scenes import RandomScene
 
 PER_PROCESS = 2
@@ -41,6 +41,8 @@ class RandomRunSettings:
         Estimates only for answers that differ by more than the solver's tolerance at that resolution.
     solvers : sequence of str
         Those asked, the reference among them.
+    compared : bool
+        Answers are judged by the checks of ``crosscontact compare`` as well.
     """
 
     seconds: float = 60.0
@@ -48,6 +50,7 @@ class RandomRunSettings:
     coarse: bool = False
     screened: bool = False
     solvers: Sequence[str] = field(default_factory=lambda: list(SOLVERS))
+    compared: bool = False
 
     def resolution_of(self, name: str, chosen: RandomScene) -> int | None:
         """Divisions per process zone of a solver in a scene; ``None``: its own."""
@@ -87,8 +90,7 @@ class _RunStream(Iterator[tuple[int, Task]]):
         times : float
             Time limit of the run, over the usual one.
         """
-        case = Case(f"seed-{chosen.seed}", chosen.scene, profile_times=chosen.profile_times)
-        task = run_task(case, name, self._settings.resolution_of(name, chosen), estimate=estimate)
+        task = run_task(chosen.case, name, self._settings.resolution_of(name, chosen), estimate=estimate)
         self.asked[self._count] = chosen, name
         self._waiting.append((self._count, replace(task, time_limit=times * self._settings.seconds)))
         self._count += 1
@@ -114,6 +116,7 @@ def judged_scenes(
     (RandomScene, JudgedScene)
     """
     stream = _RunStream(scenes, settings)
+    judge = examine_compared if settings.compared else examine
     results: dict[int, dict[str, TaskResult]] = {}
     first: dict[int, JudgedScene] = {}
     for number, result in completed_tasks(stream, executor, PER_PROCESS * jobs):
@@ -125,7 +128,7 @@ def judged_scenes(
             collected[name] = collected.pop(f"{name} alone")
         if not all(each in collected for each in settings.solvers):
             continue
-        judged = examine(chosen, {each: collected[each] for each in settings.solvers})
+        judged = judge(chosen, {each: collected[each] for each in settings.solvers})
         again = _undecided(judged) if settings.screened and chosen.seed not in first else []
         if again:
             first[chosen.seed] = judged

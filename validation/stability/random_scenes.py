@@ -37,6 +37,7 @@ from contact_scene import (
     Table,
     TabulatedProfile,
 )
+from validation.cases import Case
 from validation.stability.random_numbers import RandomNumbers, SceneSizes
 
 SHARE_WITHOUT_ADHESION = 0.2
@@ -56,6 +57,11 @@ class RandomScene:
     kind: str
     scene: Scene
     profile_times: tuple[float, ...]
+
+    @property
+    def case(self) -> Case:
+        """The scene as the solvers are asked it."""
+        return Case(f"seed-{self.seed}", self.scene, profile_times=self.profile_times)
 
 
 def random_scene(seed: int) -> RandomScene:
