@@ -45,6 +45,8 @@ STREAM = 5
 SHARE_OF_ADHESION = 1.0 / 3.0
 SHARE_OF_LONG_ZONES = 0.5
 """Of the zones from a tenth to a hundredth of the contact radius; the others go down to a thousandth."""
+BOUND = 5.0
+"""Of a press until a force, over the penetration under the largest such force: a spring yields as well."""
 PROFILE = 5.0
 """Largest radius of a tabulated tip, over that of the contact."""
 
@@ -180,9 +182,9 @@ def _to_a_force(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     speed, level = _speed(random, sizes), random.near(sizes.force, -1.0, 0.0)
     dwell = random.one_of((0.0, _span(random, sizes)))
     if random.happens(0.5):
-        steps: tuple[Step, ...] = (Approach(speed, level, 2.0 * sizes.depth, dwell),)
+        steps: tuple[Step, ...] = (Approach(speed, level, BOUND * sizes.depth, dwell),)
     else:
-        press = Ramp(2.0 * sizes.depth, speed, until_force=level)
+        press = Ramp(BOUND * sizes.depth, speed, until_force=level)
         steps = (press, Hold(dwell), Ramp(_away(random, sizes), speed))
     return Loading("jump-in", 0.0, steps)
 
@@ -238,7 +240,7 @@ def _table(random: RandomNumbers, sizes: SceneSizes) -> Loading:
 def _spring(random: RandomNumbers, sizes: SceneSizes) -> Loading:
     """A test by the stage of a spring, from the first touch or from where the tip snaps in."""
     loading = random.one_of((_press, _press_hold, _two_speeds, _to_a_force))(random, sizes)
-    machine = Machine(random.near(sizes.force / sizes.depth, -1.0, 1.5))
+    machine = Machine(random.near(sizes.force / sizes.depth, -0.3, 1.5))
     start = "snap-in" if loading.penetration == 0.0 and random.happens(0.5) else loading.start
     return replace(loading, start=start, machine=machine)
 
