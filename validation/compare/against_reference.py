@@ -169,7 +169,7 @@ def _curves(case: Case, result: Run, trace: Trace, base: Run, base_trace: Trace)
     checks = []
     spans = windows(case.scene.loading, base_trace)
     for column, name in CURVES.items():
-        apart = distance(trace, base_trace, column)
+        apart = distance(trace, base_trace, column, spans)
         moved = movement_distance(trace, base_trace, spans, column)
         largest = "" if apart is None else f"largest {apart.largest:.2g} at t = {apart.at:.4g}"
         worst = "" if moved is None else f"worst from t = {moved.begin:.4g} to {moved.end:.4g}"

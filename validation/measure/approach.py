@@ -15,6 +15,7 @@ import numpy as np
 from contact_scene import Loading, Trace
 from validation.measure.missed_maximum import missed_maximum
 from validation.measure.round_off import ROUND_OFF
+from validation.measure.windows import corners
 
 MOST_MISSED = 0.02
 """Part of the range of the penetration by which rows may miss a crest: a dozen even rows a cycle miss theirs
@@ -72,9 +73,9 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
 
     Where the approach ends at a smooth crest, time, force and contact radius are those of the row next to it,
     which lies where the steps of the run happen to end: right runs differ in them by the root of what their
-    rows miss of the penetration. Where the penetration is found, under a force, on a spring or to a level,
-    its last digits tell which of two crests is higher, and at which time it is that has all but ceased to
-    creep.
+    rows miss of the penetration. Such is that of a contact that creeps on after its force, or the stage, has
+    turned. Where the penetration is found, under a force, on a spring or to a level, its last digits tell
+    which of two crests is higher, and at which time it is that has all but ceased to creep.
 
     Parameters
     ----------
@@ -96,6 +97,8 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     if given or name == "approach_penetration":
         return True
     depth, end = trace.penetration, end_of_approach(trace)
+    if not np.isclose(corners(loading, trace), trace.time[end], rtol=ROUND_OFF, atol=0.0).any():
+        return False
     highest = np.flatnonzero(depth >= depth[end] - CREPT * float(np.ptp(depth)))
     crests = np.split(highest, np.flatnonzero(np.diff(highest) > 1) + 1)
     if len(crests) > 1:

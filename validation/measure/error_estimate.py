@@ -39,6 +39,7 @@ from validation.measure.norms import (
     CURVES,
     distance,
     interpolation_error,
+    load_step_ends,
     movement_bound,
     movement_distance,
     movement_interpolation_error,
@@ -92,8 +93,9 @@ def from_two_runs(
         column with ``MOVEMENT``.
     """
     usual = solver(run.solver).order
-    errors, floors = _of_curves(run, other, usual, ratio)
-    heat, loss = _losses_apart(run, other)
+    spans = _spans(loading, run)
+    errors, floors = _of_curves(run, other, usual, ratio, spans)
+    heat, loss = _losses_apart(run, other, spans)
     for name, value in measured.items():
         there = otherwise.get(name)
         if value is None or there is None or not (column_of(name) or name in ENERGIES):
@@ -106,7 +108,6 @@ def from_two_runs(
         own = _extrapolated(differs / relative_to, order, ratio) if relative_to > 0.0 else 0.0
         errors[name] = max(own, (OF_SQUARE if name in IN_LAYERS else 1.0) * floors[order])
     _raise_to_balance(errors, run, measured)
-    spans = _spans(loading, run)
     if len(spans):
         for column in CURVES:
             moved = movement_distance(other, run, spans, column)
@@ -115,11 +116,11 @@ def from_two_runs(
                 errors[column + MOVEMENT] = _extrapolated(moved.rms, usual, ratio) + between
     deepest, other_deepest = measured.get("approach_penetration"), otherwise.get("approach_penetration")
     change = 0.0 if deepest is None or other_deepest is None else abs(other_deepest - deepest)
-    of_depth = _apart(run, other, "penetration", usual, ratio)
+    of_depth = _apart(run, other, "penetration", usual, ratio, spans)
     add_at_approach(errors, run, spans, _extrapolated(change, usual, ratio), of_depth)
-    apart = distance(other, run, "force")
+    apart = distance(other, run, "force", spans)
     usually = 0.0 if apart is None else _extrapolated(apart.rms, 1.0, ratio)
-    add_at_pull_off(errors, run, _apart(run, other, "force", 1.0, ratio), usually)
+    add_at_pull_off(errors, run, _apart(run, other, "force", 1.0, ratio, spans), usually)
     add_at_detachment(errors, run, measured.get("detachment_radius"), compared=True)
     return errors
 
@@ -142,12 +143,12 @@ def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -
     dict of str to float
     """
     largest = max(trace.errors.values(), default=0.0)
+    spans = _spans(loading, trace)
     own = {column: trace.errors[column] for column in CURVES if column in trace.errors}
-    errors = {column: error + interpolation_error(trace, column) for column, error in own.items()}
+    errors = {column: error + interpolation_error(trace, column, spans) for column, error in own.items()}
     for name, value in measured.items():
         if value is not None and (column_of(name) or name in ENERGIES):
             errors[name] = trace.errors.get(name, largest)
-    spans = _spans(loading, trace)
     if len(spans):
         for column, error in own.items():
             bound = movement_bound(trace, spans, column) * error
@@ -160,22 +161,22 @@ def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -
 
 
 def _of_curves(
-    run: Trace, other: Trace, usual: float, ratio: float
+    run: Trace, other: Trace, usual: float, ratio: float, spans: Array
 ) -> tuple[dict[str, float], dict[float, float]]:
     """Errors of the curves by column, and the least error of a scalar by the order that it converges with."""
     errors = {}
     floors = {1.0: 0.0, usual: 0.0}
     for column in CURVES:
-        apart = distance(other, run, column)
+        apart = distance(other, run, column, spans)
         if apart is not None:
-            between = interpolation_error(run, column)
+            between = interpolation_error(run, column, spans)
             errors[column] = _extrapolated(apart.rms, usual, ratio) + between
             for order, floor in floors.items():
                 floors[order] = max(floor, _extrapolated(apart.mean, order, ratio) + between)
     return errors, floors
 
 
-def _losses_apart(run: Trace, other: Trace) -> tuple[float, float]:
+def _losses_apart(run: Trace, other: Trace, spans: Array) -> tuple[float, float]:
     """How far what two runs dissipate in branches, and in all, lies apart on the way: root mean square.
 
     What differs to and fro may agree at the end by accident. The heat in the layer at the edge is a square.
@@ -186,7 +187,7 @@ def _losses_apart(run: Trace, other: Trace) -> tuple[float, float]:
         return 0.0, 0.0
     found = []
     for column in ("branch_dissipation", "dissipated_energy"):
-        apart = distance(other, run, column)
+        apart = distance(other, run, column, spans)
         size = float(np.abs(run.columns()[column]).max())
         found.append(0.0 if apart is None else apart.rms * size)
     return OF_SQUARE * found[0], found[1]
@@ -217,7 +218,7 @@ def _extrapolated(difference: float, order: float, ratio: float) -> float:
     return SAFETY * difference / abs(ratio**order - 1.0)
 
 
-def _apart(run: Trace, other: Trace, column: str, order: float, ratio: float) -> Array:
+def _apart(run: Trace, other: Trace, column: str, order: float, ratio: float, spans: Array) -> Array:
     """Estimated error of a column in every row, signed; nan where the other run has ended.
 
     Parameters
@@ -227,6 +228,8 @@ def _apart(run: Trace, other: Trace, column: str, order: float, ratio: float) ->
         Name of the column.
     order, ratio : float
         As of :func:`from_two_runs`.
+    spans : ndarray, shape (k, 2)
+        Windows of the run.
 
     Returns
     -------
@@ -235,7 +238,7 @@ def _apart(run: Trace, other: Trace, column: str, order: float, ratio: float) ->
     if len(other) < 2:
         return np.full(len(run), np.nan)
     within = (run.time >= other.time[0]) & (run.time <= other.time[-1])
-    curve = column_curve(other, column)
+    curve = column_curve(other, column, load_step_ends(spans))
     difference = np.array(
         [curve.at(float(time)) if here else np.nan for time, here in zip(run.time, within, strict=True)]
     )

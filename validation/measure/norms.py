@@ -75,7 +75,9 @@ class MovementDistance:
     end: float
 
 
-def distance(run: Trace, reference: Trace, column: str = "force") -> Distance | None:
+def distance(
+    run: Trace, reference: Trace, column: str = "force", spans: Array | None = None
+) -> Distance | None:
     """Distance of ``run`` from ``reference`` in one column; ``None`` if they share no interval of time.
 
     Parameters
@@ -83,6 +85,9 @@ def distance(run: Trace, reference: Trace, column: str = "force") -> Distance | 
     run, reference : Trace
     column : str
         Name of a column of both.
+    spans : ndarray, shape (n, 2), optional
+        Begin and end of every window (see :mod:`validation.measure.windows`): where load steps end, a curve
+        may have a corner that rows of one column alone do not tell from a bend.
 
     Returns
     -------
@@ -91,8 +96,9 @@ def distance(run: Trace, reference: Trace, column: str = "force") -> Distance | 
     grid = _common_times(run.time, reference.time)
     if grid.size < 2:
         return None
-    first = column_curve(run, column).within(grid)
-    second = column_curve(reference, column).within(grid)
+    turns = None if spans is None else load_step_ends(spans)
+    first = column_curve(run, column, turns).within(grid)
+    second = column_curve(reference, column, turns).within(grid)
     apart = first - second
     scale = float(np.abs(second).max())
     if scale == 0.0:
@@ -132,18 +138,31 @@ def movement_distance(
     grid = _common_times(run.time, reference.time, spans)
     if grid.size < 2:
         return None
-    turns = _load_step_ends(spans)
+    turns = load_step_ends(spans)
     second = column_curve(reference, column, turns).within(grid)
     apart = column_curve(run, column, turns).within(grid) - second
     return _worst_window(grid, apart, second, spans)
 
 
-def interpolation_error(trace: Trace, column: str) -> float:
-    """Estimated error of a curve between its rows: root mean square over the largest magnitude."""
+def interpolation_error(trace: Trace, column: str, spans: Array | None = None) -> float:
+    """Estimated error of a curve between its rows: root mean square over the largest magnitude.
+
+    Parameters
+    ----------
+    trace : Trace
+    column : str
+    spans : ndarray, shape (n, 2), optional
+        As of :func:`distance`.
+
+    Returns
+    -------
+    float
+    """
     grid, size = np.unique(trace.time), float(np.abs(trace.columns()[column]).max(initial=0.0))
     if grid.size < 2 or size == 0.0:
         return 0.0
-    unknown = column_curve(trace, column).uncertainty(grid)
+    turns = None if spans is None else load_step_ends(spans)
+    unknown = column_curve(trace, column, turns).uncertainty(grid)
     return float(np.sqrt((np.diff(grid) * (WEIGHTS @ unknown**2)).sum() / (grid[-1] - grid[0])) / size)
 
 
@@ -165,7 +184,7 @@ def movement_interpolation_error(trace: Trace, spans: Array, column: str) -> flo
     grid = _common_times(trace.time, trace.time, spans)
     if grid.size < 2:
         return 0.0
-    curve = column_curve(trace, column, _load_step_ends(spans))
+    curve = column_curve(trace, column, load_step_ends(spans))
     worst = _worst_window(grid, curve.uncertainty(grid), curve.within(grid), spans, 0.0)
     return 0.0 if worst is None else worst.rms
 
@@ -197,7 +216,7 @@ def movement_bound(trace: Trace, spans: Array, column: str) -> float:
     return largest
 
 
-def _load_step_ends(spans: Array) -> Array:
+def load_step_ends(spans: Array) -> Array:
     """Times at which load steps begin and end; cycles lie within one of them."""
     begin, end = spans.T
     within = (begin[1:] <= begin[:, None]) & (end[:, None] <= end[1:])

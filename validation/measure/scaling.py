@@ -2,7 +2,8 @@
 
 A difference in a quantity is divided by
 
-- a penetration: the largest magnitude of the penetration in the run, since its zero is a matter of choice;
+- a penetration, or a place of the stage: the largest magnitude of that column in the run, since its zero is a
+  matter of choice;
 - a loss (dissipated energy, branch dissipation, their difference): its magnitude, but at least the largest
   term of the energy balance that it is the remainder of (stored energy, external work, surface energy);
 - a force, contact radius or time: its magnitude, but at least a twentieth of the largest magnitude of that
@@ -30,11 +31,12 @@ LOSSES = ("dissipated_energy", "instability_loss", "branch_dissipation", "zone_e
 WORKS = {"loop_energy": "external_work", "peak_cycle_loss": "stored_energy"}
 """Work done over a run or a cycle: the column it is a small part of where it nearly vanishes."""
 _COLUMNS = {"force": "force", "radius": "contact_radius", "penetration": "penetration", "time": "time"}
+_STAGE = "stage"
 
 
 def column_of(name: str) -> str:
     """Column of the trace that a scalar is a value of; empty for energies."""
-    return _COLUMNS.get(name.rpartition("_")[2], "")
+    return _STAGE if name.startswith(f"{_STAGE}_") else _COLUMNS.get(name.rpartition("_")[2], "")
 
 
 @dataclass(frozen=True)
@@ -59,8 +61,10 @@ class Magnitudes:
         energy = trace.whole_stored_energy
         surface = trace.dissipated_energy + (energy - energy[0]) - trace.external_work
         terms = (energy, trace.external_work, surface)
+        columns.setdefault(_STAGE, trace.penetration)
+        names = (*_COLUMNS.values(), *WORKS.values(), _STAGE)
         return cls(
-            {name: float(np.abs(columns[name]).max()) for name in (*_COLUMNS.values(), *WORKS.values())},
+            {name: float(np.abs(columns[name]).max()) for name in names},
             max(float(np.abs(term).max()) for term in terms),
         )
 
@@ -79,12 +83,13 @@ class Magnitudes:
             for kind, column in _COLUMNS.items()
         }
         columns["external_work"] = numbers.get("loop_energy", 0.0)
+        columns[_STAGE] = columns["penetration"]
         return cls(columns, max(numbers.get(name, 0.0) for name in ("loop_energy", "branch_dissipation")))
 
     def scale(self, name: str, value: float) -> float:
         """What a difference in the quantity ``name``, of the given value, is relative to (see the module)."""
         column = column_of(name)
-        if column == "penetration":
+        if column in ("penetration", _STAGE):
             return self.columns[column]
         if name in LOSSES:
             return max(abs(value), self.balance)

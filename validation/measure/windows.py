@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Loading, Oscillate, Step, Sweep, Trace
+from contact_scene.segment import Segment
 
 Array = NDArray[np.float64]
+
+AT_LEVEL = 1e-9
+"""Part of what a quantity does in a load step to which its level ends the step."""
 
 
 def windows(loading: Loading, trace: Trace) -> Array:
     """Begin and end of every window of a run, as far as the run goes; only whole cycles.
 
     What is left of a cycle in which contact is lost shows when it is lost, not how the edge moves in a cycle.
-    The state from which a load step begins is that of the run.
+    The state from which a load step begins is that of the run, and one that ends at a level does so where the
+    run has reached it.
 
     Parameters
     ----------
@@ -27,22 +33,61 @@ def windows(loading: Loading, trace: Trace) -> Array:
     -------
     ndarray, shape (n, 2)
     """
-    first, last = float(trace.time[0]), float(trace.time[-1])
-    spans = [(first, last)]
-    now = first
+    last = float(trace.time[-1])
+    spans = [(float(trace.time[0]), last)]
+    for step, _, begin, end in _load_steps(loading, trace):
+        spans.append((begin, end))
+        spans += _cycles(step, begin, min(end, last))
+    covered = [(begin, min(end, last)) for begin, end in spans if begin < min(end, last)]
+    return np.array(covered, float).reshape(-1, 2)
+
+
+def corners(loading: Loading, trace: Trace) -> Array:
+    """Times at which load steps begin and end, and at which the loading has kinks within them.
+
+    Parameters
+    ----------
+    loading : Loading
+    trace : Trace
+        As far as it goes.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    steps = list(_load_steps(loading, trace))
+    ends = [time for _, _, begin, end in steps for time in (begin, end)]
+    kinks = [begin + kink for _, segment, begin, end in steps for kink in segment.kinks if begin + kink < end]
+    return np.unique(ends + kinks)
+
+
+def _load_steps(loading: Loading, trace: Trace) -> Iterator[tuple[Step, Segment, float, float]]:
+    """Load steps that the run has begun, their control laws from time 0 on, and when they begin and end."""
+    now, last = float(trace.time[0]), float(trace.time[-1])
 
     def state(step: Step) -> tuple[float, float]:
         depth, force = (np.interp(now, trace.time, column) for column in (trace.penetration, trace.force))
         return float(depth), float(force)
 
-    for step, segment in loading.segments(state):
-        now = segment.end
-        spans.append((segment.start, segment.end))
-        spans += _cycles(step, segment.start, last)
+    for step, segment in loading.segments(state, own_time=True):
+        end = _end(segment, trace, now)
+        yield step, segment, now, end
+        now = end
         if not now < last:
-            break
-    covered = [(begin, min(end, last)) for begin, end in spans if begin < min(end, last)]
-    return np.array(covered, float).reshape(-1, 2)
+            return
+
+
+def _end(segment: Segment, trace: Trace, begin: float) -> float:
+    """When a load step ends that begins at a time: at its level, if it has one and the run reaches it."""
+    end = begin + segment.end
+    rows = np.flatnonzero((trace.time >= begin) & (trace.time <= end))
+    if segment.trigger is None or rows.size < 2:
+        return end
+    columns = (trace.penetration, trace.force, trace.contact_radius)
+    excess = np.array([segment.trigger.excess(*(float(column[row]) for column in columns)) for row in rows])
+    side = math.copysign(1.0, excess[0])
+    reached = np.flatnonzero(side * excess[1:] <= AT_LEVEL * float(np.ptp(excess)))
+    return float(trace.time[rows[1 + reached[0]]]) if reached.size else end
 
 
 def _cycles(step: Step, start: float, last: float) -> list[tuple[float, float]]:
