@@ -1,7 +1,7 @@
 """Where the residual vanishes as a function of the edge: the root it rises through, and the stable one ahead.
 
-The root is found by secants and parabolas through the last three trials, safeguarded by a bracket once there
-is one; the way of an unstable edge is looked over in equal ratios of the radius.
+The root is found by secant steps, safeguarded by a bracket once there is one; the way of an unstable edge is
+looked over in equal ratios of the radius.
 """
 
 from __future__ import annotations
@@ -83,7 +83,6 @@ def rising_root(
     negative: float | None = None  # largest x known with residual < 0
     positive: float | None = None  # smallest x known with residual > 0
     wide, measured = slope, 0.0  # over at least the accuracy
-    tangent, bend, earlier, x_before = slope, 0.0, None, guess
     x = min(max(guess, low), high)
     trial = evaluate(x)
     for iteration in range(_ITERATIONS):
@@ -105,8 +104,7 @@ def rising_root(
         near = abs(r) <= residual or right - left <= _ROUNDING * abs(x)
         if near and right - left <= accuracy:
             return RootSearchResult("converged", x, trial, measured)
-        step = _way_to_root(r, slope, tangent, bend) if slope > 0.0 else math.copysign(math.inf, -r)
-        new = min(max(x + step, left), right)
+        new = min(max(x - r / slope, left), right) if slope > 0.0 else (right if r < 0.0 else left)
         bracketed = negative is not None and positive is not None
         if not bracketed and (iteration > 0 or new == x) and abs(new - x) < accuracy:
             new = min(max(x - math.copysign(accuracy, r), left), right)
@@ -116,22 +114,11 @@ def rising_root(
             return RootSearchResult("converged", x, trial, measured)
         new_trial = evaluate(new)
         secant = (new_trial.residual - r) / (new - x)
-        far = abs(new - x) >= accuracy
-        bend = (secant - earlier) / (new - x_before) if far and earlier is not None else 0.0
-        slope, tangent = max(secant, 0.0), secant + bend * (new - x)
-        earlier, x_before = secant if far else None, x
-        if far:
+        slope = max(secant, 0.0)
+        if abs(new - x) >= accuracy:
             wide = measured = slope
         x, trial = new, new_trial
     raise FloatingPointError("the search for the edge did not converge")
-
-
-def _way_to_root(residual: float, slope: float, tangent: float, bend: float) -> float:
-    """Way to the root of the parabola through a residual, or of a straight line of a slope > 0."""
-    square = tangent**2 - 4.0 * bend * residual
-    if tangent <= 0.0 or square <= 0.0:
-        return -residual / slope
-    return -2.0 * residual / (tangent + math.sqrt(square))
 
 
 def first_stable(
