@@ -71,7 +71,7 @@ def solve(
         Times that are stepped onto and whose surface profile the trace holds; by default those of the
         built-in scene, if it is given by name.
     max_steps : int, optional
-        Bounds accepted and rejected steps together.
+        Bounds accepted and rejected steps together; by default in proportion to the forecast.
     progress : callable, optional
         Called with the share of the run that is done, 0 to 1.
 
@@ -112,6 +112,8 @@ def compare(
     solvers: Collection[str] | None = None,
     resolution: int | None = None,
     estimate_errors: bool = True,
+    *,
+    max_steps: int | None = None,
 ) -> SolverComparison:
     """Solve a scene by several solvers and compare each with the reference.
 
@@ -126,6 +128,8 @@ def compare(
     estimate_errors : bool
         Whether agreement is judged by error estimates, as ``crosscontact compare`` does, or by the
         tolerances of the scene alone.
+    max_steps : int, optional
+        As for :func:`solve`.
 
     Returns
     -------
@@ -134,9 +138,14 @@ def compare(
     case = _case(scene)
     if resolution is not None:
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
+    if max_steps is not None:
+        max_steps = whole_number(max_steps, "max_steps", 1)
     true_or_false(estimate_errors, "estimate_errors")
     names = registry.usable() if solvers is None else registry.chosen(solvers, "solvers")
-    by_solver = {name: runs.run(case, name, resolution, estimate=estimate_errors) for name in names}
+    by_solver = {
+        name: runs.run(case, name, resolution, estimate=estimate_errors, max_steps=max_steps)
+        for name in names
+    }
     results = {name: Result(case.scene, run) for name, run in by_solver.items() if run.trace is not None}
     failures = {name: run.failure for name, run in by_solver.items() if run.trace is None}
     return SolverComparison(case.scene, results, failures, tuple(check_case(case, by_solver)))

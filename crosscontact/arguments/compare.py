@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from crosscontact.arguments.shared_options import fresh_option, jobs_option
+from crosscontact.arguments.shared_options import fresh_option, jobs_option, max_steps_option
 from crosscontact.arguments.value_types import comma_separated
 
 
@@ -27,6 +27,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="these only, the reference among them; default: all",
     )
     command.add_argument("--out", metavar="DIR", help="write the report and every run there")
+    max_steps_option(command)
     jobs_option(command)
     fresh_option(command, replaces=True)
 
@@ -38,4 +39,6 @@ def carry_out(options: argparse.Namespace, jobs: int) -> int:
 
     if not options.solvers:
         registry.usable()  # names those that cannot be loaded
-    return compare.run(options.scenes, options.solvers, options.out, jobs, options.fresh)
+    return compare.run(
+        options.scenes, options.solvers, options.out, jobs, options.fresh, max_steps=options.max_steps
+    )

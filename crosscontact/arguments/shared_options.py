@@ -34,7 +34,8 @@ def max_steps_option(command: argparse.ArgumentParser) -> None:
         "--max-steps",
         type=count,
         metavar="N",
-        help="end the run after so many steps, accepted and rejected together; default: the solver's choice",
+        help="end a run after so many steps, accepted and rejected together; default: 200,000, or five times "
+        "as many as are expected",
     )
 
 

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from crosscontact.commands.failures import exit_code
+from crosscontact.commands.forecast import say_short_runs
 from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import load_taken
 from validation.compare.suite import all_pairs
@@ -21,7 +22,13 @@ from validation.solvers import SOLVERS
 
 
 def run(
-    names: Sequence[str], solvers: Sequence[str] | None, out: str | None, jobs: int, fresh: bool = False
+    names: Sequence[str],
+    solvers: Sequence[str] | None,
+    out: str | None,
+    jobs: int,
+    fresh: bool = False,
+    *,
+    max_steps: int | None = None,
 ) -> int:
     """Compare and print.
 
@@ -38,6 +45,8 @@ def run(
     fresh : bool
         Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
         replaced.
+    max_steps : int or None
+        Of every run, accepted and rejected together; ``None``: by its forecast.
 
     Returns
     -------
@@ -54,11 +63,12 @@ def run(
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, REPORT, loaded)
+    say_short_runs(max_steps, all_pairs(loaded, solvers))
     store = Store(folder, fresh)
     with telling_what_is_kept(folder, store):
         progress = Progress("compare")
         progress.phase("runs")
-        result = build("compare", loaded, jobs, progress, store=store, solvers=solvers)
+        result = build("compare", loaded, jobs, progress, store=store, solvers=solvers, max_steps=max_steps)
     refused = [scene for scene in result.scenes if all(run.refused for run in scene.runs.values())]
     for scene in refused:
         reason = next(iter(scene.runs.values())).failure

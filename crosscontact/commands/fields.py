@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import Counters, OutcomeKind, SceneError, write_scene
-from crosscontact.commands.forecast import announce, expected_cost, warn
+from crosscontact.commands.forecast import announce, cost_within, expected_cost, warn
 from crosscontact.commands.refusals import check_taken
 from validation import cases, solvers
 from validation.execution.checkpoints import CHECKPOINT, RecordedRunWriter
@@ -28,15 +28,12 @@ from validation.execution.store import FOLDER, Store
 from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import FigureSet
 from validation.fields.files import ParaViewSeries
-from validation.fields.request import FieldRequest, RecordedFields, check_times, record_fields
+from validation.fields.request import METHOD, FieldRequest, RecordedFields, check_times, record_fields
 from validation.solvers import Cost
-from validation.solvers.finite_elements import FiniteElements
 
 if TYPE_CHECKING:
     from fem_solver import FieldState
 
-METHOD = FiniteElements(following=False)
-"""Only finite elements know the body; their mesh stays where it is."""
 SECONDS_PER_MOMENT = 0.4
 """To compute and write the fields at one moment (s), on a mesh of some ten thousand nodes; measured."""
 SECONDS_PER_PICTURE = 1.0
@@ -59,7 +56,7 @@ class FieldsCommand:
     resolution : int or None
         Divisions per process zone; ``None``: the solver's choice.
     max_steps : int or None
-        Largest number of steps; ``None``: the solver's choice.
+        Largest number of steps; ``None``: by the forecast.
     fresh : bool
         Whether what an interrupted command left is ignored, and results of another scene or solver are
         replaced.
@@ -165,7 +162,7 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     if writer.message:
         print(f"crosscontact: {writer.message}", file=sys.stderr)
     warn(solvers.scene_warnings(scene))
-    cost = expected_cost(scene, METHOD, command.resolution)
+    cost = cost_within(command.max_steps, expected_cost(scene, METHOD, command.resolution))
     command.announce(cost)
     states: list[FieldState] = []  # to be drawn
     figures = command.figures

@@ -6,9 +6,10 @@ import sys
 from collections.abc import Iterable
 
 from contact_scene import Scene, SceneError
+from validation.cases import Case
 from validation.execution.files import in_words
 from validation.execution.progress import duration
-from validation.solvers import Cost, Solver
+from validation.solvers import SOLVERS, Cost, Solver
 from validation.solvers.cost import ESTIMATE_SHARE
 
 LONG = 10.0
@@ -23,6 +24,29 @@ def expected_cost(scene: Scene, method: Solver, resolution: int | None) -> Cost 
         return method.expected_cost(scene, resolution)
     except SceneError:
         return None
+
+
+def cost_within(max_steps: int | None, cost: Cost | None) -> Cost | None:
+    """What of a forecast the user's step budget lets happen; where that is not all, it is said on stderr."""
+    if cost is None or max_steps is None or max_steps >= cost.steps:
+        return cost
+    expected = f"{_about(cost.steps)} steps are expected: the run may end before its loading"
+    print(f"crosscontact: --max-steps {max_steps}: {expected}", file=sys.stderr)
+    return cost.within(max_steps)
+
+
+def say_short_runs(max_steps: int | None, pairs: Iterable[tuple[Case, str]]) -> None:
+    """Say on stderr how many runs, of scenes by solvers, are expected to exceed the user's step budget."""
+    if max_steps is None:
+        return
+    known = [(case, name, expected_cost(case.scene, SOLVERS[name], None)) for case, name in pairs]
+    costs = [(cost.steps, f"{case.name} by {name}") for case, name, cost in known if cost is not None]
+    over = [one for one in costs if one[0] > max_steps]
+    if over:
+        steps, longest = max(over)
+        problem = f"{len(over)} of {len(costs)} runs are expected to take more, up to {_about(steps)} steps"
+        words = f"{problem} ({longest}): they may end before their loading"
+        print(f"crosscontact: --max-steps {max_steps}: {words}", file=sys.stderr)
 
 
 def announce(cost: Cost | None, estimate: bool = False, more_seconds: float = 0.0, more: str = "") -> None:
@@ -44,9 +68,13 @@ def announce(cost: Cost | None, estimate: bool = False, more_seconds: float = 0.
     seconds = cost.seconds * (1.0 + ESTIMATE_SHARE * estimate) + more_seconds
     if seconds <= LONG and cost.bytes <= LARGE:
         return
-    parts = [f"about {cost.steps:.2g} steps", duration(seconds), f"{in_words(cost.bytes)} of memory"]
-    words = ", ".join([*parts, more] if more else parts).replace("e+0", "e")
-    print(f"crosscontact: expected: {words}", file=sys.stderr)
+    parts = [f"{_about(cost.steps)} steps", duration(seconds), f"{in_words(cost.bytes)} of memory"]
+    print(f"crosscontact: expected: {', '.join([*parts, more] if more else parts)}", file=sys.stderr)
+
+
+def _about(count: float) -> str:
+    """A count to two digits."""
+    return f"about {count:.2g}".replace("e+0", "e")
 
 
 def warn(warnings: Iterable[str]) -> None:

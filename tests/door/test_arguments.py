@@ -167,8 +167,8 @@ TABLE = {
     ),
     "builtin": ({"name": "cycle-v0.1"}, {}),
     "compare": (
-        {"scene": SCENE, "solvers": None, "resolution": 4, "estimate_errors": False},
-        {"solvers": OPTIONAL, "resolution": OPTIONAL, "estimate_errors": FLAG},
+        {"scene": SCENE, "solvers": None, "resolution": 4, "estimate_errors": False, "max_steps": 5},
+        {"solvers": OPTIONAL, "resolution": OPTIONAL, "estimate_errors": FLAG, "max_steps": OPTIONAL},
     ),
     "export_exam": (
         {"folder": "exam", "suite": "quick", "with_reference": False},

@@ -117,7 +117,7 @@ def test_what_adds_up():
     steps = 2.0 * 4.0 * 10.0 + 3.0 * 2.0 + cycles + 7.0 * 6.0
     step = 0.1 + 0.01 * 400.0
     assert forecast(model, work, 4, 20.0) == Cost(
-        steps, pytest.approx(11.0 + steps * step * 2.0 * 2.4), 30.0 + 3.0 * steps
+        steps, pytest.approx(11.0 + steps * step * 2.0 * 2.4), 30.0 + 3.0 * steps, 11.0, 30.0
     )
     free = replace(work, adhesive=False)
     found = forecast(model, free, 4, 20.0)

@@ -39,6 +39,7 @@ def compare_scenes(
     store: Store | None = None,
     further: Sequence[tuple[Case, str]] = (),
     solvers: Sequence[str] | None = None,
+    max_steps: int | None = None,
 ) -> tuple[list[SceneComparison], dict[tuple[str, str], Run]]:
     """Run every solver on every scene and check the runs.
 
@@ -57,6 +58,8 @@ def compare_scenes(
         Cases and solvers to be run at the same time, for other evidence.
     solvers : sequence of str or None
         Names; ``None``: all for which the scene does not take too long.
+    max_steps : int or None
+        Of every run; ``None``: by its forecast.
 
     Returns
     -------
@@ -68,7 +71,7 @@ def compare_scenes(
     estimated = [case.name for case in cases] if estimate else []
     try:
         with processes(min(workers, len(pairs))) as executor:
-            runs = run_all(pairs, executor, store, progress, estimated)
+            runs = run_all(pairs, executor, store, progress, estimated, max_steps)
     finally:
         progress.close()
     comparisons = []

@@ -174,7 +174,7 @@ def run_or_raise(
     stop_times : collection of float
         Further times that are stepped onto.
     max_steps : int or None
-        Largest number of steps, accepted and rejected together; ``None``: the solver's choice.
+        Largest number of steps, accepted and rejected together; ``None``: by the forecast.
     estimate_monitor : RunMonitor or None
         May stop the second run, from which errors are estimated; then there is no estimate.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 
 from validation import solvers
 from validation.cases import Case
@@ -14,18 +15,26 @@ from validation.execution.store import Store
 from validation.execution.tasks import Task, TaskResult, run_tasks
 
 
-def expected_seconds(case: Case, solver: str, resolution: int | None = None) -> float:
+def expected_seconds(
+    case: Case, solver: str, resolution: int | None = None, max_steps: int | None = None
+) -> float:
     """Rough run time (s), to start long runs first."""
     method = solvers.SOLVERS.get(solver)
-    return 1.0 if method is None else method.expected_cost(case.scene, resolution).seconds
+    return 1.0 if method is None else method.expected_cost(case.scene, resolution).within(max_steps).seconds
 
 
-def run_task(case: Case, solver: str, resolution: int | None = None, estimate: bool = False) -> Task:
+def run_task(
+    case: Case,
+    solver: str,
+    resolution: int | None = None,
+    estimate: bool = False,
+    max_steps: int | None = None,
+) -> Task:
     """A run as a task.
 
     Parameters
     ----------
-    case, solver, resolution, estimate
+    case, solver, resolution, estimate, max_steps
         As of :func:`run_or_raise`.
 
     Returns
@@ -33,12 +42,13 @@ def run_task(case: Case, solver: str, resolution: int | None = None, estimate: b
     Task
         To be carried out by :func:`~validation.execution.tasks.run_tasks`.
     """
+    asked = (case.scene, solver, resolution, case.profile_times, estimate, max_steps)
     return Task(
-        fingerprint("run", case.scene, solver, resolution, case.profile_times, estimate, *origin_of(solver)),
+        fingerprint("run", *asked, *origin_of(solver)),
         f"{case.name} {solver}",
-        run,
+        partial(run, max_steps=max_steps),
         (case, solver, resolution, None, estimate),
-        expected_seconds(case, solver, resolution),
+        expected_seconds(case, solver, resolution, max_steps),
     )
 
 
@@ -62,6 +72,7 @@ def run_all(
     store: Store | None = None,
     progress: Callable[[float, str], None] | None = None,
     estimated: Collection[str] = (),
+    max_steps: int | None = None,
 ) -> dict[tuple[str, str], Run]:
     """Run pairs of case and solver, here or through an executor.
 
@@ -72,12 +83,16 @@ def run_all(
         As of :func:`~validation.execution.tasks.run_tasks`.
     estimated : collection of str
         Names of the scenes whose errors are estimated.
+    max_steps : int or None
+        Of every run; ``None``: by its forecast.
 
     Returns
     -------
     dict of (str, str) to Run
         By scene and solver, in the order of ``pairs``.
     """
-    tasks = [run_task(case, solver, estimate=case.name in estimated) for case, solver in pairs]
+    tasks = [
+        run_task(case, solver, estimate=case.name in estimated, max_steps=max_steps) for case, solver in pairs
+    ]
     runs = map(run_of, run_tasks(tasks, executor, store, progress))
     return {(result.scene, result.solver): result for result in runs}

@@ -16,13 +16,15 @@ from typing import TYPE_CHECKING
 from contact_scene import Loading, RunMonitor, Scene, SceneError, Trace
 from validation.measure.observables import largest_tension
 from validation.measure.round_off import ROUND_OFF
-from validation.solvers.base import specified
+from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.fitted_meshes import mesh_for
 
 if TYPE_CHECKING:
     from fem_solver import FieldState, Recording
 
 Progress = Callable[[float], None]
+METHOD = FiniteElements(following=False)
+"""Only finite elements know the body; their mesh stays where it is."""
 PULL_OFF = "pull-off"
 
 
@@ -98,7 +100,7 @@ def record_fields(
         Divisions per process zone; default: the solver's choice.
     progress : callable(float), optional
     max_steps : int, optional
-        Largest number of steps, accepted and rejected together; default: the solver's choice.
+        Largest number of steps, accepted and rejected together; default: by the forecast.
     monitor : RunMonitor, optional
         May keep the run with its history, stop it, and have it continued. With separate bulk relaxation the
         history is not kept: then it may only stop the run.
@@ -123,7 +125,7 @@ def record_fields(
         record_times=request.times,
         record_every=request.every,
         record_pull_off=True,
-        **specified(max_steps=max_steps),
+        max_steps=METHOD.step_budget(scene, resolution) if max_steps is None else max_steps,
     )
     recording = record(scene, mesh, options, progress, monitor)
     picked = {}

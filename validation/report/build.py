@@ -24,6 +24,7 @@ def build(
     claims: bool = False,
     store: Store | None = None,
     solvers: Sequence[str] | None = None,
+    max_steps: int | None = None,
 ) -> Report:
     """Run solvers, by default all, on every scene and check the runs.
 
@@ -32,7 +33,7 @@ def build(
     suite : str
         Name, for the title.
     loaded : list of Case
-    workers, progress, estimate, store
+    workers, progress, estimate, store, max_steps
         As of :func:`~validation.compare.suite.compare_scenes`.
     claims : bool
         Whether the paper's statements are judged too, on these runs and those they need beside them; a run
@@ -48,7 +49,14 @@ def build(
     pairs = all_pairs(loaded, solvers)
     further = evidence.missing_runs(pairs) if claims else []
     pages, runs = compare_scenes(
-        loaded, workers, progress, estimate=estimate, store=store, further=further, solvers=solvers
+        loaded,
+        workers,
+        progress,
+        estimate=estimate,
+        store=store,
+        further=further,
+        solvers=solvers,
+        max_steps=max_steps,
     )
     judged = None
     if claims:

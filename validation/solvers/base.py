@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
@@ -37,7 +37,8 @@ class RunOptions:
     profile_times : tuple of float
         Times that are stepped onto exactly and give a surface profile each.
     max_steps : int, optional
-        Largest number of steps, accepted and rejected together; by default the solver's own.
+        Largest number of steps, accepted and rejected together; by default several times the forecast
+        (:meth:`Solver.step_budget`), so that no run that was announced ends for want of steps.
     progress : callable, optional
         Called with the share of the loading that is done, 0 to 1.
     monitor : RunMonitor, optional
@@ -188,7 +189,10 @@ class Solver(ABC):
             If no solver can compute the scene, or this one does not take it or an option.
         """
         self.check(scene, resolution)
-        return self._solve(scene, resolution, RunOptions(**options))
+        asked = RunOptions(**options)
+        if asked.max_steps is None:
+            asked = replace(asked, max_steps=self.step_budget(scene, resolution))
+        return self._solve(scene, resolution, asked)
 
     def check(self, scene: Scene, resolution: int | None = None) -> None:
         """Refuse a scene as :meth:`solve` does, as far as that is told without solving it.
@@ -264,6 +268,10 @@ class Solver(ABC):
         work = scene_work(scene)
         divisions = resolution or self.default_resolution(scene)
         return forecast(self.cost_model, work, divisions, self._unknowns(work, divisions))
+
+    def step_budget(self, scene: Scene, resolution: int | None = None) -> int:
+        """Most steps of a run for which the user states no number, in proportion to the forecast."""
+        return self.expected_cost(scene, resolution).step_budget
 
     def _unknowns(self, work: SceneWork, resolution: int) -> float:
         """What the time of a step grows with: points of the surface, by default of the whole contact."""

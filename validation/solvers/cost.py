@@ -16,14 +16,17 @@ solver takes for each, and what a step costs, is its :class:`CostModel`, measure
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from contact_scene.run_control import MAX_STEPS
 from validation.solvers.scene_work import SceneWork
 
 MOST_UNKNOWNS = 1e30
 """Bounds the powers of a number of unknowns that no run could have."""
 ESTIMATE_SHARE = 0.5
 """Time of the coarser run from which errors are estimated, relative to the run."""
+BUDGET_PER_FORECAST = 5.0
+"""Step budget over the forecast, which is within a factor of three and leaves rejected steps out."""
 
 
 @dataclass(frozen=True)
@@ -38,11 +41,29 @@ class Cost:
         Processor time (s) on the machine on which the constants were measured.
     bytes : float
         Largest memory that the run holds beside the program.
+    setup_seconds, setup_bytes : float
+        What of the two is spent before the first step.
     """
 
     steps: float
     seconds: float
     bytes: float
+    setup_seconds: float = 0.0
+    setup_bytes: float = 0.0
+
+    @property
+    def step_budget(self) -> int:
+        """Most steps of such a run, accepted and rejected together, where the user states no number."""
+        return max(MAX_STEPS, math.ceil(BUDGET_PER_FORECAST * self.steps))
+
+    def within(self, max_steps: int | None) -> Cost:
+        """What of it so many steps take; ``None``: all."""
+        if max_steps is None or max_steps >= self.steps:
+            return self
+        share = max_steps / self.steps
+        seconds = self.setup_seconds + share * (self.seconds - self.setup_seconds)
+        memory = self.setup_bytes + share * (self.bytes - self.setup_bytes)
+        return replace(self, steps=float(max_steps), seconds=seconds, bytes=memory)
 
 
 @dataclass(frozen=True)
@@ -140,4 +161,4 @@ def forecast(model: CostModel, work: SceneWork, resolution: int, unknowns: float
     if not work.adhesive:
         share *= model.share_of_adhesionless_step
     seconds = setup + steps * step * share
-    return Cost(steps, seconds, memory + steps * model.bytes_of_row)
+    return Cost(steps, seconds, memory + steps * model.bytes_of_row, setup, memory)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -65,6 +66,7 @@ class SceneWork:
     adhesive: bool
 
 
+@lru_cache(maxsize=64)
 def scene_work(scene: Scene) -> SceneWork:
     """Count what a scene asks; a scene that never touches asks nothing."""
     branches = len(scene.material.spectrum[0]) + len(getattr(scene.material.bulk, "branches", ()))

@@ -84,7 +84,8 @@ def forecast(plan: SweepPlan, table: RunTable) -> SweepForecast:
 
 def _modelled(plan: SweepPlan, scene: Scene, options: SweepOptions) -> float:
     case = Case("sweep", scene)
-    return expected_seconds(case, plan.solver, plan.resolution) * (1.0 + ESTIMATE_SHARE * options.estimate)
+    seconds = expected_seconds(case, plan.solver, plan.resolution, plan.max_steps)
+    return seconds * (1.0 + ESTIMATE_SHARE * options.estimate)
 
 
 def _bytes(plan: SweepPlan, runs: int) -> float:
@@ -92,6 +93,6 @@ def _bytes(plan: SweepPlan, runs: int) -> float:
     numbers = len(plan.measures or measure_names(scene)) * (2 if plan.estimate else 1)
     size = float(BYTES_OF_NUMBER * numbers * runs + FIGURES_BYTES * len(plan.drawn))
     if plan.traces:
-        steps = solvers.solver(plan.solver).expected_cost(scene, plan.resolution).steps
-        size += 8.0 * TRACE_COLUMNS * steps * runs
+        cost = solvers.solver(plan.solver).expected_cost(scene, plan.resolution).within(plan.max_steps)
+        size += 8.0 * TRACE_COLUMNS * cost.steps * runs
     return size

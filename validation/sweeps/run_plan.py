@@ -121,7 +121,9 @@ class _Batches:
             return self._seconds / self._done
         if self._forecast == 0.0:
             case = Case("sweep", self._plan.scene(self._runs[0][1]))
-            self._forecast = expected_seconds(case, self._plan.solver, self._plan.resolution)
+            self._forecast = expected_seconds(
+                case, self._plan.solver, self._plan.resolution, self._plan.max_steps
+            )
         return self._forecast
 
 
