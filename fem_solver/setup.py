@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene, SceneError, UnsupportedScene
+from contact_scene.memory import installed_memory
 from fem_solver.condensed import CondensedHistory
 from fem_solver.edge import AdhesionlessEdge, EdgeLaw
 from fem_solver.edge_geometry import SURFACE_MARGIN, EdgeGeometry, surface_margin
@@ -187,13 +187,11 @@ def _check(material: Moduli, options: Options) -> None:
 
 def _check_memory(mesh: Any, apart: bool) -> None:
     """Refuse a mesh too large for the memory of the machine, before anything is assembled."""
-    if not hasattr(os, "sysconf") or "SC_PHYS_PAGES" not in os.sysconf_names:
-        return
-    installed = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    installed = installed_memory()
     radii = mesh.points[0][mesh.points[1] == 0.0]
     intervals = int(np.count_nonzero(radii <= SURFACE_MARGIN * float(mesh.parameters.fine_to))) - 1
     needed = setup_memory(intervals, mesh.points.shape[1], apart)
-    if needed > installed:
+    if installed is not None and needed > installed:
         problem = f"takes about {1e-9 * needed:.3g} GB of memory, {1e-9 * installed:.3g} GB are installed"
         raise SceneError("mesh", problem, "a coarser mesh, or a contact of fewer process zones")
 

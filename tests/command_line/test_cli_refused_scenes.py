@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, StudiedSolver, named, small_scene, spring
 
@@ -148,6 +150,40 @@ def test_a_resolution_that_a_solver_does_not_take_is_one_line(capsys, tmp_path, 
     assert line.startswith(f"crosscontact: error: {file}: ")
     assert "allowed: " in line
     assert not list((tmp_path / "out").glob("*"))
+
+
+@pytest.mark.parametrize(
+    ("command", "gigabytes"), [("fields --at 0 --no-figures", 1.0), ("solve --solver fem", 0.15)]
+)
+def test_what_the_memory_does_not_hold_is_refused_before_a_mesh_is_made(
+    capsys, tmp_path, monkeypatch, command, gigabytes
+):
+    """With the finest resolution that it holds, which is taken; or it is said that there is none."""
+    file = tmp_path / "fine.toml"
+    file.write_text(SCENE.replace("0.013", "0.0013"))
+    name, *more = command.split()
+    given = [name, str(file), *more, "--out", str(tmp_path / "out")]
+    method = METHOD if name == "fields" else FiniteElements()
+
+    def no_mesh(*arguments):
+        raise AssertionError("a mesh is made")
+
+    for made in ("validation.fields.request.mesh_for", "validation.solvers.finite_elements.edge_meshes"):
+        monkeypatch.setattr(made, no_mesh)
+    page = os.sysconf("SC_PAGE_SIZE")
+    monkeypatch.setattr(os, "sysconf", lambda key: int(1e9 * gigabytes) // page if "PHYS" in key else page)
+    line = one_line(capsys, *given)
+    assert line.startswith(f"crosscontact: error: {file}: at resolution 10 it takes about ")
+    assert f"{gigabytes:.3g} GB are installed" in line
+    finest = int(line.split("at most ")[1])
+    scene = read_scene(file)
+    method.check(scene, finest)
+    with pytest.raises(SceneError, match=f"at resolution {2 * finest} "):
+        method.check(scene, 2 * finest)
+    gigabytes *= 0.2
+    assert one_line(capsys, *given).endswith(
+        "allowed: a longer process zone, a smaller contact, or another solver"
+    )
 
 
 def test_fields_are_told_what_their_own_mesh_costs():

@@ -6,12 +6,14 @@ import math
 from dataclasses import replace
 from itertools import product
 
+import numpy as np
 import pytest
 from support.table_rows import sampled
 
 from contact_scene import (
     Adhesion,
     Branch,
+    FlatPunch,
     Force,
     ForceRamp,
     Hold,
@@ -22,10 +24,12 @@ from contact_scene import (
     Scene,
     Sphere,
 )
+from fem_solver.setup_memory import setup_memory
 from validation.solvers import SOLVERS, Cost
 from validation.solvers.cost import CostModel, forecast
 from validation.solvers.cost_benchmark import SCENES
 from validation.solvers.finite_elements import FiniteElements
+from validation.solvers.fitted_meshes import mesh_for
 from validation.solvers.scene_work import scene_work
 
 ELASTIC = Material(0.75, 0.5)
@@ -155,6 +159,18 @@ def test_finite_elements_announce_gigabytes_where_the_mesh_cannot_follow_the_edg
     assert FiniteElements(path="quadrature").expected_cost(fine).bytes > 1e9
     assert SOLVERS["fem"].expected_cost(fine).bytes < 1e9
     assert SOLVERS["fem"].expected_cost(SCENES["one branch"]).bytes < 3e8
+
+
+@pytest.mark.parametrize("zone", [1e-2, 1e-5])
+def test_an_edge_that_rests_on_its_rim_takes_a_mesh_that_is_fine_there_alone(zone):
+    """The memory is that which the set-up works out from the mesh: 0.1 and 0.16 GB."""
+    loading = Loading("relaxed", 0.01, (Ramp(0.02, 0.01),))
+    punch = Scene(ELASTIC, FlatPunch(1.0), loading, Adhesion(1e-6, zone))
+    mesh = mesh_for(punch, None)
+    radii = mesh.points[0][mesh.points[1] == 0.0]
+    intervals = np.count_nonzero(radii <= 1.2 * mesh.parameters.fine_to)
+    needed = setup_memory(intervals, mesh.points.shape[1])
+    assert SOLVERS["fem"].expected_cost(punch).setup_bytes == pytest.approx(needed, rel=0.3)
 
 
 def test_a_real_run_takes_as_many_steps_as_forecast():

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any, ClassVar, Literal
 
 from contact_scene import Scene, SceneError, Trace
+from contact_scene.memory import installed_memory
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver
 from validation.solvers.contact_range import largest_contact_radius
 from validation.solvers.cost import Cost, CostModel, forecast
@@ -19,6 +20,7 @@ from validation.solvers.fitted_meshes import (
     divisions_of_zone,
     edge_mesh_parameters,
     edge_meshes,
+    finest_resolution,
     mesh_for,
     mesh_parameters,
     peels,
@@ -43,6 +45,11 @@ FOLLOWING_COST = CostModel(
     bytes_of_run=(2e7, 1.75e7),
 )
 """Where the mesh follows the edge; unknowns are the elements in a process zone, more where it is short."""
+ADVISED_SHARE = 0.9
+"""Memory of a resolution that is advised, over what is installed: the mesh may be a little larger than its
+forecast."""
+ZONES_AT_RIM = 4.0
+"""Process zones that the mesh resolves where the edge rests on the rim of a punch: two to either side."""
 FEW_HALVINGS = 8.0
 """Halvings of the contact radius down to the process zone above which the rest of the mesh counts."""
 VOLUME_COST = CostModel(
@@ -169,18 +176,33 @@ class FiniteElements(Solver):
         if follows:
             halvings = math.log2(max(work.radius_in_zones, 1.0))
             return forecast(FOLLOWING_COST, work, divisions, finer * max(halvings / FEW_HALVINGS, 1.0))
+        unknowns = self._unknowns(work, finer)
+        if math.isfinite(scene.indenter.edge) and not peels(scene):
+            outside = 2.0 / (self.grading or GRADING) * math.log(max(work.radius_in_zones, 1.0))
+            unknowns = self._unknowns(replace(work, radius_in_zones=ZONES_AT_RIM), finer) + outside
         model = VOLUME_COST if self.solves_volume(scene) else self.cost_model
-        return forecast(model, work, finer, self._unknowns(work, finer))
+        return forecast(model, work, finer, unknowns)
 
     def _unknowns(self, work: SceneWork, resolution: int) -> float:
         """Elements along the surface; without adhesion two divisions are one."""
         return super()._unknowns(work, resolution) * (1.0 if work.adhesive else 0.5)
 
     def check(self, scene: Scene, resolution: int | None = None) -> None:
-        """As of every solver; a mesh may be too large too."""
+        """As of every solver; a mesh may be too large too, of itself or for the memory of the machine."""
         super().check(scene, resolution)
         parameters = edge_mesh_parameters if self.follows_edge(scene) else mesh_parameters
         parameters(scene, resolution, self.grading, self.domain_ratio)
+        installed, divisions = installed_memory(), resolution or self.default_resolution(scene)
+        needed = self.expected_cost(scene, divisions).setup_bytes
+        if installed is None or needed <= installed:
+            return
+
+        def fits(coarser: int) -> bool:
+            return self.expected_cost(scene, coarser).setup_bytes <= ADVISED_SHARE * installed
+
+        there = f"{1e-9 * installed:.3g} GB are installed"
+        problem = f"at resolution {divisions} it takes about {1e-9 * needed:.3g} GB of memory, {there}"
+        raise SceneError("", problem, finest_resolution(fits, divisions))
 
     def load(self) -> None:
         """Import the solver and scikit-fem."""

@@ -182,13 +182,36 @@ def _fitted_or_refused(
 
 def _advice(fitted: Callable[[int], meshes.MeshParameters], refused: int) -> str:
     """The finest resolution below a refused one of which a mesh can be made, if a user may choose one."""
+
+    def possible(divisions: int) -> bool:
+        try:
+            fitted(divisions)
+        except ValueError:
+            return False
+        return True
+
+    return finest_resolution(possible, refused)
+
+
+def finest_resolution(possible: Callable[[int], bool], refused: int) -> str:
+    """What is allowed in place of a refused resolution, in words.
+
+    Parameters
+    ----------
+    possible : callable
+        Whether a run at a resolution is possible; whatever is coarser is so, too.
+    refused : int
+
+    Returns
+    -------
+    str
+    """
     low, high = LEAST_DIVISIONS - 1, max(refused, LEAST_DIVISIONS)
     while high - low > 1:
         middle = (low + high) // 2
-        try:
-            fitted(middle)
+        if possible(middle):
             low = middle
-        except ValueError:
+        else:
             high = middle
     if low < LEAST_DIVISIONS:
         return "a longer process zone, a smaller contact, or another solver"
