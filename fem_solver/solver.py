@@ -20,7 +20,7 @@ from contact_scene import (
 from contact_scene.machine import on_machine
 from contact_scene.run_control import kept_state, single_threaded
 from contact_scene.scene import zone_too_long
-from fem_solver.fields.history import HistoryLog, SurfaceLog, history_log
+from fem_solver.fields.history import HistoryLog, history_log
 from fem_solver.fields.kept_recording import RecordingMonitor
 from fem_solver.fields.recording import Recording
 from fem_solver.following.setup import FollowingSetup, set_up_following
@@ -87,8 +87,7 @@ def record(
 ) -> Recording:
     """As :func:`solve`, with the history where the options record it.
 
-    A run that is continued by ``monitor`` has its whole history where Poisson's ratio is constant, else the
-    history from there on.
+    A run that is continued by ``monitor`` has its whole history.
 
     Parameters
     ----------
@@ -115,7 +114,7 @@ def record(
         [] if options.records else None,
     )
     observer = _Observer(options, setup, recorder)
-    if monitor is not None and recorder.surfaces is not None and isinstance(observer.log, SurfaceLog):
+    if monitor is not None and recorder.surfaces is not None and observer.log is not None:
         monitor = RecordingMonitor(monitor, observer.log, recorder.surfaces, observer.states, observer.rows)
     run = NodeReleaseRun(
         setup=setup,

@@ -1,7 +1,7 @@
 """``crosscontact fields``: run, compute the fields in the body at the requested moments, write, sum up.
 
-An interrupted command leaves its run with the history (where Poisson's ratio is constant), files for ParaView
-and pictures; the same one goes on with them.
+An interrupted command leaves its run with the history, files for ParaView and
+pictures; the same one goes on with them.
 """
 
 from __future__ import annotations
@@ -156,8 +156,7 @@ def _into(folder: Path, command: FieldsCommand) -> int:
         check_unused(folder, scene, solver=METHOD.name)
     store = Store(folder, command.fresh)
     stop = GracefulStop()
-    kept = folder / CHECKPOINT if scene.material.bulk is None else None
-    writer = RecordedRunWriter(kept, command.key, lambda: stop.requested, command.fresh)
+    writer = RecordedRunWriter(folder / CHECKPOINT, command.key, lambda: stop.requested, command.fresh)
     stop.possible = lambda: writer.stepping
     if writer.message:
         print(f"crosscontact: {writer.message}", file=sys.stderr)

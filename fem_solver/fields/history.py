@@ -10,8 +10,7 @@ states are stored whole, and the dissipation density is summed at the quadrature
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +43,37 @@ class VolumeState:
 
 
 @dataclass
+class VolumeContent:
+    """What a :class:`VolumeLog` holds, serialisable.
+
+    Parameters
+    ----------
+    internal : QuadratureState
+        At the last row.
+    dissipated : ndarray, shape (branches, points), or float
+        As of :class:`VolumeState`, there; 0 before the first row.
+    rows : int
+        Number of rows.
+    stored : dict of int to VolumeState
+        By row.
+    largest_tension : (int, VolumeState) or None
+        Row and state.
+    lowest_force : float
+        There; infinite before the first row.
+    before : VolumeContent or None
+        Before the last row, if that may be taken back; ``stored`` is not kept in it.
+    """
+
+    internal: QuadratureState
+    dissipated: Array | float = 0.0
+    rows: int = 0
+    stored: dict[int, VolumeState] = field(default_factory=dict)
+    largest_tension: tuple[int, VolumeState] | None = None
+    lowest_force: float = np.inf
+    before: VolumeContent | None = None
+
+
+@dataclass
 class SurfaceLog:
     """Surface history of all rows: step lengths and surface vectors ``w`` (n,), in the order of the rows."""
 
@@ -54,6 +84,15 @@ class SurfaceLog:
     def rows(self) -> int:
         """Number of rows."""
         return len(self.steps)
+
+    @property
+    def content(self) -> list[tuple[float, Array]]:
+        """What it holds, serialisable."""
+        return self.steps
+
+    def restore(self, content: list[tuple[float, Array]]) -> None:
+        """Take up what a log of the same run held."""
+        self.steps = content
 
     def accept(self, dt: float, forces: Array) -> None:
         """One more row, which the history has accepted."""
@@ -84,59 +123,68 @@ class VolumeLog:
 
     def __init__(self, history: QuadratureHistory, options: Options) -> None:
         self.history = history
-        self.rows = 0
-        self.stored: dict[int, VolumeState] = {}
-        self.largest_tension: tuple[int, VolumeState] | None = None
+        self.content = VolumeContent(history.state)
         self._options = options
-        self._lowest_force = np.inf
-        self._internal = history.state
-        self._dissipated: Array | float = 0.0
-        self._before: tuple[Any, ...] | None = None
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return self.content.rows
+
+    @property
+    def largest_tension(self) -> tuple[int, VolumeState] | None:
+        """Row and state of the largest tension, where that is asked for."""
+        return self.content.largest_tension
 
     @property
     def incompressible(self) -> bool:
         """Whether there is no volume strain."""
         return self.history.bulk_modulus is None
 
+    def restore(self, content: VolumeContent) -> None:
+        """Take up what a log of the same run held."""
+        self.content = content
+
     def accept(self, dt: float, forces: Array) -> None:
         """One more row, which the history has accepted."""
-        before, after = self._internal, self.history.state
-        self._before = before, self._dissipated, self.largest_tension, self._lowest_force
+        content, options = self.content, self._options
+        before, after = content.internal, self.history.state
+        content.before = replace(content, stored={}, before=None)
         lost = [_loss(dt, before.shear, after.shear, shear_form)]
         if not self.incompressible:
             lost.append(_loss(dt, before.volume, after.volume, volume_form(self.history.space)))
-        state = VolumeState(after, np.concatenate(lost) + self._dissipated)
-        self._internal, self._dissipated = after, state.dissipated
-        force, options = float(forces.sum()), self._options
-        if options.record_pull_off and force <= self._lowest_force + _ROUND_OFF * abs(self._lowest_force):
-            self.largest_tension = self.rows, state
-            self._lowest_force = min(force, self._lowest_force)
-        if self.rows in options.record_rows or (
-            options.record_every and self.rows % options.record_every == 0
+        state = VolumeState(after, np.concatenate(lost) + content.dissipated)
+        content.internal, content.dissipated = after, state.dissipated
+        force, lowest = float(forces.sum()), content.lowest_force
+        if options.record_pull_off and force <= lowest + _ROUND_OFF * abs(lowest):
+            content.largest_tension = content.rows, state
+            content.lowest_force = min(force, lowest)
+        if content.rows in options.record_rows or (
+            options.record_every and content.rows % options.record_every == 0
         ):
-            self.stored[self.rows] = state
-        self.rows += 1
+            content.stored[content.rows] = state
+        content.rows += 1
 
     def drop_last(self) -> None:
         """The last row is taken back; once only until the next one."""
-        if self._before is None:
+        before, stored = self.content.before, self.content.stored
+        if before is None:
             return
-        self.rows -= 1
-        self.stored.pop(self.rows, None)
-        self._internal, self._dissipated, self.largest_tension, self._lowest_force = self._before
-        self._before = None
+        stored.pop(before.rows, None)
+        self.content = replace(before, stored=stored)
 
     def store(self, row: int) -> None:
         """Store the last row, whose number this is."""
-        self.stored[row] = VolumeState(self._internal, np.asarray(self._dissipated))
+        content = self.content
+        content.stored[row] = VolumeState(content.internal, np.asarray(content.dissipated))
 
     def __contains__(self, row: int) -> bool:
-        return row in self.stored or (self.largest_tension is not None and self.largest_tension[0] == row)
+        largest = self.largest_tension
+        return row in self.content.stored or (largest is not None and largest[0] == row)
 
     def __getitem__(self, row: int) -> VolumeState:
-        if self.largest_tension is not None and self.largest_tension[0] == row:
-            return self.largest_tension[1]
-        return self.stored[row]
+        largest = self.largest_tension
+        return largest[1] if largest is not None and largest[0] == row else self.content.stored[row]
 
 
 HistoryLog = SurfaceLog | VolumeLog

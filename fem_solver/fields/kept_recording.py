@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from contact_scene import KeptState, RunMonitor
 from fem_solver.condensed import CondensedState
-from fem_solver.fields.history import SurfaceLog
+from fem_solver.fields.history import HistoryLog, VolumeContent
 from fem_solver.quadrature_state import QuadratureState
 from fem_solver.recorder import SurfaceState
 
@@ -23,8 +23,8 @@ class RecordedContent:
     ----------
     run : object
         The run's own state.
-    steps : list of (float, ndarray)
-        As of :class:`~fem_solver.fields.history.SurfaceLog`.
+    log : list of (float, ndarray) or VolumeContent
+        As of :class:`~fem_solver.fields.history.SurfaceLog`, or what a ``VolumeLog`` holds.
     surfaces : list of SurfaceState
     states : dict of float to CondensedState or QuadratureState
     rows : dict of float to int
@@ -32,20 +32,20 @@ class RecordedContent:
     """
 
     run: Any
-    steps: list[tuple[float, NDArray[Any]]]
+    log: list[tuple[float, NDArray[Any]]] | VolumeContent
     surfaces: list[SurfaceState]
     states: dict[float, CondensedState | QuadratureState]
     rows: dict[float, int]
 
 
 class RecordingMonitor:
-    """Passes a run on to its monitor together with what is recorded of it, surface history only.
+    """Passes a run on to its monitor together with what is recorded of it.
 
     Parameters
     ----------
     monitor : RunMonitor
         Keeps and gives states whose content is a :class:`RecordedContent`.
-    log : SurfaceLog
+    log : SurfaceLog or VolumeLog
     surfaces : list of SurfaceState
     states : dict of float to CondensedState or QuadratureState
     rows : dict of float to int
@@ -55,7 +55,7 @@ class RecordingMonitor:
     def __init__(
         self,
         monitor: RunMonitor,
-        log: SurfaceLog,
+        log: HistoryLog,
         surfaces: list[SurfaceState],
         states: dict[float, CondensedState | QuadratureState],
         rows: dict[float, int],
@@ -68,7 +68,7 @@ class RecordingMonitor:
         if kept is None:
             return None
         content: RecordedContent = kept.content
-        self._log.steps.extend(content.steps)
+        self._log.restore(content.log)  # type: ignore[arg-type] # a run keeps what its own kind of log holds
         self._surfaces.extend(content.surfaces)
         self._states.update(content.states)
         self._rows.update(content.rows)
@@ -83,7 +83,7 @@ class RecordingMonitor:
 
         def with_recording() -> KeptState:
             kept = state()
-            recorded = self._log.steps, self._surfaces, self._states, self._rows
+            recorded = self._log.content, self._surfaces, self._states, self._rows
             return replace(kept, content=RecordedContent(kept.content, *recorded))
 
         return self._monitor.continue_run(with_recording)

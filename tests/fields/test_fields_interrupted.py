@@ -5,17 +5,20 @@ from __future__ import annotations
 import json
 import os
 import signal
+import tomllib
 
 import pytest
 from matplotlib.figure import Figure
+from numpy.testing import assert_array_equal
 from support.scene_text import DOWN_AND_UP
 
+from contact_scene import scene_from_dict
 from crosscontact.cli import main
 from crosscontact.commands import fields
-from validation.execution import checkpoints, store
+from validation.execution import checked_pickle, checkpoints, store
 from validation.fields import files
 from validation.fields.figures import figure_set
-from validation.fields.request import record_fields
+from validation.fields.request import FieldRequest, record_fields
 
 WORK = ("processor_seconds", "fields", "run")
 
@@ -112,15 +115,25 @@ def test_interrupted_in_the_run(scene_file, tmp_path, monkeypatch, capsys):
     assert not (tmp_path / "out").exists()
 
 
-def test_an_interrupted_run_goes_on_with_its_history(scene_file, tmp_path, monkeypatch, capsys):
-    given = ["fields", scene_file, "--at", "0", "0.09", "--resolution", "4", "--no-figures", "--out"]
+DOWN = DOWN_AND_UP.rpartition("[[loading.steps]]")[0].replace("zone = 0.03", "zone = 0.06")
+APART = DOWN.replace("time = 0.3 }]", 'time = 0.3 }]\nbulk = "elastic"')
+"""Pressed only, and coarsely: where bulk relaxes apart, every step solves for the whole body."""
+RUNS = {"on the surface": (DOWN_AND_UP, "0.09", 40), "in the body": (APART, "0.06", 10)}
+"""Where the history is: scene, last moment, steps before the interruption."""
+
+
+@pytest.mark.parametrize(("text", "last", "looks"), RUNS.values(), ids=RUNS)
+def test_an_interrupted_run_goes_on_with_its_history(tmp_path, monkeypatch, capsys, text, last, looks):
+    file = tmp_path / "scene.toml"
+    file.write_text(text, encoding="utf-8")
+    given = ["fields", str(file), "--at", "0", last, "--resolution", "4", "--no-figures", "--out"]
     once, twice = tmp_path / "once", tmp_path / "twice"
     assert main([*given, str(once)]) == 0
     with monkeypatch.context() as stopping:
-        looks, look = iter(range(40)), checkpoints.CheckpointWriter.continue_run
+        left, look = iter(range(looks)), checkpoints.CheckpointWriter.continue_run
 
         def stop_later(writer, state):
-            if next(looks, None) is None:
+            if next(left, None) is None:
                 os.kill(os.getpid(), signal.SIGINT)
             return look(writer, state)
 
@@ -132,6 +145,43 @@ def test_an_interrupted_run_goes_on_with_its_history(scene_file, tmp_path, monke
     assert "continuing the run saved in" in capsys.readouterr().err
     assert contents(twice) == contents(once)
     assert not (twice / "checkpoint").exists()
+
+
+class Keeping:
+    """A monitor that counts steps, stops the run after so many, and keeps its state there as in a file."""
+
+    def __init__(self, last=None, start_state=None):
+        self.last, self.start_state, self.kept, self.steps = last, start_state, b"", 0
+
+    def continue_set_up(self):
+        return True
+
+    def continue_run(self, state):
+        self.steps += 1
+        if self.steps == self.last:
+            self.kept = checked_pickle.dumps(state())
+        return self.steps != self.last
+
+
+def test_a_second_run_for_picked_rows_goes_on_without_the_first():
+    """Where bulk relaxes apart whole states are stored, of rows that only the trace of a first run tells."""
+    scene = scene_from_dict(tomllib.loads(APART))
+    asked = FieldRequest((0.06,), picked=lambda trace, scene: {len(trace) // 2: "half-way"})
+    whole = Keeping()
+    once = record_fields(scene, asked, 4, monitor=whole)
+    run = whole.steps // 2
+    for last in (run // 2, run + run // 2):
+        stopped = Keeping(last)
+        assert not record_fields(scene, asked, 4, monitor=stopped).recording.trace.outcome.finished
+        assert stopped.steps == last  # no second run of a first one that was stopped
+        taken_up = Keeping(start_state=checked_pickle.loads(stopped.kept))
+        again = record_fields(scene, asked, 4, monitor=taken_up)
+        assert taken_up.steps <= whole.steps - last + 1
+        assert again.moments == once.moments
+        assert "half-way" in again.moments.values()
+        for state, same in zip(again.states(), once.states(), strict=True):
+            assert_array_equal(state.stress, same.stress)
+            assert_array_equal(state.dissipated, same.dissipated)
 
 
 def test_another_scenes_fields_are_refused(scene_file, tmp_path, monkeypatch, recorded, capsys):
