@@ -29,6 +29,7 @@ from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import FigureSet
 from validation.fields.files import ParaViewSeries
 from validation.fields.request import METHOD, FieldRequest, RecordedFields, check_times, record_fields
+from validation.report.document import counted
 from validation.solvers import Cost
 
 if TYPE_CHECKING:
@@ -88,7 +89,8 @@ class FieldsCommand:
         pictures = frames + (0 if figures is None else moments * (len(figures.quantities) + figures.revolve))
         moments += round(steps / request.every) if request.every else 0
         seconds = SECONDS_PER_MOMENT * (moments + frames) + SECONDS_PER_PICTURE * pictures
-        files = f"{moments} moments of {MEGABYTES_PER_MOMENT:g} MB for ParaView, {pictures} pictures"
+        size = f"{MEGABYTES_PER_MOMENT:g} MB for ParaView"
+        files = f"{counted(moments, 'moment')} of {size}, {counted(pictures, 'picture')}"
         announce(cost, more_seconds=seconds, more=files)
 
 

@@ -12,13 +12,17 @@ from matplotlib.figure import Figure
 from numpy.testing import assert_array_equal
 from support.scene_text import DOWN_AND_UP
 
-from contact_scene import scene_from_dict
+from contact_scene import read_scene, scene_from_dict
 from crosscontact.cli import main
 from crosscontact.commands import fields
+from validation.cases import Case
 from validation.execution import checked_pickle, checkpoints, store
+from validation.execution.files import in_words
 from validation.fields import files
 from validation.fields.figures import figure_set
+from validation.fields.figures.figure_set import FigureSet
 from validation.fields.request import FieldRequest, record_fields
+from validation.solvers import Cost
 
 WORK = ("processor_seconds", "fields", "run")
 
@@ -72,6 +76,8 @@ def test_files_that_are_there_are_taken_over(scene_file, tmp_path, monkeypatch, 
     whole = capsys.readouterr().out
     moments = len(list((once / "body").iterdir()))
     assert moments >= 3
+    written = sum(path.stat().st_size for path in once.rglob("*.vt[up]"))
+    assert whole.splitlines()[-1] == f"for ParaView: {in_words(written)}"
     with monkeypatch.context() as stopped:
         interrupt_at(stopped, files, "save", 7)
         assert main([*given, "--out", str(twice)]) == 1
@@ -84,6 +90,29 @@ def test_files_that_are_there_are_taken_over(scene_file, tmp_path, monkeypatch, 
     assert contents(twice) == contents(once)
     table = [line for line in capsys.readouterr().out.splitlines() if line[:20].strip() == "-"]
     assert table == [line for line in whole.splitlines() if line[:20].strip() == "-"]
+
+
+SHORT = Cost(1000.0, 5.0, 1e6)
+ANNOUNCED = {
+    "14 s, 1.0 MB of memory, 23 moments of 2 MB for ParaView, 0 pictures": (
+        FieldRequest((0.0, 0.1), pull_off=True, every=50),
+        None,
+    ),
+    "49 s, 1.0 MB of memory, 1 moment of 2 MB for ParaView, 32 pictures": (
+        FieldRequest((0.0,)),
+        FigureSet(("von_mises", "stress_zz"), animate=True, frames=30),
+    ),
+    "": (FieldRequest((0.0,)), None),
+}
+
+
+@pytest.mark.parametrize("said", ANNOUNCED)
+def test_files_and_pictures_are_announced(scene_file, capsys, said):
+    """A moment takes 0.4 s, a picture a second; frames are no files for ParaView."""
+    case = Case("pressed", read_scene(scene_file))
+    fields.FieldsCommand(case, *ANNOUNCED[said], None, None, False).announce(SHORT)
+    expected = f"crosscontact: expected: about 1e3 steps, {said}\n" if said else ""
+    assert capsys.readouterr().err == expected
 
 
 def test_pictures_that_are_there_are_taken_over(scene_file, tmp_path, monkeypatch, recorded, capsys):

@@ -25,6 +25,10 @@ from contact_scene import (
     Sphere,
 )
 from fem_solver.setup_memory import setup_memory
+from validation.cases import load_all
+from validation.compare.suite import all_pairs
+from validation.execution.solver_tasks import expected_seconds
+from validation.scenes import suite
 from validation.solvers import SOLVERS, Cost
 from validation.solvers.cost import CostModel, forecast
 from validation.solvers.cost_benchmark import SCENES
@@ -196,6 +200,16 @@ def test_forecasts_hold_within_a_factor_of_three(name, label):
 def test_a_scene_beyond_all_bounds_has_a_forecast(name):
     endless = replace(SCENES["one branch"], adhesion=Adhesion(1e-60, 1e-60), indenter=Sphere(1e60))
     assert SOLVERS[name].expected_cost(endless).seconds > 0.5
+
+
+MOST_OF_QUICK = 95.0
+"""Processor seconds that the forecasts of the quick suite may add up to, error estimates left out: 86 as this
+was written, less than a minute on two cores."""
+
+
+def test_the_quick_suite_stays_quick():
+    pairs = all_pairs(load_all(suite("quick")))
+    assert sum(expected_seconds(case, solver) for case, solver in pairs) < MOST_OF_QUICK
 
 
 def test_short_zones_cost_no_more_steps():
