@@ -1,4 +1,4 @@
-"""Every two of indenter, load step, material, adhesion, command and option together (see ``scene_pairs``).
+"""Every two features of scenes, commands and options together (see ``scene_pairs``).
 
 By default with a stand-in for the solvers: what is tested is that every scene passes through every command
 with every option. Slow and exhaustive tests repeat the table with the solvers themselves.
@@ -7,16 +7,30 @@ with every option. Slow and exhaustive tests repeat the table with the solvers t
 from __future__ import annotations
 
 import dataclasses
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
-from support.scene_pairs import COMMANDS, SEPARATE, VALUES, Row, all_pairs, pairs_of, table
-from support.spring_solver import StudiedSolver, named, resumable, spring
+from support.scene_pairs import (
+    ADHESIONS,
+    COMMANDS,
+    MATERIALS,
+    PLAN,
+    SEPARATE,
+    VALUES,
+    Row,
+    all_pairs,
+    pairs_of,
+    table,
+)
+from support.spring_solver import SCENE, StudiedSolver, named, resumable, spring
 from support.table_rows import sampled
 
 import crosscontact as cc
-from contact_scene import read_scene
+from contact_scene import SceneError, read_scene, scene_from_dict
 from contact_scene.load_steps import STEPS
+from contact_scene.material_models import MODELS
 from contact_scene.scenefile import _SHAPES
 from crosscontact import registry
 from crosscontact.cli import main
@@ -26,8 +40,10 @@ from validation.execution import checkpoints, tasks
 from validation.fields import files
 from validation.report import pictures
 from validation.studies import schemes
+from validation.sweeps import batch
 
 TABLE = table()
+OF_MANY_RUNS = [row for row in TABLE if row.command in ("compare", "study", "sweep")]
 SOLVED = [row for row in TABLE if row.command.startswith("solve") or row.command == "python"]
 
 
@@ -36,8 +52,23 @@ def test_the_table_holds_every_pair():
     assert held == all_pairs()
     assert set(VALUES[0]) == set(_SHAPES)
     assert set(VALUES[1]) == set(STEPS)
-    assert len(TABLE) < 70
+    assert len(TABLE) < 85
     assert all(row.option in COMMANDS[row.command] for row in TABLE)
+
+
+def known(section: str, **entries: str) -> set[str]:
+    """The keys that a section of a scene file may have, as told where one is unknown."""
+    with pytest.raises(SceneError, match="unknown key") as told:
+        scene_from_dict({**tomllib.loads(SCENE), section: {**entries, "unknown": 1}})
+    return set(told.value.allowed.split(", "))
+
+
+def test_the_table_holds_every_key_of_materials_and_adhesion():
+    held = [tomllib.loads(text) for text in MATERIALS.values()]
+    models = ({}, *({"model": name} for name in MODELS))
+    assert {"poisson"}.union(*held) == set().union(*(known("material", **model) for model in models))
+    assert {"prony", *MODELS} == {entry.get("model", "prony") for entry in held}
+    assert set().union(*map(tomllib.loads, ADHESIONS.values())) == known("adhesion")
 
 
 @pytest.fixture
@@ -70,7 +101,7 @@ def interrupted(row: Row, monkeypatch: pytest.MonkeyPatch) -> None:
 
         monkeypatch.setattr(checkpoints.CheckpointWriter, "continue_run", stop_later)
         return
-    owner, name = (files, "save") if row.command == "fields" else (tasks, "execute")
+    owner, name = {"fields": (files, "save"), "sweep": (batch, "run")}.get(row.command, (tasks, "execute"))
     calls, function = iter(range(1)), getattr(owner, name)
 
     def stop_at_the_second(*given):
@@ -89,12 +120,12 @@ def numbers(folder) -> dict[str, bytes]:
 
 def arguments(row: Row, scene: str, out: str) -> list[str]:
     command, _, solver = row.command.partition(" ")
-    given = [command, scene]
+    given = [command, str(Path(scene).with_name(PLAN)) if command == "sweep" else scene]
     if command == "solve":
         given += ["--solver", solver, "--resolution", "4"]
     if command == "fields":
         given += ["--at", "0", "0.2", "--resolution", "4", "--no-figures"]
-    if command in ("compare", "study"):
+    if command in ("compare", "study", "sweep"):
         given += ["--jobs", "1"]
     if command == "compare":  # the finite elements take longest, and have rows of their own
         given += ["--solvers", f"{'fem' if row.material in SEPARATE else 'bem'},reference"]
@@ -154,7 +185,9 @@ def test_every_scene_passes_through_the_door(row, tmp_path, capsys):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("_stand_ins", "quick_pictures")
-@pytest.mark.parametrize("row", [row for row in TABLE if row.command in ("compare", "study")], ids=str)
+@pytest.mark.parametrize(
+    "row", [row for row in TABLE if row.command in ("compare", "study", "sweep")], ids=str
+)
 def test_every_scene_passes_through_the_commands_of_many_runs(row, tmp_path, capsys):
     assert carried_out(row, tmp_path, capsys) in (0, 1)
 
@@ -174,5 +207,5 @@ def test_every_scene_is_solved(row, tmp_path, capsys):
     if row.command == "python":
         assert same_in_python(row, tmp_path)
         return
-    allowed = (2,) if is_refused(row) else (0, 1) if row.command == "compare" else (0,)
+    allowed = (2,) if is_refused(row) else (0, 1) if row.command in ("compare", "sweep") else (0,)
     assert carried_out(row, tmp_path, capsys) in allowed

@@ -1,7 +1,8 @@
 """Scenes and commands in which every two of their features meet at least once: a table of pairs.
 
-Every indenter, step kind, material form, adhesion and step before with each other, with every command and
-with every option that keeps or resumes. The full product has thousands of rows; the table has some sixty.
+Every indenter, step kind, material form, law of adhesion, machine and step before with each other, with every
+command and with every option that keeps or resumes. The full product has tens of thousands of rows; the table
+has some eighty.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ INDENTERS = {
     "sphere": "radius = 1e-3",
     "cone": "half_angle = 89.0",
     "flat-punch": "radius = 4e-5",
-    "power-law": "exponent = 4.0\ncoefficient = 1e9",
+    "power-law": "exponent = 4.0\ncoefficient = 1e11",
     "profile": 'file = "tip.csv"',
 }
 STEPS = {
@@ -26,16 +27,30 @@ STEPS = {
     "sweep": "amplitude = 5e-8\nchirp = 6.283185307179586\nduration = 1.0",
     "table": 'file = "path.csv"',
 }
+RUBBER = "modulus = 1e6\nbranches = [{ modulus = 3e6, time = 0.3 }]"
 MATERIALS = {
-    "elastic": "",
-    "branches": "branches = [{ modulus = 3e6, time = 0.3 }]",
+    "elastic": "modulus = 1e6",
+    "branches": RUBBER,
     "file": 'file = "prony.csv"\nformat = "pyvisco"',
-    "elastic-bulk": 'branches = [{ modulus = 3e6, time = 0.3 }]\nbulk = "elastic"',
-    "bulk": "branches = [{ modulus = 3e6, time = 0.3 }]\n"
-    "bulk = { modulus = 1e6, branches = [{ modulus = 1e6, time = 1.0 }] }",
+    "standard-linear": 'model = "standard-linear"\nrelaxed = 1e6\nglassy = 4e6\ntime = 0.3',
+    "power-law-solid": 'model = "power-law"\nexponent = 0.3\nmodulus = 2e6\ntime = 0.3\nrange = [0.03, 3.0]\n'
+    "error = 1e-2\nrelaxed = 1e6",
+    "temperature": f"{RUBBER}\ntemperature = 305.0\n"
+    'shift = { model = "Arrhenius", activation_energy = 5e4, reference_temperature = 300.0 }',
+    "elastic-bulk": f'{RUBBER}\nbulk = "elastic"',
+    "bulk": f"{RUBBER}\nbulk = {{ modulus = 1e6, branches = [{{ modulus = 1e6, time = 1.0 }}] }}",
 }
-ADHESIONS = {"none": "", "adhesive": "[adhesion]\nwork = 1e-3\nzone = 3e-6\n"}
-BEFORE = {"nothing": "", "level": '[[loading.steps]]\nkind = "hold"\nduration = 0.1\nuntil_force = 1.0\n'}
+"""All keys of a material but Poisson's ratio."""
+ADHESIONS = {
+    "none": "",
+    "adhesive": "work = 1e-3\nzone = 3e-6",
+    "hysteresis": "work = 1e-3\nwork_closing = 5e-4\nzone = 3e-6",
+    "rate": "work = 1e-3\nzone = 3e-6\nrate = { speed = 1e-5, exponent = 0.5 }",
+    "stress": "work = 1e-3\nstress = 1.8e4",
+}
+MACHINES = {"rigid": "", "spring": "[machine]\nstiffness = 200.0\n"}
+LEVEL = '[[loading.steps]]\nkind = "ramp"\nto = 3e-6\nrate = 1e-6\nuntil_force = 1e-4\n'
+BEFORE = {"nothing": "", "level": LEVEL}
 """What comes before the load step; when a step that waits for a level ends is known only after the run."""
 COMMANDS = {
     "solve bem": ("plain", "out", "fresh", "resume", "plot", "estimate"),
@@ -44,6 +59,7 @@ COMMANDS = {
     "compare": ("plain", "out", "fresh", "resume"),
     "study": ("plain", "out", "fresh", "resume"),
     "fields": ("out", "fresh", "resume"),
+    "sweep": ("out", "fresh", "resume"),
     "python": ("plain", "out", "plot", "estimate"),
 }
 """Commands that take a scene, and which of the options each has."""
@@ -60,6 +76,7 @@ class Row:
     step: str
     material: str
     adhesion: str
+    machine: str
     before: str
     command: str
     option: str
@@ -73,19 +90,26 @@ class Row:
         (folder / "path.csv").write_text("time,penetration\n0,1e-6\n0.5,1.1e-6\n1,1.05e-6\n")
         (folder / "prony.csv").write_text(PRONY)
         file = folder / "scene.toml"
-        modulus = "" if self.material == "file" else "modulus = 1e6\n"
+        law = ADHESIONS[self.adhesion]
+        adhesion = f"[adhesion]\n{law}\n" if law else ""
         file.write_text(
-            f"[material]\n{modulus}poisson = 0.4\n{MATERIALS[self.material]}\n"
-            f'[indenter]\nshape = "{self.indenter}"\n{INDENTERS[self.indenter]}\n{ADHESIONS[self.adhesion]}'
-            f'[loading]\nstart = "relaxed"\npenetration = 1e-6\n{BEFORE[self.before]}'
+            f"[material]\npoisson = 0.4\n{MATERIALS[self.material]}\n"
+            f'[indenter]\nshape = "{self.indenter}"\n{INDENTERS[self.indenter]}\n{adhesion}'
+            f'{MACHINES[self.machine]}[loading]\nstart = "relaxed"\npenetration = 1e-6\n{BEFORE[self.before]}'
             f'[[loading.steps]]\nkind = "{self.step}"\n{STEPS[self.step]}\n'
+        )
+        solver = "fem" if self.material in SEPARATE else "reference"
+        (folder / PLAN).write_text(
+            f'scene = "scene.toml"\nsolver = "{solver}"\nresolution = 4\nestimate = false\n'
+            '[[coordinates]]\nkey = "loading.penetration"\nvalues = [1e-6, 1.2e-6]\n'
         )
         return file
 
 
+PLAN = "plan.toml"
 PRONY = "i,tau_i,alpha_i,E_0,E_i\n-,s,-,Pa,Pa\n1,0.3,0.75,4e6,3e6\n"
-VALUES = (*map(tuple, (INDENTERS, STEPS, MATERIALS, ADHESIONS, BEFORE, COMMANDS)), OPTIONS)
-COMMAND, OPTION = 5, 6
+VALUES = (*map(tuple, (INDENTERS, STEPS, MATERIALS, ADHESIONS, MACHINES, BEFORE, COMMANDS)), OPTIONS)
+COMMAND, OPTION = 6, 7
 Pair = tuple[int, str, int, str]
 """Two features: column and name of each."""
 
