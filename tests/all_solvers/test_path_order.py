@@ -1,0 +1,81 @@
+"""Order of the path of the edge in a step over many process zones: error of its moments against step length.
+
+The edge is known, ``a = 1 + exp(-t)``; each solver is given rows on it, as its run keeps them, and the end of
+the next step. Faults: ``support/faults/path_order.py``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.faults.injection import missing, seeded
+from support.faults.path_order import FAULTS
+
+from bem_solver.bent_path import BentPath
+from fem_solver.following.path import EdgePolynomial
+from fem_solver.following.state import FollowingState
+from validation.reference.tracking import edge_path
+from validation.reference.tracking.step_history import RADIUS, StepHistory
+
+ORDER = {"bem": 4, "fem": 4, "reference": 5}
+"""Rows that the path goes through, the end of the step among them."""
+STEPS = 0.2, 0.1
+MOST = 1e-4
+"""Error of a moment, in steps, at the shorter step."""
+SHARES = np.linspace(0.1, 0.9, 9)
+EARLIER = 5
+"""Rows before the step: more than any solver keeps."""
+
+
+def edge(time):
+    return 1.0 + np.exp(-time)
+
+
+def by_boundary_elements(h, radii):
+    rows = [(n * h, float(edge(-n * h))) for n in (1, 2)]
+    return 1.0 - BentPath.through(rows, float(edge(0.0)), h, float(edge(h))).left(radii)
+
+
+def by_finite_elements(h, radii):
+    none = np.zeros(0)
+    state = FollowingState(None, none, np.zeros((0, 0)), none, radius=float(edge(-EARLIER * h)))
+    for n in range(EARLIER - 1, -1, -1):
+        state = replace(state, radius=float(edge(-n * h)), before=state.rows_and_this(h))
+    return EdgePolynomial.through(state.radius, float(edge(h)), h, state.before).passed(radii)
+
+
+def by_front_tracking(h, radii):
+    history = StepHistory()
+    for n in range(EARLIER, -1, -1):
+        history.add((-n * h, float(edge(-n * h)), 0.0, 0.0))
+    rows = history.extrapolation(RADIUS)
+    return edge_path.path_family(rows, h, float(edge(0.0))).polynomial(float(edge(h))).passing(radii)
+
+
+MOMENTS = {"bem": by_boundary_elements, "fem": by_finite_elements, "reference": by_front_tracking}
+
+
+def has_its_order(solver):
+    """Whether moments converge at the order of the solver's path, from above and below, and are close."""
+    long, short = (h * np.abs(MOMENTS[solver](h, edge(h * SHARES)) - SHARES).max() for h in STEPS)
+    order = math.log2(long / short)
+    return abs(order - ORDER[solver]) < 0.3 and short < MOST * STEPS[1]
+
+
+@pytest.mark.parametrize("solver", MOMENTS)
+def test_the_path_has_its_order(solver):
+    assert has_its_order(solver)
+
+
+def test_every_fault_has_its_function():
+    assert missing(FAULTS) == []
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.key)
+def test_a_fault_shows(fault):
+    with seeded(fault) as calls:
+        assert not has_its_order(fault.solver)
+    assert calls.count > 0
