@@ -12,6 +12,8 @@ from bem_solver.nodal_variables import NodalVariables
 from bem_solver.surface_points import load_inside
 
 FAULTS, fault = registry("bem", "bem_solver")
+SHORT = ("pdms-retraction-100nm",)
+"""Where steps pass over many process zones."""
 
 
 @fault("the half of the closure dropped", "closure:ClosureRule.integral")
@@ -225,3 +227,21 @@ def _(true):
 @fault("closure over a zone 1 % too short", "trial:_zone", ("cone-pull",))
 def _(true):
     return lambda *given: 0.99 * true(*given)
+
+
+@fault("points of a step over zones released a tenth too early", "bent_path:BentPath.left", SHORT)
+def _(true):
+    return lambda path, radius: 1.1 * true(path, radius)
+
+
+@fault("path of a step over zones straight", "bent_path:BentPath.through", SHORT)
+def _(true):
+    return lambda cls, rows, edge, duration, end, of_travel=False: cls.straight(edge, end)
+
+
+@fault("wake of earlier steps over zones recovers half as fast", "surface_points:free", SHORT)
+def _(true):
+    def free(chain, points, motion, new_load):
+        return true(chain, points, replace(motion, duration=0.5 * motion.duration), new_load)
+
+    return free

@@ -10,6 +10,8 @@ from support.faults.injection import registry
 from fem_solver.prony import Increment, Prony
 
 FAULTS, fault = registry("fem", "fem_solver")
+SHORT = ("pdms-retraction-100nm",)
+"""Where the mesh follows the edge and steps pass over many process zones."""
 
 
 @fault("the half of the closure dropped", "release:ContactProblem.closure")
@@ -243,3 +245,17 @@ def _(true):
 @fault("branches dissipate 2 % too much", "prony:Prony.loss_weights", ("adhesionless-cycle",))
 def _(true):
     return lambda *given: 1.02 * true(*given)
+
+
+@fault("nodes of a step over zones released too early", "following.path:EdgePolynomial.passed", SHORT)
+def _(true):
+    return lambda self, radii: true(self, radii) ** 1.2
+
+
+@fault(
+    "wake of earlier steps over zones recovers half as fast",
+    "following.components:Components.recovered",
+    SHORT,
+)
+def _(true):
+    return lambda self, branches, time: true(self, branches, 0.5 * time)

@@ -10,6 +10,8 @@ from support.faults.injection import registry
 from validation.reference.tracking.abel import PowerTransform
 
 FAULTS, fault = registry("reference", "validation.reference.tracking")
+SHORT = ("pdms-retraction-100nm",)
+"""Where steps pass over many process zones."""
 
 
 @fault("the half of the closure dropped", "closure:closure_integral")
@@ -158,3 +160,22 @@ def _(true):
 @fault("the interface takes up 1 % more", "interface_work:taken_at", ("rated-edge-si",))
 def _(true):
     return lambda *given: 1.01 * true(*given)
+
+
+@fault("points of a step over zones released at its end", "edge_path:PolynomialPath.passing", SHORT)
+def _(true):
+    return lambda self, x: np.ones_like(x)
+
+
+@fault("points of a step over zones released 1 % too early", "edge_path:PolynomialPath.passing", SHORT)
+def _(true):
+    return lambda self, x: 0.99 * true(self, x)
+
+
+@fault("wake of earlier steps over zones recovers half as fast", "surface_step:field_update", SHORT)
+def _(true):
+    def update(*given):
+        found = true(*given)
+        return replace(found, recovery=found.recovery**0.5)
+
+    return update
