@@ -119,6 +119,19 @@ def test_any_other_contact_ends_in_a_point(solver, name):
 
 
 @every_solver
+@pytest.mark.parametrize(
+    "indenter", [Sphere(5e-6), slow(Cone(60.0)), slow(FlatPunch(1e-6))], ids=lambda one: one.shape
+)
+def test_a_contact_that_comes_back_to_the_surface_exactly_is_over(solver, indenter):
+    """Front tracking stood on a radius of rounding, or on a face without force, and went on with it."""
+    there_and_back = Ramp(5e-7, 5e-6), Ramp(0.0, 5e-6), Ramp(1e-6, 5e-6), Ramp(-5e-7, 5e-6)
+    trace = solver.solve(scene(indenter, *there_and_back, start=5e-8, material=Material(1e5, 0.45)))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == pytest.approx(0.19, rel=1e-6)
+    assert abs(trace.force[-1]) < (1e-5 if solver.name == "fem" else 1e-9) * trace.force.max()
+
+
+@every_solver
 def test_a_force_that_lowers_an_indenter_does_no_work_on_the_way(solver):
     """It is as if the indenter had touched from the start."""
     above, touching = (solver.solve(scene(BALL, Force(1e-3, 0.2), start=start)) for start in (-1e-4, 0.0))

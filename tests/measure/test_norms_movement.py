@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -29,7 +30,7 @@ from validation.measure.norms import (
     parting_time,
 )
 from validation.measure.row_interpolation import POINTS, WEIGHTS, RowCurve, column_curve
-from validation.measure.windows import windows
+from validation.measure.windows import corners, windows
 
 
 def run(time, force, radius=None, penetration=None) -> Trace:
@@ -193,6 +194,17 @@ def test_the_state_in_which_a_load_step_begins_is_that_of_the_run():
     assert windows(loading, base) == pytest.approx(np.array(spans))
 
 
+def test_a_load_step_that_ends_at_a_level_does_so_where_the_run_reaches_it():
+    """Cycles after it have windows of their own; a level that is not reached ends with the ramp."""
+    steps = Ramp(1.0, 0.1, until_force=4.0), Hold(1.0), Oscillate(0.1, 2.0 * np.pi, 2.0)
+    base = run([0.0, 1.0, 2.0, 3.0, 5.0], [0.0, 1.0, 4.0, 3.5, 3.0], penetration=[0.0, 0.1, 0.2, 0.2, 0.2])
+    spans = [(0.0, 5.0), (0.0, 2.0), (2.0, 3.0), (3.0, 5.0), (3.0, 4.0), (4.0, 5.0)]
+    assert windows(Loading("relaxed", 0.0, steps), base) == pytest.approx(np.array(spans))
+    assert corners(Loading("relaxed", 0.0, steps), base) == pytest.approx([0.0, 2.0, 3.0, 5.0])
+    never = Loading("relaxed", 0.0, (replace(steps[0], until_force=9.0), *steps[1:]))
+    assert windows(never, base) == pytest.approx(np.array([(0.0, 5.0), (0.0, 5.0)]))
+
+
 def test_a_curve_turns_where_a_load_step_begins_even_if_the_rows_before_are_sparse():
     """A hold in long steps, then a ramp in short ones: their ratio hides the corner."""
 
@@ -206,6 +218,20 @@ def test_a_curve_turns_where_a_load_step_begins_even_if_the_rows_before_are_spar
     spans = np.array([[0.0, end], [end, 10.08]])
     moved = movement_distance(run(sparse, force(sparse)), run(dense, force(dense)), spans)
     assert moved.rms < 1e-5
+
+
+def test_curves_have_corners_where_load_steps_end():
+    """A ramp, then a swing three times as steep: too little to be told from a bend."""
+
+    def force(t):
+        return np.where(t < 0.5, t, 0.5 + 0.03 * np.sin(100.0 * (t - 0.5)))
+
+    before, after = np.linspace(0.0, 0.5, 6), 0.5 + 0.005 * np.arange(1, 101)
+    rows, dense = np.concatenate([before, after]), np.linspace(0.0, 1.0, 4001)
+    one, two = run(rows, force(rows)), run(dense, force(dense))
+    spans = np.array([[0.0, 1.0], [0.0, 0.5], [0.5, 1.0]])
+    assert distance(one, two, spans=spans).rms < 4e-4 < 4e-3 < distance(one, two).rms
+    assert interpolation_error(one, "force", spans) < 3e-4 < 4e-3 < interpolation_error(one, "force")
 
 
 def test_a_jump_at_times_that_rounding_holds_apart_is_one():

@@ -11,6 +11,7 @@ from contact_scene import (
     Counters,
     Event,
     Force,
+    ForceRamp,
     Hold,
     Loading,
     Oscillate,
@@ -164,6 +165,16 @@ def test_rows_at_nearly_one_time_make_no_crest_of_a_bump():
     time = [0.0, 1.0, 1.0 + 1e-12, 2.0, 2.0 + 1e-12, 3.0, 4.0]
     depth = [0.0, 1.0, 1.0 + 1e-9, 1.0 - 1e-9, 1.0 - 2e-9, 3.0, 0.0]
     assert end_of_approach(trace(time, depth, time)) == 5
+
+
+@pytest.mark.parametrize("late", [0.0, 0.1])
+def test_a_contact_that_creeps_on_after_its_force_has_turned_ends_its_approach_at_a_smooth_crest(late):
+    t = np.linspace(0.0, 2.0, 201)
+    found = trace(t, 1.0 - np.abs(t - 1.0 - late), np.ones_like(t))
+    force = Loading("jump-in", 0.0, (ForceRamp(1.0, 1.0), ForceRamp(0.0, 1.0)))
+    for name in ("approach_force", "approach_radius", "approach_time"):
+        assert is_located(name, found, force) is (late == 0.0)
+    assert is_located("approach_penetration", found, force)
 
 
 @pytest.mark.parametrize(("rate", "located"), [(1.0, True), (20.0, False)])

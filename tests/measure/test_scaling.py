@@ -37,8 +37,16 @@ def test_work_that_nearly_cancels_is_not_divided_by_itself():
     assert Magnitudes.of_measures({"loop_energy": -2e-9}).scale("loop_energy", -2e-9) == 2e-9
 
 
+def test_the_zero_of_a_stage_is_a_matter_of_choice():
+    pulled = dataclasses.replace(RUN, extra={"stage": np.array([0.0, 0.05, -0.08])})
+    assert scale("stage_at_detachment", 1e-9, pulled) == pytest.approx(0.08)
+    assert scale("stage_at_detachment", 1e-9, RUN) == pytest.approx(0.03)
+    assert Magnitudes.of_measures({"approach_penetration": 0.03}).scale("stage_at_detachment", 1e-9) == 0.03
+
+
 def test_names_of_columns():
     assert column_of("approach_radius") == "contact_radius"
+    assert column_of("stage_at_detachment") == "stage"
     assert column_of("zone_excess") == column_of("dissipated_energy") == ""
 
 

@@ -124,7 +124,7 @@ def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
         note = disagreement(difference, tolerance, *estimates)
         if note and measured is not None:
             most = agreement_limit(tolerance, *estimates)
-            parted = _parting(result, trace, column_of(name) or "external_work", most)
+            parted = _parting(result, trace, column_of(name), most)
             note = ", ".join(filter(None, (note, parted)))
         checks.append(
             Check(
@@ -207,7 +207,11 @@ def _curves(case: Case, result: Run, trace: Trace, base: Run, base_trace: Trace)
 
 
 def _parting(result: Run, base: Trace, column: str, limit: float) -> str:
-    """When the curves part by more than the limit, in words; empty if they never do."""
+    """When the curves part by more than the limit, in words; empty if they never do.
+
+    The external work stands for what is no column of the run.
+    """
+    column = column if column in base.columns() else "external_work"
     parted = None if result.trace is None else parting_time(result.trace, base, limit, column)
     return "" if parted is None else f"parts at t = {parted:.4g}"
 
