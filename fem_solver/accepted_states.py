@@ -192,7 +192,7 @@ class AcceptedStates:
             reason = f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
         control = cast("Control", candidate.problem.control)
-        if geometry.zone is None and candidate.dt > 0.0:
+        if geometry.zone is None:
             self._last_touch(candidate.dt, control, candidate.problem.value)
         self._pulled_off(control, self._limit_point(control))
 

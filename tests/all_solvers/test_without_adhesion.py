@@ -132,6 +132,22 @@ def test_a_contact_that_comes_back_to_the_surface_exactly_is_over(solver, indent
 
 
 @every_solver
+@pytest.mark.parametrize("indenter", [BALL, PUNCH], ids=["ball", "punch"])
+def test_a_dead_load_taken_off_at_once_ends_the_contact(solver, indenter):
+    """A ball leaves in a point: finite elements kept a root of the last part of the jump.
+
+    A punch bears nothing over its whole face, by which front tracking divided.
+    """
+    asked = scene(indenter, Force(1e-3, 1.0), Force(0.0, 1.0))
+    trace = solver.solve(asked)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == 1.0
+    assert abs(trace.force[-1]) < 1e-9 * trace.force.max()
+    found = observe(trace, loading=asked.loading, point=indenter is BALL)
+    assert found.detachment_radius == (0.0 if indenter is BALL else 1e-3)
+
+
+@every_solver
 def test_a_force_that_lowers_an_indenter_does_no_work_on_the_way(solver):
     """It is as if the indenter had touched from the start."""
     above, touching = (solver.solve(scene(BALL, Force(1e-3, 0.2), start=start)) for start in (-1e-4, 0.0))

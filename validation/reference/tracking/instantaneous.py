@@ -26,6 +26,9 @@ TOUCHING_STRESS = 1e-12
 """Edge stress, relative to the largest, below which two plane faces just touch."""
 LOST_FORCE = 1e-11
 """Contact that is being lost counts as lost below this fraction of the peak force."""
+VANISHED = 1e-7
+"""Radius without adhesion, in the largest one, below which a contact is over: that of an indenter which comes
+back to where it has touched goes as a root of the depth, of which rounding is left."""
 FINER_REACH = 32.0
 """Finer intervals searched, of a sixteenth: two whole ones, in one of which the stable radius must be."""
 
@@ -118,6 +121,28 @@ def unstable_edge(
     end = problem.candidate(state.time, trial.surface_at(0.0, radius))
     bears = isinstance(problem.condition, Griffith) or end.force > LOST_FORCE * state.largest_force
     return end if outward or bears else None  # a plane face releases at once; else it holds by round-off only
+
+
+def is_over(problem: FrontProblem, state: FrontState, end: FrontCandidate) -> bool:
+    """Whether a contact without adhesion ends on its way: it bears no force, or a point is left of it.
+
+    Parameters
+    ----------
+    problem, state : FrontProblem, FrontState
+        Present state.
+    end : FrontCandidate
+        Where the way ends, of a step or of a jump of the load.
+
+    Returns
+    -------
+    bool
+    """
+    before, after = state.surface.radius, end.surface.radius
+    if not isinstance(problem.condition, NoTension) or before == 0.0:
+        return False
+    if before <= problem.plane_tip:
+        return end.force <= LOST_FORCE * state.largest_force
+    return end.force <= 0.0 or after < min(before, VANISHED * state.largest_radius)
 
 
 def contact_of_plane_tip(problem: FrontProblem, state: FrontState, segment: Segment) -> FrontCandidate | None:

@@ -11,7 +11,12 @@ from dataclasses import replace
 from itertools import pairwise
 
 from contact_scene import Segment
-from validation.reference.tracking.instantaneous import at_rest, equilibrium_radius, forces_at_once
+from validation.reference.tracking.instantaneous import (
+    at_rest,
+    equilibrium_radius,
+    forces_at_once,
+    is_over,
+)
 from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.state import FrontState
@@ -59,7 +64,8 @@ def load_jump(problem: FrontProblem, state: FrontState, segment: Segment) -> Ste
     whole = problem.trial(state, segment)
     if not (begins and force_controlled) and _rests_at_once(whole, start.radius):
         end = problem.candidate(state.time, whole.surface_at(0.0, start.radius))
-        return StepOutcome(candidates=(end,), reversible=True)
+        over = NO_STABLE_CONTACT if is_over(problem, state, end) else ""
+        return StepOutcome(candidates=(end,), reversible=True, detachment=over)
 
     def equilibrium(share: float, begin: float, finer: float = 1.0) -> Surface | None:
         load = at_rest(segment, before + share * change) if share < 1.0 else segment

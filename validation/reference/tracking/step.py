@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from contact_scene import Segment
 from validation.reference.tracking.collapse import collapse_at_once
-from validation.reference.tracking.instantaneous import LOST_FORCE
+from validation.reference.tracking.instantaneous import is_over
 from validation.reference.tracking.law import NoTension
 from validation.reference.tracking.limit_points import (
     approach_zero_radius,
@@ -30,9 +30,6 @@ FORCE_NOISE = 1e-10
 VANISHING_FORCE = 1e-3
 """Force without adhesion, in allowed deviations of the largest force, from which on contact is lost in one
 step: flat profiles keep a radius to the last, and its speed grows beyond what times can resolve."""
-VANISHED = 1e-7
-"""Radius without adhesion, in the largest one, below which a contact is over: that of an indenter which comes
-back to where it has touched goes as a root of the depth, of which rounding is left."""
 LARGEST_GROWTH = 2.0
 """Largest ratio of successive steps, in the variable over which rows are extrapolated."""
 FIRST_STEP = 100.0
@@ -104,7 +101,7 @@ def trial_step(
     if not edge.stable:
         return prescribed_travel(problem, state, trial, edge.radius, h, rows.allowed(segment))
     end = problem.candidate(state.time + h, trial.surface_at(h, edge.radius))
-    over = _is_over(problem, state, end)
+    over = is_over(problem, state, end)
     if over and a0 > problem.plane_tip:
         edge = replace(edge, radius=0.0)
         end = problem.candidate(end.time, trial.surface_at(h, 0.0))
@@ -122,16 +119,6 @@ def trial_step(
         steepening=(edge.steepness - state.steepness) / h if state.steepness * edge.steepness > 0.0 else 0.0,
         detachment=NO_STABLE_CONTACT if over or edge.radius == 0.0 < a0 else "",
     )
-
-
-def _is_over(problem: FrontProblem, state: FrontState, end: FrontCandidate) -> bool:
-    """Whether a contact without adhesion ends within a step: it bears no force, or a point is left of it."""
-    before, after = state.surface.radius, end.surface.radius
-    if not isinstance(problem.condition, NoTension) or before == 0.0:
-        return False
-    if before <= problem.plane_tip:
-        return end.force <= LOST_FORCE * state.largest_force
-    return end.force <= 0.0 or after < min(before, VANISHED * state.largest_radius)
 
 
 def _to_zone_from_turn(
