@@ -18,6 +18,7 @@ from validation.execution.files import output_folder, write_whole
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused, write_run
 from validation.execution.runs import Run
+from validation.measure.windows import load_steps_begun
 
 DOTS_PER_INCH = 110
 """Resolution of ``force.png``."""
@@ -162,6 +163,10 @@ def _print(case: cases.Case, result: Run, without_errors: str) -> None:
         print(f"  errors are relative: {SCALES_IN_WORDS}")
     elif result.finished:
         print(f"  no error estimate ({without_errors})")
+    if result.trace is not None and result.trace.outcome.kind is OutcomeKind.DETACHED:
+        begun, asked = load_steps_begun(case.scene.loading, result.trace), len(case.scene.loading.steps)
+        if begun < asked:
+            print(f"  contact is lost in load step {begun} of {asked}: what follows is not carried out")
 
 
 def _draw(result: Result, folder: Path) -> None:

@@ -361,6 +361,22 @@ def test_solve_prints_what_numbers_are_relative_to(capsys, scene_file, fakes):
     assert float(shown[3]) == pytest.approx(0.01 / (1.5 * np.pi * 5e-4), rel=1e-5)
 
 
+def test_solve_tells_which_load_step_was_the_last(capsys, tmp_path):
+    """Contact is over where the indenter is back, though the loading would press it on again."""
+    scene = tmp_path / "again.toml"
+    steps = [f'{{ kind = "ramp", to = {to}, rate = 1e-6 }}' for to in ("1e-6", "0.0", "2e-6", "-1e-6")]
+    scene.write_text(
+        "[material]\nmodulus = 1e5\npoisson = 0.5\n[indenter]\nshape = 'cone'\nhalf_angle = 60\n"
+        f"[loading]\nstart = 'relaxed'\npenetration = 0.0\nsteps = [{', '.join(steps)}]\n"
+    )
+    assert code_of("solve", str(scene)) == 0
+    last = "contact is lost in load step 2 of 4: what follows is not carried out"
+    assert capsys.readouterr().out.splitlines()[-1].strip() == last
+    scene.write_text(scene.read_text().replace(f", {steps[2]}, {steps[3]}", ""))
+    assert code_of("solve", str(scene)) == 0
+    assert "is not carried out" not in capsys.readouterr().out
+
+
 def test_solve_estimates_errors_where_asked(capsys, tmp_path, scene_file, fakes):
     assert code_of("solve", scene_file, "--solver", "bem") == 0
     assert "no error estimate (add --estimate)" in capsys.readouterr().out

@@ -61,6 +61,11 @@ def corners(loading: Loading, trace: Trace) -> Array:
     return np.unique(ends + kinks)
 
 
+def load_steps_begun(loading: Loading, trace: Trace) -> int:
+    """How many load steps a run has begun before it ended."""
+    return sum(1 for _ in _load_steps(loading, trace))
+
+
 def _load_steps(loading: Loading, trace: Trace) -> Iterator[tuple[Step, Segment, float, float]]:
     """Load steps that the run has begun, their control laws from time 0 on, and when they begin and end."""
     now, last = float(trace.time[0]), float(trace.time[-1])
