@@ -1,7 +1,7 @@
 """``crosscontact fields``: run, compute the fields in the body at the requested moments, write, sum up.
 
-An interrupted command leaves its run with the history, files for ParaView and
-pictures; the same one goes on with them.
+An interrupted command leaves its run with the history, files for ParaView and pictures; the same one goes on
+with them.
 """
 
 from __future__ import annotations

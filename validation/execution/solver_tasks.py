@@ -18,7 +18,18 @@ from validation.execution.tasks import Task, TaskResult, run_tasks
 def expected_seconds(
     case: Case, solver: str, resolution: int | None = None, max_steps: int | None = None
 ) -> float:
-    """Rough run time (s), to start long runs first."""
+    """Rough run time (s), to start long runs first.
+
+    Parameters
+    ----------
+    case, solver, resolution, max_steps
+        As of :func:`run_or_raise`.
+
+    Returns
+    -------
+    float
+        1 for a solver that has no forecast.
+    """
     method = solvers.SOLVERS.get(solver)
     return 1.0 if method is None else method.expected_cost(case.scene, resolution).within(max_steps).seconds
 

@@ -39,7 +39,18 @@ class RandomNumbers:
         return float(f"{10.0 ** self._generator.uniform(low, high):.3g}")
 
     def near(self, size: float, low: float, high: float) -> float:
-        """A round number, evenly over powers of ten of ``size`` but for its rounding."""
+        """A round number, evenly over powers of ten of ``size`` but for its rounding.
+
+        Parameters
+        ----------
+        size : float
+        low, high : float
+            Exponents.
+
+        Returns
+        -------
+        float
+        """
         return rounded(size * self.decades(low, high))
 
     def between(self, low: float, high: float) -> float:
