@@ -182,18 +182,43 @@ class Factorisation:
         far : ndarray, shape (count,)
             Per amplitude of the Boussinesq field of an elastic solid.
         """
-        space = self.space
-        position = np.full(space.unknowns, -1)
-        position[space.free] = np.arange(space.free.size)
-        rows = position[space.surface_dofs[:count]]
+        rows = self._rows(count)
         if self.exact is None:
             clamped = self._condensed(self.ratio, rows)
         else:
             clamped = self._condensed(self.ratio + _LEAST_RATIO, rows)
             clamped *= 2.0
             clamped -= self._condensed(self.ratio + 2.0 * _LEAST_RATIO, rows)
+        return clamped, self._far_response(rows)
+
+    def far_weights(self, count: int) -> Array:
+        """Weights of the nodal forces in the far amplitude with which the compliance is symmetric.
+
+        Parameters
+        ----------
+        count : int
+            Number of surface nodes, from the axis.
+
+        Returns
+        -------
+        ndarray, shape (count,)
+        """
+        return self._weights_of(self._far_response(self._rows(count)))
+
+    def _weights_of(self, far: Array) -> Array:
+        return far / far[0] if self.space.far_field else np.zeros(len(far))
+
+    def _far_response(self, rows: NDArray[np.integer]) -> Array:
+        """Displacement of unknowns per amplitude of the Boussinesq field of an elastic solid."""
         self.solves += 1
-        return clamped, -self._invert(self.far_mix @ self.lifted)[rows]
+        return -self._invert(self.far_mix @ self.lifted)[rows]
+
+    def _rows(self, count: int) -> NDArray[np.integer]:
+        """Free unknowns that are displacements of the first surface nodes."""
+        space = self.space
+        position = np.full(space.unknowns, -1)
+        position[space.free] = np.arange(space.free.size)
+        return position[space.surface_dofs[:count]]
 
     def _condensed(self, ratio: float, rows: NDArray[np.integer]) -> Array:
         """Displacements of the given unknowns per force on them, at a ratio of moduli; in Fortran's order."""
@@ -233,7 +258,7 @@ class Factorisation:
         """
         whole, far = self.surface_response(count)
         if weights is None:
-            weights = far / far[0] if self.space.far_field else np.zeros(count)
+            weights = self._weights_of(far)
         for begin in range(0, count, _BLOCK):
             part = slice(begin, begin + _BLOCK)
             whole[:, part] += 0.5 * (np.outer(far, weights[part]) + np.outer(weights, far[part]))

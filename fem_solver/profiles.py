@@ -22,7 +22,7 @@ def tributary_areas(radii: Array) -> Array:
     return areas
 
 
-def profile(state: SurfaceState, radii: Array, height: Array) -> SurfaceProfile:
+def profile(state: SurfaceState, radii: Array, height: Array, stretch: float = 1.0) -> SurfaceProfile:
     """Pressure, displacement and gap at the surface nodes.
 
     The pressure is the nodal force over the node's area; the axis takes that of its neighbour, and the
@@ -35,6 +35,8 @@ def profile(state: SurfaceState, radii: Array, height: Array) -> SurfaceProfile:
         Of the surface nodes, vertices and mid-side nodes in turn, from the axis.
     height : ndarray, shape (n,)
         Indenter profile at the nodes.
+    stretch : float
+        Contact radius over the radius of the node there: the surface is given in lengths of the former.
 
     Returns
     -------
@@ -54,7 +56,7 @@ def profile(state: SurfaceState, radii: Array, height: Array) -> SurfaceProfile:
         state.penetration,
         state.force,
         state.radius,
-        radii[shown],
+        stretch * radii[shown],
         pressure[shown],
         state.displacement[shown],
         gap[shown],

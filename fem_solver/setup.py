@@ -68,6 +68,7 @@ class Setup:
     shortest_time: float
     compliance: float = 0.0
     jump_tolerance = 1.0
+    stretch = 1.0
 
     @property
     def tolerance(self) -> float:
@@ -78,16 +79,6 @@ class Setup:
     def has_history(self) -> bool:
         """Whether the solid relaxes: otherwise each state is an equilibrium by itself."""
         return math.isfinite(self.shortest_time)
-
-    def body(self, image: Array) -> Array:
-        """Unknowns in the whole body for surface forces on a solid of unit shear modulus.
-
-        Applied to the surface vectors of :class:`~fem_solver.condensed.CondensedState` it gives the
-        displacement field and the branch variables' fields, one back-substitution each.
-        """
-        load = np.zeros(self.space.unknowns)
-        load[self.space.surface_dofs[: len(image)]] = -image
-        return self.factor.solve(load, self.factor.far_mix * float(self.weights @ image))
 
 
 class SetUpInterrupted(KeyboardInterrupt):

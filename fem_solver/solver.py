@@ -138,8 +138,7 @@ def record(
     run.counters.factorisations = setup.history.factorisations
     run.counters.volume_solves = setup.history.volume_solves
     trace = on_machine(recorder.trace(outcome, run.counters, clock.perf_counter() - began), scene.machine)
-    kept = observer.states, observer.rows, recorder.surfaces or [], observer.log
-    return Recording(setup, trace, *kept)  # type: ignore[arg-type] # a following set-up records nothing
+    return Recording(setup, trace, observer.states, observer.rows, recorder.surfaces or [], observer.log)
 
 
 def _start(scene: Scene, run: NodeReleaseRun, monitor: RunMonitor | None) -> Outcome | None:
@@ -186,7 +185,7 @@ class _Observer:
         self.states: dict[float, Any] = {}
         self.rows: dict[float, int] = {}
         self.log: HistoryLog | None = None
-        if options.records and isinstance(setup, Setup):
+        if options.records:
             self.log = history_log(setup.history, options)
 
     def on_commit(self, dt: float, forces: NDArray[Any]) -> None:
@@ -200,7 +199,7 @@ class _Observer:
     def on_stop(self, time: float) -> None:
         setup, content = self._setup, self._recorder.content
         if time in self._options.profile_times:
-            content.profiles.append(profile(self._recorder.last, setup.radii, setup.height))
+            content.profiles.append(profile(self._recorder.last, setup.radii, setup.height, setup.stretch))
         if time in self._options.record_times:
             self.states[time] = setup.history.state
             self.rows[time] = len(content.rows) - 1

@@ -144,6 +144,8 @@ def run(
         raise SceneError("fields", "no moment asked for", allowed)
     check_times(times, case.scene.loading)  # before anything is made
     check_taken(name, case.scene, (METHOD,), resolution)
+    if figures is not None and METHOD.follows_edge(case.scene):
+        figures.check_without_history()
     request = FieldRequest(tuple(times), pull_off, every, None if figures is None else figures.rows)
     command = FieldsCommand(case, request, figures, resolution, max_steps, fresh)
     if out is not None:
@@ -293,9 +295,13 @@ def _line(state: FieldState, sums: EnergySums) -> str:
     error = "-" if sums.error is None else f"{100.0 * sums.error:.3f} %"
     return (
         f"{state.label or '-':<20}{state.time:12.6g}{state.penetration:13.5g}{state.force:12.5g}"
-        f"{state.contact_radius:11.5g}{sums.stored:12.5g}{sums.dissipated:14.6g}"
+        f"{state.contact_radius:11.5g}{sums.stored:12.5g}{_number(sums.dissipated):>14}"
         f"{sums.branch_dissipation:12.6g}{error:>12}"
     )
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.6g}"
 
 
 def _difference(counters: Counters, before: dict[str, int]) -> dict[str, int]:

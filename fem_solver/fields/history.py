@@ -2,8 +2,9 @@
 
 With a constant Poisson's ratio the surface vector ``w`` of every accepted step and the step's length suffice.
 Branch variables at any row, and the energy dissipated anywhere in the body up to it, follow by replaying the
-recursion (see ``condensed``). Otherwise the internal variables live in the body: then only the requested
-states are stored whole, and the dissipation density is summed at the quadrature points on every step,
+recursion (see ``condensed``); where the mesh follows the edge see ``following_log``. Otherwise the internal
+variables live in the body: then only the requested states are stored whole, and the dissipation density is
+summed at the quadrature points on every step,
 ``w_0 b.b/m + w_1 b.dx + w_2 m dx.dx`` per branch with the weights of ``Prony.loss_weights``.
 """
 
@@ -17,6 +18,8 @@ from numpy.typing import NDArray
 
 from fem_solver import forms
 from fem_solver.condensed import CondensedHistory
+from fem_solver.fields.following_log import FollowingLog
+from fem_solver.following.history import FollowingHistory
 from fem_solver.halfspace import HalfSpace
 from fem_solver.options import Options
 from fem_solver.prony import RelaxingField
@@ -187,11 +190,15 @@ class VolumeLog:
         return largest[1] if largest is not None and largest[0] == row else self.content.stored[row]
 
 
-HistoryLog = SurfaceLog | VolumeLog
+HistoryLog = SurfaceLog | VolumeLog | FollowingLog
 
 
-def history_log(history: CondensedHistory | QuadratureHistory, options: Options) -> HistoryLog:
+def history_log(
+    history: CondensedHistory | QuadratureHistory | FollowingHistory, options: Options
+) -> HistoryLog:
     """The log of a history that has not made a step."""
+    if isinstance(history, FollowingHistory):
+        return FollowingLog(history)
     return SurfaceLog(history) if isinstance(history, CondensedHistory) else VolumeLog(history, options)
 
 

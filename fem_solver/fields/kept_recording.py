@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from contact_scene import KeptState, RunMonitor
 from fem_solver.condensed import CondensedState
 from fem_solver.fields.history import HistoryLog, VolumeContent
+from fem_solver.following.state import FollowingState
 from fem_solver.quadrature_state import QuadratureState
 from fem_solver.recorder import SurfaceState
 
@@ -23,18 +24,18 @@ class RecordedContent:
     ----------
     run : object
         The run's own state.
-    log : list of (float, ndarray) or VolumeContent
-        As of :class:`~fem_solver.fields.history.SurfaceLog`, or what a ``VolumeLog`` holds.
+    log : list of (float, ndarray), VolumeContent or list of FollowingState
+        What a log of the run's kind holds (see ``history``).
     surfaces : list of SurfaceState
-    states : dict of float to CondensedState or QuadratureState
+    states : dict of float to CondensedState, QuadratureState or FollowingState
     rows : dict of float to int
         As of :class:`~fem_solver.fields.recording.Recording`.
     """
 
     run: Any
-    log: list[tuple[float, NDArray[Any]]] | VolumeContent
+    log: list[tuple[float, NDArray[Any]]] | VolumeContent | list[FollowingState]
     surfaces: list[SurfaceState]
-    states: dict[float, CondensedState | QuadratureState]
+    states: dict[float, CondensedState | QuadratureState | FollowingState]
     rows: dict[float, int]
 
 
@@ -45,9 +46,9 @@ class RecordingMonitor:
     ----------
     monitor : RunMonitor
         Keeps and gives states whose content is a :class:`RecordedContent`.
-    log : SurfaceLog or VolumeLog
+    log : SurfaceLog, VolumeLog or FollowingLog
     surfaces : list of SurfaceState
-    states : dict of float to CondensedState or QuadratureState
+    states : dict of float to CondensedState, QuadratureState or FollowingState
     rows : dict of float to int
         Filled with what was recorded before, and recorded to.
     """
@@ -57,7 +58,7 @@ class RecordingMonitor:
         monitor: RunMonitor,
         log: HistoryLog,
         surfaces: list[SurfaceState],
-        states: dict[float, CondensedState | QuadratureState],
+        states: dict[float, CondensedState | QuadratureState | FollowingState],
         rows: dict[float, int],
     ) -> None:
         self._monitor, self._log, self._surfaces = monitor, log, surfaces

@@ -15,11 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import SurfaceProfile
-from fem_solver.fields.history import SurfaceLog
-from fem_solver.fields.points import CondensedFields, PointFields, VolumeFields
+from fem_solver.fields.fixed_mesh import CondensedFields, VolumeFields
+from fem_solver.fields.following_log import FollowingLog
+from fem_solver.fields.following_mesh import FollowingFields
+from fem_solver.fields.history import HistoryLog, SurfaceLog, VolumeLog
+from fem_solver.fields.point_fields import FieldSource
 from fem_solver.fields.recording import Recording
-from fem_solver.fields.recovery import Recovery
+from fem_solver.following.setup import FollowingSetup
 from fem_solver.profiles import profile
+from fem_solver.setup import Setup
 
 Array = NDArray[np.float64]
 
@@ -49,14 +53,17 @@ class FieldState:
         Components ``rr, zz, tt, rz``.
     stored_energy_density : ndarray, shape (n,)
         Energy of all springs per volume.
-    dissipation_rate, dissipated : ndarray, shape (B, n)
-        Power per volume lost in each branch, and energy per volume lost so far.
+    dissipation_rate : ndarray, shape (B, n)
+        Power per volume lost in each branch.
+    dissipated : ndarray, shape (B, n), or None
+        Energy per volume lost so far; ``None`` where the mesh follows the edge, which does not know it.
     surface : SurfaceProfile
         Radius, displacement, pressure and gap of the surface.
     element_volumes : ndarray, shape (m,)
         Volumes of revolution.
     element_stored : ndarray, shape (m,)
-    element_rate, element_dissipated : ndarray, shape (B, m)
+    element_rate : ndarray, shape (B, m)
+    element_dissipated : ndarray, shape (B, m), or None
         Means over each element: times its volume and summed, they are the integrals over the mesh.
     """
 
@@ -74,12 +81,12 @@ class FieldState:
     strain: Array
     stored_energy_density: Array
     dissipation_rate: Array
-    dissipated: Array
+    dissipated: Array | None
     surface: SurfaceProfile
     element_volumes: Array
     element_stored: Array
     element_rate: Array
-    element_dissipated: Array
+    element_dissipated: Array | None
 
     @property
     def hydrostatic(self) -> Array:
@@ -137,28 +144,30 @@ def field_states(recording: Recording, labels: Mapping[int, str]) -> Iterator[Fi
     missing = sorted(row for row in labels if row not in log)
     if missing:
         raise KeyError(f"rows not recorded: {missing}")
-    setup = recording.setup
-    source = CondensedFields(setup, log) if isinstance(log, SurfaceLog) else VolumeFields(log)
-    recovery = Recovery(setup.space.basis)
-    counters = recording.trace.counters
-    counters.factorisations += 1
+    source = _source(recording.setup, log)
+    counters, counted = recording.trace.counters, (0, 0, 0)
     for row in sorted(labels):
-        before = setup.factor.solves, recovery.solves
-        state = _state(recording, recovery, source.names, source.at(row), row, labels[row])
-        counters.volume_solves += setup.factor.solves - before[0]
-        counters.linear_solves += recovery.solves - before[1]
+        state = _state(recording, source, row, labels[row])
+        before, counted = counted, (source.factorisations, source.volume_solves, source.linear_solves)
+        counters.factorisations += counted[0] - before[0]
+        counters.volume_solves += counted[1] - before[1]
+        counters.linear_solves += counted[2] - before[2]
         yield state
 
 
-def _state(
-    recording: Recording,
-    recovery: Recovery,
-    branches: tuple[str, ...],
-    fields: PointFields,
-    row: int,
-    label: str,
-) -> FieldState:
-    trace, setup = recording.trace, recording.setup
+def _source(setup: Setup | FollowingSetup, log: HistoryLog) -> FieldSource:
+    if isinstance(setup, FollowingSetup) and isinstance(log, FollowingLog):
+        return FollowingFields(setup, log)
+    if isinstance(setup, Setup) and isinstance(log, SurfaceLog):
+        return CondensedFields(setup, log)
+    if isinstance(setup, Setup) and isinstance(log, VolumeLog):
+        return VolumeFields(setup, log)
+    raise AssertionError("the log is of another kind of run")
+
+
+def _state(recording: Recording, source: FieldSource, row: int, label: str) -> FieldState:
+    trace, section, fields = recording.trace, source.section(row), source.at(row)
+    recovery, lost = section.recovery, fields.dissipated
     nodal = recovery.nodal(np.concatenate([fields.stress, fields.strain]))
     return FieldState(
         row=row,
@@ -167,18 +176,18 @@ def _state(
         force=float(trace.force[row]),
         contact_radius=float(trace.contact_radius[row]),
         label=label,
-        branches=branches,
-        points=recovery.points,
+        branches=source.names,
+        points=section.scale * section.stretch * recovery.points,
         triangles=recovery.triangles,
         displacement=recovery.displacement(fields.unknowns),
         stress=nodal[:4],
         strain=nodal[4:],
         stored_energy_density=recovery.densities(fields.stored[None])[0],
         dissipation_rate=recovery.densities(fields.rates),
-        dissipated=recovery.densities(fields.dissipated),
-        surface=profile(recording.surfaces[row], setup.radii, setup.height),
-        element_volumes=recovery.volumes,
+        dissipated=None if lost is None else recovery.densities(lost),
+        surface=profile(recording.surfaces[row], section.radii, section.height, section.stretch),
+        element_volumes=section.scale**3 * recovery.volumes,
         element_stored=recovery.means(fields.stored[None])[0],
         element_rate=recovery.means(fields.rates),
-        element_dissipated=recovery.means(fields.dissipated),
+        element_dissipated=None if lost is None else recovery.means(lost),
     )

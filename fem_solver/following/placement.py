@@ -155,7 +155,7 @@ class Surfaces:
     def __init__(
         self, scene: Scene, meshes: Any, ratio: float, plane_modulus: float, form: str, far_field: bool
     ) -> None:
-        self._scene, self._meshes, self._ratio = scene, meshes, ratio
+        self._scene, self._meshes, self.ratio = scene, meshes, ratio
         self._plane_modulus, self._form, self._far_field = plane_modulus, form, far_field
         self._levels: dict[int, UnscaledSurface] = {}
         self._placements: OrderedDict[Any, Placement] = OrderedDict()
@@ -219,22 +219,28 @@ class Surfaces:
 
     def _level(self, level: int) -> UnscaledSurface:
         if level not in self._levels:
-            self._levels[level] = self._factorised(self._meshes.mesh(level))
+            self._levels[level] = self._factorised(level)
             self.stage_done()
         return self._levels[level]
 
-    def _factorised(self, mesh: Any) -> UnscaledSurface:
+    def half_space(self, level: int) -> tuple[HalfSpace, int]:
+        """The half-space on the mesh of a level, not scaled, and the number of surface nodes that count."""
+        mesh = self._meshes.mesh(level)
         space = HalfSpace(mesh, self._form == "mixed", self._far_field)
         # a mesh is scaled down to half at most
         reach = 2.0 * surface_margin(self._stress) * self.largest / self._unit
         count = int(np.searchsorted(space.radii, max(reach, SURFACE_MARGIN * mesh.parameters.fine_to)))
-        count = min(count + 1 - count % 2, len(space.radii))
-        operator = SurfaceOperator(space.factorise(self._ratio).compliance(count)[0])
+        return space, min(count + 1 - count % 2, len(space.radii))
+
+    def _factorised(self, level: int) -> UnscaledSurface:
+        space, count = self.half_space(level)
+        operator = SurfaceOperator(space.factorise(self.ratio).compliance(count)[0])
+        fine = self._meshes.mesh(level).parameters
         return UnscaledSurface(
             radii=space.radii[:count],
             root=np.asfortranarray(operator.root()),
             unit=operator.unit,
             effective=operator.effective_radii(self._plane_modulus),
             positions=operator.transform_radii(space.radii[:count]),
-            strip=(float(mesh.parameters.fine_from), float(mesh.parameters.fine_to)),
+            strip=(float(fine.fine_from), float(fine.fine_to)),
         )

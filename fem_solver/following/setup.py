@@ -84,6 +84,11 @@ class FollowingSetup:
         return self.history.placement.height
 
     @property
+    def stretch(self) -> float:
+        """Contact radius of an edge in the fine strip over the radius of its node."""
+        return self.history.placement.stretch
+
+    @property
     def travel(self) -> float:
         """Edge travel allowed per step."""
         return _TRAVEL * self.history.state.radius
@@ -115,7 +120,7 @@ def set_up_following(
     Raises
     ------
     UnsupportedScene
-        If the chosen form or path does not apply to the scene, or fields in the body are asked for.
+        If the chosen form or path does not apply to the scene.
     SetUpInterrupted
         If it was not to go on.
     """
@@ -128,8 +133,6 @@ def set_up_following(
         raise UnsupportedScene(
             "material.poisson", "the displacement form needs compressibility", "form mixed"
         )
-    if options.records:
-        raise UnsupportedScene("adhesion.zone", "fields need a mesh that stays", "a longer zone")
     if scene.adhesion is None or not scene.is_adhesive:
         raise SceneError("adhesion", "is missing: only an adhesive edge needs a mesh that follows it", "work")
     surfaces = Surfaces(

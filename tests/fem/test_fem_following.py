@@ -245,8 +245,6 @@ def test_the_mesh_follows_only_where_it_can():
     assert not solver.follows_edge(replace(SHORT, material=apart))
     with pytest.raises(UnsupportedScene, match="a mesh that stays"):
         fem_solver.solve(replace(SHORT, material=apart), edge_meshes(SHORT, 4))
-    with pytest.raises(UnsupportedScene, match="a mesh that stays"):
-        fem_solver.record(SHORT, edge_meshes(SHORT, 4), fem_solver.Options(record_every=1))
 
 
 def straight(true):

@@ -132,4 +132,4 @@ def _energies(state: FieldState, trace: Trace) -> tuple[str, ...]:
     sums = balance(state, trace)
     values = (state.time, state.penetration, state.force, state.contact_radius)
     lost = (sums.dissipated, sums.branch_dissipation)
-    return (state.label, *(f"{value:.6g}" for value in (*values, *lost)))
+    return (state.label, *("–" if value is None else f"{value:.6g}" for value in (*values, *lost)))

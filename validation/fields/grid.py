@@ -49,12 +49,9 @@ def point_data(state: FieldState) -> dict[str, Array]:
     """Nodal fields by their names in a file; shape (n,), the displacement (n, 3)."""
     data = {DISPLACEMENT: _in_space(state.displacement)}
     for quantity in QUANTITIES.values():
-        if not quantity.name.startswith("displacement"):
+        if not quantity.name.startswith("displacement") and quantity.known(state):
             data[quantity.array] = quantity.values(state)
-    for branch, rate, lost in zip(state.branches, state.dissipation_rate, state.dissipated, strict=True):
-        data[f"dissipation_rate {branch} [{RATE}]"] = rate
-        data[f"dissipated_energy {branch} [{DENSITY}]"] = lost
-    return data
+    return data | _by_branch(state, state.dissipation_rate, state.dissipated)
 
 
 def cell_data(state: FieldState) -> dict[str, Array]:
@@ -63,13 +60,22 @@ def cell_data(state: FieldState) -> dict[str, Array]:
     means = {
         f"stored_energy [{DENSITY}]": state.element_stored,
         f"dissipation_rate [{RATE}]": state.element_rate.sum(axis=0),
-        f"dissipated_energy [{DENSITY}]": state.element_dissipated.sum(axis=0),
     }
-    for branch, rate, lost in zip(state.branches, state.element_rate, state.element_dissipated, strict=True):
-        means[f"dissipation_rate {branch} [{RATE}]"] = rate
-        means[f"dissipated_energy {branch} [{DENSITY}]"] = lost
+    if state.element_dissipated is not None:
+        means[f"dissipated_energy [{DENSITY}]"] = state.element_dissipated.sum(axis=0)
+    means |= _by_branch(state, state.element_rate, state.element_dissipated)
     volumes = {"undeformed_volume [length^3]": triangle_volumes(state)}
     return volumes | {name: np.tile(values, quarters) for name, values in means.items()}
+
+
+def _by_branch(state: FieldState, rates: Array, dissipated: Array | None) -> dict[str, Array]:
+    """Losses of each branch by their names in a file, energies where they are known."""
+    data = {}
+    for k, branch in enumerate(state.branches):
+        data[f"dissipation_rate {branch} [{RATE}]"] = rates[k]
+        if dissipated is not None:
+            data[f"dissipated_energy {branch} [{DENSITY}]"] = dissipated[k]
+    return data
 
 
 def triangle_volumes(state: FieldState) -> Array:

@@ -3,7 +3,8 @@
 Moments are times, each stepped onto exactly, the largest tension, every n-th row of the trace, or rows that
 a function of the trace picks. A time at which the load jumps means the state before. With a constant
 Poisson's ratio one run serves all; with separate bulk relaxation whole states have to be stored on the way,
-so rows picked from the trace take a second run, which is the same to the bit.
+so rows picked from the trace take a second run, which is the same to the bit. Where process zones are short
+the mesh follows the edge: such a run does not know where energy has been dissipated.
 """
 
 from __future__ import annotations
@@ -18,14 +19,19 @@ from validation.fields.second_run import SecondRunMonitor, picked_before
 from validation.measure.observables import largest_tension
 from validation.measure.round_off import ROUND_OFF
 from validation.solvers.finite_elements import FiniteElements
-from validation.solvers.fitted_meshes import mesh_for
 
 if TYPE_CHECKING:
     from fem_solver import FieldState, Recording
 
 Progress = Callable[[float], None]
-METHOD = FiniteElements(following=False)
-"""Only finite elements know the body; their mesh stays where it is."""
+FOLLOWED_BEYOND = 240.0
+"""Largest contact radius, in process zones, beyond which the mesh follows the edge: one that is fine along
+the whole path then takes gigabytes and a quarter of an hour, but knows where energy has been dissipated."""
+GRADING = 0.14
+"""Growth of the element size with the distance from the edge there: under the middle of a contact, where no
+strip is fine, the stress is off by 0.9 % of the largest, twice that on the mesh of a run without fields."""
+METHOD = FiniteElements(followed_beyond=FOLLOWED_BEYOND, followed_grading=GRADING)
+"""Only finite elements know the body."""
 PULL_OFF = "pull-off"
 
 
@@ -118,10 +124,10 @@ def record_fields(
     from fem_solver.fields.history import VolumeLog
 
     request = replace(request, times=check_times(request.times, scene.loading))
-    mesh = mesh_for(scene, resolution)
+    mesh = METHOD.mesh(scene, resolution)
     # the pull-off in any case: rows picked from the trace are not known yet, and need a run with a history
     options = Options(
-        resolution,
+        METHOD.step_divisions(scene, resolution),
         record_times=request.times,
         record_every=request.every,
         record_pull_off=True,

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal
 
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.memory import installed_memory
+from meshes import EdgeMeshes, HalfSpaceMesh
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver
 from validation.solvers.contact_range import largest_contact_radius
 from validation.solvers.cost import Cost, CostModel, forecast
@@ -82,8 +83,10 @@ class FiniteElements(Solver):
         Divisions per process zone that the time steps resolve, where they differ from those of the mesh.
     cached_mesh : bool
         Take the mesh from the cache; otherwise build it anew, so that meshing is part of the run time.
-    following : bool
-        Whether the mesh may follow the edge; fields in the body are computed on one mesh.
+    followed_beyond : float
+        Largest contact radius, in process zones, beyond which the mesh follows the edge.
+    followed_grading : float, optional
+        ``grading`` of meshes that follow the edge, if it is another.
     """
 
     grading: float | None = None
@@ -92,7 +95,8 @@ class FiniteElements(Solver):
     far_field: bool = True
     step_resolution: int | None = None
     cached_mesh: bool = True
-    following: bool = True
+    followed_beyond: float = FOLLOWED_BEYOND
+    followed_grading: float | None = None
 
     name = "fem"
     title = "finite elements"
@@ -139,15 +143,24 @@ class FiniteElements(Solver):
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
         from fem_solver import Options, solve
 
-        sizes = self.grading, self.domain_ratio, self.cached_mesh
-        mesh = (edge_meshes if self.follows_edge(scene) else mesh_for)(scene, resolution, *sizes)
         own = Options(
-            self.step_resolution or (resolution and divisions_of_zone(scene, resolution)),
+            self.step_divisions(scene, resolution),
             path=self.path,
             far_field=self.far_field,
             **options.of_solver,
         )
-        return solve(scene, mesh, own, options.progress, options.monitor)
+        return solve(scene, self.mesh(scene, resolution), own, options.progress, options.monitor)
+
+    def mesh(self, scene: Scene, resolution: int | None) -> HalfSpaceMesh | EdgeMeshes:
+        """The mesh fitted to a scene, or those that follow the edge."""
+        if self.follows_edge(scene):
+            grading = self.followed_grading or self.grading
+            return edge_meshes(scene, resolution, grading, self.domain_ratio, self.cached_mesh)
+        return mesh_for(scene, resolution, self.grading, self.domain_ratio, self.cached_mesh)
+
+    def step_divisions(self, scene: Scene, resolution: int | None) -> int | None:
+        """Divisions per process zone that the time steps resolve; ``None``: those of the mesh."""
+        return self.step_resolution or (resolution and divisions_of_zone(scene, resolution))
 
     def follows_edge(self, scene: Scene) -> bool:
         """Whether the mesh is fine around the edge only and moves with it, instead of along its whole path.
@@ -155,9 +168,9 @@ class FiniteElements(Solver):
         It takes a Poisson's ratio that does not change in time. An edge that leaves the rim of a punch
         at once has no path.
         """
-        if not self.following or self.solves_volume(scene) or not scene.is_adhesive or scene.adhesion is None:
+        if self.solves_volume(scene) or not scene.is_adhesive or scene.adhesion is None:
             return False
-        long = largest_contact_radius(scene) > FOLLOWED_BEYOND * resolved_length(scene.adhesion)
+        long = largest_contact_radius(scene) > self.followed_beyond * resolved_length(scene.adhesion)
         return long and (not math.isfinite(scene.indenter.edge) or peels(scene))
 
     def solves_volume(self, scene: Scene) -> bool:

@@ -71,6 +71,22 @@ class FigureSet:
             if name not in QUANTITIES:
                 raise SceneError("--quantity", f"got {name!r:.40}", ", ".join(QUANTITIES))
 
+    def check_without_history(self) -> None:
+        """Refuse what a run does not know whose mesh follows the edge.
+
+        Raises
+        ------
+        SceneError
+            If such a quantity is to be drawn.
+        """
+        for name in self.quantities:
+            if QUANTITIES[name].needs:
+                problem = (
+                    f"{name} is not known where the mesh follows the edge, as with so short a process zone"
+                )
+                allowed = ", ".join(other for other, one in QUANTITIES.items() if not one.needs)
+                raise SceneError("--quantity", problem, allowed)
+
     @property
     def chooses_moments(self) -> bool:
         """Whether the figures choose moments of their own."""

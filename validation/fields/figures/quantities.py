@@ -38,6 +38,8 @@ class Quantity:
     kind : ValueKind
     values : callable(FieldState) -> (n,) array
         At the nodes.
+    needs : str
+        What a state has to hold that not every one does.
     """
 
     name: str
@@ -45,6 +47,11 @@ class Quantity:
     unit: str
     kind: ValueKind
     values: Callable[[FieldState], Array]
+    needs: str = ""
+
+    def known(self, state: FieldState) -> bool:
+        """Whether a state has it."""
+        return not self.needs or getattr(state, self.needs) is not None
 
     @property
     def label(self) -> str:
@@ -113,7 +120,8 @@ QUANTITIES = {
             "energy dissipated",
             DENSITY,
             ValueKind.DECADES,
-            lambda s: s.dissipated.sum(axis=0),
+            lambda s: np.asarray(s.dissipated).sum(axis=0),
+            needs="dissipated",
         ),
     )
 }

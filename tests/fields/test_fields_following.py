@@ -1,0 +1,158 @@
+"""Fields where the mesh follows the edge: closed forms, one mesh along the whole path, files."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import pyvista
+from numpy.testing import assert_allclose
+from scipy.interpolate import LinearNDInterpolator
+from support.paper_scenes import WORK
+
+from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere, write_scene
+from crosscontact.cli import main
+from crosscontact.commands import fields
+from fem_solver import Options, field_states, record
+from fem_solver.fields import states
+from validation.fields import request
+from validation.fields.balance import balance
+from validation.fields.request import FieldRequest, record_fields
+from validation.solvers.fitted_meshes import edge_meshes, mesh_for
+from validation.studies import fields_accuracy
+
+TWO = Material(0.75, 0.4, (Branch(2.0, 0.3), Branch(4.0, 0.05)))
+PULLED = Loading("relaxed", 0.02, (Ramp(0.019, 0.02),))
+MIDDLE = Scene(TWO, Sphere(1.0), PULLED, Adhesion(WORK, 4e-3))
+"""Its contact is 50 zones wide: both meshes serve."""
+SHORT = replace(MIDDLE, adhesion=Adhesion(WORK, 2e-6))
+RESOLUTION = 4
+TURN = 0.05
+
+
+@cache
+def recorded(scene, follows):
+    made = (edge_meshes if follows else mesh_for)(scene, RESOLUTION)
+    return record(scene, made, Options(RESOLUTION, record_times=(TURN,)))
+
+
+@cache
+def body(scene, follows=True):
+    recording = recorded(scene, follows)
+    (state,) = field_states(recording, {recording.rows[TURN]: ""})
+    return state
+
+
+@cache
+def requested():
+    """Of ``SHORT``, as the command line has it."""
+    return record_fields(SHORT, FieldRequest((TURN,)), RESOLUTION)
+
+
+@cache
+def requested_body():
+    (state,) = requested().states()
+    return state
+
+
+def within(state, radius):
+    """Fields of a state on a grid below the contact, off its edge."""
+    r, z = np.meshgrid(radius * np.linspace(0.02, 2.0, 30), -radius * np.linspace(0.1, 2.0, 25))
+    rows = [state.stress, state.strain, state.displacement.T, state.stored_energy_density[None]]
+    rows.append(state.dissipation_rate)
+    return LinearNDInterpolator(state.points, np.vstack(rows).T)(r.ravel(), z.ravel()).T
+
+
+def test_both_meshes_give_the_same_body():
+    one, other = body(MIDDLE), body(MIDDLE, follows=False)
+    assert one.time == other.time == TURN
+    assert one.force == pytest.approx(other.force, rel=1e-3)
+    assert one.branches == other.branches
+    found, expected = (within(state, other.contact_radius) for state in (one, other))
+    apart, largest = np.abs(found - expected), np.abs(expected).max(axis=1)
+    assert np.all(apart.max(axis=1) <= 0.06 * largest)
+    assert np.all(np.sqrt(np.mean(apart**2, axis=1)) <= 6e-3 * largest)
+    for name, allowed in (("element_stored", 2e-3), ("element_rate", 2e-2)):
+        sums = [getattr(state, name) @ state.element_volumes for state in (one, other)]
+        assert_allclose(*sums, rtol=allowed, atol=0.0)
+
+
+@pytest.mark.parametrize("poisson", [pytest.param(0.3, marks=pytest.mark.slow), 0.5])
+def test_a_zone_of_a_hundred_thousandth_of_the_contact_is_as_good_as_the_closed_form(poisson):
+    """Of JKR, also next to the edge: all the mesh that stays can reach is a tenth of the radius."""
+    loading = Loading("relaxed", 0.01)
+    scene = Scene(Material(1.0, poisson), Sphere(1.0), loading, Adhesion(1e-4, 1e-6))
+    (state,) = record_fields(scene, FieldRequest((0.0,)), RESOLUTION).states()
+    found = fields_accuracy.deviation(state, scene)
+    assert found.worst < 1.1e-2
+    assert abs(found.force) < 2e-3
+    a, (r, z) = state.contact_radius, state.points.T
+    beside = np.hypot(r - a, z)
+    close = (beside > 1e-4 * a) & (beside < 1e-3 * a) & (z < 0.0)
+    assert close.sum() > 100
+    exact = fields_accuracy.subsurface.contact(
+        r[close], z[close], scene.indenter, a, state.penetration, 1.0 / (1.0 - poisson**2), poisson
+    ).stress
+    assert np.abs(state.stress[:, close] - exact).max() < 6e-3 * np.abs(exact).max()
+
+
+def test_densities_add_up_to_the_energies_of_the_trace():
+    state = requested_body()
+    sums = balance(state, requested().recording.trace)
+    assert sums.stored == pytest.approx(sums.stored_in_trace, rel=5e-3)
+    assert sums.dissipated is sums.dissipated_by_branch is sums.error is sums.error_of_balance is None
+    assert state.element_rate.min() >= 0.0
+
+
+def test_the_edge_is_where_the_trace_has_it():
+    """Radii of nodes and contact radii, which follow from stiffnesses, differ by many short zones."""
+    state = requested_body()
+    surface, zone = state.surface, SHORT.adhesion.zone
+    open_from = surface.radius[surface.gap > 0.0].min()
+    assert abs(open_from - state.contact_radius) < zone
+    on_top = np.sort(state.points[state.points[:, 1] == 0.0, 0])
+    assert np.abs(on_top - state.contact_radius).min() < zone
+
+
+def test_counters_and_meshes_of_rows():
+    recording = requested().recording
+    before = replace(recording.trace.counters)
+    assert len(list(field_states(recording, {len(recording.trace) - 1: ""}))) == 1
+    after = recording.trace.counters
+    assert after.factorisations - before.factorisations == 2
+    assert after.volume_solves - before.volume_solves >= 3  # the displacement and two branches
+    assert after.linear_solves > before.linear_solves
+    with pytest.raises(AssertionError, match="another kind"):
+        states._source(recording.setup, recorded(MIDDLE, follows=False).log)
+
+
+def test_only_short_zones_are_followed():
+    assert not request.METHOD.follows_edge(MIDDLE)
+    assert request.METHOD.follows_edge(SHORT)
+    fine, usual = request.METHOD.mesh(SHORT, RESOLUTION), edge_meshes(SHORT, RESOLUTION)
+    assert fine.grading < usual.grading
+
+
+def test_files_hold_what_is_known(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(fields, "record_fields", lambda *given: requested())
+    file, folder = tmp_path / "short.toml", tmp_path / "out"
+    write_scene(SHORT, file)
+    given = ["fields", str(file), "--at", f"{TURN}", "--resolution", f"{RESOLUTION}", "--out", str(folder)]
+    assert main([*given, "--no-figures"]) == 0
+    table = capsys.readouterr().out.splitlines()
+    assert table[1].split()[-3] == table[1].split()[-1] == "-"
+    moment = json.loads((folder / "moments.json").read_text(encoding="utf-8"))["moments"][0]
+    assert moment["dissipated"] is None
+    assert moment["branch_dissipation"] > 0.0
+    section = pyvista.read(next((folder / "body").glob("*.vtu")))
+    assert "dissipation_rate tau=0.3 [energy/(length^3 time)]" in section.point_data
+    assert not [name for name in (*section.point_data, *section.cell_data) if "dissipated" in name]
+    assert all(np.isfinite(section.point_data[name]).all() for name in section.point_data)
+    assert main([*given, "--quantity", "dissipated_energy"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("crosscontact: error: --quantity: dissipated_energy is not known")
+    assert line.partition("allowed: ")[2].startswith("von_mises, max_shear, ")
+    assert "dissipated" not in line.partition("allowed: ")[2]
