@@ -9,6 +9,7 @@ import numpy as np
 
 from contact_scene import BulkRelaxation, Material
 from fem_solver.prony import Prony
+from fem_solver.series_modulus import in_series
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,14 @@ class Moduli:
         ratio = self.instantaneous_ratio
         poisson = (3.0 - 2.0 * ratio) / (2.0 * (3.0 + ratio))
         return 2.0 / (1.0 - poisson)
+
+    @property
+    def surface(self) -> Prony:
+        """``E*(t)`` over :attr:`unit_plane_modulus`, what the surface answers with (``series_modulus``)."""
+        if self.alike or self.bulk is None:
+            return self.shear
+        joined = self.bulk.scaled(4.0).plus(self.shear.scaled(4.0 / 3.0))
+        return in_series(self.shear.scaled(4.0), joined).scaled(1.0 / self.unit_plane_modulus)
 
 
 def moduli(material: Material) -> Moduli:

@@ -3,7 +3,10 @@
 In the components ``v = L^-1 u``, ``y = L^T f`` of the surface (see ``surface``) the depth of a part of a node
 is ``v/e``, ``e = L^-1 1``; the half-space answers to it with the one modulus that a frictionless surface
 knows, ``1/E* = 1/(4 G) + 3/(4 (3 K + G))``, so ``y/e`` follows it as two moduli in series do; as one, ``G``,
-where all relax alike.
+where all relax alike. The energies are those of the body: what ``1/(2 G)`` answers to the pressures of the
+surface changes no volume, what ``3/(2 (3 K + G))`` answers does, and holds a third of its shear energy beside
+it; neither works on the other, and each energy is a multiple of the same form of the pressures (by
+Clapeyron's theorem, from the derivatives of ``1/E*`` with respect to G and K).
 """
 
 from __future__ import annotations
@@ -16,6 +19,38 @@ from numpy.typing import NDArray
 from fem_solver.prony import Increment, Prony, RelaxingField
 
 Array = NDArray[np.float64]
+
+_LEAST_SHARE = 1e-14
+"""Modulus of a branch, relative to the glassy one, that is a rounding error."""
+
+
+def in_series(one: Prony, other: Prony) -> Prony:
+    """Two moduli that bear the same stress, as one of the sum of their strains.
+
+    The energy of springs and dashpots over the strain ``x`` and those ``q`` of the dashpots of both,
+    ``m(0) x^2/2 - x g.q + q.H q/2`` once the strain of the first modulus is eliminated, with the loss
+    ``sum_k m_k tau_k q_k'^2``: in the eigenvectors of ``H`` with respect to that loss each internal variable
+    goes its own way, as in a Maxwell branch, with the same energies. What no strain reaches is left out.
+
+    Parameters
+    ----------
+    one, other : Prony
+
+    Returns
+    -------
+    Prony
+    """
+    whole = one.glassy + other.glassy
+    coupling = np.append(other.glassy / whole * one.moduli, one.glassy / whole * other.moduli)
+    signed = np.append(one.moduli, -other.moduli)
+    stiffness = np.diag(np.abs(signed)) - np.outer(signed, signed) / whole
+    root = np.sqrt(np.append(one.moduli * one.times, other.moduli * other.times))
+    rates, modes = np.linalg.eigh(stiffness / np.outer(root, root))
+    moduli = (modes.T @ (coupling / root)) ** 2 / rates
+    glassy = one.glassy * other.glassy / whole
+    reached = moduli > _LEAST_SHARE * glassy
+    relaxed = one.relaxed * other.relaxed / (one.relaxed + other.relaxed)
+    return Prony(relaxed, moduli[reached], 1.0 / rates[reached])
 
 
 @dataclass(frozen=True)

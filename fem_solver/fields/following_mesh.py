@@ -26,7 +26,7 @@ class FollowingFields:
     """Fields by back-substitution from the components of the row's surface."""
 
     def __init__(self, setup: FollowingSetup, log: FollowingLog) -> None:
-        self._setup, self._log, self._shear = setup, log, setup.history.solid.shear
+        self._setup, self._log, self._shear = setup, log, setup.history.solid.modulus
         self._levels: dict[Any, tuple[ElasticBody, Recovery]] = {}
         self.names = tuple(f"tau={time:.6g}" for time in self._shear.times)
 

@@ -8,6 +8,9 @@ hereditary product) read, in the components ``v = L^-1 u`` and ``y = L^T f``,
 one by one. As ``L`` is triangular, ``y_j = 0`` for every node outside the contact, and inside it ``v_j``
 follows from the displacements imposed on the nodes up to j: what a component has been through is known from
 the penetration and from the moment at which the edge passed its node. Energies are sums over components.
+
+Where shear and bulk relax apart, the modulus is that of the surface, with the energies of the body (see
+``series_modulus``), and ``C`` the compliance at the glassy ``G/K``.
 """
 
 from __future__ import annotations
@@ -27,16 +30,16 @@ class Components:
 
     Parameters
     ----------
-    shear : Prony
+    modulus : Prony
     """
 
-    def __init__(self, shear: Prony) -> None:
-        self.shear = shear
-        self._moduli, self._times = shear.moduli[:, None], shear.times[:, None]
-        self._prony = Prony(shear.relaxed, self._moduli, self._times)
+    def __init__(self, modulus: Prony) -> None:
+        self.modulus = modulus
+        self._moduli, self._times = modulus.moduli[:, None], modulus.times[:, None]
+        self._prony = Prony(modulus.relaxed, self._moduli, self._times)
         # without force b' = -M b/(G tau) with M = diag(G) - G G^T/G(0): symmetric in b/sqrt(G tau)
         self._root = np.sqrt(self._moduli * self._times)
-        matrix = np.diag(shear.moduli) - np.outer(shear.moduli, shear.moduli) / shear.glassy
+        matrix = np.diag(modulus.moduli) - np.outer(modulus.moduli, modulus.moduli) / modulus.glassy
         self._rates, self._modes = np.linalg.eigh(matrix / (self._root * self._root.T))
 
     def linear(self, v: Array, b: Array, dt: Array | float, reached: Array) -> Array:
@@ -73,13 +76,13 @@ class Components:
         y = dt / self._times
         gain = (self._moduli * phi(y)).sum(axis=0)
         memory = (np.exp(-y) * b).sum(axis=0) - gain * v
-        return -memory / (self.shear.relaxed + gain)
+        return -memory / (self.modulus.relaxed + gain)
 
     def recovered(self, b: Array, dt: Array | float) -> tuple[Array, Array]:
         """``v`` and ``b`` after a time without force, exactly."""
         amplitudes = np.exp(-self._rates[:, None] * dt) * (self._modes.T @ (b / self._root))
         after = self._root * (self._modes @ amplitudes)
-        return -after.sum(axis=0) / self.shear.relaxed, after
+        return -after.sum(axis=0) / self.modulus.relaxed, after
 
     def crept(self, v: Array, b: Array, dt: Array, force: Array) -> tuple[Array, Array, Array]:
         """``v`` and ``b`` after a time in which the force goes linearly to ``force``, exactly, and its work.
@@ -96,11 +99,11 @@ class Components:
         b : ndarray, shape (branches, m)
         work : ndarray, shape (m,)
         """
-        before, relaxed = self.force(v, b), self.shear.relaxed
+        before, relaxed = self.force(v, b), self.modulus.relaxed
         y = self._rates[:, None] * dt
         one, change = phi(y), force - before
         start = self._modes.T @ (b / self._root)
-        pull = self._modes.T @ (self._moduli / (self.shear.glassy * self._root))
+        pull = self._modes.T @ (self._moduli / (self.modulus.glassy * self._root))
         after = self._root * (self._modes @ (np.exp(-y) * start + one * pull * change))
         reached = (force - after.sum(axis=0)) / relaxed
         # mean of v over the time: the work is what it does not lose while the force changes
@@ -186,7 +189,7 @@ class Components:
 
     def _once_released(self, v: Array, b: Array) -> Array:
         """Amplitudes of components in contact right after their release."""
-        pull = self._modes.T @ (self._moduli / (self.shear.glassy * self._root))
+        pull = self._modes.T @ (self._moduli / (self.modulus.glassy * self._root))
         return self._amplitudes(b) - pull * self.force(v, b)
 
     def _once_covered(self, free: Array, dt: Array | float, imposed: Array) -> Array:
@@ -213,19 +216,19 @@ class Components:
         unit : ndarray, shape (m,)
             ``L^-1 1``.
         """
-        return np.asarray((spread * unit**2).sum(axis=1) / (2.0 * self.shear.moduli))
+        return np.asarray((spread * unit**2).sum(axis=1) / (2.0 * self.modulus.moduli))
 
     def remaining_in_contact(self, energies: Array, dt: float) -> Array:
         """What is left after a time of the energies of :meth:`uneven_energies`: a strain that is the same."""
-        return energies * np.exp(-2.0 * dt / self.shear.times)
+        return energies * np.exp(-2.0 * dt / self.modulus.times)
 
     def force(self, v: Array, b: Array) -> Array:
         """``y``."""
-        return self.shear.relaxed * v + b.sum(axis=0)
+        return self.modulus.relaxed * v + b.sum(axis=0)
 
     def stored(self, v: Array, b: Array) -> Array:
         """Energy of the springs of each component."""
-        return 0.5 * (self.shear.relaxed * v**2 + (b**2 / self._moduli).sum(axis=0))
+        return 0.5 * (self.modulus.relaxed * v**2 + (b**2 / self._moduli).sum(axis=0))
 
     def loss(self, v: Array, b: Array, dt: Array | float, reached: Array) -> Array:
         """Energy dissipated in each component while ``v`` goes linearly to ``reached`` in a finite time.

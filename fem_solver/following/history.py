@@ -25,7 +25,7 @@ class FollowingHistory:
     def __init__(self, surfaces: Surfaces, solid: Components) -> None:
         self.surfaces, self.solid = surfaces, solid
         start = surfaces.around(surfaces.largest)
-        self.state = undeformed(start, len(solid.shear.times))
+        self.state = undeformed(start, len(solid.modulus.times))
         self.volume_solves = 0
         self._moved: tuple[FollowingState, FollowingState] | None = None
 

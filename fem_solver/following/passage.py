@@ -91,7 +91,7 @@ class NodePassage:
         Its radii in contact follow the indenter, the others stay; the edge releases the former or covers the
         latter.
         """
-        at, before, glassy = partly.at, partly.share, self.solid.shear.glassy
+        at, before, glassy = partly.at, partly.share, self.solid.modulus.glassy
         v, force = self.v[at], self.solid.force(self.v, self.b)[at]
         contact = self.solid.force(np.array([partly.contact]), self.held[:, None])[0]
         held = contact + glassy * (imposed - partly.contact)

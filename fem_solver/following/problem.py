@@ -80,7 +80,7 @@ class FollowingProblem:
         self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0
         self.evaluations = 0
         self._partly = int(np.floor(state.edge)) + 1 if state.edge >= 0.0 else None
-        step = solid.shear.increment(dt)
+        step = solid.modulus.increment(dt)
         self.modulus, start = step.modulus, -placement.profile - state.components
         # in contact throughout, per unit of penetration and without it
         self._gain = step.gain[:, None]

@@ -125,9 +125,11 @@ def set_up_following(
         If it was not to go on.
     """
     material = moduli(scene.material)
-    if not material.alike or options.path == "quadrature":
+    if options.path == "quadrature":
+        raise UnsupportedScene("adhesion.zone", "quadrature points need a mesh that stays", "path auto")
+    if not material.alike and options.records:
         raise UnsupportedScene(
-            "material.bulk", "separate relaxation needs a mesh that stays", "a longer zone"
+            "material.bulk", "fields of separate relaxation need a mesh that stays", "a longer zone"
         )
     if options.form != "mixed" and material.bulk is None:
         raise UnsupportedScene(
@@ -135,18 +137,17 @@ def set_up_following(
         )
     if scene.adhesion is None or not scene.is_adhesive:
         raise SceneError("adhesion", "is missing: only an adhesive edge needs a mesh that follows it", "work")
-    surfaces = Surfaces(
-        scene, meshes, material.ratio, material.unit_plane_modulus, options.form, options.far_field
-    )
+    unit = material.instantaneous_ratio, material.unit_plane_modulus
+    surfaces = Surfaces(scene, meshes, *unit, options.form, options.far_field)
 
     def stage_done() -> None:
         if proceed is not None and not proceed():
             raise SetUpInterrupted
 
     surfaces.stage_done = stage_done
-    history = FollowingHistory(surfaces, Components(material.shear))
+    history = FollowingHistory(surfaces, Components(material.surface))
     surfaces.stage_done = lambda: None
-    times = material.shear.times
+    times = material.surface.times
     return FollowingSetup(
         surfaces=surfaces,
         history=history,

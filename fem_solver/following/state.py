@@ -126,7 +126,7 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
     beyond = interpolated(x[free:], intensity[:, free:], new.positions[top:])
     between = share * within[:, -1:] + (1.0 - share) * beyond[:, :1]
     imposed = state.penetration * new.unit - new.profile
-    recovered = -new.unit[top:] * beyond.sum(axis=0) / solid.shear.relaxed
+    recovered = -new.unit[top:] * beyond.sum(axis=0) / solid.modulus.relaxed
     recovered[0] += share * (imposed[top] - recovered[0])
     moved = replace(
         state,

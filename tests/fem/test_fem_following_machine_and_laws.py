@@ -149,13 +149,13 @@ def test_force_and_energy_stay_where_a_jump_left_behind_lies_in_a_wide_element()
         assert energy(moved) == pytest.approx(energy(state), rel=3e-5)
         assert abs(np.sum(moved.uneven) - np.sum(state.uneven)) > 1e-4 * energy(state)
     later = solid.remaining_in_contact(moved.uneven, 0.5)
-    assert_allclose(later, moved.uneven * np.exp(-2.0 * 0.5 / solid.shear.times))
+    assert_allclose(later, moved.uneven * np.exp(-2.0 * 0.5 / solid.modulus.times))
 
 
 def test_what_the_free_surface_holds_decays_by_modes():
     solid = Components(Prony(0.3, np.array([1.0, 2.0, 0.5]), np.array([1e-3, 0.7, 40.0])))
     b = np.random.default_rng(5).normal(size=(3, 4))
-    v = -b.sum(axis=0) / solid.shear.relaxed
+    v = -b.sum(axis=0) / solid.modulus.relaxed
     held = solid.free_energies(b)
     assert held.sum() == pytest.approx(float(np.sum(solid.stored(v, b))), rel=1e-12)
     for time in (0.0, 1e-3, 5.0):
