@@ -144,7 +144,7 @@ def run(
         raise SceneError("fields", "no moment asked for", allowed)
     check_times(times, case.scene.loading)  # before anything is made
     check_taken(name, case.scene, (METHOD,), resolution)
-    if figures is not None and METHOD.follows_edge(case.scene):
+    if figures is not None and METHOD.follows_edge(case.scene) and not case.scene.material.is_elastic:
         figures.check_without_history()
     request = FieldRequest(tuple(times), pull_off, every, None if figures is None else figures.rows)
     command = FieldsCommand(case, request, figures, resolution, max_steps, fresh)

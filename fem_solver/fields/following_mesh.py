@@ -8,6 +8,7 @@ there, and the mesh of a row is fine around the edge of that row alone.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -51,7 +52,8 @@ class FollowingFields:
         placement = self._setup.surfaces.at(state.place)
         branches = np.array([placement.forces(branch) for branch in state.branches])
         body, _ = self._level(state.place)
-        return body.relaxing(self._shear, placement.forces(state.components), branches, placement.scale)
+        fields = body.relaxing(self._shear, placement.forces(state.components), branches, placement.scale)
+        return fields if self.names else replace(fields, dissipated=fields.rates)  # no branch, no loss
 
     def section(self, row: int) -> Section:
         """The mesh of a row."""

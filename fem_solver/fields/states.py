@@ -56,7 +56,7 @@ class FieldState:
     dissipation_rate : ndarray, shape (B, n)
         Power per volume lost in each branch.
     dissipated : ndarray, shape (B, n), or None
-        Energy per volume lost so far; ``None`` where the mesh follows the edge, which does not know it.
+        Energy per volume lost so far; ``None`` where branches lose it and the mesh follows the edge.
     surface : SurfaceProfile
         Radius, displacement, pressure and gap of the surface.
     element_volumes : ndarray, shape (m,)
