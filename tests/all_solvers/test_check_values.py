@@ -254,6 +254,7 @@ STARTS = {
         (0.3, 0.5),
         1.0,
     ),
+    "bulk-retraction-100nm": (sphere(1.0, 1e-4, 0.05 * 0.91 / 1e3), 0.02, (0.1, 0.25), FORCE),
 }  # contact, penetration, interval of the radius, unit of the force
 
 

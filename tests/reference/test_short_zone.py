@@ -20,6 +20,7 @@ from validation.measure.observables import observe
 from validation.reference import Options, solve
 from validation.reference.jkr import JKR
 from validation.reference.prony_integrals import relaxation_integral
+from validation.reference.separate_bulk import equivalent_material
 from validation.reference.short_zone import ShortZone, ShortZoneRun
 from validation.reference.short_zone_dead_load import DeadLoad, dead_load
 
@@ -28,10 +29,12 @@ SOURCE = "equation of motion of the edge of a short zone"
 KINDS = ("cycle", "retraction", "dead-load")
 SIZES = {1e-6: "1um", 1e-7: "100nm", 1e-8: "10nm"}
 SCENES = [*(f"pdms-{kind}-{size}" for kind in KINDS for size in SIZES.values()), "force-4"]
+SCENES.append("bulk-retraction-100nm")
 
 
 def law(scene: Scene) -> ShortZone:
-    return ShortZone(scene.material, scene.indenter.radius, scene.adhesion.work, scene.adhesion.zone)
+    material = scene.material if scene.material.bulk is None else equivalent_material(scene.material)
+    return ShortZone(material, scene.indenter.radius, scene.adhesion.work, scene.adhesion.zone)
 
 
 def predicted(scene: Scene) -> ShortZoneRun | DeadLoad:
@@ -65,7 +68,12 @@ def approached(scene: Scene):
     return law(scene).approach(scene.loading.penetration, step.to, step.rate)
 
 
-QUICK = ("pdms-retraction-10nm", *(f"pdms-dead-load-{size}" for size in SIZES.values()), "force-4")
+QUICK = (
+    "pdms-retraction-10nm",
+    *(f"pdms-dead-load-{size}" for size in SIZES.values()),
+    "force-4",
+    SCENES[-1],
+)
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in QUICK else SLOW) for name in SCENES])
