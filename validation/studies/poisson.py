@@ -2,7 +2,8 @@
 
 For every ratio ``K/G`` of the relaxed solid the scene keeps its shear relaxation and is run
 
-- in full, with nu(t) from separate bulk and shear, by the finite elements;
+- in full, with nu(t) from separate bulk and shear, by the finite elements (over short zones by the modulus of
+  the surface as well, from eigenvalues of their own);
 - by the reference with the ``E*(t)`` the surface feels (see ``poisson_material``): the same problem, another
   method, so the two must agree within their error estimates, which is checked;
 - under three assumptions of a constant ratio, by the reference: ``shear`` and ``tension``, the relaxed ratio
