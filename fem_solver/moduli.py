@@ -9,7 +9,7 @@ import numpy as np
 
 from contact_scene import BulkRelaxation, Material
 from fem_solver.prony import Prony
-from fem_solver.series_modulus import in_series
+from fem_solver.series_modulus import OneModulus
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,19 @@ class Moduli:
     @property
     def surface(self) -> Prony:
         """``E*(t)`` over :attr:`unit_plane_modulus`, what the surface answers with (``series_modulus``)."""
+        return self.shear if self.series is None else self.series.modulus
+
+    @property
+    def series(self) -> OneModulus | None:
+        """``4 G`` and ``4 (3 K + G)/3`` as one, over :attr:`unit_plane_modulus`; ``None`` if all relax alike.
+
+        The branches of the second are those of the bulk, then those of the shear.
+        """
         if self.alike or self.bulk is None:
-            return self.shear
-        joined = self.bulk.scaled(4.0).plus(self.shear.scaled(4.0 / 3.0))
-        return in_series(self.shear.scaled(4.0), joined).scaled(1.0 / self.unit_plane_modulus)
+            return None
+        unit = 4.0 / self.unit_plane_modulus
+        joined = self.bulk.scaled(unit).plus(self.shear.scaled(unit / 3.0))
+        return OneModulus(self.shear.scaled(unit), joined)
 
 
 def moduli(material: Material) -> Moduli:

@@ -24,7 +24,7 @@ _LEAST_SHARE = 1e-14
 """Modulus of a branch, relative to the glassy one, that is a rounding error."""
 
 
-def in_series(one: Prony, other: Prony) -> Prony:
+class OneModulus:
     """Two moduli that bear the same stress, as one of the sum of their strains.
 
     The energy of springs and dashpots over the strain ``x`` and those ``q`` of the dashpots of both,
@@ -36,21 +36,54 @@ def in_series(one: Prony, other: Prony) -> Prony:
     ----------
     one, other : Prony
 
-    Returns
-    -------
-    Prony
+    Attributes
+    ----------
+    modulus : Prony
     """
-    whole = one.glassy + other.glassy
-    coupling = np.append(other.glassy / whole * one.moduli, one.glassy / whole * other.moduli)
-    signed = np.append(one.moduli, -other.moduli)
-    stiffness = np.diag(np.abs(signed)) - np.outer(signed, signed) / whole
-    root = np.sqrt(np.append(one.moduli * one.times, other.moduli * other.times))
-    rates, modes = np.linalg.eigh(stiffness / np.outer(root, root))
-    moduli = (modes.T @ (coupling / root)) ** 2 / rates
-    glassy = one.glassy * other.glassy / whole
-    reached = moduli > _LEAST_SHARE * glassy
-    relaxed = one.relaxed * other.relaxed / (one.relaxed + other.relaxed)
-    return Prony(relaxed, moduli[reached], 1.0 / rates[reached])
+
+    def __init__(self, one: Prony, other: Prony) -> None:
+        whole = one.glassy + other.glassy
+        self._share = other.glassy / whole  # of the strain, taken by the first modulus in a jump
+        self._count = len(one.moduli)
+        coupling = np.append(self._share * one.moduli, (1.0 - self._share) * other.moduli)
+        self._signed = np.append(one.moduli, -other.moduli) / whole
+        stiffness = np.diag(np.append(one.moduli, other.moduli))
+        stiffness -= whole * np.outer(self._signed, self._signed)
+        root = np.sqrt(np.append(one.moduli * one.times, other.moduli * other.times))
+        rates, modes = np.linalg.eigh(stiffness / np.outer(root, root))
+        amplitudes = modes.T @ (coupling / root)
+        moduli = amplitudes**2 / rates
+        reached = moduli > _LEAST_SHARE * one.glassy * self._share
+        relaxed = one.relaxed * other.relaxed / (one.relaxed + other.relaxed)
+        self.modulus = Prony(relaxed, moduli[reached], 1.0 / rates[reached])
+        self._dashpots = (modes[:, reached] * (amplitudes / rates)[reached]) / root[:, None]
+
+    def parts(self, x: Array, branches: Array) -> tuple[StrainedModulus, StrainedModulus]:
+        """What both moduli have gone through.
+
+        Parameters
+        ----------
+        x : ndarray, shape (n,)
+            Strain of the one modulus.
+        branches : ndarray, shape (branches, n)
+            Its branch variables.
+
+        Returns
+        -------
+        tuple of StrainedModulus
+        """
+        dashpots = self._dashpots @ (x - branches / self.modulus.moduli[:, None])
+        first = self._share * x + self._signed @ dashpots
+        own, others = dashpots[: self._count], dashpots[self._count :]
+        return StrainedModulus(first, first - own), StrainedModulus(x - first, x - first - others)
+
+
+@dataclass(frozen=True)
+class StrainedModulus:
+    """Strain of a modulus, shape (n,), and of the springs of its branches, (branches, n)."""
+
+    whole: Array
+    springs: Array
 
 
 @dataclass(frozen=True)

@@ -64,6 +64,11 @@ class ElasticBody:
         self._strain = forms.strain_operator(space.basis)
         self.points: int = self._strain.shape[0] // 4
 
+    @property
+    def solves(self) -> int:
+        """Back-substitutions so far."""
+        return self.factor.solves
+
     def unknowns(self, forces: Array) -> Array:
         """Unknowns of the mesh for unit shear modulus.
 

@@ -18,6 +18,7 @@ from fem_solver.fields.elastic_body import ElasticBody
 from fem_solver.fields.following_log import FollowingLog
 from fem_solver.fields.point_fields import PointFields, Section
 from fem_solver.fields.recovery import Recovery
+from fem_solver.fields.separate_body import SeparateBody, branch_names
 from fem_solver.following.setup import FollowingSetup
 
 Array = NDArray[np.float64]
@@ -27,14 +28,17 @@ class FollowingFields:
     """Fields by back-substitution from the components of the row's surface."""
 
     def __init__(self, setup: FollowingSetup, log: FollowingLog) -> None:
-        self._setup, self._log, self._shear = setup, log, setup.history.solid.modulus
-        self._levels: dict[Any, tuple[ElasticBody, Recovery]] = {}
-        self.names = tuple(f"tau={time:.6g}" for time in self._shear.times)
+        self._setup, self._log, self._material = setup, log, setup.material
+        self._levels: dict[Any, tuple[ElasticBody | SeparateBody, Recovery]] = {}
+        self._apart = self._material.series is not None
+        self.names = tuple(f"tau={time:.6g}" for time in self._material.shear.times)
+        if self._apart:
+            self.names = branch_names(self._material)
 
     @property
     def volume_solves(self) -> int:
         """Back-substitutions in the body so far."""
-        return sum(body.factor.solves for body, _ in self._levels.values())
+        return sum(body.solves for body, _ in self._levels.values())
 
     @property
     def linear_solves(self) -> int:
@@ -44,15 +48,18 @@ class FollowingFields:
     @property
     def factorisations(self) -> int:
         """Of the body and of the projection, at every level."""
-        return 2 * len(self._levels)
+        return (3 if self._apart else 2) * len(self._levels)
 
     def at(self, row: int) -> PointFields:
         """Fields at a row."""
         state = self._log[row]
         placement = self._setup.surfaces.at(state.place)
-        branches = np.array([placement.forces(branch) for branch in state.branches])
         body, _ = self._level(state.place)
-        fields = body.relaxing(self._shear, placement.forces(state.components), branches, placement.scale)
+        if isinstance(body, SeparateBody):
+            return body.relaxing(state.components, state.branches, placement.forces, placement.scale)
+        branches = np.array([placement.forces(branch) for branch in state.branches])
+        image, shear = placement.forces(state.components), self._material.shear
+        fields = body.relaxing(shear, image, branches, placement.scale)
         return fields if self.names else replace(fields, dissipated=fields.rates)  # no branch, no loss
 
     def section(self, row: int) -> Section:
@@ -61,11 +68,16 @@ class FollowingFields:
         recovery = self._level(placement.place)[1]
         return Section(recovery, placement.radii, placement.height, placement.scale, placement.stretch)
 
-    def _level(self, place: Any) -> tuple[ElasticBody, Recovery]:
+    def _level(self, place: Any) -> tuple[ElasticBody | SeparateBody, Recovery]:
         """The half-space of a place and its projection; a run has few levels, by halves of the radius."""
         if place.level not in self._levels:
             space, count = self._setup.surfaces.half_space(place.level)
-            factor = space.factorise(self._setup.surfaces.ratio)
-            body = ElasticBody(space, factor, factor.far_weights(count))
-            self._levels[place.level] = body, Recovery(space.basis)
+
+            def elastic(ratio: float) -> ElasticBody:
+                factor = space.factorise(ratio)
+                return ElasticBody(space, factor, factor.far_weights(count))
+
+            body = elastic(self._setup.surfaces.ratio)
+            whole = SeparateBody(elastic(0.0), body, self._material) if self._apart else body
+            self._levels[place.level] = whole, Recovery(space.basis)
         return self._levels[place.level]

@@ -17,7 +17,7 @@ from fem_solver.following.components import Components
 from fem_solver.following.history import FollowingHistory
 from fem_solver.following.placement import Surfaces
 from fem_solver.irreversible_edge import edge_law
-from fem_solver.moduli import moduli
+from fem_solver.moduli import Moduli, moduli
 from fem_solver.options import DEFAULT_TOLERANCE, Options
 from fem_solver.setup import SetUpInterrupted
 
@@ -43,8 +43,7 @@ class FollowingSetup:
     surfaces : Surfaces
     history : FollowingHistory
     adhesion : Adhesion
-    plane_modulus : float
-        ``E*`` at unit shear modulus.
+    material : Moduli
     shortest_time : float
         Shortest relaxation time; infinite for an elastic solid.
     tolerance : float
@@ -56,12 +55,17 @@ class FollowingSetup:
     surfaces: Surfaces
     history: FollowingHistory
     adhesion: Adhesion
-    plane_modulus: float
+    material: Moduli
     shortest_time: float
     tolerance: float
     compliance: float = 0.0
     resolved_from = 0.0
     jump_tolerance = _JUMP_TOLERANCE
+
+    @property
+    def plane_modulus(self) -> float:
+        """``E*`` at unit shear modulus."""
+        return self.material.unit_plane_modulus
 
     @property
     def geometry(self) -> EdgeGeometry:
@@ -127,10 +131,6 @@ def set_up_following(
     material = moduli(scene.material)
     if options.path == "quadrature":
         raise UnsupportedScene("adhesion.zone", "quadrature points need a mesh that stays", "path auto")
-    if not material.alike and options.records:
-        raise UnsupportedScene(
-            "material.bulk", "fields of separate relaxation need a mesh that stays", "a longer zone"
-        )
     if options.form != "mixed" and material.bulk is None:
         raise UnsupportedScene(
             "material.poisson", "the displacement form needs compressibility", "form mixed"
@@ -152,7 +152,7 @@ def set_up_following(
         surfaces=surfaces,
         history=history,
         adhesion=scene.adhesion,
-        plane_modulus=material.unit_plane_modulus,
+        material=material,
         shortest_time=float(times.min()) if times.size else math.inf,
         tolerance=DEFAULT_TOLERANCE * (_DIVISIONS / meshes.divisions) ** 2,
         compliance=scene.loading.compliance,

@@ -16,7 +16,7 @@ from contact_scene import Adhesion, Branch, BulkRelaxation, Loading, Material, R
 from contact_scene.errors import UnsupportedScene
 from fem_solver.moduli import moduli
 from fem_solver.prony import Prony, RelaxingField
-from fem_solver.series_modulus import SeriesModulus, in_series
+from fem_solver.series_modulus import OneModulus, SeriesModulus
 from validation.reference.separate_bulk import equivalent_material
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.fitted_meshes import edge_meshes, mesh_for
@@ -52,7 +52,7 @@ def complex_modulus(modulus, frequency):
 @given(relaxing(), relaxing())
 def test_compliances_of_moduli_in_series_add_up(one, other):
     frequency = np.geomspace(1e-5, 1e5, 41)
-    found = in_series(one, other)
+    found = OneModulus(one, other).modulus
     compliance = 1.0 / complex_modulus(one, frequency) + 1.0 / complex_modulus(other, frequency)
     assert_allclose(complex_modulus(found, frequency) * compliance, 1.0, rtol=0.0, atol=1e-9)
     assert (found.moduli > 0.0).all()
@@ -65,7 +65,8 @@ def test_energies_of_moduli_in_series_are_those_of_both():
         Prony(1.0, np.array([2.0, 3.0]), np.array([0.1, 1.0])),
         Prony(0.5, np.array([4.0, 1.0]), np.array([0.1, 7.0])),
     )
-    series, joined = SeriesModulus((one, other), (1.0, 1.0)), in_series(one, other)
+    series, combined = SeriesModulus((one, other), (1.0, 1.0)), OneModulus(one, other)
+    joined = combined.modulus
     parts, whole = series.at_rest(), RelaxingField.at_rest(joined, 1)
     depth, rates = 0.3, (1.0, -2.0, 0.0, 0.5)
     for dt, target in ((0.0, np.full(1, depth)), *((1e-3, None) for _ in range(800))):
@@ -77,6 +78,10 @@ def test_energies_of_moduli_in_series_are_those_of_both():
             joined.relaxed * whole.x**2 + np.sum(whole.branches**2 / joined.moduli[:, None], axis=0)
         )
         assert_allclose(held, series.stored(parts), rtol=1e-4)
+    strained = combined.parts(whole.x, whole.branches)
+    for found, modulus, part in zip(strained, (one, other), parts, strict=True):
+        assert_allclose(found.whole, part.x, rtol=1e-4)
+        assert_allclose(found.springs * modulus.moduli[:, None], part.branches, rtol=1e-3, atol=1e-4)
 
 
 @pytest.mark.parametrize("bulk", ["elastic", BULK], ids=["elastic", "relaxing"])
@@ -120,11 +125,8 @@ def test_both_ways_to_carry_the_history_agree():
         assert apart.max() < allowed * np.abs(other).max(), name
 
 
-def test_fields_and_quadrature_points_need_a_mesh_that_stays():
+def test_quadrature_points_need_a_mesh_that_stays():
     made = edge_meshes(PULLED, 4)
-    with pytest.raises(UnsupportedScene, match="fields of separate relaxation"):
-        fem_solver.record(PULLED, made, fem_solver.Options(record_every=1))
     with pytest.raises(UnsupportedScene, match="quadrature points"):
         fem_solver.solve(PULLED, made, fem_solver.Options(path="quadrature"))
     assert not replace(FiniteElements(), path="quadrature").follows_edge(PULLED)
-    assert not replace(FiniteElements(), one_mesh_apart=True).follows_edge(PULLED)

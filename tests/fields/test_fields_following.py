@@ -13,7 +13,17 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import LinearNDInterpolator
 from support.paper_scenes import WORK
 
-from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere, write_scene
+from contact_scene import (
+    Adhesion,
+    Branch,
+    BulkRelaxation,
+    Loading,
+    Material,
+    Ramp,
+    Scene,
+    Sphere,
+    write_scene,
+)
 from crosscontact.cli import main
 from crosscontact.commands import fields
 from fem_solver import Options, field_states, record
@@ -75,7 +85,7 @@ def test_both_meshes_give_the_same_body():
     apart, largest = np.abs(found - expected), np.abs(expected).max(axis=1)
     assert np.all(apart.max(axis=1) <= 0.06 * largest)
     assert np.all(np.sqrt(np.mean(apart**2, axis=1)) <= 6e-3 * largest)
-    for name, allowed in (("element_stored", 2e-3), ("element_rate", 2e-2)):
+    for name, allowed in (("element_stored", 2e-3), ("element_rate", 3e-2)):
         sums = [getattr(state, name) @ state.element_volumes for state in (one, other)]
         assert_allclose(*sums, rtol=allowed, atol=0.0)
 
@@ -106,6 +116,39 @@ def test_densities_add_up_to_the_energies_of_the_trace():
     assert sums.stored == pytest.approx(sums.stored_in_trace, rel=5e-3)
     assert sums.dissipated is sums.dissipated_by_branch is sums.error is sums.error_of_balance is None
     assert state.element_rate.min() >= 0.0
+
+
+ALIKE = Material(0.75, 0.4, (Branch(2.0, 0.3), Branch(4.0, 0.05)))
+BULK = 1.0 / (3.0 * (1.0 - 2.0 * 0.4))
+SAME = replace(ALIKE, bulk=BulkRelaxation(0.75 * BULK, (Branch(4.0 * BULK, 0.05), Branch(2.0 * BULK, 0.3))))
+"""Bulk that relaxes like shear, as two materials."""
+
+
+def test_bulk_that_relaxes_like_shear_gives_the_same_body():
+    one, other = body(replace(MIDDLE, material=ALIKE)), body(replace(MIDDLE, material=SAME))
+    assert other.branches == ("shear tau=0.05", "shear tau=0.3", "bulk tau=0.05", "bulk tau=0.3")
+    for name in ("stress", "strain", "displacement", "element_stored"):
+        a, b = getattr(one, name), getattr(other, name)
+        assert np.abs(a - b).max() < 1e-6 * np.abs(a).max(), name
+    together = other.element_rate[:2] + other.element_rate[2:]
+    assert np.abs(together - one.element_rate).max() < 1e-6 * one.element_rate.max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "bulk", ["elastic", BulkRelaxation(2.0, (Branch(5.0, 0.1),))], ids=["elastic", "two"]
+)
+def test_bulk_that_relaxes_apart_gives_the_body_that_its_own_history_gives(bulk):
+    scene = replace(MIDDLE, material=replace(ALIKE, poisson=0.3, bulk=bulk), adhesion=Adhesion(WORK, 0.01))
+    one, other = body(scene), body(scene, follows=False)
+    assert one.branches == other.branches
+    found, expected = (within(state, other.contact_radius) for state in (one, other))
+    apart, largest = np.abs(found - expected), np.abs(expected).max(axis=1)
+    assert np.all(apart.max(axis=1) <= 0.06 * largest)
+    assert np.all(np.sqrt(np.mean(apart**2, axis=1)) <= 8e-3 * largest)
+    for name, allowed in (("element_stored", 2e-3), ("element_rate", 3e-2)):
+        sums = [getattr(state, name) @ state.element_volumes for state in (one, other)]
+        assert_allclose(*sums, rtol=allowed, atol=0.0)
 
 
 def test_the_edge_is_where_the_trace_has_it():

@@ -30,7 +30,7 @@ the whole path then takes gigabytes and a quarter of an hour, but knows where en
 GRADING = 0.14
 """Growth of the element size with the distance from the edge there: under the middle of a contact, where no
 strip is fine, the stress is off by 0.9 % of the largest, twice that on the mesh of a run without fields."""
-METHOD = FiniteElements(followed_beyond=FOLLOWED_BEYOND, followed_grading=GRADING, one_mesh_apart=True)
+METHOD = FiniteElements(followed_beyond=FOLLOWED_BEYOND, followed_grading=GRADING)
 """Only finite elements know the body."""
 PULL_OFF = "pull-off"
 

@@ -87,9 +87,6 @@ class FiniteElements(Solver):
         Largest contact radius, in process zones, beyond which the mesh follows the edge.
     followed_grading : float, optional
         ``grading`` of meshes that follow the edge, if it is another.
-    one_mesh_apart : bool
-        Whether the mesh stays, however short the zone, where the bulk modulus relaxes apart from shear:
-        fields in the body then need its history there.
     """
 
     grading: float | None = None
@@ -100,7 +97,6 @@ class FiniteElements(Solver):
     cached_mesh: bool = True
     followed_beyond: float = FOLLOWED_BEYOND
     followed_grading: float | None = None
-    one_mesh_apart: bool = False
 
     name = "fem"
     title = "finite elements"
@@ -173,19 +169,13 @@ class FiniteElements(Solver):
         """
         if self.path == "quadrature" or not scene.is_adhesive or scene.adhesion is None:
             return False
-        if self.one_mesh_apart and self.relaxes_apart(scene):
-            return False
         long = largest_contact_radius(scene) > self.followed_beyond * resolved_length(scene.adhesion)
         return long and (not math.isfinite(scene.indenter.edge) or peels(scene))
 
     def solves_volume(self, scene: Scene) -> bool:
         """Whether every step on a mesh that stays solves for the whole body: Poisson's ratio changes."""
-        return self.relaxes_apart(scene) or self.path == "quadrature"
-
-    @staticmethod
-    def relaxes_apart(scene: Scene) -> bool:
-        """Whether the bulk modulus relaxes apart from shear."""
-        return scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
+        relaxes_apart = scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
+        return relaxes_apart or self.path == "quadrature"
 
     def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
         """Forecast of a run, as of every solver, with constants for each way to carry it out."""

@@ -214,14 +214,14 @@ def _(true):
     return moduli
 
 
-@fault("shear lost beside the volume in the modulus of the surface", "moduli:in_series", SHORT_APART)
+@fault("shear lost beside the volume in the modulus of the surface", "moduli:OneModulus", SHORT_APART)
 def _(true):
-    def in_series(one, other):
+    def one_modulus(one, other):
         shared = len(one.times)  # branches of the bulk come first
         relaxed = other.relaxed - one.relaxed / 3.0
         return true(one, Prony(relaxed, other.moduli[:-shared], other.times[:-shared]))
 
-    return in_series
+    return one_modulus
 
 
 @fault("trapezoidal rule in place of the exact update", "prony:Prony.increment", ("punch-programme",))
