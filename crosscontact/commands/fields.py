@@ -29,7 +29,7 @@ from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import FigureSet
 from validation.fields.files import ParaViewSeries
 from validation.fields.request import METHOD, FieldRequest, RecordedFields, check_times, record_fields
-from validation.report.document import counted
+from validation.report.document import counted, plain
 from validation.solvers import Cost
 
 if TYPE_CHECKING:
@@ -269,7 +269,7 @@ def _write(
             on_moment(state)
         progress(count / len(recorded.moments), detail=f"{count} of {len(recorded.moments)} moments")
     cost = _difference(trace.counters, before)
-    spent = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in cost.items() if count)
+    spent = ", ".join(counted(count, plain(name).removesuffix("s")) for name, count in cost.items() if count)
     lines.append(f"cost of the fields: {spent or 'none'}")
     if series is None:
         return lines

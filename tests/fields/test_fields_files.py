@@ -221,7 +221,8 @@ def test_command_writes_what_it_says(scene_file, tmp_path, capsys):
     assert len(labels) > 4
     assert "pull-off" in said
     assert numbers["fields"]["volume_solves"] > len(labels)
-    assert f"{numbers['fields']['volume_solves']} volume solves" in said
+    assert numbers["fields"]["factorisations"] == 1
+    assert f"1 factorisation, {numbers['fields']['volume_solves']} volume solves\n" in said
     reader = pyvista.get_reader(out / "body.pvd")
     assert len(reader.time_values) == len(labels)
     assert 0.06 in reader.time_values
