@@ -115,6 +115,11 @@ def test_the_figure_shows_all_that_the_table_has():
     assert list(drawn["updates of the history in a step"]) == [10.0, 10.0]
 
 
+@pytest.mark.filterwarnings("error")
+def test_the_figure_of_runs_without_an_answer_is_empty():
+    assert not any(axes.lines for axes in draw([ZoneRun(1e-2, 1e-2, "bem", skipped="too long")]).axes)
+
+
 def test_command_writes_table_figure_and_numbers(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(zones, "run", lambda case, solver, resolution=None: answer(100, 1.0))
     taken = MeasuredRun(answer(100, 1.0), 250_000_000)

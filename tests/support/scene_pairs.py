@@ -2,14 +2,17 @@
 
 Every indenter, step kind, material form, law of adhesion, machine and step before with each other, with every
 command and with every option that keeps or resumes. The full product has tens of thousands of rows; the table
-has some eighty.
+has some ninety.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from itertools import combinations, product
 from pathlib import Path
+
+import numpy as np
 
 INDENTERS = {
     "sphere": "radius = 1e-3",
@@ -58,8 +61,10 @@ COMMANDS = {
     "solve reference": ("plain", "out", "fresh", "resume", "plot", "estimate"),
     "compare": ("plain", "out", "fresh", "resume"),
     "study": ("plain", "out", "fresh", "resume"),
+    "study --zones": ("plain", "out", "fresh", "resume"),
     "fields": ("out", "fresh", "resume"),
     "sweep": ("out", "fresh", "resume"),
+    "fit": ("plain", "out", "fresh", "resume"),
     "python": ("plain", "out", "plot", "estimate"),
 }
 """Commands that take a scene, and which of the options each has."""
@@ -98,6 +103,10 @@ class Row:
             f'{MACHINES[self.machine]}[loading]\nstart = "relaxed"\npenetration = 1e-6\n{BEFORE[self.before]}'
             f'[[loading.steps]]\nkind = "{self.step}"\n{STEPS[self.step]}\n'
         )
+        head = (
+            "# stiffness = 200.0\ntime,force,stage" if self.machine == "spring" else "time,force,penetration"
+        )
+        (folder / CURVE).write_text("\n".join([head, *_record()]))
         solver = "fem" if self.material in SEPARATE else "reference"
         (folder / PLAN).write_text(
             f'scene = "scene.toml"\nsolver = "{solver}"\nresolution = 4\nestimate = false\n'
@@ -106,12 +115,20 @@ class Row:
         return file
 
 
-PLAN = "plan.toml"
+PLAN, CURVE = "plan.toml", "curve.csv"
 PRONY = "i,tau_i,alpha_i,E_0,E_i\n-,s,-,Pa,Pa\n1,0.3,0.75,4e6,3e6\n"
 VALUES = (*map(tuple, (INDENTERS, STEPS, MATERIALS, ADHESIONS, MACHINES, BEFORE, COMMANDS)), OPTIONS)
 COMMAND, OPTION = 6, 7
 Pair = tuple[int, str, int, str]
 """Two features: column and name of each."""
+
+
+def _record() -> Iterator[str]:
+    """Rows of a measured triangle of motion, with a force in proportion and some noise."""
+    noise = np.random.default_rng(0).standard_normal(60)
+    for at, scatter in zip(np.linspace(0.0, 2.0, noise.size), noise, strict=True):
+        motion = 1.2e-6 - 2e-7 * abs(at - 1.0)
+        yield f"{at:.6g},{66.0 * motion + 5e-8 * scatter:.9g},{motion:.9g}"
 
 
 def possible(pair: Pair) -> bool:

@@ -47,5 +47,6 @@ def draw(runs: Sequence[ZoneRun]) -> Figure:
         axes.set_xlabel("process zone over contact radius")
         axes.set_ylabel(label)
         format_axes(axes)
-    figure.axes[0].legend(fontsize=8)
+    if figure.axes[0].lines:  # no solver may have answered
+        figure.axes[0].legend(fontsize=8)
     return figure
