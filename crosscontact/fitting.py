@@ -121,6 +121,7 @@ def fit(
     solver: str = registry.REFERENCE,
     resolution: int | None = None,
     check_solver: str | None = "bem",
+    max_steps: int | None = None,
     executor: Executor | None = None,
     out: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] | None = None,
@@ -154,6 +155,8 @@ def fit(
         By default the coarsest steps with an error of a twentieth of the noise.
     check_solver : str or None
         Solves the fitted curves once more.
+    max_steps : int, optional
+        Bounds accepted and rejected steps together; by default in proportion to the forecast.
     executor : Executor, optional
         Any of ``concurrent.futures``; carries out the runs of a derivative side by side.
     out : path, optional
@@ -191,6 +194,7 @@ def fit(
         solver=solver,
         resolution=resolution,
         check_solver=check_solver,
+        max_steps=max_steps,
     )
     of_class(
         scene, "scene", (Scene, str, os.PathLike), "a Scene, the name of a built-in scene, or a scene file"

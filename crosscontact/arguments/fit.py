@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from crosscontact.arguments.shared_options import fresh_option, jobs_option, solver_option
+from crosscontact.arguments.shared_options import (
+    fresh_option,
+    jobs_option,
+    max_steps_option,
+    solver_option,
+)
 from crosscontact.arguments.value_types import count, resolution
 
 
@@ -22,6 +27,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--check-solver", default="bem", metavar="NAME", help="or none; default: bem")
     command.add_argument("--resolution", type=resolution, metavar="N", help="default: by the noise")
     command.add_argument("--out", metavar="DIR", help="write page, fit.json, scene.toml and figure there")
+    max_steps_option(command)
     jobs_option(command)
     fresh_option(command, replaces=True)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from crosscontact.arguments.shared_options import fresh_option, jobs_option
+from crosscontact.arguments.shared_options import fresh_option, jobs_option, max_steps_option
 from crosscontact.arguments.value_types import number
 
 _bulk = number(lambda value: 2.0 / 3.0 < value < 1e6, "a number above 2/3, below 1e6")
@@ -15,6 +15,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Scenes, and the study to make of them: refinement, Poisson's ratio, or shorter process zones."""
     command.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
     command.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
+    max_steps_option(command)
     jobs_option(command, "processes for what is not timed")
     command.add_argument(
         "--poisson",
@@ -45,7 +46,16 @@ def carry_out(options: argparse.Namespace, jobs: int) -> int:
         raise SceneError("--zones", "given beside --poisson", "one of the two, each a study of its own")
     registry.usable()  # names those that cannot be loaded
     if options.poisson is not None:
-        return poisson.run(options.scenes, options.poisson, options.out, jobs, fresh=options.fresh)
+        return poisson.run(
+            options.scenes,
+            options.poisson,
+            options.out,
+            jobs,
+            fresh=options.fresh,
+            max_steps=options.max_steps,
+        )
     if options.zones is not None:
-        return zones.run(options.scenes, options.zones, options.out, options.fresh)
-    return study.run(options.scenes, options.out, jobs, options.fresh)
+        return zones.run(
+            options.scenes, options.zones, options.out, options.fresh, max_steps=options.max_steps
+        )
+    return study.run(options.scenes, options.out, jobs, options.fresh, max_steps=options.max_steps)

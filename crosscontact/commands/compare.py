@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from crosscontact.commands.failures import exit_code
-from crosscontact.commands.forecast import say_short_runs
+from crosscontact.commands.forecast import forecasts, say_short_runs
 from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import load_taken
 from validation.compare.suite import all_pairs
@@ -63,7 +63,7 @@ def run(
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, REPORT, loaded)
-    say_short_runs(max_steps, all_pairs(loaded, solvers))
+    say_short_runs(max_steps, forecasts(all_pairs(loaded, solvers)))
     store = Store(folder, fresh)
     with telling_what_is_kept(folder, store):
         progress = Progress("compare")

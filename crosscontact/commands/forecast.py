@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from contact_scene import Scene, SceneError
 from validation.cases import Case
@@ -35,12 +35,18 @@ def cost_within(max_steps: int | None, cost: Cost | None) -> Cost | None:
     return cost.within(max_steps)
 
 
-def say_short_runs(max_steps: int | None, pairs: Iterable[tuple[Case, str]]) -> None:
-    """Say on stderr how many runs, of scenes by solvers, are expected to exceed the user's step budget."""
+def forecasts(pairs: Iterable[tuple[Case, str]]) -> Iterator[tuple[str, Cost | None]]:
+    """What scenes are expected to cost by solvers at their own resolution, with the name of each run."""
+    for case, name in pairs:
+        yield f"{case.name} by {name}", expected_cost(case.scene, SOLVERS[name], None)
+
+
+def say_short_runs(max_steps: int | None, runs: Iterable[tuple[str, Cost | None]]) -> None:
+    """Say on stderr how many runs, named and with their forecasts, are expected to exceed the user's step
+    budget; forecasts are asked for only if there is one."""
     if max_steps is None:
         return
-    known = [(case, name, expected_cost(case.scene, SOLVERS[name], None)) for case, name in pairs]
-    costs = [(cost.steps, f"{case.name} by {name}") for case, name, cost in known if cost is not None]
+    costs = [(cost.steps, name) for name, cost in runs if cost is not None]
     over = [one for one in costs if one[0] > max_steps]
     if over:
         steps, longest = max(over)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from crosscontact.commands.forecast import say_short_runs
 from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import load_taken
 from validation.execution.files import output_folder
@@ -15,10 +16,12 @@ from validation.report.report_folder import STUDY, check_report_unused
 from validation.report.sections.study import short
 from validation.report.write import write_study
 from validation.solvers import solvers
-from validation.studies.study import study
+from validation.studies.study import level_forecasts, study
 
 
-def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -> int:
+def run(
+    names: Sequence[str], out: str | None, jobs: int, fresh: bool = False, *, max_steps: int | None = None
+) -> int:
     """Refine every solver on the given scenes.
 
     Parameters
@@ -32,6 +35,8 @@ def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -
     fresh : bool
         Whether levels stored by an earlier, interrupted command are ignored, and what the folder holds does
         not matter.
+    max_steps : int or None
+        Of every run, accepted and rejected together; ``None``: by its forecast.
 
     Returns
     -------
@@ -48,11 +53,12 @@ def run(names: Sequence[str], out: str | None, jobs: int, fresh: bool = False) -
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, STUDY, loaded)
+    say_short_runs(max_steps, (one for case in loaded for one in level_forecasts(case)))
     store = Store(folder, fresh)
     with telling_what_is_kept(folder, store):
         progress = Progress("study")
         progress.phase("runs")
-        result = study(loaded, jobs, progress, store)
+        result = study(loaded, jobs, progress, store, max_steps)
     print(terminal.text(short(result)))
     if folder is not None:
         with Progress("study") as writing:

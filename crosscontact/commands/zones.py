@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from crosscontact.commands.forecast import forecasts, say_short_runs
 from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import load_taken
 from validation.execution.files import output_folder
@@ -16,10 +17,17 @@ from validation.report.report_folder import check_report_unused, zones_json
 from validation.report.sections.zones import section
 from validation.report.write import write_zones
 from validation.solvers import REFERENCE, SOLVERS, solvers
-from validation.studies.zones import RATIOS, zone_runs
+from validation.studies.zones import RATIOS, zone_pairs, zone_runs
 
 
-def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: bool = False) -> int:
+def run(
+    names: Sequence[str],
+    ratios: Sequence[float],
+    out: str | None,
+    fresh: bool = False,
+    *,
+    max_steps: int | None = None,
+) -> int:
     """Run every solver with shorter and shorter zones; one after the other, for their time is measured.
 
     Parameters
@@ -33,6 +41,8 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
     fresh : bool
         Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
         replaced.
+    max_steps : int or None
+        Of every run, accepted and rejected together; ``None``: by its forecast.
 
     Returns
     -------
@@ -49,6 +59,8 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
     if folder is not None and not fresh:
         for case in loaded:
             check_report_unused(folder, zones_json(case.name), [case])
+    asked = [one.name for one in solvers()]
+    say_short_runs(max_steps, forecasts(zone_pairs(loaded, asked, ratios or RATIOS)))
     code, store = 0, Store(folder, fresh)
     for case in loaded:
         progress = Progress(f"{case.name} zones")
@@ -57,8 +69,7 @@ def run(names: Sequence[str], ratios: Sequence[float], out: str | None, fresh: b
                 telling_what_is_kept(folder, store),
                 processes(1, isolated=True, tasks_per_process=1) as executor,
             ):
-                names = [one.name for one in solvers()]
-                runs = zone_runs(case, names, ratios or RATIOS, progress, executor, store)
+                runs = zone_runs(case, asked, ratios or RATIOS, progress, executor, store, max_steps)
         finally:
             progress.close()
         print(terminal.text(section(case.name, runs)))

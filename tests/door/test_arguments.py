@@ -190,13 +190,16 @@ TABLE = {
             "solver": "reference",
             "resolution": 4,
             "check_solver": None,
+            "max_steps": 5000,
             "executor": None,
             "out": None,
             "progress": None,
         },
         {"tie": {"empty array"}, "per_curve": {"empty array"}, "free": {"empty array"}}
         | {"prony": TIMES, "profile": {"empty array"}, "out": OPTIONAL | TEXT}
-        | dict.fromkeys(("regularisation", "resolution", "check_solver", "executor", "progress"), OPTIONAL),
+        | dict.fromkeys(
+            ("regularisation", "resolution", "check_solver", "max_steps", "executor", "progress"), OPTIONAL
+        ),
     ),
     "fit_prony": (
         {"data": MODULI, "relaxed": None, "tolerance": 1e-3},

@@ -5,16 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from support.spring_solver import FunctionSolver, fake, named, small_scene, spring
+from support.recorded import hertz_curve
+from support.spring_solver import FunctionSolver, StudiedSolver, fake, named, small_scene, spring
 
 import crosscontact as cc
 from contact_scene import Branch, Loading, Material, Oscillate, Scene, Sphere, Table
 from contact_scene.run_control import MAX_STEPS
 from crosscontact.cli import main
 from validation import solvers
+from validation.execution.tasks import run_tasks
 from validation.fields import request
 from validation.solvers import SOLVERS, Cost
 from validation.solvers.cost_benchmark import SCENES
+from validation.studies import schemes, study, zones
+from validation.studies.ladders import Ladder, Level
+from validation.studies.schemes import Settings
 
 PRESSED = Scene(Material(0.75, 0.5, (Branch(6.75, 1.0),)), Sphere(1.0), Loading("relaxed", 0.04, ()))
 ROWS = 10_000
@@ -25,13 +30,16 @@ LONG = {
 }
 
 
+SAID = "are expected to take more, up to about 3e5 steps"
+
+
 def budgets(monkeypatch, cost: Cost | None = None) -> list[int | None]:
     """The budget with which a solver in place of the boundary elements is asked, run by run."""
     asked: list[int | None] = []
 
     def solve(scene, resolution=None, *, max_steps=None, **options):
         asked.append(max_steps)
-        return spring()(scene, resolution, **options)
+        return spring(scene.material.modulus)(scene, resolution, **options)
 
     if cost is not None:
         monkeypatch.setattr(FunctionSolver, "expected_cost", lambda self, scene, resolution=None: cost)
@@ -114,3 +122,57 @@ def test_compare_bounds_every_run(capsys, tmp_path, monkeypatch):
     assert "--max-steps" not in capsys.readouterr().err
     assert asked[0] == 30_000
     assert 300_000 in asked
+
+
+def stand_ins(monkeypatch, *names: str) -> list[int | None]:
+    """The same for several solvers and, under the same names, schemes of a study."""
+    asked = budgets(monkeypatch, Cost(3e5, 1.0, 1.0))
+    solve = solvers.SOLVERS["bem"].function
+    for name in names:
+        method = named(name, StudiedSolver(solve))
+        monkeypatch.setitem(solvers.SOLVERS, name, method)
+        monkeypatch.setitem(schemes.SCHEMES, name, replace(schemes.SCHEMES[name], solver=method))
+    return asked
+
+
+def said(err: str) -> str:
+    """The only line on the step budget."""
+    (line,) = [line for line in err.splitlines() if "--max-steps" in line]
+    return line
+
+
+def test_a_study_bounds_every_level(capsys, tmp_path, monkeypatch):
+    asked = stand_ins(monkeypatch, "bem", "reference")
+    ladder = Ladder("bem", "together", "all", tuple(Level(1.0 / n, str(n), Settings(n)) for n in (4, 8)))
+    monkeypatch.setattr(study, "ladders", lambda scene: [ladder, replace(ladder, kind="mesh")])
+    main(["study", small_scene(tmp_path), "--jobs", "1", "--max-steps", "30000"])
+    assert f"4 of 4 runs {SAID} (small by bem, together 8)" in said(capsys.readouterr().err)
+    assert set(asked) == {30_000}
+    asked.clear()
+    main(["study", small_scene(tmp_path), "--jobs", "1"])
+    assert "--max-steps" not in capsys.readouterr().err
+    assert set(asked) == {1_500_000}
+
+
+def test_studies_of_zones_and_of_poisson_ratios_bound_every_run(capsys, tmp_path, monkeypatch):
+    asked = stand_ins(monkeypatch, "bem", "fem", "reference")
+    monkeypatch.setattr(zones, "run_tasks", lambda tasks, *others: run_tasks(tasks))
+    given = [small_scene(tmp_path), "--max-steps", "30000"]
+    main(["study", *given, "--zones", "1e-2", "1e-4"])
+    line = said(capsys.readouterr().err)
+    assert f"6 of 6 runs {SAID} (small, zone 1e-04 of the radius, by reference)" in line
+    assert asked.count(30_000) == 6
+    main(["study", *given, "--poisson", "10", "--jobs", "1"])
+    assert "5 of 5 runs" in said(capsys.readouterr().err)
+    assert asked.count(30_000) == 11
+
+
+def test_a_fit_bounds_every_run_of_both_solvers(capsys, tmp_path, monkeypatch):
+    asked = stand_ins(monkeypatch, "bem", "reference")
+    curve = tmp_path / "hertz.csv"
+    cc.write_curve(hertz_curve(), curve)
+    given = ["fit", str(curve), small_scene(tmp_path), "--vary", "material.modulus", "--resolution", "4"]
+    main([*given, "--starts", "1", "--jobs", "1", "--max-steps", "30000"])
+    assert f"2 of 2 runs {SAID} (hertz by reference)" in said(capsys.readouterr().err)
+    assert len(asked) > 2
+    assert set(asked) == {30_000}

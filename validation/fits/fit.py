@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -20,7 +20,7 @@ from validation.fits.fit_question import question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import Array, MeasuredCurve
-from validation.fits.parameters import ParameterSet
+from validation.fits.parameters import CONTACT_POINT, ParameterSet
 from validation.fits.problem import FitProblem
 from validation.fits.profile_likelihood import LikelihoodProfile, likelihood_profile
 from validation.fits.search import BestSoFar, Search, search
@@ -98,6 +98,34 @@ def fit_curves(
     )
 
 
+def first_guesses(
+    curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings
+) -> Iterator[tuple[str, Scene]]:
+    """The scene with which the search sets out, for each curve that ever comes to contact, with its name.
+
+    Parameters
+    ----------
+    curves, scene, settings
+        As of :func:`fit_curves`.
+
+    Yields
+    ------
+    (str, Scene)
+
+    Raises
+    ------
+    SceneError
+        As of :func:`fit_curves`.
+    """
+    curves = _named_apart(curves)
+    problem, _ = _prepared(curves, *with_grid(with_spring(scene, curves), settings), None, None)
+    for index, model in enumerate(problem.models):
+        values, instrument = problem.parameters.of_curve(problem.parameters.start, index)
+        asked = model.scene_of(values, instrument[CONTACT_POINT])
+        if asked is not None:
+            yield model.curve.name, asked[0]
+
+
 def _prepared(
     curves: Sequence[MeasuredCurve],
     scene: Scene,
@@ -137,6 +165,7 @@ def _prepared(
         executor=executor,
         store=store or Store(),
         penalty=bending(settings) if len(settings.prony) > 2 and settings.regularisation > 0.0 else None,
+        max_steps=settings.max_steps,
     )
     return problem, warnings
 

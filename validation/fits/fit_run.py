@@ -45,7 +45,13 @@ class FitRun:
 NO_CONTACT = FitRun(*(np.empty(0),) * 4)
 
 
-def run_of(scene: Scene, solver: str, resolution: int | None, tolerance: float | None = None) -> FitRun:
+def run_of(
+    scene: Scene,
+    solver: str,
+    resolution: int | None,
+    tolerance: float | None = None,
+    max_steps: int | None = None,
+) -> FitRun:
     """Solve a scene; what goes wrong is part of the answer.
 
     Parameters
@@ -55,6 +61,8 @@ def run_of(scene: Scene, solver: str, resolution: int | None, tolerance: float |
     resolution : int or None
     tolerance : float or None
         Of the time steps, where no resolution is given.
+    max_steps : int or None
+        ``None``: by the forecast.
 
     Returns
     -------
@@ -63,12 +71,12 @@ def run_of(scene: Scene, solver: str, resolution: int | None, tolerance: float |
     method = solvers.solver(solver)
     method.load()
     try:
-        trace = method.solve(scene, resolution, step_tolerance=tolerance)
+        trace = method.solve(scene, resolution, step_tolerance=tolerance, max_steps=max_steps)
     except SceneError as error:
         return replace(NO_CONTACT, failure=str(error), refused=True)
     except Exception as error:
         if tolerance is not None:  # steps as coarse as a fit can do with may be too coarse for this scene
-            return run_of(scene, solver, resolution)
+            return run_of(scene, solver, resolution, None, max_steps)
         return replace(NO_CONTACT, failure=one_line(error))
     columns = trace.time, trace.force, trace.contact_radius, trace.penetration
     finite = np.isfinite(columns).all(axis=0)

@@ -43,6 +43,8 @@ class FitSettings:
         own choice.
     check_solver : str or None
         The second solver; ``None``: none.
+    max_steps : int or None
+        Of every run, accepted and rejected together; ``None``: by its forecast.
     """
 
     vary: tuple[str, ...] = ()
@@ -57,6 +59,7 @@ class FitSettings:
     solver: str = REFERENCE
     resolution: int | None = None
     check_solver: str | None = "bem"
+    max_steps: int | None = None
 
     def __post_init__(self) -> None:
         for name in ("vary", "tie", "per_curve", "free", "profile"):
@@ -74,3 +77,5 @@ class FitSettings:
         not_negative(self.regularisation, "regularisation")
         whole_number(self.starts, "starts", 1)
         whole_number(self.seed, "seed", 0)
+        if self.max_steps is not None:
+            object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))

@@ -56,6 +56,8 @@ class FitProblem:
         Holds the runs of an interrupted fit.
     penalty : callable, optional
         Further residuals of the values by name, and nothing else (regularisation).
+    max_steps : int or None
+        Of every run; ``None``: by its forecast.
 
     Attributes
     ----------
@@ -72,6 +74,7 @@ class FitProblem:
     executor: Executor | None = None
     store: Store = field(default_factory=Store)
     penalty: Callable[[Mapping[str, float]], Array] | None = None
+    max_steps: int | None = None
     runs: int = 0
     _kept: dict[str, FitRun] = field(default_factory=dict)
 
@@ -163,10 +166,10 @@ class FitProblem:
             except SceneError as error:  # a corner of the search that no scene may have
                 asked, failures[place] = None, str(error)
             scenes.append(asked)
-            fineness = self.solver, self.resolution, self.tolerance
-            keys.append("" if asked is None else fingerprint("fit", asked[0], *fineness))
+            asked_of = self.solver, self.resolution, self.tolerance, self.max_steps
+            keys.append("" if asked is None else fingerprint("fit", asked[0], *asked_of))
             if asked is not None and keys[-1] not in self._kept:
-                arguments = (asked[0], *fineness)
+                arguments = (asked[0], *asked_of)
                 tasks[keys[-1]] = Task(keys[-1], f"curve {curve + 1}", run_of, arguments)
         executor = self.executor if len(tasks) > 1 else None
         for result in run_tasks(tasks.values(), executor, self.store):

@@ -80,6 +80,7 @@ def second_solver(
         executor=problem.executor,
         store=problem.store,
         penalty=problem.penalty,
+        max_steps=problem.max_steps,
     )
     points = [problem.parameters.of_curve(x, index) for index in range(len(problem.models))]
     found = other.predictions(list(enumerate(points)))

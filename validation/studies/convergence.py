@@ -112,7 +112,7 @@ class Convergence:
     rows: tuple[Row, ...]
 
 
-def solve_level(case: Case, scheme: str, level: Level) -> Trace:
+def solve_level(case: Case, scheme: str, level: Level, max_steps: int | None = None) -> Trace:
     """One run of one level.
 
     Parameters
@@ -121,15 +121,25 @@ def solve_level(case: Case, scheme: str, level: Level) -> Trace:
     scheme : str
         Name.
     level : Level
+    max_steps : int or None
+        ``None``: by the forecast.
 
     Returns
     -------
     Trace
     """
-    return schemes.scheme(scheme).solve(case.scene, level.settings, cycle_times(case.scene.loading))
+    stop_times = cycle_times(case.scene.loading)
+    return schemes.scheme(scheme).solve(case.scene, level.settings, stop_times, max_steps)
 
 
-def run_level(case: Case, scheme: str, level: Level, reference: Trace | None, repeats: int = 1) -> LevelRun:
+def run_level(
+    case: Case,
+    scheme: str,
+    level: Level,
+    reference: Trace | None,
+    max_steps: int | None = None,
+    repeats: int = 1,
+) -> LevelRun:
     """Run a level, repeatedly while that is cheap; a breakdown becomes part of the result.
 
     Parameters
@@ -140,6 +150,8 @@ def run_level(case: Case, scheme: str, level: Level, reference: Trace | None, re
     level : Level
     reference : Trace or None
         Run that errors are measured against; ``None``: no errors.
+    max_steps : int or None
+        ``None``: by the forecast.
     repeats : int
         Largest number of runs, of which the fastest is timed.
 
@@ -150,7 +162,7 @@ def run_level(case: Case, scheme: str, level: Level, reference: Trace | None, re
     try:
         schemes.scheme(scheme).solver.load()  # imports are not part of a run
         scene = schemes.with_zone(case.scene, level.settings.zone_factor)
-        wall, cpu, trace = _timed(lambda: solve_level(case, scheme, level), repeats)
+        wall, cpu, trace = _timed(lambda: solve_level(case, scheme, level, max_steps), repeats)
     except Exception as error:
         failure = f"{type(error).__name__}: {' '.join(str(error).split())}"
         return LevelRun(level, failure=failure, details=traceback.format_exc())

@@ -115,6 +115,12 @@ def ratio_runs(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
     }
 
 
+def all_pairs(cases: Iterable[Case], ratios: Iterable[float]) -> list[tuple[Case, str]]:
+    """The scene and the solver of every run, for every ratio."""
+    asked = [(case, ratio) for case in cases for ratio in ratios]
+    return [pair for case, ratio in asked for pair in ratio_runs(case, ratio).values()]
+
+
 def compare_ratios(
     case: Case,
     ratios: Iterable[float] = RATIOS,
@@ -122,6 +128,7 @@ def compare_ratios(
     executor: Executor | None = None,
     progress: Callable[[float, str], None] | None = None,
     store: Store | None = None,
+    max_steps: int | None = None,
 ) -> list[CompressibilityComparison]:
     """Run everything, for every ratio.
 
@@ -134,6 +141,8 @@ def compare_ratios(
         Divisions per process zone of the finite elements.
     executor, progress, store
         As of :func:`~validation.execution.tasks.run_tasks`.
+    max_steps : int or None
+        Of every run; ``None``: by its forecast.
 
     Returns
     -------
@@ -148,7 +157,7 @@ def compare_ratios(
     named = {ratio: ratio_runs(case, ratio) for ratio in ratios}
     tasks = [
         replace(
-            run_task(of, solver, resolution if name == FULL else None, estimate=True),
+            run_task(of, solver, resolution if name == FULL else None, estimate=True, max_steps=max_steps),
             label=f"K/G = {ratio:g}: {name}",
         )
         for ratio, pairs in named.items()

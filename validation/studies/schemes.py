@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from contact_scene import Scene, Trace
-from validation.solvers import SOLVERS, Solver
+from contact_scene import Scene, SceneError, Trace
+from validation.solvers import SOLVERS, Cost, Solver
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.front_tracking import FrontTracking
@@ -85,7 +85,13 @@ class Scheme:
         """Line properties for matplotlib, marker included."""
         return {**self.solver.curve_style, "marker": self.solver.marker, **(self.line or {})}
 
-    def solve(self, scene: Scene, settings: Settings, stop_times: tuple[float, ...] = ()) -> Trace:
+    def solve(
+        self,
+        scene: Scene,
+        settings: Settings,
+        stop_times: tuple[float, ...] = (),
+        max_steps: int | None = None,
+    ) -> Trace:
         """Solve a scene with the settings of one level.
 
         Parameters
@@ -94,19 +100,33 @@ class Scheme:
         settings : Settings
         stop_times : tuple of float
             Stepped onto.
+        max_steps : int or None
+            ``None``: by the forecast.
 
         Returns
         -------
         Trace
         """
-        changes: Any = settings.of_solver
-        solver = replace(self.solver, **changes) if changes else self.solver  # type: ignore[type-var]
-        return solver.solve(
+        return self._solver_with(settings).solve(
             with_zone(scene, settings.zone_factor),
             settings.resolution,
             step_tolerance=settings.tolerance,
             stop_times=stop_times,
+            max_steps=max_steps,
         )
+
+    def expected_cost(self, scene: Scene, settings: Settings) -> Cost | None:
+        """The forecast of a level; ``None`` where the solver refuses the scene."""
+        try:
+            return self._solver_with(settings).expected_cost(
+                with_zone(scene, settings.zone_factor), settings.resolution
+            )
+        except SceneError:
+            return None
+
+    def _solver_with(self, settings: Settings) -> Solver:
+        changes: Any = settings.of_solver
+        return replace(self.solver, **changes) if changes else self.solver  # type: ignore[type-var]
 
 
 def with_zone(scene: Scene, factor: float) -> Scene:

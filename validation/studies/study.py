@@ -6,6 +6,7 @@ Everything is measured against the finest front tracking.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
@@ -17,7 +18,7 @@ from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.execution.tasks import Task, TaskResult, one_line, run_tasks
-from validation.solvers import REFERENCE
+from validation.solvers import REFERENCE, Cost
 from validation.studies.convergence import (
     REPEATS,
     Convergence,
@@ -70,7 +71,13 @@ class Study:
     wall_seconds: float
 
 
-def study(cases: list[Case], workers: int, progress: Progress, store: Store | None = None) -> Study:
+def study(
+    cases: list[Case],
+    workers: int,
+    progress: Progress,
+    store: Store | None = None,
+    max_steps: int | None = None,
+) -> Study:
     """Run all ladders of the given scenes.
 
     Parameters
@@ -82,6 +89,8 @@ def study(cases: list[Case], workers: int, progress: Progress, store: Store | No
         Closed at the end.
     store : Store or None
         Levels of an earlier attempt are taken over, run times included.
+    max_steps : int or None
+        Of every run; ``None``: by its forecast.
 
     Returns
     -------
@@ -89,13 +98,23 @@ def study(cases: list[Case], workers: int, progress: Progress, store: Store | No
     """
     store = store or Store()
     try:
-        scenes = [_study_scene(case, workers, progress, store) for case in cases]
+        scenes = [_study_scene(case, workers, progress, store, max_steps) for case in cases]
     finally:
         progress.close()
     return Study(scenes, stamp(), store.seconds)
 
 
-def _study_scene(case: Case, workers: int, progress: Progress, store: Store) -> SceneStudy:
+def level_forecasts(case: Case) -> Iterator[tuple[str, Cost | None]]:
+    """What the levels of all ladders are expected to cost, with the name of each run."""
+    for ladder in ladders(case.scene):
+        for level in ladder.levels:
+            cost = scheme(ladder.scheme).expected_cost(case.scene, level.settings)
+            yield f"{case.name} by {ladder.scheme}, {ladder.kind} {level.label}", cost
+
+
+def _study_scene(
+    case: Case, workers: int, progress: Progress, store: Store, max_steps: int | None
+) -> SceneStudy:
     """The reference first; then the timed ladders, alone; then the others together."""
     all_ladders = ladders(case.scene)
     declined = {ladder.scheme: _refusal(case, ladder.scheme) for ladder in all_ladders}
@@ -108,11 +127,12 @@ def _study_scene(case: Case, workers: int, progress: Progress, store: Store) -> 
         done += len(tasks)
         return results
 
-    key = fingerprint("finest reference", case.scene)
-    (answer,) = run([Task(key, f"{case.name} reference", _finest_reference, (case,))])
+    key = fingerprint("finest reference", case.scene, max_steps)
+    (answer,) = run([Task(key, f"{case.name} reference", _finest_reference, (case, max_steps))])
     reference, resolution, words = answer.value or (None, 0, f"no reference; {answer.failure}")
     tasks = [
-        [] if declined[ladder.scheme] else _level_tasks(case, ladder, reference) for ladder in all_ladders
+        [] if declined[ladder.scheme] else _level_tasks(case, ladder, reference, max_steps)
+        for ladder in all_ladders
     ]
     results = {i: run(tasks[i]) for i, ladder in enumerate(all_ladders) if ladder.timed}
     shared = [i for i in range(len(tasks)) if i not in results]
@@ -142,16 +162,18 @@ def _refused_levels(ladder: Ladder, reason: str) -> tuple[LevelRun, ...]:
     return tuple(LevelRun(level, failure=reason, refused=True) for level in ladder.levels)
 
 
-def _level_tasks(case: Case, ladder: Ladder, reference: Trace | None) -> list[Task]:
+def _level_tasks(case: Case, ladder: Ladder, reference: Trace | None, max_steps: int | None) -> list[Task]:
     """The levels of a ladder."""
     warmed_up = False
 
-    def run_timed(case: Case, scheme: str, level: Level, reference: Trace | None) -> LevelRun:
+    def run_timed(
+        case: Case, scheme: str, level: Level, reference: Trace | None, max_steps: int | None
+    ) -> LevelRun:
         """:func:`run_level`, repeated; before the first of these levels, the coarsest is run to warm up.
 
         Parameters
         ----------
-        case, scheme, level, reference
+        case, scheme, level, reference, max_steps
             As of :func:`run_level`.
 
         Returns
@@ -160,16 +182,16 @@ def _level_tasks(case: Case, ladder: Ladder, reference: Trace | None) -> list[Ta
         """
         nonlocal warmed_up
         if not warmed_up:  # imports, caches, pages of memory
-            run_level(case, scheme, ladder.levels[0], None)
+            run_level(case, scheme, ladder.levels[0], None, max_steps)
             warmed_up = True
-        return run_level(case, scheme, level, reference, REPEATS)
+        return run_level(case, scheme, level, reference, max_steps, REPEATS)
 
     return [
         Task(
-            fingerprint("level", case.scene, ladder.scheme, ladder.kind, level, ladder.timed),
+            fingerprint("level", case.scene, ladder.scheme, ladder.kind, level, ladder.timed, max_steps),
             f"{case.name} {ladder.scheme} {ladder.kind} {level.label}",
             run_timed if ladder.timed else run_level,
-            (case, ladder.scheme, level, _own_reference(reference, level)),
+            (case, ladder.scheme, level, _own_reference(reference, level), max_steps),
         )
         for level in ladder.levels
     ]
@@ -187,12 +209,13 @@ def _own_reference(reference: Trace | None, level: Level) -> Trace | None:
     return reference if level.settings.zone_factor == 1.0 else None
 
 
-def _finest_reference(case: Case) -> tuple[Trace | None, int, str]:
+def _finest_reference(case: Case, max_steps: int | None) -> tuple[Trace | None, int, str]:
     """The finest front tracking that reaches its end, its resolution, and why the finer ones failed."""
     failures = []
     for resolution in finest(case.scene):
         try:
-            trace = solve_level(case, REFERENCE, Level(1.0 / resolution, "", Settings(resolution)))
+            level = Level(1.0 / resolution, "", Settings(resolution))
+            trace = solve_level(case, REFERENCE, level, max_steps)
         except Exception as error:
             failures.append(f"{resolution} failed: {one_line(error)}")
             continue

@@ -8,9 +8,10 @@ longer than ``PATIENCE`` is ended, and its solver is not asked for shorter zones
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from validation.execution.store import Store
 from validation.execution.tasks import TaskEnding, run_tasks
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE, SOLVERS
+from validation.solvers.contact_range import largest_contact_radius
 
 RATIOS = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 """Process zones over the largest contact radius."""
@@ -104,6 +106,7 @@ def zone_runs(
     progress: Callable[[float, str], None] | None = None,
     executor: Executor | None = None,
     store: Store | None = None,
+    max_steps: int | None = None,
 ) -> list[ZoneRun]:
     """Run a scene with zones of all ratios.
 
@@ -121,6 +124,9 @@ def zone_runs(
         memory is measured as well.
     store : Store, optional
         Runs of an earlier attempt are taken over, run times and memory included.
+    max_steps : int or None
+        Of every run but those of the reference that radius and errors are read from; ``None``: by its
+        forecast.
 
     Returns
     -------
@@ -148,7 +154,7 @@ def zone_runs(
     given_up: set[str] = set()
     for index, ratio in enumerate(ordered):
         zone = ratio * radius
-        there = replace(case, scene=replace(case.scene, adhesion=replace(adhesion, zone=zone)))
+        there = _with_zone(case, zone)
         finer = run(there, REFERENCE, 2 * SOLVERS[REFERENCE].default_resolution(there.scene))
         for place, solver in enumerate(solvers):
             if progress is not None:
@@ -156,7 +162,7 @@ def zone_runs(
                 progress(done, f"{solver}, zone {ratio:.0e} of the radius")
             one = ZoneRun(ratio, zone, solver, skipped="not run: too long at a longer zone")
             if solver not in given_up:
-                one = _zone_run(one, there, finer, executor, store)
+                one = _zone_run(one, there, finer, executor, store, max_steps)
             if one.skipped:
                 given_up.add(solver)
             made.append(one)
@@ -164,10 +170,15 @@ def zone_runs(
 
 
 def _zone_run(
-    one: ZoneRun, case: Case, finer: Run, executor: Executor | None, store: Store | None
+    one: ZoneRun,
+    case: Case,
+    finer: Run,
+    executor: Executor | None,
+    store: Store | None,
+    max_steps: int | None,
 ) -> ZoneRun:
     """The run, or that it took too long."""
-    plain = run_task(case, one.solver)
+    plain = run_task(case, one.solver, max_steps=max_steps)
     task = replace(
         plain,
         key=fingerprint("memory", plain.key),
@@ -182,6 +193,24 @@ def _zone_run(
     result = run_of(replace(answer, task=plain, value=None if measured is None else measured.run))
     peak = None if executor is None or measured is None else measured.peak_memory
     return replace(one, run=result, skipped="", errors=relative_errors(result, finer), peak_memory=peak)
+
+
+def zone_pairs(
+    cases: Iterable[Case], solvers: Sequence[str], ratios: Iterable[float]
+) -> Iterator[tuple[Case, str]]:
+    """The named scene and the solver of every run, for forecasts: with the bound of the contact radius that
+    meshes are fitted to."""
+    for case, ratio in product(cases, sorted(ratios, reverse=True)):
+        there = _with_zone(case, ratio * largest_contact_radius(case.scene))
+        named = replace(there, name=f"{case.name}, zone {ratio:.0e} of the radius,")
+        yield from ((named, solver) for solver in solvers)
+
+
+def _with_zone(case: Case, zone: float) -> Case:
+    adhesion = case.scene.adhesion
+    if adhesion is None:
+        return case
+    return replace(case, scene=replace(case.scene, adhesion=replace(adhesion, zone=zone, stress=None)))
 
 
 def _measured(function: Callable[..., Run], *arguments: Any) -> MeasuredRun:
