@@ -25,6 +25,9 @@ _STRIDE = 6.0
 that the edge has at least three quarters of the strip's half before it and behind it."""
 _DOMAIN_RATIO = 400.0
 """Radius of the domain over that of the strip, where none is specified."""
+_GMSH_RESOLVES = 5e-9
+"""Least element, over the contact radius, that gmsh places rightly: its own tolerances are some 1e-8 of the
+geometry. Below 1e-9 it leaves most of the elements out around the strip; the structured family does not."""
 _COVERED = 8.0
 """Radius of the domain, at least, over the largest contact radius of the run."""
 
@@ -93,7 +96,9 @@ class EdgeMeshes:
         # no other length of the scene enters, so that the meshes of one scene serve the next
         covered = 2.0 ** math.ceil(math.log2(max(_COVERED * self.largest / self.zone, 1.0)))
         domain = max(ratio * centre, covered)
-        return MeshParameters(1.0 / self.divisions, fine_from, fine_to, domain, self.grading)
+        size = 1.0 / self.divisions
+        family = "gmsh" if size > _GMSH_RESOLVES * centre else "structured"
+        return MeshParameters(size, fine_from, fine_to, domain, self.grading, family)
 
     def mesh(self, level: int) -> HalfSpaceMesh:
         """The mesh of a level, in process zones; made when it is first asked for."""
