@@ -48,6 +48,9 @@ WIDE_BEYOND = 0.3
 NOT_COMPARED_WIDE = ("approach_force", "approach_radius", "final_penetration", "dissipated_energy")
 """Observables that are not compared for zones beyond ``WIDE_BEYOND``."""
 WIDE = ReferenceRuns(("start_force", "pull_off_force"), fine=40, coarse=20)
+PACE = 0.3
+"""Speed of the penetration at the shortest zone, ``V tau/da``: the edge moves a few zones in a relaxation
+time, and what it takes up depends on its speed; at a speed given in radii it opens as a glass does."""
 
 
 def adhesion() -> list[StabilityCase]:
@@ -114,6 +117,11 @@ def _zones() -> list[StabilityCase]:
                 "process zone", f"{label}, V tau/R = 0.02", viscoelastic, observables, PULLED, **more
             ),
         ]
+    shortest = min(SHARES)
+    law = Adhesion(base.WORK, shortest * radius)
+    slow = base.scene(material, (Ramp(base.AWAY, PACE * law.zone),), "relaxed", base.TOP, law)
+    label = f"da/a = {shortest:.3g}, V tau/da = {PACE:g}"
+    cases.append(StabilityCase("process zone", label, slow, PEELED, PULLED))
     for share in (1.5, 100.0):
         law = Adhesion(base.WORK, share * radius)
         longer = base.scene(material, (Ramp(base.AWAY, 0.02),), "relaxed", base.TOP, law)
