@@ -8,7 +8,7 @@ from crosscontact.arguments.shared_options import fresh_option, jobs_option, max
 from crosscontact.arguments.value_types import number
 
 _bulk = number(lambda value: 2.0 / 3.0 < value < 1e6, "a number above 2/3, below 1e6")
-_ratio = number(lambda value: 1e-8 <= value <= 0.2, "a number from 1e-8 to 0.2")
+_ratio = number(lambda value: 2e-9 <= value <= 0.2, "a number from 2e-9 to 0.2")
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -31,7 +31,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="RATIO",
         help="instead: steps, points, time and error of every solver with process zones of these ratios to "
-        "the contact radius (5e-2 to 1e-7)",
+        "the contact radius (5e-2 to 5e-9)",
     )
     fresh_option(command, replaces=True)
 

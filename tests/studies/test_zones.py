@@ -144,4 +144,4 @@ def test_a_ratio_out_of_range_is_one_line(capsys):
     with pytest.raises(SystemExit) as stopped:
         main(["study", "cycle-v0.02", "--zones", "2"])
     assert stopped.value.code == 2
-    assert "1e-8 to 0.2" in capsys.readouterr().err
+    assert "2e-9 to 0.2" in capsys.readouterr().err
