@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.faults.injection import missing, seeded
+from support.faults.injection import seeded, stale
 from support.faults.path_order import FAULTS
 
 from bem_solver.bent_path import BentPath
@@ -71,7 +71,7 @@ def test_the_path_has_its_order(solver):
 
 
 def test_every_fault_has_its_function():
-    assert missing(FAULTS) == []
+    assert stale(FAULTS) == []
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.key)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from support.faults.injection import missing, seeded
+from support.faults.injection import seeded, stale
 from support.faults.verdicts import FAULTS
 
 from contact_scene import Counters, Loading, Material, Outcome, OutcomeKind, Ramp, Scene, Sphere, Trace
@@ -108,7 +108,7 @@ def test_numbers_on_paper_hold(name):
 
 def test_every_check_has_its_fault_and_every_fault_its_function():
     assert {name for fault in FAULTS for name in fault.scenes} == set(CHECKS)
-    assert missing(FAULTS) == []
+    assert stale(FAULTS) == []
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.key)

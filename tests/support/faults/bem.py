@@ -77,8 +77,8 @@ def _(true):
 
 @fault("annulus areas without pi", "annuli:Annuli.__init__")
 def _(true):
-    def init(self, count):
-        true(self, count)
+    def init(self, *given, **named):
+        true(self, *given, **named)
         self.areas = self.areas / np.pi
 
     return init
@@ -86,8 +86,8 @@ def _(true):
 
 @fault("annulus areas as 2 pi r dr at the collocation radius", "annuli:Annuli.__init__")
 def _(true):
-    def init(self, count):
-        true(self, count)
+    def init(self, *given, **named):
+        true(self, *given, **named)
         self.areas = 2.0 * np.pi * self.radii * np.diff(self.borders)
 
     return init
@@ -100,9 +100,9 @@ def _(true):
 
 @fault("process zone measured from the wrong side", "trial:gap_outside")
 def _(true):
-    def gap(problem, front, motion, surface, radius):
+    def gap(problem, state, motion, surface, radius, *creep):
         mirrored = 2.0 * surface.edge + problem.zone - radius
-        return true(problem, front, motion, surface, np.maximum(mirrored, surface.edge))
+        return true(problem, state, motion, surface, np.maximum(mirrored, surface.edge), *creep)
 
     return gap
 
@@ -123,7 +123,7 @@ def _(true):
 
 @fault("released points forget their relaxation", "surface_points:released")
 def _(true):
-    return lambda chain, points, motion, new_load: 0.0 * points.variables
+    return lambda chain, points, *given: 0.0 * points.variables
 
 
 @fault("released surface does not creep", "surface_points:free")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import importlib
+import inspect
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -105,15 +106,45 @@ def located(target: str) -> tuple[Any, str]:
     return owner, name
 
 
-def missing(faults: Iterable[Fault]) -> list[str]:
-    """Faults whose function no longer exists under the name they state, one line each."""
+def _plain(member: Any) -> Callable[..., Any]:
+    """The function in a property, class method or static method, or the function itself."""
+    match member:
+        case property():
+            return member.fget  # type: ignore[return-value]
+        case functools.cached_property():
+            return member.func
+        case classmethod() | staticmethod():
+            return member.__func__
+        case _:
+            return member
+
+
+def stale(faults: Iterable[Fault]) -> list[str]:
+    """Faults whose function is gone, or takes what its wrong version does not take; one line each.
+
+    The latter would break every run down, which looks like a fault that is caught.
+    """
     lines = []
     for fault in faults:
         try:
-            located(fault.target)
-        except (ImportError, AttributeError, KeyError) as error:
+            owner, name = located(fault.target)
+            _bind(_plain(vars(owner)[name]), fault.broken)
+        except (ImportError, AttributeError, KeyError, TypeError) as error:
             lines.append(f"{fault.target} ({fault.key}): {type(error).__name__}: {error}")
     return lines
+
+
+def _bind(true: Callable[..., Any], broken: Callable[..., Any]) -> None:
+    """Raise a :class:`TypeError` unless the wrong function takes the arguments of the true one."""
+    if not inspect.isfunction(inspect.unwrap(true)):  # of SciPy, not written in Python
+        return
+    parameters = inspect.signature(true).parameters.values()
+    wrong = inspect.signature(broken(true))
+    in_order = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    by_name = [p for p in parameters if p.kind is p.KEYWORD_ONLY]
+    wrong.bind(*in_order, **{p.name: p for p in by_name})
+    needed = [p for p in in_order if p.default is p.empty]
+    wrong.bind(*needed, **{p.name: p for p in by_name if p.default is p.empty})
 
 
 @dataclass
