@@ -1,0 +1,47 @@
+"""Heat of an edge that opens, turns and closes past where it set off.
+
+One branch relaxes over a hundred times the duration, one over a thousandth of it: the tip's release changes a
+hundredfold where the edge turns and where it meets the place again. Faults: ``support.faults.turned_edge``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.bem_runs import front
+from support.faults.injection import seeded, stale
+from support.faults.turned_edge import FAULTS
+from support.paper_scenes import scene
+
+from bem_solver import Options, solve
+from contact_scene import Branch, Material, Ramp
+
+QUESTION = scene(
+    Ramp(0.03, 0.01),
+    Ramp(0.036, 0.01),
+    start="relaxed",
+    at=0.032,
+    material=Material(0.75, 0.5, (Branch(2.0, 1e-3), Branch(9.0, 100.0))),
+)
+MOST = 5e-3
+"""Error relative to front tracking, three times that of the boundary elements, a fifth of that of a fault."""
+
+
+def error_of_heat():
+    expected = front(QUESTION).extra["branch_dissipation"][-1]
+    return abs(solve(QUESTION, Options(9)).extra["branch_dissipation"][-1] / expected - 1.0)
+
+
+def test_heat_of_a_turned_edge_is_that_of_front_tracking():
+    assert error_of_heat() < MOST
+
+
+def test_every_fault_has_its_function():
+    assert stale(FAULTS) == []
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.key)
+def test_a_fault_shows(fault):
+    with np.errstate(all="ignore"), seeded(fault) as calls:
+        assert error_of_heat() > MOST
+    assert calls.count > 0
