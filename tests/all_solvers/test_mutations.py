@@ -68,7 +68,7 @@ IN_CI = (
     "fem: wake of earlier steps over zones recovers half as fast",
     "fem: process zone longer by a length of 1e-6",
     "fem: relaxation times close together joined",
-    "fem: a mesh 0.5 % too wide",
+    "fem: surface 0.5 % narrower than its mesh",
     "reference: answer: tensions 1 % too small",
     "reference: holds 3 % too long",
     "shared: force ramps twice as fast",

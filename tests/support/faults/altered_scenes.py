@@ -141,7 +141,9 @@ ALTERATIONS = (
         "process zone longer by a length of 1e-6", _zone(lambda zone: zone + 1e-6), ("cycle-si-small",)
     ),
     Alteration("process zone 3 % too long", _zone(lambda zone: 1.03 * zone), ("elastic-glassy", *PULLED)),
-    Alteration("process zone 1 % too short", _zone(lambda zone: 0.99 * zone), ("elastic-glassy",)),
+    Alteration(
+        "process zone 1 % too short", _zone(lambda zone: 0.99 * zone), ("elastic-glassy", "rated-edge-si")
+    ),
     Alteration(
         "work of adhesion 0.3 % too large",
         lambda s: replace(s, adhesion=s.adhesion and replace(s.adhesion, work=1.003 * s.adhesion.work)),

@@ -19,7 +19,6 @@ FAULTS: list[Fault] = []
 _, scene_fault = registry("reference", "contact_scene", FAULTS, shared=True)
 _, measure_fault = registry("reference", "validation.measure", FAULTS, shared=True)
 _, elements_fault = registry("fem", "contact_scene", FAULTS, shared=True)
-_, mesh_fault = registry("fem", "meshes", FAULTS, shared=False)
 PUNCH, CONE, SPRING = ("punch-programme",), ("cone-force-ramp",), ("spring-elastic",)
 RATED, HYSTERESIS = ("rated-edge-si",), ("hysteresis-si",)
 
@@ -244,12 +243,3 @@ def _(true):
     return lambda scene: {
         name: size / (math.pi if name == "force" else 1.0) for name, size in true(scene).items()
     }
-
-
-@mesh_fault("a mesh 0.5 % too wide", "cache:cached", ("elastic-relaxed",))
-def _(true):
-    def cached(parameters):
-        mesh = true(parameters)
-        return replace(mesh, points=1.005 * mesh.points)
-
-    return cached
