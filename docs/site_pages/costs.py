@@ -9,10 +9,9 @@ from contact_scene import Adhesion, Scene
 from validation.cases import load
 from validation.solvers import Solver, solvers
 from validation.solvers.contact_range import largest_contact_radius
+from validation.studies.zones import RATIOS
 
 SCENE = "cycle-v0.02"
-RATIOS = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-"""Process zones over the largest contact radius."""
 IMPRACTICAL = 1e5
 """Processor time (s) beyond which a run is named impractical: more than a day."""
 
