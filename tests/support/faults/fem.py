@@ -12,8 +12,6 @@ from fem_solver.prony import Increment, Prony
 FAULTS, fault = registry("fem", "fem_solver")
 SHORT = ("pdms-retraction-100nm",)
 """Where the mesh follows the edge and steps pass over many process zones."""
-SHORT_APART = ("bulk-retraction-100nm",)
-"""The same where bulk relaxes apart from shear."""
 
 
 @fault("the half of the closure dropped", "release:ContactProblem.closure")
@@ -218,16 +216,6 @@ def _(true):
         return replace(found, bulk=Prony(found.bulk.relaxed, found.bulk.moduli, 0.5 * found.bulk.times))
 
     return moduli
-
-
-@fault("shear lost beside the volume in the modulus of the surface", "moduli:OneModulus", SHORT_APART)
-def _(true):
-    def one_modulus(one, other):
-        shared = len(one.times)  # branches of the bulk come first
-        relaxed = other.relaxed - one.relaxed / 3.0
-        return true(one, Prony(relaxed, other.moduli[:-shared], other.times[:-shared]))
-
-    return one_modulus
 
 
 @fault("trapezoidal rule in place of the exact update", "prony:Prony.increment", ("punch-programme",))
