@@ -59,7 +59,7 @@ class GradedState:
     from which rates are extrapolated; from there steps were ``rejected``. ``step`` is the step to try next
     before it is limited, ``travel_share`` the share of the travel limit of the edge in force, ``slope`` the
     derivative of the residual with the edge expected in the next step (0: unknown), ``last_slope`` that in
-    the last accepted one.
+    the last accepted one. ``sought_limit_point``: from here no step ends on one.
     """
 
     contact: HalfSpaceState
@@ -76,6 +76,7 @@ class GradedState:
     travel_share: float = 1.0
     slope: float = 0.0
     last_slope: float = 0.0
+    sought_limit_point: bool = False
 
     def follow_slope(self, slope: float) -> None:
         """Take the slope of an accepted step (0: unknown), and expect the next to change in proportion."""

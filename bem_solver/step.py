@@ -121,7 +121,7 @@ class TrialStep(StepStart):
             if isinstance(pinned, Candidate):
                 return pinned
             low, high = (low, edge) if pinned > 0.0 else (edge, high)
-        at_end = cache(lambda at: self._trial(self.end, at))
+        at_end = cache(lambda at: self.trial(self.end, at))
         expected = self._expected_edge()
         if expected == edge and self._hardly_turns(at_end(edge).residual):
             return self._ending(at_end(edge))
@@ -159,7 +159,7 @@ class TrialStep(StepStart):
         if abs(radius - edge) <= self.accuracy:
             return replace(candidate, parameter=self.state.parameter, error=0.0, speed_jumps=True)
         step = replace(self, step=candidate.parameter - self.state.parameter)
-        beyond = step._trial(candidate.parameter, radius)
+        beyond = step.trial(candidate.parameter, radius)
         root = RootSearchResult("converged", radius, beyond, 0.0)
         result = step._to_travel_limit(new_edge < edge, radius, root)
         return replace(result, speed_jumps=True) if isinstance(result, Candidate) else None
@@ -191,11 +191,11 @@ class TrialStep(StepStart):
         """The shorter step that takes the edge to its travel limit ``edge``, if it is stable there."""
         start, beyond = self.state.parameter, root.trial
         accuracy = _RESIDUAL_ACCURACY * self.settings.tolerance
-        known = {1.0: beyond, 0.0: self._trial(start, edge)}
+        known = {1.0: beyond, 0.0: self.trial(start, edge)}
 
         def residual(share: float) -> float:
             if share not in known:
-                known[share] = self._trial(start + share * self.step, edge)
+                known[share] = self.trial(start + share * self.step, edge)
             return known[share].residual
 
         shortest = min(self.shortest_step / self.step, 1.0)
@@ -205,19 +205,19 @@ class TrialStep(StepStart):
                 return FailedStep(StepFailure.BEYOND_TRAVEL_LIMIT, receding, way)
             # within rounding of the time it goes at least so far
             parameter = min(start + self.shortest_step, self.interval.length)
-            return Candidate(parameter, self._trial(parameter, edge), 0.0)
+            return Candidate(parameter, self.trial(parameter, edge), 0.0)
         share = brentq(residual, shortest, 1.0, xtol=1e-300, rtol=accuracy, maxiter=_HALVINGS)
         parameter = start + share * self.step
         if parameter <= start:
             return FailedStep(StepFailure.UNRESOLVED, receding)
         trial = known[share]
-        inward = self._trial(parameter, edge - 0.01 * self.reach(not receding))
+        inward = self.trial(parameter, edge - 0.01 * self.reach(not receding))
         if inward.residual > trial.residual:
             travel = abs(beyond.motion.new_edge - self.state.contact.edge)
             way = self._way_to_limit_point(edge, residual(0.0))
             return FailedStep(StepFailure.UNSTABLE, receding, way, travel)
         error = error_at_limit(
-            self, trial, parameter - start, lambda: self._trial(parameter, self.state.contact.edge)
+            self, trial, parameter - start, lambda: self.trial(parameter, self.state.contact.edge)
         )
         return Candidate(parameter, trial, error, root.slope)
 
@@ -233,7 +233,7 @@ class TrialStep(StepStart):
         if reach <= near:
             return math.inf
         sign = math.copysign(1.0, far - edge)
-        drop = sign * self._trial(self.state.parameter, edge + sign * near).residual / near
+        drop = sign * self.trial(self.state.parameter, edge + sign * near).residual / near
         if drop <= 0.0:
             return 0.0
         bend = (drop - sign * residual / reach) / (reach - near)
@@ -256,16 +256,16 @@ class TrialStep(StepStart):
     def _in_full_contact(self) -> Candidate | None:
         """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""
         start, edge = self.state.parameter, self.state.contact.edge
-        trial = self._trial(self.end, edge)
+        trial = self.trial(self.end, edge)
         if trial.residual <= 0.0:
             return Candidate(self.end, trial, step_error(self, trial, self.end - start, rate_step=self.step))
         known = _RESIDUAL_ACCURACY * self.settings.tolerance * self.problem.work
-        if self._trial(start, edge).residual >= -max(1e-6 * trial.residual, known):
+        if self.trial(start, edge).residual >= -max(1e-6 * trial.residual, known):
             return None
-        end = brentq(lambda p: self._trial(p, edge).residual, start, self.end, xtol=1e-12 * self.end)
+        end = brentq(lambda p: self.trial(p, edge).residual, start, self.end, xtol=1e-12 * self.end)
         if end <= start:
             return None
-        trial = self._trial(end, edge)
+        trial = self.trial(end, edge)
         return Candidate(end, trial, step_error(self, trial, end - start))
 
     def _pinned(self) -> Candidate | float:
@@ -277,7 +277,7 @@ class TrialStep(StepStart):
         start, edge, jump = self.state.parameter, self.state.contact.edge, self.interval.jump
         adhesion, last = self.problem.irreversible, self.state.contact.last_step
         assert adhesion is not None
-        trial = self._trial(self.end, edge)
+        trial = self.trial(self.end, edge)
         departure = closure_of_departure(adhesion, trial.closure, jump)
         if departure is None:
             return Candidate(self.end, trial, step_error(self, trial, self.end - start))
@@ -287,16 +287,16 @@ class TrialStep(StepStart):
             return way * (1.0 - at.closure / departure)
 
         goes_on = last is not None and way * (edge - last.edge) > 0.0
-        if not goes_on and driven(self._trial(start, edge)) < -_RESIDUAL_ACCURACY * self.settings.tolerance:
+        if not goes_on and driven(self.trial(start, edge)) < -_RESIDUAL_ACCURACY * self.settings.tolerance:
             end = brentq(
-                lambda p: driven(self._trial(p, edge)), start, self.end, xtol=1e-14 * self.end, rtol=1e-14
+                lambda p: driven(self.trial(p, edge)), start, self.end, xtol=1e-14 * self.end, rtol=1e-14
             )
             if end > start:
-                trial = self._trial(end, edge)
+                trial = self.trial(end, edge)
                 return Candidate(end, trial, step_error(self, trial, end - start), speed_jumps=True)
         return trial.closure - adhesion.work
 
-    def _trial(self, parameter: float, edge: float) -> TrialContact:
+    def trial(self, parameter: float, edge: float) -> TrialContact:
         if parameter not in self._ends:
             self._ends[parameter] = self._end(parameter)
         end, control = self._ends[parameter], self.interval.control

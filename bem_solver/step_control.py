@@ -167,6 +167,11 @@ class AcceptedSteps:
         delay, bend = self._delay()
         return max(delay, 0.0) / (-2.0 * bend) if bend < 0.0 else math.inf
 
+    def step_to_limit_point(self) -> float:
+        """Parameter left until the edge runs away; infinite if it does not run ever faster."""
+        way = self.way_to_limit_point()
+        return 0.5 * way * self._delay()[0] if 0.0 < way < math.inf else math.inf
+
     def step_of_travel(self, travel: float) -> float:
         """Step in which an edge that runs ever faster travels so far; infinite for any other edge.
 

@@ -40,7 +40,7 @@ def limited_step(start: StepStart) -> tuple[float, float]:
         step = left
     else:
         step = min(limited, 0.5 * left) if 2.0 * limited > left else limited
-    step = min(step, _until_largest_tension(start, limited))
+    step = min(step, until_largest_tension(start, limited))
     return limited, max(step, min(start.shortest_step, left))
 
 
@@ -67,7 +67,7 @@ def _step_within(start: StepStart, step: float, limit: float) -> float:
     return step
 
 
-def _until_largest_tension(start: StepStart, step: float) -> float:
+def until_largest_tension(start: StepStart, step: float) -> float:
     """The longest step that leaves rows close before, at and close after the largest tension of the run."""
     state, force = start.state, start.state.contact.surface.force
     if start.interval.control == "force" or force >= 0.0:

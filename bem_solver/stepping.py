@@ -22,6 +22,7 @@ from bem_solver.instantaneous_events import (
     unstable_motion,
     without_contact,
 )
+from bem_solver.limit_point import near_limit_point, to_limit_point
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.problem import Problem
 from bem_solver.profiles import surface_profile
@@ -141,6 +142,8 @@ class GradedRun:
         if state.contact.edge == 0.0:
             return self._after_event(without_contact(start), interval, report)
         state.accepted.least = start.smallest_travel
+        if not state.sought_limit_point and near_limit_point(start):
+            return self._to_limit_point(start, report)
         state.step, step = limited_step(start)
         if step < math.ulp(state.parameter):
             if math.isfinite(state.accepted.way_to_limit_point()):  # no time resolves the rest of it
@@ -181,6 +184,18 @@ class GradedRun:
             self.cursor.level_reached()
         return outcome
 
+    def _to_limit_point(self, start: StepStart, report: Callable[[float], None]) -> Outcome | None:
+        """A step that ends on the limit point ahead, and the unstable motion from there, if there is one."""
+        state, interval = self.state, start.interval
+        state.sought_limit_point = True
+        step = state.accepted.step_to_limit_point()
+        candidate = to_limit_point(TrialStep(self.problem, self.settings, state, interval, step))
+        if candidate is None:
+            return None
+        receding = candidate.trial.motion.new_edge < state.contact.edge
+        outcome = self._accept(candidate, start, report, False)
+        return outcome or self._after_limit_point(start, receding, report)
+
     def _overshoots_its_zone(self, candidate: Candidate, taken: float, interval: LoadingInterval) -> bool:
         """Whether a zone of fixed stress comes to fill its contact within a step that is not yet short."""
         adhesion = self.problem.scene.adhesion
@@ -220,7 +235,7 @@ class GradedRun:
         Where its edge ``leaps``, passing an annulus at once, its speed says nothing of the next step.
         """
         state, record, interval = self.state, self.state.record, start.interval
-        state.rejected = []
+        state.rejected, state.sought_limit_point = [], False
         taken = candidate.parameter - state.parameter
         order = 3 if self.problem.curves else 2  # of a parabola, or of a straight line
         state.step = max(grown(taken, candidate.error, order), self._shortened(taken, candidate.error))
@@ -320,6 +335,7 @@ class GradedRun:
             state.contact = event.contact
             state.record.row(self.problem.chain, state.contact, state.energies)
             return None
+        state.sought_limit_point = False
         self._commit(event.trial, interval.time(event.parameter), report)
         state.contact = replace(state.contact, last_step=None)
         state.accepted.start(self._accepted_row(event.parameter, interval))
