@@ -205,7 +205,7 @@ class Annuli:
         punch = shape.kappa * (2.0 / np.pi * np.arcsin(1.0 / outside) - self._outside_punch)
         self._missed_outside = shape.outside(outside) - punch - self._outside @ pressure
 
-    def _curvature(self, pressure: Array) -> float:
+    def curvature(self, pressure: Array) -> float:
         """How much of the displacement ``x^n`` there is in pressures (M,)."""
         return float(self._reading @ (self._per_pressure * pressure))
 
@@ -213,9 +213,9 @@ class Annuli:
         """Pressures (M,) or (M, c) that produce the given displacements at the collocation radii."""
         return dgetrs(self._factors, self._pivots, displacement)[0]
 
-    def force(self, pressure: Array, kappa: float) -> float:
+    def force(self, pressure: Array, kappa: float, curvature: float) -> float:
         """Force of pressures (M,), exact for the punch, whose part in it is ``2 kappa``, and the profile."""
-        missed = self._missed_force * self._curvature(pressure)
+        missed = self._missed_force * curvature
         return float(2.0 * kappa + self.areas @ (pressure - kappa * self.punch)) + missed
 
     def work(self, pressure: Array, displacement: Array) -> Array:
@@ -225,9 +225,9 @@ class Annuli:
         """
         return (self.areas * pressure) @ self._averages @ displacement
 
-    def density(self, pressure: Array) -> Array:
+    def density(self, pressure: Array, curvature: float) -> Array:
         """``q_j = p sqrt(1 - x^2)`` at the collocation angles, (M,), exact for the punch and the profile."""
-        return self._per_pressure * pressure + self._curvature(pressure) * self._missed_density
+        return self._per_pressure * pressure + curvature * self._missed_density
 
     def pressure(self, density: Array) -> Array:
         """Pressures (M,) of a density, inverse of :meth:`density`."""
@@ -238,14 +238,14 @@ class Annuli:
         """``kappa = pi q(edge)``: displacement of the flat punch with the same edge singularity."""
         return float(np.pi * (self._edge_fit @ density[:-4:-1]))
 
-    def outside_field(self, pressure: Array, kappa: float) -> Array:
+    def outside_field(self, pressure: Array, kappa: float, curvature: float) -> Array:
         """Cubics of the outer displacement without its punch part, over the angle ``arcsin(1/x)``.
 
         Returns shape (4, M): between borders, from the far end to the edge.
         """
         samples = np.zeros(self.count + 3)
         samples[2:-1] = self._outside @ pressure - kappa * self._outside_punch
-        samples[2:-1] += self._curvature(pressure) * self._missed_outside
+        samples[2:-1] += curvature * self._missed_outside
         samples[0] = -samples[2]  # odd about the far end (~1/x); about the edge continued by a cubic
         fourth, third, second, last = samples[-5:-1].tolist()
         samples[-1] = 4.0 * last - 6.0 * second + 4.0 * third - fourth

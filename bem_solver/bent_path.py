@@ -13,33 +13,21 @@ to come.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bem_solver.creep import SMALLEST
 from bem_solver.outer_fall import OuterFall
 
 Array = NDArray[np.float64]
-Fall = Callable[[Array, Array], Array]
 
 _LARGEST_BEND = 0.99
 """Change of the speed within a step, relative to its mean over it: below 1 the edge does not turn."""
-_RULES = {
-    longest: (0.5 * (nodes + 1.0), 0.5 * weights)
-    for longest, (nodes, weights) in (
-        (most, np.polynomial.legendre.leggauss(count)) for most, count in ((1.0, 12), (math.inf, 20))
-    )
-}
-"""Quadratures over a step by its length, in retardation times, up to which they are exact to 1e-6."""
 _NEWTON_STEPS = 4
 """For the share at which a cubic path passes a radius, from that of a parabola close to it."""
-_FORGOTTEN = 36.0
-"""Time, in retardation times, after which nothing is left of a lag: ``exp(-36)`` is rounding."""
 
 
 @dataclass(frozen=True)
@@ -201,14 +189,14 @@ class BentPath:
 
     def edge(self, left: Array) -> Array:
         """Edge with a share of the step still to come."""
-        return self._edge(self.course(left))
+        return self.edge_on(self.course(left))
 
     def left(self, radius: Array) -> Array:
         """Share of the step still to come when the edge passes a radius.
 
         Beyond the step continued by parabolas, or, of a path of the travel, 0 and 1.
         """
-        passage = self._passage(radius)
+        passage = self.passage(radius)
         return self.share.at(np.minimum(np.maximum(passage, 0.0), 1.0)) if self.of_travel else passage
 
     def mean_since(self, left: Array) -> Array:
@@ -221,88 +209,11 @@ class BentPath:
         """Share still to come of what the path is a polynomial of, and loads go with: of travel or step."""
         return self.share.inverse(left) if self.of_travel else left
 
-    def _edge(self, course: Array) -> Array:
+    def edge_on(self, course: Array) -> Array:
         """Edge with a share of its course still to come."""
         return self.end - self.travel * (course if self.of_travel else self.share.at(course))
 
-    def _passage(self, radius: Array) -> Array:
+    def passage(self, radius: Array) -> Array:
         """Share of the course still to come when the edge passes a radius, continued beyond [0, 1]."""
         to_come = (self.end - radius) / self.travel
         return to_come if self.of_travel else self.share.inverse(to_come)
-
-    def recent_change(
-        self,
-        fall: Fall,
-        radius: Array,
-        y: Array,
-        begin: Array,
-        end: Array,
-        even: Array | float = 0.0,
-    ) -> Array:
-        """``int (exp(-(t_end - t)/theta) - even) dS(|r - a(t)|, t)`` between two shares still to come.
-
-        Parameters
-        ----------
-        fall : callable
-            ``S`` of a distance from the edge, a square root near it, and the share of :meth:`course` gone by.
-        radius : ndarray (m,)
-            Radii that the edge does not pass between them.
-        y : ndarray (K,)
-            Step, in retardation times.
-        begin, end : ndarray (m,)
-            Shares still to come, ``begin >= end``.
-        even : ndarray (m, K) or (K,), optional
-            Share of an even change that is taken off.
-
-        Returns
-        -------
-        ndarray (m, K)
-
-        Notes
-        -----
-        By parts; what remains is smooth in the root of the course from the passage of the edge, within or
-        beyond the step.
-        """
-        radius, begin, end = radius[:, None], begin[:, None], end[:, None]
-        first, last = self.course(begin), self.course(end)
-        ends = np.concatenate((first, last), axis=1)
-        at_ends = fall(np.abs(radius - self._edge(ends)), 1.0 - ends)
-        left_of_begin = np.exp(y * (end - begin)) - even
-        change = (1.0 - even) * at_ends[:, 1:] - left_of_begin * at_ends[:, :1]
-        remembered = y * float((begin - end).max(initial=0.0)) <= _FORGOTTEN
-        if remembered.all():
-            return change - self._lagging(fall, radius, y, end, first, last)
-        if remembered.any():
-            change[:, remembered] -= self._lagging(fall, radius, y[remembered], end, first, last)
-        forgets = ~remembered
-        if forgets.any():
-            since = self.course(np.minimum(begin, end + _FORGOTTEN / y[forgets]))
-            change[:, forgets] -= self._lagging(fall, radius, y[forgets], end, since, last)
-        return change
-
-    def _lagging(self, fall: Fall, radius: Array, y: Array, end: Array, first: Array, last: Array) -> Array:
-        """``int S(|r - a(t)|, t) d exp(-(t_end - t)/theta)`` (m, K) between two shares of the course to come.
-
-        ``radius``, ``last`` and ``end``, the share of the step then still to come, are (m, 1). ``first`` is
-        (m, K), or (m, 1) if it is the same for all branches: ``S`` is then read once for all of them, and
-        that is what costs.
-        """
-        passage = self._passage(radius)
-        before = passage >= 0.5 * (first + last)  # the passage lies before, not after
-        away = np.where(before, -1.0, 1.0)
-        nearest = np.where(before, np.minimum(first, passage), np.maximum(last, passage))
-        near = np.sqrt(away * (nearest - passage))
-        length = float(y.max())
-        points, weights = next(rule for longest, rule in _RULES.items() if length <= longest)
-        # from the nearest share, not from the passage: an edge that hardly moves passes 1e16 steps away
-        ways = np.maximum(away * (np.where(before, last, first) - nearest), 0.0)
-        reach = ways / np.maximum(near + np.sqrt(near**2 + ways), SMALLEST)
-        beyond = reach[..., None] * points
-        z = near[..., None] + beyond
-        course = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)
-        left = self.share.at(course) if self.of_travel else course
-        values = fall(np.abs(radius[..., None] - self._edge(course)), 1.0 - course) * z
-        if self.of_travel:
-            values *= self.share.slope(course)
-        memory = np.exp(y[:, None] * (end[..., None] - left))  # (m, K, points)
-        return 2.0 * y * reach * ((values * memory) @ weights)

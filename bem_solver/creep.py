@@ -33,6 +33,8 @@ _SHORT = 1e-2
 _LATEST_SHARE = 1.0 - 1e-8
 """Share of a step at which a penetration is met at the latest: between the end and an even later one rounding
 would be more than half the change, and the difference it makes is as small."""
+_STEPS_KEPT = 16
+"""Steps whose factors are kept: more than are tried at a time."""
 _SERIES, _TERMS = 0.5, 14
 """Step, in relaxation times, below which moments are summed as series, and the terms that takes."""
 _ORDER = np.arange(_TERMS)[:, None]
@@ -48,7 +50,7 @@ def phi(y: Array) -> Array:
 
 def _decaying_moments(y: Array) -> tuple[Array, Array]:
     """Integrals of ``exp(-y u) u (1 - u)`` and ``exp(-y u) u^2 (1 - u)`` over 0 <= u <= 1."""
-    series = _MOMENTS @ (-np.minimum(y, _SERIES)) ** _ORDER
+    series = _MOMENTS @ (-np.minimum(y, _SERIES)) ** _ORDER if (y < _SERIES).any() else (y, y)
     z = np.maximum(y, _SERIES)
     left = np.exp(-z)
     first = (1.0 - (1.0 + z) * left) / z**2
@@ -96,6 +98,7 @@ class Chain:
         self.lag_scale = np.sqrt(self.compliances * self.retardation)
         self.lag_rate = self.lag_scale / self.retardation
         self.rotation = np.outer(self.lag_scale, self.stress_scale) / distances
+        self._in_contact: dict[float, tuple[Array, Array, Array]] = {}
 
     def __len__(self) -> int:
         return len(self.relaxation)
@@ -146,6 +149,18 @@ class Chain:
         once, twice = _decaying_moments(y)
         weight = self.stress_scale**2 / self.relaxation * y
         return min(1.0 - float(weight @ twice) / float(weight @ once), _LATEST_SHARE)
+
+    def in_contact(self, duration: float) -> tuple[Array, Array, Array]:
+        """Of stored stresses what is left, and what a rise and a bend of ``w`` leave in them, each (K,).
+
+        Those of the last steps are kept: all trials of a step and all its points ask for the same.
+        """
+        if duration not in self._in_contact:
+            if len(self._in_contact) >= _STEPS_KEPT:
+                self._in_contact.clear()
+            y, rate = duration / self.relaxation, self.stress_rate
+            self._in_contact[duration] = self.decay(y), rate * self.spread(y), rate * self.spread_bent(y)
+        return self._in_contact[duration]
 
     def decay(self, y: Array) -> Array:
         """What is left of an internal variable after ``y`` = step/time."""

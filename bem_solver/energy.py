@@ -216,11 +216,12 @@ def _short(chain: Chain, before: Energies, increment: WorkIncrement, y: Array) -
 
     The last (K,) is the part of that heat by which what the branch receives exceeds the trapezoid.
     """
-    energy = _energy_under_linear_work(chain, before, increment, y)
-    energy += chain.compliances * _beyond(chain, before, increment, y)[1]
-    y = np.minimum(y, _LONG)
     received, stored = _beyond(chain, before, increment, y)
-    short = _energy_under_linear_work(chain, before, increment, y) + chain.compliances * stored
+    energy = short = _energy_under_linear_work(chain, before, increment, y) + chain.compliances * stored
+    if (y > _LONG).any():
+        y = np.minimum(y, _LONG)
+        received, stored = _beyond(chain, before, increment, y)
+        short = _energy_under_linear_work(chain, before, increment, y) + chain.compliances * stored
     # work done on the branch, int (J Y - X)/theta dt
     lag = chain.compliances * (increment.load_work + before.load_work) - (
         increment.branch_work + before.branch_work

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import NamedTuple
 
 from bem_solver.run_state import StepStart
@@ -91,11 +92,11 @@ def to_limit_point(step: TrialStep) -> Candidate | None:
     """
     accepted, begin = step.state.accepted, step.state.parameter
     edge, sign = step.state.contact.edge, math.copysign(1.0, accepted.rates(0.0)[0])
-    half = 0.5 * _NEAR * step.problem.zone
+    half, trial = 0.5 * _NEAR * step.problem.zone, cache(step.trial)
 
     def driven(parameter: float, x: float) -> float:
         """How strongly the edge is driven on, negative where it is held, in works of adhesion."""
-        return -sign * step.trial(parameter, x).residual / step.problem.work
+        return -sign * trial(parameter, x).residual / step.problem.work
 
     def extremum(parameter: float, way: float, stride: float) -> Extremum | None:
         return smallest(lambda way: driven(parameter, edge + sign * way), way, stride)
@@ -115,7 +116,7 @@ def to_limit_point(step: TrialStep) -> Candidate | None:
     parameter = _zero(lambda at: driven(at, new_edge), parameter, there.value, more)
     if parameter is None or not begin + step.shortest_step <= parameter <= step.interval.length:
         return None
-    return Candidate(parameter, step.trial(parameter, new_edge), 0.0)
+    return Candidate(parameter, trial(parameter, new_edge), 0.0)
 
 
 def _zero(function: Callable[[float], float], x: float, value: float, stride: float) -> float | None:

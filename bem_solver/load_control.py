@@ -21,7 +21,7 @@ from bem_solver.kinks import EdgeKinks
 from bem_solver.motion import Motion, SurfacePoints
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import advanced, load_inside
+from bem_solver.surface_points import PointsInside, load_inside
 
 Array = NDArray[np.float64]
 
@@ -43,6 +43,7 @@ class LoadControl:
     earlier: EarlierRow | None = None
     between: LoadBetween | None = None
     _creep: dict[float, FreeCreep | None] = field(default_factory=dict)
+    _inside: dict[float, PointsInside] = field(default_factory=dict)
 
     def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration and the end that belong to the control, and its surface."""
@@ -114,14 +115,15 @@ class LoadControl:
     def _surface(self, motion: Motion) -> ContactSurface:
         """The surface after a motion whose penetration is known."""
         creep = self.creep(motion)
-        load = _required_load(self.problem, self.points, motion if creep is None else creep.motion)
+        load = self._required_load(motion if creep is None else creep.motion)
         return ContactSurface.under(self.problem.annuli, motion.new_edge, load, self.kinks, self.between)
 
-
-def _required_load(problem: Problem, points: SurfacePoints, motion: Motion) -> Array:
-    """``v`` at radii inside the new edge."""
-    wanted = motion.new_penetration - points.height
-    if not problem.viscoelastic:
-        return problem.chain.relaxed * wanted
-    problem.counters.history_updates += 1
-    return load_inside(problem.chain, advanced(problem.chain, points, motion, None), wanted)
+    def _required_load(self, motion: Motion) -> Array:
+        """``v`` at radii inside the new edge."""
+        problem, wanted = self.problem, motion.new_penetration - self.points.height
+        if not problem.viscoelastic:
+            return problem.chain.relaxed * wanted
+        problem.counters.history_updates += 1
+        if motion.new_edge not in self._inside:
+            self._inside[motion.new_edge] = PointsInside(problem.chain, self.points, motion)
+        return load_inside(problem.chain, self._inside[motion.new_edge].variables(motion), wanted)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bem_solver.bent_path import BentPath, parabola_bend
 from bem_solver.creep import Chain
 from bem_solver.outer_fall import OuterFall
+from bem_solver.recent_change import RecentChange
 
 Array = NDArray[np.float64]
 
@@ -55,10 +56,18 @@ class CarriedDisplacement:
         ndarray (m, K)
         """
         share, y = (1.0 - end)[:, None], duration / chain.relaxation
-        change = self.path.recent_change(
-            self.fall, radius, y, np.ones_like(end), end, chain.spread(share * y)
-        )
+        recent = RecentChange.along(self.path, radius, y, np.ones_like(end), end)
+        change = recent.of(self.fall, chain.spread(share * y))
         return chain.stress_rate * (self.bend * share**2 * chain.spread_bent(share * y) - change)
+
+
+@dataclass(frozen=True)
+class RecentLags:
+    """Share (m,) of a step that is looked at, what is left of an even change (m, K), and of any fall."""
+
+    share: Array
+    even: Array
+    change: RecentChange
 
 
 @dataclass(frozen=True)
@@ -108,8 +117,8 @@ class Motion:
         after = np.minimum(np.maximum(self.path.left(radius), 0.0), 1.0)
         return 1.0 - after, after
 
-    def lags_of_fall(self, chain: Chain, radius: Array, begin: Array, end: Array) -> Array:
-        """Scaled lags of ``v`` along the path, the load at the edge less its fall, beyond an even change.
+    def recent(self, chain: Chain, radius: Array, begin: Array, end: Array) -> RecentLags:
+        """What the fall along the path leaves in points outside, whatever that is.
 
         Parameters
         ----------
@@ -120,7 +129,18 @@ class Motion:
 
         Returns
         -------
-        ndarray (m, K)
+        RecentLags
+        """
+        if self.path is None:
+            raise ValueError("the edge has no path")
+        y = self.duration / chain.retardation
+        even = chain.spread((begin - end)[:, None] * y)
+        return RecentLags(begin - end, even, RecentChange.along(self.path, radius, y, begin, end))
+
+    def lags_of_fall(self, chain: Chain, recent: RecentLags) -> Array:
+        """Scaled lags (m, K) of ``v`` along the path, the load at the edge less its fall.
+
+        Beyond those of an even change.
         """
         path, fall = self.path, self.fall
         if path is None or fall is None:
@@ -129,12 +149,10 @@ class Motion:
         def lacking(distance: Array, come: Array) -> Array:
             return fall(distance, come) - come * (self.load_rise - self.load_bend * (1.0 - come))
 
-        y = self.duration / chain.retardation
-        even = chain.spread((begin - end)[:, None] * y)
         if path.of_travel:
-            return -chain.lag_rate * path.recent_change(lacking, radius, y, begin, end, even)
-        change = -path.recent_change(fall, radius, y, begin, end, even)
-        return chain.lag_rate * change + self.lags_of_bend(chain, begin - end)
+            return -chain.lag_rate * recent.change.of(lacking, recent.even)
+        change = -recent.change.of(fall, recent.even)
+        return chain.lag_rate * change + self.lags_of_bend(chain, recent.share)
 
     def lags_of_bend(self, chain: Chain, share: Array) -> Array | float:
         """Scaled lags of the load near the edge, beyond an even change, over a share (m,) of the step."""

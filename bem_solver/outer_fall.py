@@ -118,11 +118,17 @@ class OuterFall:
 
 def _entries(readings: Array) -> Array:
     """Values at the entries of the table, the last reading among them; B is constant beyond both ends."""
-    padded = np.concatenate((readings[:1], readings, readings[-1:]))
+    padded = np.empty(len(readings) + 2)
+    padded[0], padded[1:-1], padded[-1] = readings[0], readings, readings[-1]
     between = np.array((padded[:-3], padded[1:-2], padded[2:-1], padded[3:])).T @ _CUBIC
-    return np.append(between.ravel(), readings[-1])
+    entries = np.empty(between.size + 1)
+    entries[:-1], entries[-1] = between.ravel(), readings[-1]
+    return entries
 
 
 def _strength(surface: ContactSurface, distance: Array) -> Array:
-    load = surface.outside(np.append(surface.edge, surface.edge + distance))
+    radius = np.empty(len(distance) + 1)
+    radius[0] = surface.edge
+    np.add(distance, surface.edge, out=radius[1:])
+    load = surface.outside(radius)
     return (load[0] - load[1:]) / np.sqrt(distance)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 from bem_solver.annuli import Annuli
 from bem_solver.closure import ClosureRule
@@ -50,7 +51,7 @@ class Problem:
     rule: ClosureRule
     layer: float = 0.0
 
-    @property
+    @cached_property
     def viscoelastic(self) -> bool:
         """Whether the material has branches, so that the surface has a history."""
         return len(self.chain) > 0
@@ -110,7 +111,7 @@ class Problem:
         """Whether a step may pass over process zones."""
         return self.curves and self.zone < LONG_ZONE * edge
 
-    @property
+    @cached_property
     def curves(self) -> bool:
         """Whether the path of the edge is a parabola: with adhesion, where the surface has a history."""
         return self.work > 0.0 and self.viscoelastic

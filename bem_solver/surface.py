@@ -89,10 +89,11 @@ class ContactSurface:
                 load = between.added(load, at_nodes - kinks.displacement(between.radius) @ strengths)
             scaled, rest = annuli.solve(np.array((load + punches, load)).T).T
             carried = 2.0 * float(kinks.radius @ strengths)
-        density = annuli.density(rest)
+        curvature = annuli.curvature(rest)
+        density = annuli.density(rest, curvature)
         kappa = annuli.edge_strength(density)
-        field = annuli.outside_field(rest, kappa)
-        force = edge * annuli.force(rest, kappa) + carried
+        field = annuli.outside_field(rest, kappa, curvature)
+        force = edge * annuli.force(rest, kappa, curvature) + carried
         return cls(annuli, edge, scaled, density, kappa, field, force, kinks, strengths)
 
     def towards(self, other: ContactSurface, share: float) -> ContactSurface:
@@ -126,7 +127,9 @@ class ContactSurface:
         inside = radius < self.edge
         value = np.zeros(len(radius))
         if inside.any():
-            density = self.density if self.kinks is None else self.annuli.density(self.scaled)
+            density = self.density
+            if self.kinks is not None:
+                density = self.annuli.density(self.scaled, self.annuli.curvature(self.scaled))
             value[inside] = -self._tension(density, self.edge - radius[inside])
         return value
 

@@ -15,11 +15,15 @@ Displacement ``w``, load ``v`` and penetration are positive downwards.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
-from bem_solver.motion import Motion, SurfacePoints
+from bem_solver.motion import Motion, RecentLags, SurfacePoints
 
 Array = NDArray[np.float64]
 
@@ -43,11 +47,16 @@ def pressed(
     -------
     ndarray (m, K)
     """
-    y = np.asarray(duration, float)[..., None] / chain.relaxation
-    rate = chain.stress_rate
-    result = chain.decay(y) * variables + rate * chain.spread(y) * rise[:, None]
-    if not (isinstance(bend, float) and bend == 0.0):
-        result += rate * chain.spread_bent(y) * np.asarray(bend, float)[..., None]
+    straight = isinstance(bend, float) and bend == 0.0
+    if isinstance(duration, float):
+        decay, risen, bent = chain.in_contact(duration)
+    else:
+        y, rate = duration[..., None] / chain.relaxation, chain.stress_rate
+        decay, risen = chain.decay(y), rate * chain.spread(y)
+        bent = np.zeros(1) if straight else rate * chain.spread_bent(y)
+    result = decay * variables + risen * rise[:, None]
+    if not straight:
+        result += bent * np.asarray(bend, float)[..., None]
     return result
 
 
@@ -92,12 +101,30 @@ def bend(chain: Chain, points: SurfacePoints, motion: Motion, first: Array, last
     return part[:, None] * lags
 
 
-def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
-    """Variables of points that the advancing edge passes."""
-    share, left = motion.passing(points.radius)
+class Passage(NamedTuple):
+    """Shares (m,) of a step before and after an advancing edge passes points, and what the fall of the load
+    leaves in them until then, where the edge has a path and no displacement is carried along."""
+
+    share: Array
+    left: Array
+    recent: RecentLags | None
+
+    @classmethod
+    def of(cls, chain: Chain, points: SurfacePoints, motion: Motion) -> Passage:
+        """The passage of points (m) in a motion."""
+        share, left = motion.passing(points.radius)
+        if motion.path is None or motion.carried is not None:
+            return cls(share, left, None)
+        return cls(share, left, motion.recent(chain, points.radius, np.ones_like(share), left))
+
+
+def covered(chain: Chain, points: SurfacePoints, motion: Motion, passage: Passage | None = None) -> Array:
+    """Variables of points that the advancing edge passes; their ``passage`` where it is known."""
+    passage = passage or Passage.of(chain, points, motion)
+    share, left, _ = passage
     meeting = motion.penetration_at(share) - points.height
     if motion.carried is None:
-        variables = _met_under_load(chain, points, motion, share, left, meeting)
+        variables = _met_under_load(chain, points, motion, passage, meeting)
     else:
         rise, y = meeting - points.displacement, share[:, None] * (motion.duration / chain.relaxation)
         variables = chain.decay(y) * points.variables + chain.stress_rate * chain.spread(y) * rise[:, None]
@@ -108,9 +135,10 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
 
 
 def _met_under_load(
-    chain: Chain, points: SurfacePoints, motion: Motion, share: Array, left: Array, meeting: Array
+    chain: Chain, points: SurfacePoints, motion: Motion, passage: Passage, meeting: Array
 ) -> Array:
     """Variables where the indenter is met, at a displacement ``meeting``, under a load of known course."""
+    share = passage.share
     y = (share * motion.duration)[:, None] / chain.retardation
     even = chain.spread(y)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
@@ -119,7 +147,8 @@ def _met_under_load(
         lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
         lags += motion.lags_of_bend(chain, share)
     else:
-        lags += motion.lags_of_fall(chain, points.radius, np.ones_like(share), left)
+        recent = passage.recent or motion.recent(chain, points.radius, np.ones_like(share), passage.left)
+        lags += motion.lags_of_fall(chain, recent)
     if motion.innermost is not None:
         lags += bend(chain, points, motion, np.zeros_like(share), share)
     # w = v/E0 - sum l at the moment of contact, with even * (v - v_n) still to come into l
@@ -211,7 +240,8 @@ def along_path(chain: Chain, points: SurfacePoints, motion: Motion, begin: Array
     -------
     ndarray (m, K)
     """
-    return motion.lags_of_fall(chain, points.radius, begin, np.zeros_like(begin)) @ chain.rotation
+    recent = motion.recent(chain, points.radius, begin, np.zeros_like(begin))
+    return motion.lags_of_fall(chain, recent) @ chain.rotation
 
 
 def displacement_outside(chain: Chain, variables: Array, load: Array) -> Array:
@@ -244,14 +274,15 @@ def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     if motion.edge <= 0.0:
         inside_before[:] = False
     stays = inside_before & inside_after
-    if stays.all():
-        return _kept(chain, points, motion)
     result = np.empty_like(points.variables)
-    if stays.any():
-        result[stays] = _kept(chain, points[stays], motion)
-    joins = inside_after & ~stays
-    if joins.any():
-        result[joins] = covered(chain, points[joins], motion)
+    if inside_after.any():
+        if stays.all():
+            return _kept(chain, points, motion)
+        if stays.any():
+            result[stays] = _kept(chain, points[stays], motion)
+        joins = inside_after & ~stays
+        if joins.any():
+            result[joins] = covered(chain, points[joins], motion)
     if new_load is None:
         return result
     leaves = inside_before & ~stays
@@ -268,3 +299,56 @@ def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
         outside = ~inside_after
         result[outside] += along_path(chain, points[outside], motion, begin[outside])
     return result
+
+
+@dataclass(frozen=True)
+class PointsInside:
+    """Points (m) inside the edge at the end of a motion whose load at the edge and penetration are sought.
+
+    What does not depend on them is worked out once: where points are, and how the edge passes them.
+    """
+
+    chain: Chain
+    points: SurfacePoints
+    motion: Motion
+
+    def variables(self, motion: Motion) -> Array:
+        """As :func:`advanced`, (m, K), of this motion with another penetration, load at the edge or fall."""
+        stays, joins, kept, joined = self._parts
+        if joined is None or motion.carried is not self.motion.carried:
+            return advanced(self.chain, self.points, motion, None)
+        result = np.empty_like(self.points.variables)
+        if kept is not None:
+            result[stays] = self._kept(kept, motion)
+        result[joins] = covered(self.chain, joined, motion, self._passage)
+        return result
+
+    @cached_property
+    def _parts(
+        self,
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp], SurfacePoints | None, SurfacePoints | None]:
+        """Numbers of the points that stay inside and of those that the edge passes, and the points."""
+        points, motion = self.points, self.motion
+        inside = points.radius <= motion.new_edge
+        stays = (points.radius <= motion.edge) & inside if motion.edge > 0.0 else np.zeros_like(inside)
+        joins = inside & ~stays
+        kept, joined = (points[some] if some.any() else None for some in (stays, joins))
+        return np.flatnonzero(stays), np.flatnonzero(joins), kept, joined
+
+    @cached_property
+    def _passage(self) -> Passage:
+        joined = self._parts[3]
+        if joined is None:
+            raise ValueError("the edge passes no points")
+        return Passage.of(self.chain, joined, self.motion)
+
+    @cached_property
+    def _kept_at(self) -> dict[float, Array]:
+        return {}
+
+    def _kept(self, points: SurfacePoints, motion: Motion) -> Array:
+        """Variables of points inside all the time, which depend on the penetration alone."""
+        depth = motion.new_penetration
+        if depth not in self._kept_at:
+            self._kept_at[depth] = _kept(self.chain, points, motion)
+        return self._kept_at[depth]

@@ -17,6 +17,7 @@ from bem_solver.annuli import Annuli
 from bem_solver.bent_path import BentPath, BentShare
 from bem_solver.creep import Chain
 from bem_solver.outer_fall import OuterFall
+from bem_solver.recent_change import RecentChange
 from bem_solver.size_estimates import edge_step, graded_annuli
 from bem_solver.step_control import AcceptedRow, AcceptedSteps
 from bem_solver.surface import ContactSurface
@@ -335,9 +336,8 @@ def test_recent_change_outside_an_edge_that_moves_by_rounding(bend, y):
     for travel in (5e-17, -5e-17):
         path = BentPath(1.0, travel, BentShare(bend))
         radius = np.array([1.0 + 1e-9, 1.5, 200.0])
-        change = path.recent_change(
-            lambda _, gone: gone - 1.0, radius, np.array([y]), np.ones(3), np.zeros(3)
-        )
+        recent = RecentChange.along(path, radius, np.array([y]), np.ones(3), np.zeros(3))
+        change = recent.of(lambda _, gone: gone - 1.0)
         assert_allclose(change[:, 0], -np.expm1(-y) / y, rtol=1e-6)
 
 
@@ -363,9 +363,8 @@ def test_recent_change_of_a_root(path, y):
             lambda u, e=end, f=root: y * np.exp(-y * u) * f(e + u), 0.0, span, points=parts, limit=200
         )
         expected = root(end) - np.exp(-y * span) * root(begin) - lagging[0]
-        value = path.recent_change(
-            lambda x, _: np.sqrt(x), r, np.array([y]), np.array([begin]), np.array([end])
-        )
+        recent = RecentChange.along(path, r, np.array([y]), np.array([begin]), np.array([end]))
+        value = recent.of(lambda x, _: np.sqrt(x))
         assert_allclose(value[0, 0], expected, atol=2e-6 * (root(begin) + root(end)))
 
 
