@@ -61,11 +61,11 @@ def _(true):
     return stored
 
 
-@fault("internal variables one step late", "load_control:_required_load")
+@fault("internal variables one step late", "load_control:LoadControl._required_load")
 def _(true):
-    def required_load(problem, points, motion):
-        wanted = motion.new_penetration - points.height
-        return load_inside(problem.chain, points.variables, wanted)
+    def required_load(self, motion):
+        wanted = motion.new_penetration - self.points.height
+        return load_inside(self.problem.chain, self.points.variables, wanted)
 
     return required_load
 
@@ -118,7 +118,7 @@ def _(true):
 
 @fault("covered points without their glassy jump", "surface_points:covered")
 def _(true):
-    return lambda chain, points, motion: 0.0 * points.variables
+    return lambda chain, points, motion, passage=None: 0.0 * points.variables
 
 
 @fault("released points forget their relaxation", "surface_points:released")
