@@ -251,10 +251,18 @@ def test_elements_follow_the_edge_up_to_its_last_root():
     assert trace.counters.steps < 3000
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("solver", SHORTEST_ZONE)
+@pytest.mark.parametrize(
+    "solver",
+    [
+        pytest.param(name, marks=pytest.mark.exhaustive if name == "fem" else pytest.mark.slow)
+        for name in SHORTEST_ZONE
+    ],
+)
 def test_cells_of_the_shortest_zone_are_answered_within_estimates(solver):
-    """A millionth of the contact radius, where each of the solvers passes over many zones in a step."""
+    """A millionth of the contact radius, where each of the solvers passes over many zones in a step.
+
+    Finite elements take minutes, beside the other rows of long tables.
+    """
     asked = [case for case in AXES["adhesion"]() if case.label.startswith("da/a = 1e-06")]
     cells = run(asked, jobs=2, solvers=(solver,)).cells
     assert len(cells) == len(asked) == 3
