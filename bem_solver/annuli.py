@@ -214,7 +214,18 @@ class Annuli:
         return dgetrs(self._factors, self._pivots, displacement)[0]
 
     def force(self, pressure: Array, kappa: float, curvature: float) -> float:
-        """Force of pressures (M,), exact for the punch, whose part in it is ``2 kappa``, and the profile."""
+        """Force of pressures, exact for the punch, whose part in it is ``2 kappa``, and the profile.
+
+        Parameters
+        ----------
+        pressure : ndarray (M,)
+        kappa, curvature : float
+            As of :meth:`edge_strength` and :meth:`curvature`.
+
+        Returns
+        -------
+        float
+        """
         missed = self._missed_force * curvature
         return float(2.0 * kappa + self.areas @ (pressure - kappa * self.punch)) + missed
 
@@ -241,7 +252,16 @@ class Annuli:
     def outside_field(self, pressure: Array, kappa: float, curvature: float) -> Array:
         """Cubics of the outer displacement without its punch part, over the angle ``arcsin(1/x)``.
 
-        Returns shape (4, M): between borders, from the far end to the edge.
+        Parameters
+        ----------
+        pressure : ndarray (M,)
+        kappa, curvature : float
+            As of :meth:`edge_strength` and :meth:`curvature`.
+
+        Returns
+        -------
+        ndarray (4, M)
+            Between borders, from the far end to the edge.
         """
         samples = np.zeros(self.count + 3)
         samples[2:-1] = self._outside @ pressure - kappa * self._outside_punch

@@ -119,7 +119,20 @@ class Passage(NamedTuple):
 
 
 def covered(chain: Chain, points: SurfacePoints, motion: Motion, passage: Passage | None = None) -> Array:
-    """Variables of points that the advancing edge passes; their ``passage`` where it is known."""
+    """Variables of points that the advancing edge passes.
+
+    Parameters
+    ----------
+    chain : Chain
+    points : SurfacePoints
+    motion : Motion
+    passage : Passage, optional
+        Of the points, where it is known.
+
+    Returns
+    -------
+    ndarray (m, K)
+    """
     passage = passage or Passage.of(chain, points, motion)
     share, left, _ = passage
     meeting = motion.penetration_at(share) - points.height

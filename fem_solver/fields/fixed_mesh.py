@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from fem_solver.fields.elastic_body import ElasticBody, with_volume
 from fem_solver.fields.history import Form, SurfaceLog, VolumeLog, at_points, shear_form, volume_form
 from fem_solver.fields.modes import LossModes
-from fem_solver.fields.point_fields import PointFields, Section
+from fem_solver.fields.point_fields import PointFields, RowMesh, branch_names
 from fem_solver.fields.recovery import Recovery
 from fem_solver.prony import RelaxingField
 from fem_solver.setup import Setup
@@ -33,7 +33,7 @@ class _OnOneMesh:
 
     def __init__(self, setup: Setup) -> None:
         self._setup = setup
-        self._section = Section(Recovery(setup.space.basis), setup.radii, setup.height)
+        self._mesh = RowMesh(Recovery(setup.space.basis), setup.radii, setup.height)
         self._before = setup.factor.solves
 
     @property
@@ -44,11 +44,11 @@ class _OnOneMesh:
     @property
     def linear_solves(self) -> int:
         """Projections onto the nodes so far."""
-        return self._section.recovery.solves
+        return self._mesh.recovery.solves
 
-    def section(self, row: int) -> Section:
+    def mesh(self, row: int) -> RowMesh:
         """The mesh of a row."""
-        return self._section
+        return self._mesh
 
 
 class CondensedFields(_OnOneMesh):
@@ -65,7 +65,7 @@ class CondensedFields(_OnOneMesh):
         self._row = -1
         self._image = np.zeros(len(history.operator.unit))
         self._branches = np.zeros((len(history.shear.times), len(self._image)))
-        self.names = tuple(f"tau={time:.6g}" for time in history.shear.times)
+        self.names = branch_names(history.shear)
 
     def at(self, row: int) -> PointFields:
         """Fields at a row, not before the last one requested."""
@@ -98,9 +98,9 @@ class VolumeFields(_OnOneMesh):
         history = log.history
         self._space, self._log = history.space, log
         self._strain = history.strain
-        self.names = tuple(f"shear tau={time:.6g}" for time in history.shear_modulus.times)
+        self.names = branch_names(history.shear_modulus, "shear")
         if history.bulk_modulus is not None:
-            self.names += tuple(f"bulk tau={time:.6g}" for time in history.bulk_modulus.times)
+            self.names += branch_names(history.bulk_modulus, "bulk")
 
     def at(self, row: int) -> PointFields:
         """Fields at a stored row."""

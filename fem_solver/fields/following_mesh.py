@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from fem_solver.fields.elastic_body import ElasticBody
 from fem_solver.fields.following_log import FollowingLog
-from fem_solver.fields.point_fields import PointFields, Section
+from fem_solver.fields.point_fields import PointFields, RowMesh, branch_names
 from fem_solver.fields.recovery import Recovery
-from fem_solver.fields.separate_body import SeparateBody, branch_names
+from fem_solver.fields.separate_body import SeparateBody
 from fem_solver.following.setup import FollowingSetup
 
 Array = NDArray[np.float64]
@@ -31,9 +31,10 @@ class FollowingFields:
         self._setup, self._log, self._material = setup, log, setup.material
         self._levels: dict[Any, tuple[ElasticBody | SeparateBody, Recovery]] = {}
         self._apart = self._material.series is not None
-        self.names = tuple(f"tau={time:.6g}" for time in self._material.shear.times)
-        if self._apart:
-            self.names = branch_names(self._material)
+        shear, bulk = self._material.shear, self._material.bulk
+        self.names = branch_names(shear)
+        if self._apart and bulk is not None:
+            self.names = branch_names(shear, "shear") + branch_names(bulk, "bulk")
 
     @property
     def volume_solves(self) -> int:
@@ -62,11 +63,11 @@ class FollowingFields:
         fields = body.relaxing(shear, image, branches, placement.scale)
         return fields if self.names else replace(fields, dissipated=fields.rates)  # no branch, no loss
 
-    def section(self, row: int) -> Section:
+    def mesh(self, row: int) -> RowMesh:
         """The mesh of a row."""
         placement = self._setup.surfaces.at(self._log[row].place)
         recovery = self._level(placement.place)[1]
-        return Section(recovery, placement.radii, placement.height, placement.scale, placement.stretch)
+        return RowMesh(recovery, placement.radii, placement.height, placement.scale, placement.stretch)
 
     def _level(self, place: Any) -> tuple[ElasticBody | SeparateBody, Recovery]:
         """The half-space of a place and its projection; a run has few levels, by halves of the radius."""

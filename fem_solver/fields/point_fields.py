@@ -9,8 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.fields.recovery import Recovery
+from fem_solver.prony import Prony
 
 Array = NDArray[np.float64]
+
+
+def branch_names(modulus: Prony, kind: str = "") -> tuple[str, ...]:
+    """Names of the branches of a modulus, with the kind before them where there are several."""
+    return tuple(f"{kind} tau={time:.6g}".strip() for time in modulus.times)
 
 
 @dataclass(frozen=True)
@@ -30,7 +36,7 @@ class PointFields:
 
 
 @dataclass(frozen=True)
-class Section:
+class RowMesh:
     """Mesh of a row, which stands for one ``scale`` times as large.
 
     Parameters
@@ -73,5 +79,5 @@ class FieldSource(Protocol):
     def at(self, row: int) -> PointFields:
         """Fields at a row."""
 
-    def section(self, row: int) -> Section:
+    def mesh(self, row: int) -> RowMesh:
         """The mesh of a row."""

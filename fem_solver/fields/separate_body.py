@@ -21,12 +21,6 @@ from fem_solver.moduli import Moduli
 Array = NDArray[np.float64]
 
 
-def branch_names(material: Moduli) -> tuple[str, ...]:
-    """Names of the branches, those in shear before those in volume."""
-    names = tuple(f"shear tau={time:.6g}" for time in material.shear.times)
-    return names if material.bulk is None else names + tuple(f"bulk tau={t:.6g}" for t in material.bulk.times)
-
-
 class SeparateBody:
     """Two factorised half-spaces on one mesh.
 
@@ -38,7 +32,11 @@ class SeparateBody:
     """
 
     def __init__(self, incompressible: ElasticBody, compressible: ElasticBody, material: Moduli) -> None:
-        self._incompressible, self._compressible, self._material = incompressible, compressible, material
+        series, bulk = material.series, material.bulk
+        if series is None or bulk is None:
+            raise AssertionError("bulk relaxes like shear")
+        self._incompressible, self._compressible = incompressible, compressible
+        self._series, self._shear, self._bulk = series, material.shear, bulk
         self._unit = material.unit_plane_modulus
         ratio = compressible.factor.ratio
         self._forces_of_volume = 2.0 * (3.0 / ratio + 1.0) / 3.0
@@ -66,28 +64,21 @@ class SeparateBody:
         -------
         PointFields
         """
-        series, shear, bulk = self._material.series, self._material.shear, self._material.bulk
-        if series is None or bulk is None:
-            raise AssertionError("bulk relaxes like shear")
-        in_shear, in_both = series.parts(v, b)
+        shear, bulk = self._shear, self._bulk
+        in_shear, in_both = self._series.parts(v, b)
         unknowns, strain = self._strained(forces(in_shear.whole), forces(in_both.whole), scale)
-        stress, stored, rates = np.zeros_like(strain), np.zeros(strain.shape[1]), []
+        stress, stored = _spring(strain, shear.relaxed, bulk.relaxed)
+        rates, parts = [], []
         count, nothing = len(bulk.times), np.zeros_like(v)
-        parts = [(in_shear.whole, in_both.whole, shear.relaxed, bulk.relaxed, np.inf)]
         for k, (modulus, time) in enumerate(zip(shear.moduli, shear.times, strict=True)):
             parts.append((in_shear.springs[k], in_both.springs[count + k], modulus, 0.0, time))
         for k, (modulus, time) in enumerate(zip(bulk.moduli, bulk.times, strict=True)):
             parts.append((nothing, in_both.springs[k], 0.0, modulus, time))
         for one, other, shear_modulus, bulk_modulus, time in parts:
             _, held = self._strained(forces(one), forces(other), scale)
-            deviator, dilatation = forms.deviator(held), held[:3].sum(axis=0)
-            stress += 2.0 * shear_modulus * deviator
-            stress[:3] += bulk_modulus * dilatation
-            energy = shear_modulus * np.einsum("i,ip,ip->p", forms.CONTRACTION, deviator, deviator)
-            energy += 0.5 * bulk_modulus * dilatation**2
-            stored += energy
-            if np.isfinite(time):
-                rates.append(2.0 * energy / time)
+            borne, energy = _spring(held, shear_modulus, bulk_modulus)
+            stress, stored = stress + borne, stored + energy
+            rates.append(2.0 * energy / time)
         return PointFields(
             unknowns, stress, strain, stored, np.array(rates).reshape(len(rates), stored.size), None
         )
@@ -99,3 +90,12 @@ class SeparateBody:
         other = self._compressible.under(beside, scale)
         count = self._compressible.space.basis.N
         return one.unknowns[:count] + other.unknowns[:count], one.strain + other.strain
+
+
+def _spring(strain: Array, shear: float, bulk: float) -> tuple[Array, Array]:
+    """Stress (4, points) and energy density (points,) of an elastic strain (4, points)."""
+    deviator, dilatation = forms.deviator(strain), strain[:3].sum(axis=0)
+    stress = 2.0 * shear * deviator
+    stress[:3] += bulk * dilatation
+    energy = shear * np.einsum("i,ip,ip->p", forms.CONTRACTION, deviator, deviator)
+    return stress, energy + 0.5 * bulk * dilatation**2

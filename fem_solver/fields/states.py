@@ -166,8 +166,8 @@ def _source(setup: Setup | FollowingSetup, log: HistoryLog) -> FieldSource:
 
 
 def _state(recording: Recording, source: FieldSource, row: int, label: str) -> FieldState:
-    trace, section, fields = recording.trace, source.section(row), source.at(row)
-    recovery, lost = section.recovery, fields.dissipated
+    trace, mesh, fields = recording.trace, source.mesh(row), source.at(row)
+    recovery, lost = mesh.recovery, fields.dissipated
     nodal = recovery.nodal(np.concatenate([fields.stress, fields.strain]))
     return FieldState(
         row=row,
@@ -177,7 +177,7 @@ def _state(recording: Recording, source: FieldSource, row: int, label: str) -> F
         contact_radius=float(trace.contact_radius[row]),
         label=label,
         branches=source.names,
-        points=section.scale * section.stretch * recovery.points,
+        points=mesh.scale * mesh.stretch * recovery.points,
         triangles=recovery.triangles,
         displacement=recovery.displacement(fields.unknowns),
         stress=nodal[:4],
@@ -185,8 +185,8 @@ def _state(recording: Recording, source: FieldSource, row: int, label: str) -> F
         stored_energy_density=recovery.densities(fields.stored[None])[0],
         dissipation_rate=recovery.densities(fields.rates),
         dissipated=None if lost is None else recovery.densities(lost),
-        surface=profile(recording.surfaces[row], section.radii, section.height, section.stretch),
-        element_volumes=section.scale**3 * recovery.volumes,
+        surface=profile(recording.surfaces[row], mesh.radii, mesh.height, mesh.stretch),
+        element_volumes=mesh.scale**3 * recovery.volumes,
         element_stored=recovery.means(fields.stored[None])[0],
         element_rate=recovery.means(fields.rates),
         element_dissipated=None if lost is None else recovery.means(lost),

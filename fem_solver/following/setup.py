@@ -145,9 +145,10 @@ def set_up_following(
             raise SetUpInterrupted
 
     surfaces.stage_done = stage_done
-    history = FollowingHistory(surfaces, Components(material.surface))
+    modulus = material.surface
+    history = FollowingHistory(surfaces, Components(modulus))
     surfaces.stage_done = lambda: None
-    times = material.surface.times
+    times = modulus.times
     return FollowingSetup(
         surfaces=surfaces,
         history=history,
