@@ -56,7 +56,9 @@ def closure_integral(
     gap[top - first :] += placement.height[top:beyond] - penetration
     share = shift.share[inside]
     shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
-    return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone))
+    lower, upper = placement.closure_scale[m : m + 2]
+    scale = float(lower + (s - m) * (upper - lower))
+    return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone * scale))
 
 
 def zone_at(placement: Placement, solid: Components, s: float, v: Array, b: Array) -> float:

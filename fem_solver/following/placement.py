@@ -15,6 +15,7 @@ from scipy.linalg.lapack import dtrtrs
 
 from contact_scene import Scene
 from fem_solver.edge_geometry import SURFACE_MARGIN, EdgeGeometry, surface_margin
+from fem_solver.following.elastic_scales import closure_scales, height_stretch
 from fem_solver.halfspace import HalfSpace
 from fem_solver.surface import SurfaceOperator
 
@@ -38,6 +39,9 @@ class UnscaledSurface:
     effective, positions : ndarray, shape (n,)
         Radius of the flat punch as stiff as contact of the nodes ``0..m``, and radius at which each component
         sits (see ``surface``).
+    closure_scale : ndarray, shape (n,)
+    height_stretch : float
+        See ``elastic_scales``.
     strip : tuple of float
         Radii between which the surface is fine.
     """
@@ -47,6 +51,8 @@ class UnscaledSurface:
     unit: Array
     effective: Array
     positions: Array
+    closure_scale: Array
+    height_stretch: float
     strip: tuple[float, float]
 
     @property
@@ -75,6 +81,8 @@ class Placement:
     unit, radii, positions, height, profile : ndarray, shape (n,)
         ``L^-1 1``, radii of the nodes and of the components, the indenter's height at the nodes and its
         transform ``L^-1 h``.
+    closure_scale : ndarray, shape (n,)
+        Closure integral on the mesh over the energy that contact up to each node releases.
     geometry : EdgeGeometry
     lowest : float
         Least edge position, in nodes, around which the mesh resolves the process zone.
@@ -92,6 +100,7 @@ class Placement:
     positions: Array
     height: Array
     profile: Array
+    closure_scale: Array
     geometry: EdgeGeometry
     lowest: float
     stretch: float
@@ -190,7 +199,7 @@ class Surfaces:
     def _place(self, place: Any) -> Placement:
         level, scale = self._level(place.level), float(self._meshes.scale(place))
         radii, root = scale * level.radii, np.sqrt(scale)
-        height = self._scene.indenter.height(radii)
+        height = self._scene.indenter.height(level.height_stretch * radii)
         low, high = (scale * end for end in level.strip)
         geometry = EdgeGeometry(
             radii,
@@ -211,6 +220,7 @@ class Surfaces:
             positions=scale * level.positions,
             height=height,
             profile=root * dtrtrs(level.root, height, lower=1)[0],
+            closure_scale=level.closure_scale,
             geometry=geometry,
             lowest=float(np.searchsorted(radii, low + self._unit)) if low > 0.0 else 2.0,
             stretch=level.stretch,
@@ -235,12 +245,17 @@ class Surfaces:
     def _factorised(self, level: int) -> UnscaledSurface:
         space, count = self.half_space(level)
         operator = SurfaceOperator(space.factorise(self.ratio).compliance(count)[0])
-        fine = self._meshes.mesh(level).parameters
+        fine, radii = self._meshes.mesh(level).parameters, space.radii[:count]
+        strip = float(fine.fine_from), float(fine.fine_to)
+        effective = operator.effective_radii(self._plane_modulus)
+        positions = operator.transform_radii(radii)
         return UnscaledSurface(
-            radii=space.radii[:count],
+            radii=radii,
             root=np.asfortranarray(operator.root()),
             unit=operator.unit,
-            effective=operator.effective_radii(self._plane_modulus),
-            positions=operator.transform_radii(space.radii[:count]),
-            strip=(float(fine.fine_from), float(fine.fine_to)),
+            effective=effective,
+            positions=positions,
+            closure_scale=closure_scales(operator, radii, effective, strip, self._plane_modulus),
+            height_stretch=height_stretch(radii, effective, positions, strip),
+            strip=strip,
         )

@@ -1,0 +1,114 @@
+"""What elastic contact on a mesh lacks of three closed forms, in whose scales a following mesh is read.
+
+Elements are wide away from the strip. A strip of 1e-4 of the contact radius does not change that: contact is
+some 5e-5 stiffer than that of the nodes' radius, as if every radius were so much larger. Contact radii are
+those of the flat punch as stiff (see ``surface``); here heights and the closure integral follow them.
+
+- Heights are taken at radii at which a paraboloid's contact ends where Hertz has it, ``D = a^2/R``.
+- The closure integral of a flat punch is ``E* D^2/(2 pi a)`` where its zone is short. On the mesh it depends
+  on the place of the edge within the strip, by 2e-6 per zone: where the mesh moves on by some zones, what
+  drives the edge would jump, always the same way, and an edge that is about to run away would leap.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.process_zone import ZoneShift
+from fem_solver.surface import SurfaceOperator
+
+Array = NDArray[np.float64]
+
+_ZONE = 1.5
+"""Length of the zone for which the closure is told, in units of the mesh: between the one for which the mesh
+is made and that twice as long of a mesh scaled down to half. The scale differs by some 1e-6 between the two."""
+_LEAST_RADIUS = 2.0
+"""Least contact radius over the zone at which the closure is told."""
+_ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+def punch_closure(radius: float, zone: float) -> float:
+    """Closure integral at the edge of a flat punch, for unit plane modulus and unit penetration.
+
+    ``int p(x) u(x + zone) dx / (2 zone)`` over the zone, with the pressure ``1/(pi sqrt(a^2 - x^2))`` and the
+    gap ``(2/pi) acos(a/x)``; ``1/(2 pi a)`` for a short zone.
+
+    Parameters
+    ----------
+    radius : float
+        ``a``.
+    zone : float
+        Less than ``a``.
+
+    Returns
+    -------
+    float
+        An inverse length.
+    """
+    angles, weights = 0.25 * np.pi * (_ANGLES + 1.0), 0.25 * np.pi * _WEIGHTS
+    outside = zone * np.sin(angles) ** 2  # takes both roots at the ends
+    gap = 2.0 * np.arcsin(np.sqrt(0.5 * outside / (radius + outside)))  # acos(a/x) without a difference
+    integrand = gap * np.sqrt(outside) / np.sqrt(2.0 * radius - zone + outside)
+    return float(2.0 * (weights @ integrand) / (np.pi**2 * zone))
+
+
+def closure_scales(
+    operator: SurfaceOperator, radii: Array, effective: Array, strip: tuple[float, float], modulus: float
+) -> Array:
+    """Closure integral of a flat punch on the mesh over that of the punch as stiff, by its last node.
+
+    Parameters
+    ----------
+    operator : SurfaceOperator
+    radii, effective : ndarray, shape (n,)
+        Of the nodes, and of the contact that ends with each.
+    strip : tuple of float
+        Radii between which the surface is fine.
+    modulus : float
+        ``E*`` at unit shear modulus.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Beyond the strip that of its end.
+    """
+    shift = ZoneShift(radii, _ZONE)
+    first = max(strip[0], _LEAST_RADIUS * _ZONE) + _ZONE
+    nodes = np.flatnonzero((radii >= first) & (radii <= strip[1] - _ZONE))
+    found = [_closure(operator, radii, shift, int(m)) / punch_closure(effective[m], _ZONE) for m in nodes]
+    return np.asarray(np.interp(np.arange(len(radii)), nodes, np.array(found) / modulus))
+
+
+def _closure(operator: SurfaceOperator, radii: Array, shift: ZoneShift, last: int) -> float:
+    """Closure integral at unit shear modulus and unit penetration, pulled, of contact up to a node."""
+    inside = np.arange(max(int(shift.first[last]), 1), last + 1)
+    low, high, share = shift.low[inside], shift.high[inside], shift.share[inside]
+    y = operator.unit[: last + 1]
+    gap = np.zeros(int(high.max()) + 1)
+    gap[last:] = 1.0 - operator.displacement_beyond(y, len(gap))
+    shifted = (1.0 - share) * gap[low] + share * gap[high]
+    forces = operator.last_forces(y, int(inside[0]))
+    return float(np.sum(forces / radii[inside] * shifted) / (4.0 * np.pi * _ZONE))
+
+
+def height_stretch(radii: Array, effective: Array, positions: Array, strip: tuple[float, float]) -> float:
+    """Radius at which heights are taken over that of the node.
+
+    Parameters
+    ----------
+    radii, effective, positions : ndarray, shape (n,)
+        Of the nodes, of contact of the nodes ``0..m``, and at which a paraboloid has its component ``m``,
+        which lies between two of the second.
+    strip : tuple of float
+        Radii between which the surface is fine; from the axis on nothing is wide inside it.
+
+    Returns
+    -------
+    float
+    """
+    if strip[0] <= 0.0:
+        return 1.0
+    first, last = np.searchsorted(radii, strip)
+    between = 0.5 * (effective[first - 1 : last - 1] + effective[first:last])
+    return float(np.mean(between / positions[first:last]))
