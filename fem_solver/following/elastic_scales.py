@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 _ZONE = 1.5
 """Length of the zone for which the closure is told, in units of the mesh: between the one for which the mesh
-is made and that twice as long of a mesh scaled down to half. The scale differs by some 1e-6 between the two."""
+is made and twice that, of a mesh scaled down to half. The scale differs by some 1e-6 between the two."""
 _LEAST_RADIUS = 2.0
 """Least contact radius over the zone at which the closure is told."""
 _ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
