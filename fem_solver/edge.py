@@ -78,7 +78,8 @@ class EdgeLaw(Protocol):
 class AdhesiveEdge:
     """Closure integral equal to the work of adhesion.
 
-    A search makes strides of at most ``widest`` nodes.
+    A search makes strides of at most ``widest`` nodes. It begins with the first of ``first_strides``, and
+    again with the next one where that ends in a receding edge.
     """
 
     def __init__(self, geometry: EdgeGeometry, work: float) -> None:
@@ -88,6 +89,7 @@ class AdhesiveEdge:
         within = geometry.radii[: geometry.last + 1]
         spacing = float(np.median(np.diff(within))) if len(within) > 1 else math.inf
         self.widest = max(_WIDEST_STRIDE * (geometry.shortest or 0.0) / spacing, _STRIDE)
+        self.first_strides: tuple[float, ...] = (_STRIDE, _NARROW_STRIDE)
 
     def taken(self, problem: ContactProblem, s: float) -> float:
         """Energy per area that the edge takes up on its way to ``s``."""
@@ -129,9 +131,10 @@ class AdhesiveEdge:
         -------
         EdgePosition
         """
-        search = self._expand(problem, s, low, high, _STRIDE)
-        if search.motion is EdgeMotion.RECEDING:
-            return self._expand(problem, s, low, high, _NARROW_STRIDE)
+        for stride in self.first_strides:
+            search = self._expand(problem, s, low, high, stride)
+            if search.motion is not EdgeMotion.RECEDING:
+                break
         return search
 
     def _expand(

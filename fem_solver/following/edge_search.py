@@ -158,8 +158,9 @@ class FollowingEdgeSearch:
         radius = min(radii.expected, high)
         far, stride = low == 0.0 or high == surfaces.reach, 0.0
         within, beyond = 0.0, math.inf  # radii at which the edge advances, and recedes
+        passed = 0.0  # without a look at the closure, from the place before
         for _ in range(_MOST_PLACES):
-            found, ended = self._sought(radius, low, high, travel)
+            found, ended = self._sought(radius, low, high, travel, passed)
             reached, outwards = found.problem.geometry.radius(found.edge.s), _outwards(found)
             if ended and outwards and high == surfaces.rim:  # held by the rim of the indenter
                 return replace(found, edge=EdgePosition(EdgeMotion.RESTING, found.edge.s))
@@ -174,14 +175,16 @@ class FollowingEdgeSearch:
                 continue
             within, beyond = (reached, beyond) if outwards else (within, reached)
             if within < beyond < math.inf and within > 0.0:  # it rests between the two
-                radius = 0.5 * (within + beyond)
+                radius, passed = 0.5 * (within + beyond), 0.0
                 continue
             fine_range = cast("FollowingProblem", found.problem).placement.fine_range
             stride = min(2.0 * stride + 0.25 * fine_range, _STRIDE_OF_RADIUS * reached)
-            radius = min(max(reached + (stride if outwards else -stride), low), high)
+            radius, passed = min(max(reached + (stride if outwards else -stride), low), high), stride
         raise EdgeNotFound(f"the edge is not found around the contact radius {radius:.6g}")
 
-    def _sought(self, radius: float, low: float, high: float, travel: float) -> tuple[ContactCandidate, bool]:
+    def _sought(
+        self, radius: float, low: float, high: float, travel: float, passed: float
+    ) -> tuple[ContactCandidate, bool]:
         """The search from one place of the mesh.
 
         Parameters
@@ -192,6 +195,9 @@ class FollowingEdgeSearch:
             Least and largest contact radius searched.
         travel : float
             Travel expected of the step, a length.
+        passed : float
+            Distance from the end of the search at the place before: nothing was asked there, so nothing finer
+            is here. 0 at the first place.
 
         Returns
         -------
@@ -201,7 +207,9 @@ class FollowingEdgeSearch:
         """
         placement = self.setup.surfaces.around(radius)
         geometry = placement.geometry
-        law = placed_law(placement, self.setup.adhesion, _STRIDE_OF_TRAVEL * travel)
+        law = placed_law(placement, self.setup.adhesion, max(_STRIDE_OF_TRAVEL * travel, passed))
+        if passed > 0.0:
+            law.first_strides = (law.widest,)
         problem = self.problem(placement)
         ends = geometry.position(low), geometry.position(high)
         edge = law.seek(cast("ContactProblem", problem), geometry.position(radius), *ends)

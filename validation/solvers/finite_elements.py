@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Literal
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.memory import installed_memory
 from meshes import EdgeMeshes, HalfSpaceMesh
+from meshes.around_edge import INNER_RADIUS
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver
 from validation.solvers.contact_range import largest_contact_radius
 from validation.solvers.cost import Cost, CostModel, forecast
@@ -51,6 +52,9 @@ ADVISED_SHARE = 0.9
 forecast."""
 ZONES_AT_RIM = 4.0
 """Process zones that the mesh resolves where the edge rests on the rim of a punch: two to either side."""
+SHARE_OF_LEVELS = 0.65
+"""Of the meshes between the largest contact and the least, one for each halving, that a run comes to: an edge
+that runs away leaves some out."""
 FEW_HALVINGS = 8.0
 """Halvings of the contact radius down to the process zone above which the rest of the mesh counts."""
 VOLUME_COST = CostModel(
@@ -187,7 +191,9 @@ class FiniteElements(Solver):
         work, finer = scene_work(scene), divisions_of_zone(scene, divisions)
         if follows:
             halvings = math.log2(max(work.radius_in_zones, 1.0))
-            return forecast(FOLLOWING_COST, work, divisions, finer * max(halvings / FEW_HALVINGS, 1.0))
+            cost = forecast(FOLLOWING_COST, work, divisions, finer * max(halvings / FEW_HALVINGS, 1.0))
+            further = max(SHARE_OF_LEVELS * (halvings - math.log2(INNER_RADIUS)), 0.0)
+            return replace(cost, seconds=cost.seconds + further * cost.setup_seconds)
         unknowns = self._unknowns(work, finer)
         if math.isfinite(scene.indenter.edge) and not peels(scene):
             outside = 2.0 / (self.grading or GRADING) * math.log(max(work.radius_in_zones, 1.0))
