@@ -5,6 +5,8 @@ Such rows differ by what the solver does not know of its columns: that is no slo
 
 from __future__ import annotations
 
+from itertools import product
+
 import pytest
 
 from validation.cases import load
@@ -15,9 +17,16 @@ APART = 1e-9
 """Distance of the two stops of a pair, in times at which they are."""
 
 
-@pytest.mark.parametrize("name", ["bem", pytest.param("fem", marks=pytest.mark.slow), "reference"])
+SCENES = ("cycle-v0.1", "elastic-relaxed", "spring-approach")
+QUICK = {("cycle-v0.1", "bem"), ("spring-approach", "reference")}
+
+
 @pytest.mark.parametrize(
-    "scene", ["cycle-v0.1", pytest.param("elastic-relaxed", marks=pytest.mark.slow), "spring-approach"]
+    ("scene", "name"),
+    [
+        pytest.param(*pair, marks=() if pair in QUICK else pytest.mark.slow)
+        for pair in product(SCENES, ("bem", "fem", "reference"))
+    ],
 )
 def test_pairs_of_stops_change_neither_pull_off_nor_loop(name, scene):
     question, resolution = load(scene).scene, None if name == "fem" else 4

@@ -7,6 +7,7 @@ beyond the radius at which it was touched first.
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import pytest
 from numpy.testing import assert_allclose
@@ -23,8 +24,17 @@ RADII = {
 }
 
 
-@pytest.mark.parametrize("shape", RADII)
-@pytest.mark.parametrize("solver", SOLVERS)
+QUICK = {("bem", "cone"), ("reference", "sphere"), ("fem", "power law")}
+"""Every solver and every shape once by default."""
+
+
+@pytest.mark.parametrize(
+    ("solver", "shape"),
+    [
+        pytest.param(*pair, marks=() if pair in QUICK else pytest.mark.slow)
+        for pair in product(SOLVERS, RADII)
+    ],
+)
 def test_radius_of_a_contact_pressed_again(solver, shape):
     """Boundary elements of a cone were 20 % off: beyond a million times the first radius nothing crept."""
     indenter, radius = RADII[shape]

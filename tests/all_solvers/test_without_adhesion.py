@@ -35,11 +35,19 @@ PUNCH, BALL, BLUNT = FlatPunch(1e-3), Sphere(5e-3), PowerLaw(4.0, 5e7)
 WORN = TabulatedProfile((0.0, 1e-4, 2e-4, 4e-4, 1e-3, 3e-3), (0.0, 0.0, 0.0, 1e-5, 4e-5, 1.4e-4))
 """A plane face, a ball, a paraboloid of fourth order, and a cone whose tip has been worn plane."""
 PRESSED, RELEASED = Ramp(1e-4, 1e-3), Ramp(-2e-5, 1e-3)
-every_solver = pytest.mark.parametrize("solver", SOLVERS.values(), ids=list(SOLVERS))
 
 
-def slow(value):
-    return pytest.param(value, marks=pytest.mark.slow)
+def slow(value, **more):
+    return pytest.param(value, marks=pytest.mark.slow, **more)
+
+
+def solvers(*slowly):
+    """A row of a table for every solver, some of them with the slow tests."""
+    rows = [(slow if name in slowly else pytest.param)(one, id=name) for name, one in SOLVERS.items()]
+    return pytest.mark.parametrize("solver", rows)
+
+
+every_solver = solvers()
 
 
 def scene(indenter, *steps, start=0.0, material=GEL, machine=None):
@@ -103,7 +111,7 @@ POINTS = {
 }
 
 
-@every_solver
+@solvers("bem")
 @pytest.mark.parametrize("name", ["blunt", *(slow(name) for name in POINTS if name != "blunt")])
 def test_any_other_contact_ends_in_a_point(solver, name):
     asked = POINTS[name]
@@ -131,7 +139,7 @@ def test_a_contact_that_comes_back_to_the_surface_exactly_is_over(solver, indent
     assert abs(trace.force[-1]) < (1e-5 if solver.name == "fem" else 1e-9) * trace.force.max()
 
 
-@every_solver
+@solvers("bem")
 @pytest.mark.parametrize("indenter", [BALL, PUNCH], ids=["ball", "punch"])
 def test_a_dead_load_taken_off_at_once_ends_the_contact(solver, indenter):
     """A ball leaves in a point: finite elements kept a root of the last part of the jump.
@@ -147,7 +155,7 @@ def test_a_dead_load_taken_off_at_once_ends_the_contact(solver, indenter):
     assert found.detachment_radius == (0.0 if indenter is BALL else 1e-3)
 
 
-@every_solver
+@solvers("bem")
 def test_a_force_that_lowers_an_indenter_does_no_work_on_the_way(solver):
     """It is as if the indenter had touched from the start."""
     above, touching = (solver.solve(scene(BALL, Force(1e-3, 0.2), start=start)) for start in (-1e-4, 0.0))
@@ -164,8 +172,15 @@ def test_front_tracking_keeps_a_given_force(steps):
     assert trace.force[smooth] == pytest.approx(given[smooth], rel=1e-11)
 
 
-@pytest.mark.parametrize("material", [GEL, Material(2e4, 0.45)], ids=["gel", "elastic"])
-@pytest.mark.parametrize("indenter", [BALL, BLUNT], ids=["ball", "blunt"])
+@pytest.mark.parametrize(
+    ("indenter", "material"),
+    [
+        pytest.param(BALL, GEL, id="ball-gel"),
+        pytest.param(BLUNT, Material(2e4, 0.45), id="blunt-elastic"),
+        pytest.param(BALL, Material(2e4, 0.45), id="ball-elastic", marks=pytest.mark.slow),
+        pytest.param(BLUNT, GEL, id="blunt-gel", marks=pytest.mark.slow),
+    ],
+)
 def test_front_tracking_follows_a_new_contact_from_its_first_moment(indenter, material):
     """The radius goes as a root of the time, which a long first step draws as a chord."""
     trace = reference.solve(scene(indenter, PRESSED, material=material), reference.Options(8))
@@ -178,7 +193,7 @@ def test_front_tracking_follows_a_new_contact_from_its_first_moment(indenter, ma
     assert missed <= 3e-5 * trace.contact_radius[-1]
 
 
-@pytest.mark.parametrize("resolution", [6, 8])
+@pytest.mark.parametrize("resolution", [6, slow(8)])
 def test_boundary_elements_lose_a_blunt_tip_on_a_soft_rubber_in_a_point(resolution):
     """Where its edge runs away at last: no contact without adhesion is unstable before it is a point."""
     steps = Ramp(1e-3, 1e-4, until_force=3e-5), Hold(1.0), Ramp(-2e-5, 1e-4)

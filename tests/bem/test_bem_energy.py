@@ -23,7 +23,15 @@ RUNS = {
     "oscillation": scene(Oscillate(0.005, 1.0, 8.0), at=0.02),
     "adhesionless": scene(Ramp(0.02, 0.05), Ramp(-0.1, 0.05), adhesion=None),
 }
-runs = pytest.mark.parametrize("question", RUNS.values(), ids=RUNS)
+SLOW = {"slow", "fast", "hold"}
+"""Beside others of which but a number varies, or a part."""
+runs = pytest.mark.parametrize(
+    "question",
+    [
+        pytest.param(one, id=name, marks=pytest.mark.slow if name in SLOW else ())
+        for name, one in RUNS.items()
+    ],
+)
 
 
 def coarse(question):
@@ -106,6 +114,7 @@ def test_branches_dissipate_the_loss_without_adhesion():
 APART = Material(0.75, 0.5, (Branch(2.25, 1.0), Branch(1.0, 0.1)))
 
 
+@pytest.mark.slow
 def test_branches_dissipate_the_loss_modulus_while_the_edge_rests():
     """A swinging punch: ``2 a pi d^2 E''`` a cycle. With a load straight in every step 2e-3 are missing."""
     depth, frequency, cycles = 0.002, 3.0, 4
@@ -220,8 +229,14 @@ def test_branches_warm_behind_an_edge_that_advances_slower_than_any_of_them_rela
     assert np.all(np.diff(branch) >= -1e-4 * branch[-1])
 
 
-@pytest.mark.parametrize("time", [1e-2, 1e-4])
-@pytest.mark.parametrize("resolution", [4, 12])
+@pytest.mark.parametrize(
+    ("time", "resolution"),
+    [
+        (1e-4, 4),
+        (1e-2, 12),
+        *(pytest.param(*row, marks=pytest.mark.slow) for row in ((1e-2, 4), (1e-4, 12))),
+    ],
+)
 def test_branches_faster_than_the_steps(time, resolution):
     """Without adhesion the branch integral is the loss, also where steps are many times the branch's time."""
     rubber = Material(0.75, 0.5, (Branch(6.75, time),))

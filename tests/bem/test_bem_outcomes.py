@@ -292,7 +292,7 @@ def test_elastic_cycle_costs_the_same_whatever_the_zone():
 def test_corner_of_the_force_is_not_stepped_over():
     """Glassy retraction: the edge hardly moves, then runs; the largest tension lies between."""
     question = load("retraction-fast").scene
-    assert_allclose(bem(question, resolution=6).force.min(), front(question).force.min(), rtol=1e-3)
+    assert_allclose(bem(question, resolution=6).force.min(), -0.02334333, rtol=1e-3)  # by front tracking
 
 
 @pytest.mark.parametrize(
@@ -317,7 +317,11 @@ def test_numbers_beyond_floating_point_end_a_run_with_a_reason(start, steps, kin
 
 
 @pytest.mark.parametrize(
-    ("branch_time", "rate"), [(1e-18, 4e-6), pytest.param(0.03, 1e-20, marks=pytest.mark.exhaustive)]
+    ("branch_time", "rate"),
+    [
+        pytest.param(1e-18, 4e-6, marks=pytest.mark.slow),
+        pytest.param(0.03, 1e-20, marks=pytest.mark.exhaustive),
+    ],
 )
 def test_a_collapse_faster_than_the_rounding_of_time_is_a_detachment(branch_time, rate):
     """The contact is relaxed but for the collapse, whatever the units of time."""

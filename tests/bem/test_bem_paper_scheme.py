@@ -165,11 +165,14 @@ def test_cycles(speed, radius, pull_off, lost, loop):
     assert trace.external_work[-1] / np.pi == pytest.approx(loop, rel=1.5e-2)
 
 
+JUMP = scene(Table((0.0, 0.3, 1.0), (0.03, 0.03, -0.1)), start="relaxed", at=0.02, material=TWO_BRANCHES)
+
+
 @pytest.mark.parametrize(
     "case",
     [
-        scene(Ramp(0.05, 0.02), Ramp(-0.5, 0.02), at=0.01, indenter=Cone(70.0)),
-        scene(Table((0.0, 0.3, 1.0), (0.03, 0.03, -0.1)), start="relaxed", at=0.02, material=TWO_BRANCHES),
+        pytest.param(scene(Ramp(0.05, 0.02), Ramp(-0.5, 0.02), at=0.01, indenter=Cone(70.0)), id="cone"),
+        pytest.param(JUMP, id="jump", marks=pytest.mark.slow),
     ],
 )
 def test_agreement_with_the_default_solver(case):

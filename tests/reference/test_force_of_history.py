@@ -85,8 +85,11 @@ SCENES = {
 }
 
 
+QUICK = {"close branches", "cone", "force ramp"}
+
+
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name == "dead load" else ()) for name in SCENES]
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in SCENES]
 )
 def test_raw_columns_of_a_run_belong_together(name: str) -> None:
     scene = SCENES[name]

@@ -248,7 +248,8 @@ def test_estimates_are_a_third_of_the_difference_from_twice_the_step() -> None:
 
 
 @pytest.mark.parametrize(
-    "speed", [0.02, pytest.param(0.1, marks=pytest.mark.exhaustive), pytest.param(0.002, marks=SLOW)]
+    "speed",
+    [pytest.param(0.02, marks=SLOW), *(pytest.param(v, marks=pytest.mark.exhaustive) for v in (0.002, 0.1))],
 )
 def test_own_error_estimates(speed: float) -> None:
     trace = solve(cycle(speed), Options(estimate_errors=True))

@@ -73,6 +73,7 @@ def test_what_overflows_is_out_of_range() -> None:
     assert all(np.isfinite(column).all() for column in trace.columns().values())
 
 
+@pytest.mark.slow
 def test_collapse_of_a_rated_edge_within_the_rounding_of_time() -> None:
     """An unlimited law of a small power: the speed is the ninth power of the drive, too fast for any step."""
     question = random_scene(3369).scene

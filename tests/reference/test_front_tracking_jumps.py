@@ -42,7 +42,10 @@ def _scene(steps, depth=0.0, start="jump-in", shape=None, material=ELASTIC, adhe
     return Scene(material, shape or Sphere(1.0), Loading(start, depth, tuple(steps)), adhesion)
 
 
-@pytest.mark.parametrize(("shape", "before"), [(Sphere(1.0), 0.0), (PowerLaw(5.0, 62.5), -0.001)])
+@pytest.mark.parametrize(
+    ("shape", "before"),
+    [(Sphere(1.0), 0.0), pytest.param(PowerLaw(5.0, 62.5), -0.001, marks=pytest.mark.slow)],
+)
 def test_an_elastic_jump_does_the_stored_work(shape, before) -> None:  # type: ignore[no-untyped-def]
     """Into contact from a distance, to another depth, and off."""
     jumps = [Table((0.0, 1.0), (depth, depth)) for depth in (0.019, 0.012, -0.1)]
@@ -100,7 +103,7 @@ def test_no_force_to_speak_of(force: float) -> None:
     assert (1.0 - 1e-3) * glassy <= trace.contact_radius[-1] <= (1.0 + 1e-3) * relaxed
 
 
-@pytest.mark.parametrize("force", [1e-80, 1e-40])
+@pytest.mark.parametrize("force", [1e-80, pytest.param(1e-40, marks=pytest.mark.slow)])
 def test_no_force_to_speak_of_on_an_elastic_half_space(force: float) -> None:
     """Without the search for the last contact, which takes seconds on a viscoelastic one."""
     trace = solve(_scene((Force(force, 1.0),), -0.005), COARSE)
@@ -204,7 +207,9 @@ def test_a_force_that_rises_from_nothing_leaves_sane_rows() -> None:
     assert trace.counters.closure_evaluations < 1000  # a begin that is not resolved is haggled over for long
 
 
-@pytest.mark.parametrize("exponent", [1.0, 1.28, 2.0, 8.0])
+@pytest.mark.parametrize(
+    "exponent", [1.28, 8.0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1.0, 2.0))]
+)
 def test_a_contact_that_begins_as_a_point_soon_forgets_it(exponent: float) -> None:
     """A contact that grows has the radius of an elastic one, whatever it has been through (Lee and Radok)."""
     shape = PowerLaw(exponent, 1.0)

@@ -60,6 +60,7 @@ def _after_jump(trace: Trace) -> int:
     return int(np.searchsorted(trace.time, 0.0, side="right")) - 1
 
 
+@pytest.mark.slow
 def test_lee_radok_and_ting() -> None:
     """Adhesionless sphere, V = 0.05, reversal at t = 1 (closed forms)."""
     trace = solve(
@@ -90,6 +91,7 @@ def test_contact_that_begins_later() -> None:
     assert not never.contact_radius.any()
 
 
+@pytest.mark.slow
 def test_adhesionless_creep_under_constant_force() -> None:
     """``8 a^3/(3 R) = J(t) F`` (Lee and Radok, growing contact)."""
     force = 0.01

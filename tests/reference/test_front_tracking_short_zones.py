@@ -341,6 +341,7 @@ def test_a_wrong_release_time_is_seen(passing, monkeypatch) -> None:  # type: ig
     assert _excess_of_the_retraction() > 1.0
 
 
+@SLOW
 def test_a_path_of_lower_order_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
     def without_last_row(rows, *given):  # type: ignore[no-untyped-def]
         return edge_path.path_family(replace(rows, times=rows.times[:2], values=rows.values[:2]), *given)

@@ -32,7 +32,11 @@ def test_closure_of_a_contact_hardly_longer_than_its_zone(ratio: float) -> None:
     assert got == pytest.approx(FiniteZone(1.0, 1.0, WORK, ratio * a).closure(a, depth), rel=1e-7)
 
 
-@pytest.mark.parametrize("step", [Ramp(-0.5, 0.01), Table((0.0, 1.0), (-0.06, -0.5))])
+@pytest.mark.parametrize(
+    "step",
+    [Ramp(-0.5, 0.01), pytest.param(Table((0.0, 1.0), (-0.06, -0.5)), marks=pytest.mark.slow)],
+    ids=["slowly", "by a jump"],
+)
 def test_the_last_row_is_the_contact_as_long_as_its_zone(step: Step) -> None:
     """Elastic, slowly or by a jump: contact given up before shows in radius, penetration and force alike."""
     trace = _pulled(step, ELASTIC)

@@ -119,10 +119,8 @@ TURNS = {
 }
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["held before", *(pytest.param(name, marks=pytest.mark.slow) for name in TURNS if name != "held before")],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TURNS)
 def test_other_turns_are_as_accurate(name: str) -> None:
     """Radius and force at some times of a coarse run against a fine one."""
     scene = replace(cycle(0.02), loading=TURNS[name])

@@ -8,6 +8,7 @@ import pytest
 from support.browser import CHROMIUM, measure_page
 from support.converging_schemes import ORDERS, converging
 from support.spring_solver import SCENE, StudiedSolver
+from support.unlaid_figures import without_layout
 
 from crosscontact.cli import main
 from validation.studies import schemes
@@ -22,7 +23,8 @@ def test_page_fits_a_phone_and_shows_everything(tmp_path, monkeypatch):
         monkeypatch.setitem(schemes.SCHEMES, name, made_up)
     own = tmp_path / "small.toml"
     own.write_text(SCENE)
-    assert main(["study", str(own), "--jobs", "1", "--out", str(tmp_path / "out")]) == 0
+    with without_layout():
+        assert main(["study", str(own), "--jobs", "1", "--out", str(tmp_path / "out")]) == 0
     seen = measure_page(tmp_path, (tmp_path / "out" / "index.html").read_text(), 375)
     assert seen["width"] == 375
     assert seen["content"] <= 375
