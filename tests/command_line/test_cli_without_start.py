@@ -71,6 +71,7 @@ def test_other_commands_say_it(says, above, tmp_path, command):
     assert WHERE in said
 
 
+@pytest.mark.slow
 def test_a_sweep_goes_on_past_it(says, above, tmp_path):
     plan = tmp_path / "plan.toml"
     plan.write_text(

@@ -38,10 +38,7 @@ SCENES = {
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=() if name in ("contact lost", "cycles that pull alike") else SLOW)
-        for name in SCENES
-    ],
+    [pytest.param(name, marks=() if name == "contact lost" else SLOW) for name in SCENES],
 )
 def test_three_solvers_agree_on_an_oscillating_punch(name, tmp_path, capsys):
     cc.write_scene(SCENES[name], tmp_path / "punch.toml")

@@ -325,6 +325,7 @@ def test_notebook_representation(result):
     assert len(html) < 100_000
 
 
+@pytest.mark.slow
 def test_a_notebook_figure_opens_no_window(result):
     code = (
         "import sys, crosscontact as cc\n"

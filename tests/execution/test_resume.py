@@ -37,8 +37,7 @@ def whole_run(name):
 
 @pytest.mark.parametrize(
     "name",
-    ["bem", "fem", "reference"]
-    + [pytest.param(name, marks=pytest.mark.slow) for name in ("bem uniform", "reference elastic")],
+    [pytest.param(name, marks=() if name == "reference" else pytest.mark.slow) for name in SOLVERS],
 )
 def test_stopped_again_and_again(name):
     whole, looks = whole_run(name)
@@ -54,7 +53,10 @@ def test_stopped_again_and_again(name):
     assert_same(resumed, whole)
 
 
-@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow if " " in name else ()) for name in SOLVERS],
+)
 def test_what_is_put_back_is_what_was_taken(name):
     stop = Stop(60)
     SOLVERS[name](stop)

@@ -243,6 +243,7 @@ def errors(trace: Trace) -> tuple[float, float, float]:
     return pull_off, trace.external_work[-1] / LOOP - 1.0, trace.outcome.time / DETACHED - 1.0
 
 
+@pytest.mark.slow
 def test_short_zones_are_passed_over_with_little_error():
     """Zone 6e-3 of the contact radius; 75 steps where a quarter of an element a step takes thousands."""
     trace = retraction()

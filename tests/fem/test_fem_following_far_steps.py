@@ -113,6 +113,7 @@ def test_a_cone_pressed_in_slowly_and_pulled_off_at_once():
     assert -trace.force.min() == pytest.approx(CONE_PULL_OFF, rel=4e-3)
 
 
+@pytest.mark.slow
 def test_elements_of_a_billionth_of_the_radius():
     """The radii at which components sit are read from stiffnesses, whose rounding may exchange neighbours."""
     loading = Loading("relaxed", 8e-7, (Ramp(-6e-6, 4e-6),))

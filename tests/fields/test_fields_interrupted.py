@@ -151,8 +151,9 @@ RUNS = {"on the surface": (DOWN_AND_UP, "0.09", 40), "in the body": (APART, "0.0
 """Where the history is: scene, last moment, steps before the interruption."""
 
 
-@pytest.mark.parametrize(("text", "last", "looks"), RUNS.values(), ids=RUNS)
-def test_an_interrupted_run_goes_on_with_its_history(tmp_path, monkeypatch, capsys, text, last, looks):
+@pytest.mark.parametrize("name", ["on the surface", pytest.param("in the body", marks=pytest.mark.slow)])
+def test_an_interrupted_run_goes_on_with_its_history(tmp_path, monkeypatch, capsys, name):
+    text, last, looks = RUNS[name]
     file = tmp_path / "scene.toml"
     file.write_text(text, encoding="utf-8")
     given = ["fields", str(file), "--at", "0", last, "--resolution", "4", "--no-figures", "--out"]
@@ -192,6 +193,7 @@ class Keeping:
         return self.steps != self.last
 
 
+@pytest.mark.slow
 def test_a_second_run_for_picked_rows_goes_on_without_the_first():
     """Where bulk relaxes apart whole states are stored, of rows that only the trace of a first run tells."""
     scene = scene_from_dict(tomllib.loads(APART))

@@ -53,6 +53,7 @@ def test_half_a_file_is_refused_by_the_command_in_one_line(tmp_path, capsys):
     assert "truncated file" in said[0]
 
 
+@pytest.mark.slow
 def test_the_log_of_afmformats_stays_off_stderr(tmp_path):
     file, scene = tmp_path / "a.ibw", tmp_path / "scene.toml"
     file.write_bytes(b"no wave")

@@ -169,6 +169,7 @@ def test_one_branch_is_found_and_explains_its_own_curve():
         assert one.deviation < 0.2
 
 
+@pytest.mark.slow
 def test_two_branches_fitted_with_one_are_seen():
     curve = triangle(visco((20.0, 0.03), (2.0, 1.0)).material, 0.003)
     found = fit_curves([curve], visco((3.0, 0.3)), settings_of(*BRANCH))

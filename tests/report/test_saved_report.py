@@ -42,6 +42,7 @@ def test_checks_and_runs_are_those_of_report_json(report):
     assert any(run.refused for run in report.runs)
 
 
+@pytest.mark.slow
 def test_a_packed_report_is_the_same_report(report, tmp_path):
     saved.unpack(ARCHIVE, tmp_path / "folder")
     (tmp_path / "folder" / "index.html").write_text("not packed")
