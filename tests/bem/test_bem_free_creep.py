@@ -51,10 +51,10 @@ def outside_paraboloid(radius, edge, penetration):
 )
 def test_displacement_outside_an_edge_that_never_receded_is_elastic(branches):
     """Whatever the material and the way: no pressure has been there (Lee and Radok)."""
-    steps = (Ramp(0.0030181, 2.268e-5), Hold(3.0), Ramp(0.0032, 1e-3))
+    steps = (Ramp(0.0026781, 2.268e-5), Hold(0.5), Ramp(0.0028, 1e-3))
     loading = Loading("jump-in", 0.0025645, steps)
     scene = replace(SLOW, material=replace(SLOW.material, branches=branches), loading=loading)
-    trace = bem(scene, profile_times=(10.0, 20.0, 22.9, 23.1), resolution=6)
+    trace = bem(scene, profile_times=(2.5, 5.0, 5.4, 5.6), resolution=4)
     for profile in trace.profiles:
         edge, depth = (
             np.interp(profile.time, trace.time, c) for c in (trace.contact_radius, trace.penetration)

@@ -73,12 +73,12 @@ def test_dashpots_do_not_move_in_no_time() -> None:
 
 def test_force_jumps_from_nothing_and_back() -> None:
     """Hertz at the glassy modulus at once; the loss of the branches is that of the balance."""
-    trace = solve(_scene((Force(0.01, 1.0), Force(0.005, 1.0), Force(-1.0, 1.0)), material=RUBBER), COARSE)
+    trace = solve(_scene((Force(0.01, 0.1), Force(0.005, 0.1), Force(-1.0, 1.0)), material=RUBBER), COARSE)
     first = int(np.searchsorted(trace.time, 0.0, side="right")) - 1
     assert trace.force[first] == pytest.approx(0.01, rel=1e-9)
     assert trace.contact_radius[first] == pytest.approx((0.75 * 0.01 / 10.0) ** (1 / 3), rel=1e-6)
     assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert trace.outcome.time == pytest.approx(2.0)
+    assert trace.outcome.time == pytest.approx(0.2)
     assert trace.force.min() >= 0.0
     lost = trace.dissipated_energy[-1]
     assert trace.extra["branch_dissipation"][-1] == pytest.approx(lost, rel=1e-4)
@@ -293,18 +293,21 @@ def test_an_unstable_motion_within_a_load_jump_is_at_constant_load() -> None:
 
 
 @pytest.mark.parametrize(
-    ("start", "depth", "shape", "force"),
+    ("start", "depth", "shape", "force", "work"),
     [
-        pytest.param("jump-in", 2e-5, Cone(85.0), -1e-5, id="cone"),
-        pytest.param("relaxed", 1e-5, Sphere(1e-3), 0.0, id="relaxed sphere", marks=pytest.mark.slow),
+        pytest.param("jump-in", 2e-5, Cone(85.0), -1e-5, -1.2369050e-7, id="cone"),
+        pytest.param("relaxed", 1e-5, Sphere(1e-3), 0.0, None, id="relaxed sphere", marks=pytest.mark.slow),
     ],
 )
-def test_work_of_a_jump_of_the_force(start, depth, shape, force, monkeypatch):  # type: ignore[no-untyped-def]
-    """Twice as many parts change nothing; by chords a thousandth was off where the force ends."""
+def test_work_of_a_jump_of_the_force(start, depth, shape, force, work, monkeypatch):  # type: ignore[no-untyped-def]
+    """Twice as many parts change nothing; by chords a thousandth was off where the force ends.
+
+    What twice as many parts give is written down, or found.
+    """
     gel = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
     scene = _scene((Force(force, 0.0),), depth, start, shape, gel, Adhesion(0.05, 1e-6))
-    works = []
-    for parts in (load_jump.JUMP_PARTS, 2 * load_jump.JUMP_PARTS):
-        monkeypatch.setattr(load_jump, "JUMP_PARTS", parts)
-        works.append(solve(scene, COARSE).external_work[-1])
-    assert works[0] == pytest.approx(works[1], rel=1e-5)
+    found = solve(scene, COARSE).external_work[-1]
+    if work is None:
+        monkeypatch.setattr(load_jump, "JUMP_PARTS", 2 * load_jump.JUMP_PARTS)
+        work = solve(scene, COARSE).external_work[-1]
+    assert found == pytest.approx(work, rel=1e-5)
