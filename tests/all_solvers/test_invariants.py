@@ -1,4 +1,4 @@
-"""Invariants of random scenes, the same for every solver; more than two hundred examples when slow.
+"""Invariants of random scenes, the same for every solver; more than a hundred and fifty examples when slow.
 
 Each is a check of :mod:`support.invariants.checks`, which raises ``AssertionError`` where it does not hold.
 Invariants of the same arguments are asked of the same examples, so that these are solved once.

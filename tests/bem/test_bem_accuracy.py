@@ -124,9 +124,11 @@ def force_missed(trace, exact):
 
 @pytest.mark.parametrize(
     ("rate", "levels", "most"),
-    [(0.006, (6, 12, 24), 6e-5), (0.02, (4, 6, 12), 2e-5)],
+    [
+        pytest.param(0.006, (6, 12, 24), 6e-5, marks=pytest.mark.slow),
+        pytest.param(0.02, (4, 6, 12), 2e-5, marks=pytest.mark.exhaustive),
+    ],
 )
-@pytest.mark.slow
 def test_observed_order_when_annuli_and_steps_are_refined_together(rate, levels, most):
     """Two-sided: an order far above the scheme's would be chance, one a little below it is not.
 
@@ -137,7 +139,7 @@ def test_observed_order_when_annuli_and_steps_are_refined_together(rate, levels,
     whole = observe(exact)
     forces, loops, tops = [], [], []
     for resolution in levels:
-        trace = bem(cycle(rate)) if resolution == 12 else bem(cycle(rate), resolution=resolution)
+        trace = bem(cycle(rate), resolution=resolution)
         found = observe(trace)
         forces.append(force_missed(trace, exact))
         loops.append(abs(found.loop_energy / whole.loop_energy - 1.0))

@@ -86,8 +86,13 @@ def test_pull_off_in_few_steps(zone, error):
     assert trace.counters.steps < 220
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("zone", "resolution", "error"), [(1.3e-3, 12, 1e-3), (1.3e-3, 48, 1e-4)])
+@pytest.mark.parametrize(
+    ("zone", "resolution", "error"),
+    [
+        pytest.param(1.3e-3, 12, 1e-4, marks=pytest.mark.slow),
+        pytest.param(1.3e-3, 48, 1e-5, marks=pytest.mark.exhaustive),
+    ],
+)
 def test_default_error_and_four_times_the_resolution(zone, resolution, error):
     assert abs(pulled(zone, resolution)[0]) < error
 

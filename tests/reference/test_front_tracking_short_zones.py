@@ -55,8 +55,12 @@ def scene(zone: float, loading: Loading = RETRACTION, material: Material = ONE) 
 
 
 @cache
+def _solved(question: Scene) -> Trace:
+    return solve(question)
+
+
 def _run(zone: float, loading: Loading = RETRACTION, material: Material = ONE) -> Trace:
-    return solve(scene(zone, loading, material))
+    return _solved(scene(zone, loading, material))
 
 
 def short_steps(question: Scene, **options: int) -> Trace:
@@ -131,7 +135,7 @@ SHORT_STEPS = {
 """By short steps at that zone: their number, and what is ``MEASURED``."""
 
 
-@pytest.mark.parametrize("name", sampled(LOADINGS, 2))
+@pytest.mark.parametrize("name", sampled(LOADINGS, 4))
 def test_long_steps_against_short_ones(name: str) -> None:
     loading, material = LOADINGS[name]
     steps, *values = SHORT_STEPS[name]
@@ -239,7 +243,7 @@ BY_RESOLUTION_64 = 0.021103323885, 8.8909034501e-4
 @pytest.mark.parametrize(
     ("zone", "loading", "exact"),
     [
-        pytest.param(1.3e-4, RETRACTION, CHECK_VALUES["retraction"][1:3], marks=SLOW),
+        pytest.param(1.3e-4, RETRACTION, CHECK_VALUES["retraction"][1:3], marks=pytest.mark.exhaustive),
         pytest.param(1.3e-6, CYCLE, BY_RESOLUTION_64, marks=pytest.mark.exhaustive),
     ],
 )
@@ -262,8 +266,13 @@ def test_order_in_the_step(zone: float, loading: Loading, exact: tuple[float, fl
         assert usual < 0.3 * DEFAULT_ERROR, quantity
 
 
-@SLOW
-@pytest.mark.parametrize("loading", [RETRACTION, CYCLE], ids=["retraction", "cycle"])
+@pytest.mark.parametrize(
+    "loading",
+    [
+        pytest.param(RETRACTION, id="retraction", marks=SLOW),
+        pytest.param(CYCLE, id="cycle", marks=pytest.mark.exhaustive),
+    ],
+)
 def test_estimates_cover_the_errors(loading: Loading) -> None:
     _, pull_off, loop, _ = CHECK_VALUES["retraction" if loading is RETRACTION else "cycle"]
     trace = solve(scene(1.3e-4, loading), Options(estimate_errors=True))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -15,15 +16,24 @@ SCALED = np.pi * STIFFNESS  # F = SCALED * F~
 GLASSY = Material(7.5, 0.5)
 
 
-@cache
 def bem(question: Scene, **options) -> Trace:
     """The boundary-element answer."""
-    return bem_solver.solve(question, bem_solver.Options(**options))
+    options = {"resolution": bem_solver.Options().divisions} | options
+    return _bem(question, tuple(sorted(options.items())))
+
+
+def front(question: Scene, resolution: int | None = 10) -> Trace:
+    """The front-tracking answer; at this resolution good to about 1e-4."""
+    return _front(question, resolution)
 
 
 @cache
-def front(question: Scene, resolution: int | None = 10) -> Trace:
-    """The front-tracking answer; at this resolution good to about 1e-4."""
+def _bem(question: Scene, options: tuple[tuple[str, Any], ...]) -> Trace:
+    return bem_solver.solve(question, bem_solver.Options(**dict(options)))
+
+
+@cache
+def _front(question: Scene, resolution: int | None) -> Trace:
     return reference.solve(question, reference.Options(resolution=resolution))
 
 
