@@ -174,7 +174,7 @@ def test_heat_and_work_of_a_slow_cycle_in_long_steps():
     assert abs(work) < 4e-5
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_load_at_the_edge_of_the_surface_before_is_seen(monkeypatch):
     def unimproved(self, motion, surface):
         one, second = self._controlled(motion)

@@ -194,6 +194,7 @@ def test_advance_within_a_zone_carries_the_whole_fall_of_the_load():
     assert_allclose(solve(scene, Options(24)).force[-1], -0.00130598, rtol=6e-4)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("fault", ["release time", "order of the path"])
 def test_faults_of_the_path_are_seen(fault, monkeypatch):
     left = BentPath.left

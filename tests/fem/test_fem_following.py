@@ -290,7 +290,7 @@ def forgetful(true):
     return transferred
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("owner", "name", "wrong"),
     [

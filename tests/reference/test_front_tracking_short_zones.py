@@ -343,14 +343,14 @@ def _released_too_early(self, x):  # type: ignore[no-untyped-def]
     return 0.99 * edge_path.ParabolicPath(self.start, self.travel, 0.0).passing(x)
 
 
-@SLOW
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("passing", [_released_at_the_end, _released_too_early])
 def test_a_wrong_release_time_is_seen(passing, monkeypatch) -> None:  # type: ignore[no-untyped-def]
     monkeypatch.setattr(edge_path.PolynomialPath, "passing", passing)
     assert _excess_of_the_retraction() > 1.0
 
 
-@SLOW
+@pytest.mark.exhaustive
 def test_a_path_of_lower_order_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
     def without_last_row(rows, *given):  # type: ignore[no-untyped-def]
         return edge_path.path_family(replace(rows, times=rows.times[:2], values=rows.values[:2]), *given)
@@ -359,7 +359,7 @@ def test_a_path_of_lower_order_is_seen(monkeypatch) -> None:  # type: ignore[no-
     assert _excess_of_the_retraction() > 1.0
 
 
-@SLOW
+@pytest.mark.exhaustive
 def test_a_forgotten_wake_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
     """What was released in earlier steps no longer recovers."""
     update = surface_step.field_update
