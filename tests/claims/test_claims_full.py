@@ -18,8 +18,8 @@ from validation.solvers import SOLVERS
 
 LONG = 10.0
 """Expected seconds of a run that the slow tests leave out: some hundred cycles of an oscillation."""
-COARSE = 6
-"""Annuli per zone of the boundary elements: half the default gives the same verdicts."""
+COARSE = 4
+"""Annuli per zone of the boundary elements: a third of the default gives the same verdicts."""
 
 
 def processes() -> ProcessPoolExecutor:
