@@ -217,7 +217,7 @@ HYSTERESIS, RATED = Adhesion(WORK, ZONE, CLOSING), Adhesion(WORK, ZONE, None, RA
 @pytest.mark.parametrize(
     ("adhesion", "solver"),
     [
-        pytest.param(RATED, "bem", id="rate-bem"),
+        pytest.param(RATED, "bem", id="rate-bem", marks=pytest.mark.slow),
         pytest.param(HYSTERESIS, "fem", id="hysteresis-fem"),
         pytest.param(RATED, "fem", id="rate-fem", marks=pytest.mark.slow),
         pytest.param(HYSTERESIS, "bem", id="hysteresis-bem", marks=pytest.mark.slow),

@@ -185,6 +185,7 @@ def test_a_load_at_the_edge_of_the_surface_before_is_seen(monkeypatch):
     assert np.abs(heat).max() > 7e-4
 
 
+@pytest.mark.slow
 def test_punch_sets_out_after_a_long_press_when_it_should():
     """Dead load after a hold of many relaxation times; by front tracking. The gap at rest was 3 % off."""
     branches = (Branch(13452.0, 0.03333), Branch(170805.0, 0.032934))

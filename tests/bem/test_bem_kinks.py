@@ -106,6 +106,7 @@ def test_small_rise_from_a_relaxed_contact(indenter, depth, zone, resolution):
     assert_allclose(ours.force[-1] - ours.force[0], exact.force[-1] - exact.force[0], rtol=0.1)
 
 
+@pytest.mark.slow
 def test_load_jump_from_a_relaxed_contact_is_no_snap():
     question = scene(Force(0.004, 3.0), start="relaxed", at=0.01)
     assert not bem(question).events

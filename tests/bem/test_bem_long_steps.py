@@ -83,7 +83,11 @@ def test_release_of_the_tip_jumps_where_the_edge_has_rested():
     ],
 )
 @pytest.mark.parametrize(
-    ("steps", "most"), [((0.036, 0.03), 0.005), ((0.03, 0.036), 1.0)], ids=["opens last", "closes last"]
+    ("steps", "most"),
+    [
+        pytest.param((0.036, 0.03), 0.005, id="opens last", marks=pytest.mark.slow),
+        pytest.param((0.03, 0.036), 1.0, id="closes last"),
+    ],
 )
 def test_heat_of_the_branches_of_an_edge_that_turns(steps, most, resolution, within):
     """The tip's release changes a hundredfold where the edge turns and where it passes its place of rest."""

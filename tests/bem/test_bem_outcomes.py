@@ -258,7 +258,13 @@ def test_two_stops_close_together_do_not_turn_the_edge_of_a_stiff_glass(contrast
 
 
 @pytest.mark.parametrize("annuli", ["graded", pytest.param("uniform", marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("zone", "material"), [(0.05, ONE), (0.08, ELASTIC)], ids=["rubber", "elastic"])
+@pytest.mark.parametrize(
+    ("zone", "material"),
+    [
+        pytest.param(0.05, ONE, id="rubber", marks=pytest.mark.slow),
+        pytest.param(0.08, ELASTIC, id="elastic"),
+    ],
+)
 def test_contact_that_shrinks_to_its_zone_leaves_the_range_of_the_model(annuli, zone, material):
     """The last row is the state at the zone's length; nothing is called pull-off but the largest tension."""
     question = scene(

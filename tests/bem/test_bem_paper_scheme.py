@@ -113,6 +113,7 @@ def test_the_edge_of_a_punch_is_a_border():
     assert trace.outcome.kind is OutcomeKind.DETACHED
 
 
+@pytest.mark.slow
 def test_force_control_follows_the_force():
     steps = (ForceRamp(0.02, 0.01), Hold(1.0), ForceRamp(-0.1, 0.01))
     trace, default = uniform(scene(*steps)), bem_solver.solve(scene(*steps), Options(resolution=6))
@@ -135,6 +136,7 @@ def test_two_like_branches_are_one():
 # --- order, work, agreement
 
 
+@pytest.mark.slow
 def test_first_order_when_width_and_step_are_refined_together():
     """Two-sided slope of the loop energy, and caps, against front tracking.
 

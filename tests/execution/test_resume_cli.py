@@ -120,7 +120,7 @@ def test_a_signal_ends_the_run_with_its_step(capsys, tmp_path, scene_file, unint
 
 @pytest.mark.parametrize(
     "solver",
-    ["reference", pytest.param("bem", marks=pytest.mark.slow), pytest.param("fem", marks=pytest.mark.slow)],
+    [pytest.param(name, marks=pytest.mark.slow) for name in ("reference", "bem", "fem")],
 )
 def test_killed_at_any_moment(tmp_path, scene_file, uninterrupted, solver):
     chance = random.Random(solver)

@@ -83,6 +83,7 @@ def moved_on():
     return fem_solver.record(scene, edge_meshes(scene, 4)).setup
 
 
+@pytest.mark.slow
 def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
     history = moved_on().history
     state, solid = history.state, history.solid

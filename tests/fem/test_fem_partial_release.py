@@ -186,6 +186,7 @@ def test_heat_of_the_tip_at_a_speed_at_which_elements_relax_while_they_are_passe
     assert trace.extra["branch_dissipation"][-1] == pytest.approx(1.6416527e-4, rel=6e-3)
 
 
+@pytest.mark.slow
 def test_heat_of_an_edge_that_creeps_and_then_opens_fast():
     """By front tracking; were strips left fast joined to others that had relaxed, 0.3 % would be missed."""
     scene = load("cone-pull").scene

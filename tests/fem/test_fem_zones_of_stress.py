@@ -16,7 +16,10 @@ PEELED = Loading("relaxed", 0.03, (Ramp(-0.5, 0.05),))
 
 @pytest.mark.parametrize(
     ("share", "follows", "radius"),
-    [(0.05, True, 0.2278761), pytest.param(0.1, False, 0.2297051, marks=pytest.mark.slow)],
+    [
+        pytest.param(0.05, True, 0.2278761, marks=pytest.mark.slow),
+        pytest.param(0.1, False, 0.2297051, marks=pytest.mark.slow),
+    ],
 )
 def test_an_edge_closes_smoothly_in_a_zone_far_shorter_than_that_at_rest(share, follows, radius):
     """Radii by front tracking; in steps of elements longer than its zone the edge was 0.6 to 0.8 % behind."""

@@ -121,6 +121,7 @@ def test_densities_add_up_to_the_energies_of_the_trace():
         assert (state.dissipation_rate >= 0.0).all()
 
 
+@pytest.mark.slow
 def test_densities_of_separate_relaxation_add_up_too():
     recording = recorded("quadrature", 0.3, "mixed", "elastic")
     for state in states("quadrature", 0.3, "mixed", "elastic"):

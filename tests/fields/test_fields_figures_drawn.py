@@ -54,6 +54,7 @@ def image(cut, view, shown):
     return rendering.picture(lambda plotter: sections.add_field(plotter, cut, view, STRESS, shown), size)
 
 
+@pytest.mark.slow
 def test_pixels_have_the_colour_of_the_field_there(image, cut, view, shown):
     field = LinearTriInterpolator(Triangulation(*cut.moved.T, cut.state.triangles), cut.state.stress[1])
     height, width = image.shape[:2]

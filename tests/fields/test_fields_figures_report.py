@@ -62,6 +62,7 @@ def section():
     return CycleFields(first, tuple(shown), (line,))
 
 
+@pytest.mark.slow
 def test_section_holds_strips_edge_body_and_film(section, monkeypatch):
     names = [picture.name for picture in section.images]
     assert [name for name in names if "strip" in name] == [

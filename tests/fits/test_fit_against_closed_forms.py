@@ -135,7 +135,8 @@ def test_an_adhesionless_fit_agrees_with_a_ting_model_fit():
     assert found.goodness.explained
 
 
-@pytest.mark.parametrize("stiffness", [None, pytest.param(0.05, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("stiffness", [None, 0.05])
 def test_a_curve_of_an_approach_to_a_force_turns_where_hertz_has_that_force(stiffness):
     level, rate, dwell = 2e-3, 0.02, 0.3
     steps = (Ramp(1.0, rate, until_force=level), Hold(dwell), Ramp(-0.02, rate))

@@ -106,13 +106,8 @@ def test_thinning_leaves_a_crease_and_its_neighbours(count: int) -> None:
         assert inside[j] in few.inside, j
 
 
-@pytest.mark.parametrize(
-    "shift",
-    [
-        pytest.param(1.0, marks=pytest.mark.slow),
-        *(pytest.param(s, marks=pytest.mark.exhaustive) for s in (0.998, 1.001)),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("shift", [1.0, 0.998, 1.001])
 def test_a_rough_profile_gives_back_no_more_than_it_got(shift: float) -> None:
     """Kinks of the load under a measured profile; slopes across them once led to roots that are none."""
     heights = (

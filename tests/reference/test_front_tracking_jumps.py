@@ -233,6 +233,7 @@ def test_a_slow_approach_is_elastic_however_stiff_the_glass(contrast: float) -> 
     assert trace.force[-1] == pytest.approx(exact.force, rel=3e-4)
 
 
+@pytest.mark.slow
 def test_fast_retraction_of_a_stiff_glass_tends_to_the_frozen_limit() -> None:
     """The gap steps down where the edge has rested; its slopes are those of either side."""
     material = Material(0.75, 0.5, (Branch(0.75e6, 1.0),))

@@ -139,6 +139,7 @@ def test_constant_tension_detaches_with_delay() -> None:
     assert trace.force[_after_jump(trace)] == pytest.approx(-3.0 * F_JKR, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_long_hold_relaxes_to_the_soft_equilibrium() -> None:
     """Advance stops short of it: a closing crack stops where the closure does, so compare after a retreat."""
     trace = solve(_scene((Force(F_JKR, 500.0),), 0.032, "relaxed"), COARSE)
@@ -213,6 +214,7 @@ def test_other_profiles_run_through(shape) -> None:  # type: ignore[no-untyped-d
     assert observe(trace).pull_off_force == pytest.approx(observe(coarse).pull_off_force, rel=2e-4)
 
 
+@pytest.mark.slow
 def test_tabulated_sphere_is_the_sphere() -> None:
     r = np.linspace(0.0, 0.6, 25)
     steps = (Ramp(0.032, 0.1), Ramp(-0.5, 0.1))
@@ -368,6 +370,7 @@ def test_profiles_carry_the_force(shape, time: float) -> None:  # type: ignore[n
     assert np.all(np.diff(profile.radius) > 0.0)
 
 
+@pytest.mark.slow
 def test_a_flat_profile_is_left_although_its_radius_vanishes_faster_than_time_resolves() -> None:
     """Radius like the sixth root of the time left: down to 1e-3 of its largest that is 1e-18 of the run."""
     steps = (Ramp(0.03, 0.1), Ramp(-0.5, 0.1))

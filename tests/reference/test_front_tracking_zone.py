@@ -50,6 +50,7 @@ def test_the_last_row_is_the_contact_as_long_as_its_zone(step: Step) -> None:
     assert trace.force[-1] == pytest.approx(exact.force, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_tension_that_falls_before_has_had_its_maximum() -> None:
     trace = _pulled(Ramp(-0.5, 0.1), ONE)
     assert trace.outcome.kind is OutcomeKind.BELOW_ZONE
