@@ -80,8 +80,8 @@ IN_CI = (
 )
 """One fault of each kind and regime, tried with the slow tests; the marker ``exhaustive`` has the others.
 
-Tables, holds and forces that all solvers share are in ``QUICKLY``, too; two that make boundary elements try steps
-for minutes are caught by tests of the edge that is pinned and of steps over zones.
+Tables, holds and forces that all solvers share are in ``QUICKLY``, too. Two that make boundary elements try
+steps for minutes are left to tests of an edge that is pinned and of steps over zones.
 """
 TIME_FACTOR = 10.0  # limit of a run with a fault, times processor time of the true run and its estimate ...
 LEAST_LIMIT = 10.0  # ... and at least so many seconds
