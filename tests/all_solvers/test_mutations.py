@@ -64,7 +64,6 @@ IN_CI = (
     "fem: glassy state with the relaxed ratio of the moduli",
     "fem: bulk relaxes like shear",
     "fem: nodes of a step over zones released too early",
-    "fem: wake of earlier steps over zones recovers half as fast",
     "fem: process zone longer by a length of 1e-6",
     "fem: relaxation times close together joined",
     "fem: surface 0.5 % narrower than its mesh",
@@ -80,8 +79,8 @@ IN_CI = (
 )
 """One fault of each kind and regime, tried with the slow tests; the marker ``exhaustive`` has the others.
 
-Tables, holds and forces that all solvers share are in ``QUICKLY``, too. Two that make boundary elements try
-steps for minutes are left to tests of an edge that is pinned and of steps over zones.
+Tables, holds and forces that all solvers share are in ``QUICKLY``, too. Three that take long are left to
+tests of an edge that is pinned and of steps over zones.
 """
 TIME_FACTOR = 10.0  # limit of a run with a fault, times processor time of the true run and its estimate ...
 LEAST_LIMIT = 10.0  # ... and at least so many seconds

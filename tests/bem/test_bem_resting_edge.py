@@ -135,7 +135,8 @@ def oscillating(duration):
     ("resolution", "duration", "share"),
     [
         (4, 0.21, 0.02),
-        pytest.param(5, 1.0, 0.02, marks=pytest.mark.slow),
+        pytest.param(5, 0.5, 0.02, marks=pytest.mark.slow),
+        pytest.param(5, 1.0, 0.02, marks=pytest.mark.exhaustive),
         pytest.param(8, 1.0, 0.02, marks=pytest.mark.exhaustive),
         pytest.param(12, 1.0, 0.01, marks=pytest.mark.exhaustive),
     ],
@@ -199,7 +200,10 @@ def pressed_after_rest(zone: float) -> Scene:
     )
 
 
-@pytest.mark.parametrize("resolution", [12, *(pytest.param(n, marks=pytest.mark.slow) for n in (13, 24))])
+@pytest.mark.parametrize(
+    "resolution",
+    [12, pytest.param(13, marks=pytest.mark.slow), pytest.param(24, marks=pytest.mark.exhaustive)],
+)
 def test_press_after_rest_near_zero_force(resolution: int):
     """Set off a hair beyond the place of rest: the root was read on that hair, steps rejected without end.
 

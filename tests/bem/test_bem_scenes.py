@@ -67,19 +67,17 @@ LOADINGS = {
 SLOW = {
     "hold",
     "table",
-    "nu = 0.3",
     "power 8",
     "sweep",
     "three branches",
     "dead tension",
     "cone",
     "hundredfold",
-    "short zone",
     "re-approach",
     "oscillation with drift",
     "force ramps",
 }
-EXHAUSTIVE = {"long zone", "power 1.5", "power 3"}
+EXHAUSTIVE = {"long zone", "short zone", "power 1.5", "power 3", "nu = 0.3"}
 """Between or beside others of which but a number varies."""
 
 

@@ -76,7 +76,7 @@ def test_a_cone_pressed_to_hundreds_of_times_its_first_radius():
     [
         pytest.param(1.3e-3, 2e-3, marks=pytest.mark.slow),
         (1.3e-5, 2e-4),
-        pytest.param(1e-9, 2e-4, marks=pytest.mark.slow),
+        pytest.param(1e-9, 2e-4, marks=pytest.mark.exhaustive),
     ],
 )
 def test_pull_off_in_few_steps(zone, error):

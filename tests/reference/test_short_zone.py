@@ -185,7 +185,7 @@ def test_front_tracking_tends_to_the_limit_with_the_zone(kind, quantity):
     assert short < finest
 
 
-@SLOW
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("quantity", ["pull_off_force", "loop_energy"])
 def test_retraction_converges_for_a_vanishing_zone(quantity):
     """The front tracking alone: differences of neighbouring decades fall with the first power of the zone."""
