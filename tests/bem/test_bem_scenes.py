@@ -59,7 +59,7 @@ LOADINGS = {
     "dead tension": (scene(Force(-2.0 * PULL, 50.0), start="relaxed"), 2e-2),
     "force ramps": (scene(ForceRamp(3.0 * PULL, PULL), ForceRamp(-20.0 * PULL, PULL), start="relaxed"), 5e-3),
     "oscillation": (scene(Oscillate(0.005, 1.0, 8.0), at=0.02), 2e-3),
-    "oscillation with drift": (scene(Oscillate(0.003, 2.0, 12.0, 0.002), start="relaxed", at=0.02), 1e-2),
+    "oscillation with drift": (scene(Oscillate(0.003, 2.0, 40.0, 0.002), start="relaxed", at=0.02), 1e-2),
     "sweep": (scene(Sweep(0.003, 0.5, 6.0), start="relaxed", at=0.02), 2e-2),
     "table": (scene(Table((0.0, 1.0, 2.0), (0.0, 0.03, 0.01))), 2e-3),
     "jump down": (scene(Table((0.0, 1.0), (0.025, 0.025)), start="relaxed", at=0.032), 2e-3),
