@@ -94,8 +94,9 @@ def test_the_true_solvers_miss_nothing(solver, name):
     assert wrong(solver, name) == []
 
 
+@pytest.mark.slow
 def test_what_a_rated_edge_takes_up_is_checked():
-    """By default, for the cheapest solver: a column of its own, which neither force nor radius depends on."""
+    """For the cheapest solver: a column of its own, which neither force nor radius depends on."""
     (fault,) = [fault for fault in FAULTS if "taken_at" in fault.target]
     assert wrong("reference", *RATED) == []
     calls, missed = found_wrong(fault, wrong, 30.0)

@@ -192,6 +192,7 @@ def test_release_rate_of_a_quasi_static_edge_is_the_work_of_adhesion():
     assert_allclose(rate[inner], exact, rtol=0.02)
 
 
+@pytest.mark.slow
 def test_release_rate_rises_with_the_speed_of_opening():
     rates = []
     for rate in (0.002, 0.02, 0.1):

@@ -134,7 +134,7 @@ def oscillating(duration):
 @pytest.mark.parametrize(
     ("resolution", "duration", "share"),
     [
-        (4, 0.21, 0.02),
+        pytest.param(4, 0.21, 0.02, marks=pytest.mark.slow),
         pytest.param(5, 1.0, 0.02, marks=pytest.mark.slow),
         pytest.param(8, 1.0, 0.02, marks=pytest.mark.exhaustive),
         pytest.param(12, 1.0, 0.01, marks=pytest.mark.exhaustive),

@@ -58,6 +58,7 @@ def pulled(zone, resolution):
     return -trace.force.min() / PULL_OFF[zone] - 1.0, trace
 
 
+@pytest.mark.slow
 def test_a_cone_pressed_to_hundreds_of_times_its_first_radius():
     """Radius and force by front tracking at half its default resolution.
 
@@ -131,6 +132,7 @@ def test_steps_over_what_an_edge_covers():
     assert trace.counters.steps < 90
 
 
+@pytest.mark.slow
 def test_limit_point_of_a_very_short_zone():
     """A share of the zone is less than rounding there: a run that looked for it so closely did not end."""
     scene = replace(retraction(1e-9), loading=Loading("relaxed", 0.032, (Ramp(-0.5, 1.0),)))
@@ -374,6 +376,7 @@ def test_recent_change_of_a_root(path, y):
         assert_allclose(value[0, 0], expected, atol=2e-6 * (root(begin) + root(end)))
 
 
+@pytest.mark.slow
 def test_creep_over_the_first_zones_beyond_a_place_of_rest():
     """What the edge comes to was one cubic over a hundred zones: it ran ahead, by 0.031 zones of two."""
     zone = 2.1576e-5
@@ -407,13 +410,12 @@ def test_third_opening_of_an_oscillation_over_a_short_zone():
     assert_allclose(trace.contact_radius[-1], 1.516111e-4, atol=1e-3 * np.ptp(trace.contact_radius))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("steps", "radius", "swing"),
     [
         ((ForceRamp(1e-3, 5e-3), ForceRamp(1.5e-3, 5e-3)), 1.5506403e-4, 6.856e-6),
-        pytest.param(
-            (Ramp(2.5e-5, 2e-5), Ramp(2.45e-5, 2e-5)), 1.6681668e-4, 4.898e-6, marks=pytest.mark.slow
-        ),
+        ((Ramp(2.5e-5, 2e-5), Ramp(2.45e-5, 2e-5)), 1.6681668e-4, 4.898e-6),
     ],
     ids=["force", "penetration"],
 )

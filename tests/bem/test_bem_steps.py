@@ -161,8 +161,7 @@ def test_a_step_as_long_as_the_last_looks_back_over_the_last_alone(rounded):
 @pytest.mark.parametrize(
     "jump",
     [
-        2e-19,
-        pytest.param(1e-10, marks=pytest.mark.slow),
+        *(pytest.param(jump, marks=pytest.mark.slow) for jump in (2e-19, 1e-10)),
         *(pytest.param(jump, marks=pytest.mark.exhaustive) for jump in (0.0, 1e-17, 1e-14)),
     ],
 )

@@ -290,7 +290,8 @@ def test_slow_approach_resolves_the_layer_behind_the_edge() -> None:
         assert getattr(observe(usual), name) == pytest.approx(value, rel=2e-5), name
 
 
-@pytest.mark.parametrize("material", ["one", pytest.param("two", marks=SLOW)])
+@SLOW
+@pytest.mark.parametrize("material", ["one", "two"])
 def test_branches_dissipate_what_the_balance_says(material: str) -> None:
     """The branch integral, taken from the fields step by step, against work, energy and tip release."""
     trace, power = _with_branch_power(material)

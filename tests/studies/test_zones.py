@@ -120,6 +120,7 @@ def test_the_figure_of_runs_without_an_answer_is_empty():
     assert not any(axes.lines for axes in draw([ZoneRun(1e-2, 1e-2, "bem", skipped="too long")]).axes)
 
 
+@pytest.mark.slow
 def test_command_writes_table_figure_and_numbers(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(zones, "run", lambda case, solver, resolution=None: answer(100, 1.0))
     taken = MeasuredRun(answer(100, 1.0), 250_000_000)
