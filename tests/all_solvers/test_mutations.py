@@ -49,8 +49,6 @@ QUICKLY = [
 """Faults that a check value of the cheapest scene has to show, every other one by default."""
 IN_CI = (
     "reference: tension and compression swapped",
-    "reference: points of a step over zones released 1 % too early",
-    "reference: wake of earlier steps over zones recovers half as fast",
     "bem: gap longer by a length of 1e-6",
     "bem: an earlier row's stage taken for its penetration",
     "bem: points of a step over zones released a tenth too early",
@@ -63,7 +61,6 @@ IN_CI = (
     "bem: answer: contact given up half a zone too early",
     "fem: glassy state with the relaxed ratio of the moduli",
     "fem: bulk relaxes like shear",
-    "fem: nodes of a step over zones released too early",
     "fem: process zone longer by a length of 1e-6",
     "fem: relaxation times close together joined",
     "fem: surface 0.5 % narrower than its mesh",
@@ -79,8 +76,8 @@ IN_CI = (
 )
 """One fault of each kind and regime, tried with the slow tests; the marker ``exhaustive`` has the others.
 
-Tables, holds and forces that all solvers share are in ``QUICKLY``, too. Three that take long are left to
-tests of an edge that is pinned and of steps over zones.
+Tables, holds and forces that all solvers share are in ``QUICKLY``, too. What takes long is left to tests
+of an edge that is pinned and of steps over zones.
 """
 TIME_FACTOR = 10.0  # limit of a run with a fault, times processor time of the true run and its estimate ...
 LEAST_LIMIT = 10.0  # ... and at least so many seconds

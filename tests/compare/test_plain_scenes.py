@@ -63,6 +63,7 @@ SCENES = {
     ),
 }
 EXHAUSTIVE = {"a cone comes from above", "a ball on a spring", "a blunt tip", "a soft rubber until a force"}
+EXHAUSTIVE |= {"the usual test: until a force, hold, back", "two dead loads"}
 
 
 @pytest.mark.slow

@@ -109,7 +109,7 @@ def test_a_zone_of_a_hundred_thousandth_of_the_contact_is_that_of_front_tracking
     )
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_both_ways_to_carry_the_history_agree():
     """Where the zone is long enough for one mesh, which holds the history in the body."""
     loading = Loading("jump-in", 0.02, (Ramp(0.03, 0.02), Ramp(-0.5, 0.02)))

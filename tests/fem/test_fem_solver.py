@@ -136,10 +136,8 @@ def test_cycles_converge_at_second_order():
     assert abs(errors[1]) < 2e-3
 
 
-@pytest.mark.parametrize(
-    "speed",
-    [pytest.param(v, marks=pytest.mark.slow if v == 0.02 else pytest.mark.exhaustive) for v in CHECKS],
-)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("speed", CHECKS)
 def test_cycles_at_default_and_twice_the_resolution(speed):
     assert np.abs(cycle_errors(speed, 10)).max() < 2e-3
     assert np.abs(cycle_errors(speed, 20)).max() < 1e-3

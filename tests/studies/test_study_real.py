@@ -29,13 +29,13 @@ def found():
         return study.study([load("cycle-v0.02")], 1, Progress("test")).scenes[0]
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_every_level_has_an_answer(found):
     assert [(entry.ladder.scheme, run.level.label) for entry, run in found.failed] == []
     assert found.reference.startswith("front tracking")
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("scheme", ASKED)
 def test_the_loop_integral_converges_as_promised(found, scheme):
     low, high = ASKED[scheme]
@@ -45,7 +45,7 @@ def test_the_loop_integral_converges_as_promised(found, scheme):
     assert abs(row.errors[-1]) <= {"bem": 5e-5, "paper-scheme": 3e-3, "fem": 5e-5}[scheme]
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_front_tracking_is_of_second_order_or_better_by_its_values_alone(found):
     entry = next(e for e in found.ladders if e.ladder.scheme == "reference")
     rows = {row.observable: row for row in entry.rows}
@@ -57,7 +57,7 @@ def test_the_front_tracking_is_of_second_order_or_better_by_its_values_alone(fou
     assert 1.8 <= rows["pull_off_force"].fitted <= 5.0
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_bound_from_values_alone_covers_the_error_of_the_loop(found):
     for entry in found.ladders:
         row = next(row for row in entry.rows if row.observable == "loop_energy")
