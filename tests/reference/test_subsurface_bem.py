@@ -136,7 +136,7 @@ def test_finite_elements_find_the_same_stress():
     assert max(field_differences((1.6, 2.45))) < 0.01
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_finite_elements_find_the_same_stress_all_along_the_cycle():
     """At jump-in the singular part is all there is: seen on elements that grow less with the distance."""
     assert max(field_differences((0.0, 0.8, 1.6, 2.2, 2.45), grading=0.14)) < 0.01
