@@ -19,9 +19,10 @@ from bem_solver.free_creep import FreeCreep
 from bem_solver.half_space_state import HalfSpaceState
 from bem_solver.kinks import EdgeKinks
 from bem_solver.motion import Motion, SurfacePoints
+from bem_solver.points_by_passage import PointsByPassage
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import PointsInside, load_inside
+from bem_solver.surface_points import load_inside
 
 Array = NDArray[np.float64]
 
@@ -43,7 +44,7 @@ class LoadControl:
     earlier: EarlierRow | None = None
     between: LoadBetween | None = None
     _creep: dict[float, FreeCreep | None] = field(default_factory=dict)
-    _inside: dict[float, PointsInside] = field(default_factory=dict)
+    _by_passage: dict[float, PointsByPassage] = field(default_factory=dict)
 
     def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration and the end that belong to the control, and its surface."""
@@ -124,6 +125,6 @@ class LoadControl:
         if not problem.viscoelastic:
             return problem.chain.relaxed * wanted
         problem.counters.history_updates += 1
-        if motion.new_edge not in self._inside:
-            self._inside[motion.new_edge] = PointsInside(problem.chain, self.points, motion)
-        return load_inside(problem.chain, self._inside[motion.new_edge].variables(motion), wanted)
+        if motion.new_edge not in self._by_passage:
+            self._by_passage[motion.new_edge] = PointsByPassage(problem.chain, self.points, motion)
+        return load_inside(problem.chain, self._by_passage[motion.new_edge].inside(motion), wanted)

@@ -168,6 +168,26 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Passage:
+    """When the edge passes points at radii (m,) between its ends: the same in all motions of one edge."""
+
+    chain: Chain
+    radius: Array
+    motion: Motion
+
+    @cached_property
+    def shares(self) -> tuple[Array, Array]:
+        """Shares of the step before and after the passage, (m,) each."""
+        return self.motion.passing(self.radius)
+
+    @cached_property
+    def recent(self) -> RecentLags:
+        """What the fall along the path of an advancing edge leaves in the points until it passes them."""
+        _, after = self.shares
+        return self.motion.recent(self.chain, self.radius, np.ones_like(after), after)
+
+
+@dataclass(frozen=True)
 class SurfacePoints:
     """Radii (m,), indenter heights there, and their state at the start of the step.
 

@@ -14,11 +14,11 @@ from bem_solver.energy import Energies, initial_energies
 from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import SurfaceHistory, distinct, nodes_beyond
 from bem_solver.motion import Motion
+from bem_solver.points_by_passage import advanced
 from bem_solver.problem import Problem
 from bem_solver.root_search import first_stable, rising_root
 from bem_solver.state_update import split_at_edge
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import advanced
 from bem_solver.trial import TrialContact, evaluate
 from contact_scene import Indenter, Material, Scene, TabulatedProfile
 from contact_scene.scene import zone_too_long

@@ -21,8 +21,9 @@ from bem_solver.history import (
     updated_kinks,
 )
 from bem_solver.nodal_variables import NodalVariables
+from bem_solver.points_by_passage import advanced
 from bem_solver.problem import Problem
-from bem_solver.surface_points import advanced, load_inside
+from bem_solver.surface_points import load_inside
 from bem_solver.tip_release import energy_of_tip, reached_jumps, release_jumps, tip_release
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 

@@ -1,29 +1,26 @@
 """Surface points over one step, while the edge moves at constant speed from one radius to another.
 
 A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside, then
-outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the sum of
-the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of a departure from a straight line in
-time, and of a rest that is linear in time; the recursions are exact for all. The departure is that of ``v``
-at the edge, or ahead of an edge that hardly moves, a parabola through an earlier row; without adhesion that
-at a point inside all the time, near the edge, falling off as ``v``. So both sides of an edge at rest change
-alike: a step between them would be read as a root by an edge that advances a little. Where a step passes over
-process zones, the speed of the edge is not constant but that of its path (``bent_path``); ahead of an edge
-that advances over them displacement is known as well (``free_creep``), and the Maxwell recursion serves. A
-covered point meets the indenter at the moment the edge passes; a released one leaves it, glassy, then.
+outside); ``points_by_passage`` tells which. Inside, displacement is linear in time and the Maxwell recursion
+exact. Outside, ``v`` is the sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)``, of
+a departure from a straight line in time, and of a rest that is linear in time; the recursions are exact for
+all. The departure is that of ``v`` at the edge, or ahead of an edge that hardly moves, a parabola through an
+earlier row; without adhesion that at a point inside all the time, near the edge, falling off as ``v``. So
+both sides of an edge at rest change alike: a step between them would be read as a root by an edge that
+advances a little. Where a step passes over process zones, the speed of the edge is not constant but that of
+its path (``bent_path``); ahead of an edge that advances over them displacement is known as well
+(``free_creep``), and the Maxwell recursion serves. A covered point meets the indenter at the moment the edge
+passes; a released one leaves it, glassy, then.
 Displacement ``w``, load ``v`` and penetration are positive downwards.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
-from bem_solver.motion import Motion, RecentLags, SurfacePoints
+from bem_solver.motion import Motion, Passage, SurfacePoints
 
 Array = NDArray[np.float64]
 
@@ -101,40 +98,22 @@ def bend(chain: Chain, points: SurfacePoints, motion: Motion, first: Array, last
     return part[:, None] * lags
 
 
-class Passage(NamedTuple):
-    """Shares (m,) of a step before and after an advancing edge passes points, and what the fall of the load
-    leaves in them until then, where the edge has a path and no displacement is carried along."""
-
-    share: Array
-    left: Array
-    recent: RecentLags | None
-
-    @classmethod
-    def of(cls, chain: Chain, points: SurfacePoints, motion: Motion) -> Passage:
-        """The passage of points (m) in a motion."""
-        share, left = motion.passing(points.radius)
-        if motion.path is None or motion.carried is not None:
-            return cls(share, left, None)
-        return cls(share, left, motion.recent(chain, points.radius, np.ones_like(share), left))
-
-
-def covered(chain: Chain, points: SurfacePoints, motion: Motion, passage: Passage | None = None) -> Array:
+def covered(chain: Chain, points: SurfacePoints, motion: Motion, passage: Passage) -> Array:
     """Variables of points that the advancing edge passes.
 
     Parameters
     ----------
     chain : Chain
-    points : SurfacePoints
+    points : SurfacePoints (m)
     motion : Motion
-    passage : Passage, optional
-        Of the points, where it is known.
+    passage : Passage
+        Of the points, in this motion or another of the same edge.
 
     Returns
     -------
     ndarray (m, K)
     """
-    passage = passage or Passage.of(chain, points, motion)
-    share, left, _ = passage
+    share, left = passage.shares
     meeting = motion.penetration_at(share) - points.height
     if motion.carried is None:
         variables = _met_under_load(chain, points, motion, passage, meeting)
@@ -151,7 +130,7 @@ def _met_under_load(
     chain: Chain, points: SurfacePoints, motion: Motion, passage: Passage, meeting: Array
 ) -> Array:
     """Variables where the indenter is met, at a displacement ``meeting``, under a load of known course."""
-    share = passage.share
+    share, _ = passage.shares
     y = (share * motion.duration)[:, None] / chain.retardation
     even = chain.spread(y)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
@@ -160,8 +139,7 @@ def _met_under_load(
         lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
         lags += motion.lags_of_bend(chain, share)
     else:
-        recent = passage.recent or motion.recent(chain, points.radius, np.ones_like(share), passage.left)
-        lags += motion.lags_of_fall(chain, recent)
+        lags += motion.lags_of_fall(chain, passage.recent)
     if motion.innermost is not None:
         lags += bend(chain, points, motion, np.zeros_like(share), share)
     # w = v/E0 - sum l at the moment of contact, with even * (v - v_n) still to come into l
@@ -171,9 +149,7 @@ def _met_under_load(
     return lags @ chain.rotation
 
 
-def released(
-    chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array, share: Array, left: Array
-) -> Array:
+def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array, passage: Passage) -> Array:
     """Variables of points that the receding edge passes, without :func:`along_path`.
 
     Parameters
@@ -183,13 +159,14 @@ def released(
     motion : Motion
     new_load : ndarray (m,)
         ``v`` at the end.
-    share, left : ndarray (m,)
-        Of the step, before and after the edge passes each.
+    passage : Passage
+        Of the points.
 
     Returns
     -------
     ndarray (m, K)
     """
+    share, left = passage.shares
     leaving = motion.penetration_at(share) - points.height
     rise, bent = leaving - points.displacement, motion.bend * share**2 if motion.bend != 0.0 else 0.0
     at_release = pressed(chain, points.variables, rise, share * motion.duration, bent)
@@ -260,108 +237,3 @@ def along_path(chain: Chain, points: SurfacePoints, motion: Motion, begin: Array
 def displacement_outside(chain: Chain, variables: Array, load: Array) -> Array:
     """``w = v/E0 - sum l``."""
     return load / chain.relaxed - chain.lag(variables @ chain.rotation.T)
-
-
-def _kept(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
-    """Variables of points inside all the time."""
-    rise = motion.new_penetration - points.height - points.displacement
-    return pressed(chain, points.variables, rise, motion.duration, motion.bend)
-
-
-def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array | None) -> Array:
-    """Variables of any points at the end of the step.
-
-    Parameters
-    ----------
-    chain : Chain
-    points : SurfacePoints (m)
-    motion : Motion
-    new_load : ndarray (m,) or None
-        ``v`` at the end, used outside the new edge only; ``None`` when all points are inside it.
-
-    Returns
-    -------
-    ndarray (m, K)
-    """
-    inside_before, inside_after = points.radius <= motion.edge, points.radius <= motion.new_edge
-    if motion.edge <= 0.0:
-        inside_before[:] = False
-    stays = inside_before & inside_after
-    result = np.empty_like(points.variables)
-    if inside_after.any():
-        if stays.all():
-            return _kept(chain, points, motion)
-        if stays.any():
-            result[stays] = _kept(chain, points[stays], motion)
-        joins = inside_after & ~stays
-        if joins.any():
-            result[joins] = covered(chain, points[joins], motion)
-    if new_load is None:
-        return result
-    leaves = inside_before & ~stays
-    begin = np.ones(len(points))
-    if leaves.any():
-        some = points[leaves]
-        share, left = motion.passing(some.radius)
-        result[leaves] = released(chain, some, motion, new_load[leaves], share, left)
-        begin[leaves] = left
-    out = ~inside_before & ~inside_after
-    if out.any():
-        result[out] = free(chain, points[out], motion, new_load[out])
-    if motion.path is not None:
-        outside = ~inside_after
-        result[outside] += along_path(chain, points[outside], motion, begin[outside])
-    return result
-
-
-@dataclass(frozen=True)
-class PointsInside:
-    """Points (m) inside the edge at the end of a motion whose load at the edge and penetration are sought.
-
-    What does not depend on them is worked out once: where points are, and how the edge passes them.
-    """
-
-    chain: Chain
-    points: SurfacePoints
-    motion: Motion
-
-    def variables(self, motion: Motion) -> Array:
-        """As :func:`advanced`, (m, K), of this motion with another penetration, load at the edge or fall."""
-        stays, joins, kept, joined = self._parts
-        if joined is None or motion.carried is not self.motion.carried:
-            return advanced(self.chain, self.points, motion, None)
-        result = np.empty_like(self.points.variables)
-        if kept is not None:
-            result[stays] = self._kept(kept, motion)
-        result[joins] = covered(self.chain, joined, motion, self._passage)
-        return result
-
-    @cached_property
-    def _parts(
-        self,
-    ) -> tuple[NDArray[np.intp], NDArray[np.intp], SurfacePoints | None, SurfacePoints | None]:
-        """Numbers of the points that stay inside and of those that the edge passes, and the points."""
-        points, motion = self.points, self.motion
-        inside = points.radius <= motion.new_edge
-        stays = (points.radius <= motion.edge) & inside if motion.edge > 0.0 else np.zeros_like(inside)
-        joins = inside & ~stays
-        kept, joined = (points[some] if some.any() else None for some in (stays, joins))
-        return np.flatnonzero(stays), np.flatnonzero(joins), kept, joined
-
-    @cached_property
-    def _passage(self) -> Passage:
-        joined = self._parts[3]
-        if joined is None:
-            raise ValueError("the edge passes no points")
-        return Passage.of(self.chain, joined, self.motion)
-
-    @cached_property
-    def _kept_at(self) -> dict[float, Array]:
-        return {}
-
-    def _kept(self, points: SurfacePoints, motion: Motion) -> Array:
-        """Variables of points inside all the time, which depend on the penetration alone."""
-        depth = motion.new_penetration
-        if depth not in self._kept_at:
-            self._kept_at[depth] = _kept(self.chain, points, motion)
-        return self._kept_at[depth]

@@ -21,9 +21,10 @@ from bem_solver.kinks import EdgeKinks
 from bem_solver.load_control import LoadControl
 from bem_solver.motion import Motion, SurfacePoints
 from bem_solver.outer_fall import OuterFall
+from bem_solver.points_by_passage import advanced
 from bem_solver.problem import Problem
 from bem_solver.surface import ContactSurface
-from bem_solver.surface_points import advanced, displacement_outside
+from bem_solver.surface_points import displacement_outside
 from bem_solver.tip_release import tip_distances
 
 Array = NDArray[np.float64]

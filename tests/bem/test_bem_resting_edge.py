@@ -16,8 +16,9 @@ from bem_solver.creep import Chain
 from bem_solver.edge_energy import closure_of_departure
 from bem_solver.motion import Motion, SurfacePoints
 from bem_solver.nodal_variables import NodalVariables
+from bem_solver.points_by_passage import advanced
 from bem_solver.root_search import rising_root
-from bem_solver.surface_points import advanced, load_inside, pressed
+from bem_solver.surface_points import load_inside, pressed
 from contact_scene import (
     Adhesion,
     Branch,

@@ -7,9 +7,9 @@ from numpy.testing import assert_allclose
 from support.paper_scenes import SPHERE, THREE
 
 from bem_solver.creep import Chain
-from bem_solver.motion import Motion, SurfacePoints
+from bem_solver.motion import Motion, Passage, SurfacePoints
+from bem_solver.points_by_passage import advanced
 from bem_solver.surface_points import (
-    advanced,
     covered,
     displacement_outside,
     free,
@@ -38,10 +38,15 @@ def points_outside(radius):
     )
 
 
+def passage(points, motion):
+    """Of the edge past points."""
+    return Passage(CHAIN, points.radius, motion)
+
+
 def test_edge_arriving_at_the_end_is_the_limit_of_staying_outside():
     points = points_outside(np.array([0.2]))
     motion = Motion(0.3, 0.19, 0.2, 0.0, 0.01, singular=0.05)
-    state = covered(CHAIN, points, motion)
+    state = covered(CHAIN, points, motion, passage(points, motion))
     load = load_inside(CHAIN, state, 0.01 - points.height)
     assert_allclose(free(CHAIN, points, motion, load), state, rtol=1e-9, atol=1e-14)
     assert_allclose(displacement_outside(CHAIN, state, load), 0.01 - points.height, rtol=1e-10)
@@ -52,7 +57,7 @@ def test_edge_leaving_at_the_start_is_the_limit_of_having_been_outside():
     motion = Motion(0.3, 0.2, 0.19, 0.01, 0.005, singular=0.05)
     load = points.load - 0.002
     assert_allclose(
-        released(CHAIN, points, motion, load, *motion.passing(points.radius)),
+        released(CHAIN, points, motion, load, passage(points, motion)),
         free(CHAIN, points, motion, load),
         rtol=1e-9,
         atol=1e-14,
@@ -68,7 +73,7 @@ def test_edge_passing_at_the_very_end_or_start_is_the_limit_of_staying_inside():
         points,
         motion,
         load_inside(CHAIN, stayed, 0.005 - points.height),
-        *motion.passing(points.radius),
+        passage(points, motion),
     )
     assert_allclose(loose, stayed, rtol=1e-12)
 
@@ -78,9 +83,9 @@ def test_covered_half_way_is_free_then_pressed():
     points = points_outside(np.array([0.195]))
     motion = Motion(0.4, 0.19, 0.2, 0.0, 0.01, singular=0.03)
     first = Motion(0.2, 0.19, 0.195, 0.0, 0.005, singular=0.03)
-    met = covered(CHAIN, points, first)
+    met = covered(CHAIN, points, first, passage(points, first))
     then = pressed(CHAIN, met, np.array([0.005]), 0.2)
-    assert_allclose(covered(CHAIN, points, motion), then, rtol=1e-10, atol=1e-15)
+    assert_allclose(covered(CHAIN, points, motion, passage(points, motion)), then, rtol=1e-10, atol=1e-15)
 
 
 def test_released_half_way_is_pressed_then_free():
@@ -97,7 +102,7 @@ def test_released_half_way_is_pressed_then_free():
     )
     second = Motion(0.2, 0.195, 0.19, 0.008, 0.006, singular=0.03)
     assert_allclose(
-        released(CHAIN, points, motion, load, *motion.passing(points.radius)),
+        released(CHAIN, points, motion, load, passage(points, motion)),
         free(CHAIN, at_release, second, load),
         rtol=1e-9,
         atol=1e-15,
@@ -107,7 +112,7 @@ def test_released_half_way_is_pressed_then_free():
 def test_without_time_a_covered_point_answers_glassy():
     points = points_outside(np.array([0.195]))
     motion = Motion(0.0, 0.19, 0.2, 0.0, 0.01, singular=0.05)
-    state = covered(CHAIN, points, motion)
+    state = covered(CHAIN, points, motion, passage(points, motion))
     wanted = 0.01 - points.height
     rise = load_inside(CHAIN, state, wanted) - points.load
     assert_allclose(rise, CHAIN.glassy * (wanted - points.displacement), rtol=1e-10)
@@ -140,11 +145,9 @@ def test_every_point_gets_its_case():
             elif stays_out:
                 expected = free(CHAIN, alone, motion, load[index : index + 1])
             elif end > start:
-                expected = covered(CHAIN, alone, motion)
+                expected = covered(CHAIN, alone, motion, passage(alone, motion))
             else:
-                expected = released(
-                    CHAIN, alone, motion, load[index : index + 1], *motion.passing(alone.radius)
-                )
+                expected = released(CHAIN, alone, motion, load[index : index + 1], passage(alone, motion))
             assert_allclose(together[index], expected[0], rtol=1e-12)
 
 

@@ -118,7 +118,7 @@ def _(true):
 
 @fault("covered points without their glassy jump", "surface_points:covered")
 def _(true):
-    return lambda chain, points, motion, passage=None: 0.0 * points.variables
+    return lambda chain, points, motion, passage: 0.0 * points.variables
 
 
 @fault("released points forget their relaxation", "surface_points:released")
