@@ -16,8 +16,9 @@ from functools import cache
 from typing import NamedTuple
 
 from bem_solver.run_state import StepStart
-from bem_solver.step import Candidate, TrialStep
 from bem_solver.step_limits import until_largest_tension
+from bem_solver.step_result import Candidate
+from bem_solver.step_trials import StepTrials
 
 _NEAR = 0.1
 """Way to a limit point, in process zones, within which the next step ends on it, if the edge may go so far.
@@ -77,12 +78,12 @@ def near_limit_point(start: StepStart) -> bool:
     return until_largest_tension(start, left) == math.inf
 
 
-def to_limit_point(step: TrialStep) -> Candidate | None:
+def to_limit_point(step: StepTrials) -> Candidate | None:
     """The step that ends on a limit point ahead.
 
     Parameters
     ----------
-    step : TrialStep
+    step : StepTrials
         From the committed state, of any length.
 
     Returns

@@ -28,15 +28,12 @@ from bem_solver.problem import Problem
 from bem_solver.profiles import surface_profile
 from bem_solver.run_state import GradedState, RejectedStep, StepSettings, StepStart
 from bem_solver.state_update import updated_state
-from bem_solver.step import (
-    Candidate,
-    FailedStep,
-    StepFailure,
-    TrialStep,
-)
+from bem_solver.step import TrialStep
 from bem_solver.step_control import SHARE_OF_WAY, AcceptedRow, grown, shrunk
 from bem_solver.step_error import free_load, load_error
 from bem_solver.step_limits import limited_step
+from bem_solver.step_result import Candidate, FailedStep, StepFailure
+from bem_solver.step_trials import StepTrials
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
 from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
@@ -189,7 +186,7 @@ class GradedRun:
         state, interval = self.state, start.interval
         state.sought_limit_point = True
         step = state.accepted.step_to_limit_point()
-        candidate = to_limit_point(TrialStep(self.problem, self.settings, state, interval, step))
+        candidate = to_limit_point(StepTrials(self.problem, self.settings, state, interval, step))
         if candidate is None:
             return None
         receding = candidate.trial.motion.new_edge < state.contact.edge

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 
 from scipy.optimize import brentq
 
-from bem_solver.step import Candidate, TrialStep
+from bem_solver.step import TrialStep
+from bem_solver.step_result import Candidate
 from contact_scene import Trigger
 
 _LENGTH_ACCURACY = 1e-14

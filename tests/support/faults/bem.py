@@ -187,7 +187,11 @@ def _(true):
     return evaluate
 
 
-@fault("an earlier row's stage taken for its penetration", "step:TrialStep._earlier", ("spring-approach",))
+@fault(
+    "an earlier row's stage taken for its penetration",
+    "step_trials:StepTrials._earlier",
+    ("spring-approach",),
+)
 def _(true):
     def earlier(self, duration):
         row = true(self, duration)
