@@ -22,7 +22,7 @@ from bem_solver.history import (
 )
 from bem_solver.nodal_variables import NodalVariables
 from bem_solver.points_by_passage import advanced
-from bem_solver.problem import Problem
+from bem_solver.run_state import StepStart
 from bem_solver.surface_points import load_inside
 from bem_solver.tip_release import energy_of_tip, reached_jumps, release_jumps, tip_release
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
@@ -97,47 +97,33 @@ def spacing(radius: Array, edge: float, length: float, divisions: int) -> Array:
 
 
 def updated_state(
-    problem: Problem,
-    state: HalfSpaceState,
-    energies: Energies,
-    trial: TrialContact,
-    time: float,
-    divisions: int,
-    tolerance: float,
-    coarseness: float = 1.0,
+    start: StepStart, trial: TrialContact, parameter: float, coarseness: float
 ) -> tuple[HalfSpaceState, Energies]:
     """The state after an accepted trial.
 
     Parameters
     ----------
-    problem : Problem
-    state : HalfSpaceState
-        Before the step.
-    energies : Energies
-        Before the step.
+    start : StepStart
+        With the state and energies before the step.
     trial : TrialContact
-    time : float
+    parameter : float
         At the end of the step.
-    divisions : int
-        Nodes of the history per length on which the edge is resolved.
-    tolerance : float
-        Step tolerance, in which the coarsening of the history is measured.
     coarseness : float
-        Part of the usual coarsening that is allowed.
+        Part of the usual coarsening of the history that is allowed.
 
     Returns
     -------
     state : HalfSpaceState
     energies : Energies
     """
+    problem, state, energies = start.problem, start.state.contact, start.state.energies
     motion, surface = trial.motion, trial.surface
     points = trial.points
     if not problem.viscoelastic:
         variables, history = points.variables, state.history
     else:
         problem.counters.history_updates += 1
-        length = problem.length_at(motion.new_edge)
-        history = _new_history(problem, state, trial, length, divisions, tolerance, coarseness)
+        history = _new_history(start, trial, coarseness)
         variables = advanced(problem.chain, points, motion, None)
     increment = work_increment(
         problem.chain,
@@ -153,7 +139,7 @@ def updated_state(
         jumps = reached_jumps(release_jumps(state.history, motion), motion, history)
         tip = energy_of_tip(energies.release, release, motion, jumps)
         after = replace(after, release=release, tip=tip)
-    contact = HalfSpaceState(time, motion.new_penetration, surface, history)
+    contact = HalfSpaceState(start.interval.time(parameter), motion.new_penetration, surface, history)
     if problem.irreversible is not None:
         closures = (state.closure, trial.closure)
         spent = state.spent + energy_spent(problem.irreversible, motion.edge, motion.new_edge, closures)
@@ -162,17 +148,12 @@ def updated_state(
     return contact, after
 
 
-def _new_history(
-    problem: Problem,
-    state: HalfSpaceState,
-    trial: TrialContact,
-    length: float,
-    divisions: int,
-    tolerance: float,
-    coarseness: float,
-) -> SurfaceHistory:
-    motion, surface = trial.motion, trial.surface
+def _new_history(start: StepStart, trial: TrialContact, coarseness: float) -> SurfaceHistory:
+    """The history after an accepted trial, its coarsening as of :func:`updated_state`."""
+    problem, state, motion, surface = start.problem, start.state.contact, trial.motion, trial.surface
+    divisions, tolerance = start.settings.divisions, start.settings.tolerance
     chain, edge, radii = problem.chain, motion.new_edge, problem.annuli.radii
+    length = problem.length_at(edge)
     reach = max(abs(edge - motion.edge), 0.25 * length)
     smallest = 0.5 * edge * problem.annuli.outermost
     last = float(state.history.radius.max(initial=0.0))

@@ -1,6 +1,6 @@
 """A trial: the surface for a given edge and step, and by how much it misses the closure.
 
-Nothing here changes the committed state, only the loop in ``stepping`` does. Penetration and surface
+Nothing here changes the committed state, only ``state_committer`` does. Penetration and surface
 displacement positive downwards, force and pressure positive in compression; radii from the axis.
 """
 
