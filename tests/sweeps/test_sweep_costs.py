@@ -8,8 +8,8 @@ import types
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, named, spring
 
-from contact_scene import run_control
-from contact_scene.run_control import single_threaded
+from contact_scene import blas_threads
+from contact_scene.blas_threads import single_threaded
 from validation import solvers
 from validation.execution.run_table import RunTable
 from validation.sweeps.batch import SweepOptions
@@ -34,9 +34,9 @@ def test_libraries_are_looked_up_once_and_again_after_an_import(monkeypatch):
         looked.append(1)
         return found()
 
-    found = run_control.ThreadpoolController
-    monkeypatch.setattr(run_control, "_THREADS", run_control._LinearAlgebraThreads())
-    monkeypatch.setattr(run_control, "ThreadpoolController", controller)
+    found = blas_threads.ThreadpoolController
+    monkeypatch.setattr(blas_threads, "_THREADS", blas_threads._LinearAlgebraThreads())
+    monkeypatch.setattr(blas_threads, "ThreadpoolController", controller)
     for _ in range(3):
         with single_threaded():
             pass

@@ -1,0 +1,56 @@
+"""Outcomes of runs that end before their loading does, the same for all solvers."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact_scene.trace import Counters, Outcome, OutcomeKind
+
+_EQUAL_TENSION = 1e-9
+"""Difference, relative to the largest tension, below which two tensions are the same."""
+
+
+def budget_outcome(counters: Counters, max_steps: int, time: float) -> Outcome | None:
+    """The outcome of a run whose budget of trial steps is used up; ``None`` while there is some left.
+
+    Parameters
+    ----------
+    counters : Counters
+        Accepted and rejected steps count.
+    max_steps : int
+    time : float
+        Which the run has come to.
+
+    Returns
+    -------
+    Outcome or None
+    """
+    if counters.steps + counters.rejected_steps < max_steps:
+        return None
+    return Outcome(OutcomeKind.STEP_BUDGET, f"{max_steps} steps were not enough", time)
+
+
+def below_zone_outcome(force: ArrayLike, time: float) -> Outcome:
+    """The outcome of a run whose contact has shrunk to the length of its process zone, where the model ends.
+
+    Parameters
+    ----------
+    force : array_like, shape (n,)
+        Force of all rows, positive in compression.
+    time : float
+        Where the run ends.
+
+    Returns
+    -------
+    Outcome
+        ``past_extremum`` where the largest tension lies before the last row; that with which a run begins and
+        which only falls is no extremum.
+    """
+    tension = -np.asarray(force, float)
+    rises = np.flatnonzero(np.diff(tension) > 0.0)
+    largest = float(tension[rises[0] :].max(initial=0.0)) if rises.size else 0.0
+    past = largest > 0.0 and float(tension[-1]) < largest * (1.0 - _EQUAL_TENSION)
+    remark = "after" if past else "before"
+    reason = f"the contact has shrunk to its process zone, {remark} the largest tension"
+    return Outcome(OutcomeKind.BELOW_ZONE, reason, time, past)

@@ -1,0 +1,137 @@
+"""The position of a run in its loading, and the times it has to step onto. No step size is chosen here."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from contact_scene.loading import Loading
+from contact_scene.segment import Segment
+from contact_scene.trigger import passed
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A time inside or at the end of a load step that the run steps onto exactly.
+
+    ``kink``: the rate of the load jumps there, or the load step ends. ``requested``: a time of
+    ``stop_times`` or ``profile_times``.
+    """
+
+    time: float
+    kink: bool
+    requested: bool
+
+
+def stops_within(segment: Segment, requested: Collection[float]) -> tuple[Stop, ...]:
+    """Kinks of a load step, requested times strictly inside it, and its end, merged and ascending."""
+    kinks = {*segment.kinks, segment.end}
+    inside = {time for time in requested if segment.start < time < segment.end}
+    return tuple(Stop(time, time in kinks, time in requested) for time in sorted(kinks | inside))
+
+
+@dataclass
+class LoadingCursor:
+    """Position of a run in its loading.
+
+    Attributes
+    ----------
+    step : int
+        Load steps that are done.
+    origin : tuple of float or None
+        Time, penetration and force where the present load step began; ``None`` before it begins.
+    jump_done : bool
+        Whether the load jump, if any, with which the present load step begins has been taken.
+    stops_reached : int
+        Stops of the present load step (see :func:`stops_within`) that are behind.
+    trigger_side : float or None
+        Side of the level of its trigger, if any, on which the present load step is (see ``trigger.passed``);
+        ``None`` before it begins.
+    """
+
+    step: int = 0
+    origin: tuple[float, float, float] | None = None
+    jump_done: bool = False
+    stops_reached: int = 0
+    trigger_side: float | None = None
+
+    @property
+    def at_start(self) -> bool:
+        """Whether no load step has begun."""
+        return self.step == 0 and self.origin is None
+
+    def segment(self, loading: Loading, time: float, penetration: float, force: float) -> Segment:
+        """The present load step on the time axis; it begins at the present state unless it has begun before.
+
+        Parameters
+        ----------
+        loading : Loading
+        time, penetration, force : float
+            Present state.
+
+        Returns
+        -------
+        Segment
+        """
+        if self.origin is None:
+            self.origin = (time, penetration, force)
+        return loading.segment(loading.steps[self.step], *self.origin)
+
+    def triggered(self, segment: Segment, penetration: float, force: float, radius: float) -> bool:
+        """Whether a state has reached the level that ends the present load step.
+
+        The first state asked about is that from which the load step begins.
+
+        Parameters
+        ----------
+        segment : Segment
+            The present load step.
+        penetration, force, radius : float
+            Of the state.
+
+        Returns
+        -------
+        bool
+        """
+        if segment.trigger is None:
+            return False
+        excess = segment.trigger.excess(penetration, force, radius)
+        if self.trigger_side is None:
+            self.trigger_side = segment.trigger.side(excess)
+        return passed(self.trigger_side, excess)
+
+    def done(self, loading: Loading) -> bool:
+        """Whether all load steps are done."""
+        return self.step >= len(loading.steps)
+
+    def level_reached(self) -> None:
+        """The level that ends the present load step is reached, whatever rounding says."""
+        self.trigger_side = 0.0
+
+    def stop_reached(self) -> None:
+        """The next stop is reached."""
+        self.stops_reached += 1
+
+    def step_done(self) -> None:
+        """The present load step is done."""
+        self.step, self.origin, self.jump_done, self.stops_reached = self.step + 1, None, False, 0
+        self.trigger_side = None
+
+    def share(self, loading: Loading, segment: Segment, time: float) -> float:
+        """Share of the loading that is done.
+
+        Parameters
+        ----------
+        loading : Loading
+        segment : Segment
+            Of the present load step.
+        time : float
+            Within it.
+
+        Returns
+        -------
+        float
+            0 to 1.
+        """
+        length = segment.end - segment.start
+        return (self.step + ((time - segment.start) / length if length > 0.0 else 1.0)) / len(loading.steps)
