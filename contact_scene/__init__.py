@@ -17,7 +17,8 @@ from contact_scene.prony import PronyFit, fit_prony
 from contact_scene.readers import read_measured, read_shift_factors
 from contact_scene.run_monitor import KeptState, RunMonitor
 from contact_scene.scene import Scene
-from contact_scene.scenefile import read_scene, scene_from_dict, write_material, write_scene
+from contact_scene.scene_writer import write_material, write_scene
+from contact_scene.scenefile import read_scene, scene_from_dict
 from contact_scene.segment import Segment, Step
 from contact_scene.table import Table
 from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature

@@ -14,6 +14,8 @@ from itertools import pairwise
 
 from contact_scene.errors import SceneError, a_string, as_tuple, number, positive
 
+RATE_COLUMNS = ("speed", "work")
+"""Columns of a file of such a table."""
 _ROWS = "rows of two finite numbers: speed, work"
 
 

@@ -33,7 +33,7 @@ import crosscontact as cc
 from contact_scene import SceneError, read_scene, scene_from_dict
 from contact_scene.load_steps import STEPS
 from contact_scene.material_models import MODELS
-from contact_scene.scenefile import _SHAPES
+from contact_scene.scenefile import SHAPES
 from crosscontact import registry
 from crosscontact.cli import main
 from validation import solvers
@@ -52,7 +52,7 @@ SOLVED = [row for row in TABLE if row.command.startswith("solve") or row.command
 def test_the_table_holds_every_pair():
     held = set().union(*(pairs_of(tuple(vars(row).values())) for row in TABLE))
     assert held == all_pairs()
-    assert set(VALUES[0]) == set(_SHAPES)
+    assert set(VALUES[0]) == set(SHAPES)
     assert set(VALUES[1]) == set(STEPS)
     assert len(TABLE) < 95
     assert all(row.option in COMMANDS[row.command] for row in TABLE)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_scene import SceneError
-from contact_scene.scenefile import write_scene
+from contact_scene.scene_writer import write_scene
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.solvers import REFERENCE, SOLVERS
