@@ -83,8 +83,8 @@ def without_contact(start: StepStart) -> FreeMotion | EdgeJump | Outcome:
         parameter = touch
     if interval.control == "force" and contact.penetration < 0.0:
         return _moved(start, parameter, 0.0)
-    if problem.plane_tip > 0.0:
-        whole = evaluate(problem, contact, 0.0, problem.plane_tip, interval.control, 0.0)
+    if problem.scene.bare_plane_tip > 0.0:
+        whole = evaluate(problem, contact, 0.0, problem.scene.bare_plane_tip, interval.control, 0.0)
         return EdgeJump(parameter, whole, _FIRST_CONTACT_STEP * length)
     first = min(parameter + _FIRST_CONTACT_STEP * length, length)
     while interval.prescribed(first) <= 0.0 and first < length:
@@ -151,7 +151,7 @@ def contact_lost(start: StepStart) -> bool:
     edge, before = state.contact.edge, state.accepted.rows[-2:][0].edge
     return problem.work == 0.0 and (
         edge < LOST_RADIUS * state.largest_edge
-        or edge <= problem.plane_tip < before
+        or edge <= problem.scene.bare_plane_tip < before
         or abs(state.contact.surface.force) < LOST_FORCE * state.largest_force
     )
 
@@ -165,7 +165,7 @@ def lift_off(start: StepStart) -> tuple[HalfSpaceState, Energies]:
     problem, state, interval = start.problem, start.state, start.interval
     before, last = state.accepted.rows[-2:][0], state.accepted.rows[-1]
     high, low = (float(problem.scene.indenter.height(row.edge)) for row in (before, last))
-    ahead = low / (high - low) if high > low and problem.ends_in_a_point else 0.0
+    ahead = low / (high - low) if high > low and problem.scene.ends_in_a_point else 0.0
     contact, penetration = state.contact, last.load + ahead * (last.load - before.load)
     if interval.control == "force" and ahead > 0.0:  # contact ends with the force
         forces = interval.prescribed(before.parameter), interval.prescribed(last.parameter)

@@ -57,16 +57,6 @@ class Problem:
         return len(self.chain) > 0
 
     @property
-    def plane_tip(self) -> float:
-        """Radius of a plane tip that touches, and is let go, as a whole; 0 without one, and with adhesion."""
-        return self.scene.indenter.plane_tip if self.work == 0.0 else 0.0
-
-    @property
-    def ends_in_a_point(self) -> bool:
-        """Whether contact shrinks to nothing before it is lost: without adhesion, if the tip is not plane."""
-        return self.work == 0.0 and self.plane_tip == 0.0
-
-    @property
     def irreversible(self) -> Adhesion | None:
         """The adhesion, if what the edge takes up depends on its direction or speed."""
         adhesion = self.scene.adhesion

@@ -96,7 +96,7 @@ class GradedStateCommitter:
         """Let the edge move unstably; an outcome if the run ends with it."""
         start, state = self.start, self.start.state
         event = unstable_motion(start, receding)
-        if isinstance(event, Outcome) and receding and start.problem.ends_in_a_point:
+        if isinstance(event, Outcome) and receding and start.problem.scene.ends_in_a_point:
             return self._lift_off()
         if isinstance(event, Outcome) or event.event:
             state.record.event("pull-off" if receding else "snap-in", state.contact)

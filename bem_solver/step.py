@@ -34,8 +34,8 @@ class TrialStep(StepTrials):
         problem, state = self.problem, self.state
         edge, limit = state.contact.edge, problem.scene.indenter.edge
         low = max(edge - self.reach(advancing=False), 0.25 * edge, problem.zone)
-        if problem.plane_tip < edge:
-            low = max(low, problem.plane_tip)
+        if problem.scene.bare_plane_tip < edge:
+            low = max(low, problem.scene.bare_plane_tip)
         high = min(edge + self.reach(advancing=True), limit)
         if edge == limit:
             resting = in_full_contact(self)

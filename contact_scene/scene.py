@@ -56,6 +56,16 @@ class Scene:
         """Whether a closure is needed at all."""
         return self.adhesion is not None and self.adhesion.work > 0.0
 
+    @property
+    def bare_plane_tip(self) -> float:
+        """Radius of a plane tip without adhesion, which touches, and is let go, as a whole; 0 of others."""
+        return 0.0 if self.is_adhesive else self.indenter.plane_tip
+
+    @property
+    def ends_in_a_point(self) -> bool:
+        """Whether contact shrinks to nothing before it is lost: without adhesion, if the tip is not plane."""
+        return not self.is_adhesive and self.bare_plane_tip == 0.0
+
 
 def zone_too_long(zone: float, contact_radius: float) -> SceneError:
     """The error for a process zone that does not fit into the contact it starts from."""

@@ -118,7 +118,7 @@ def test_any_other_contact_ends_in_a_point(solver, name):
     trace, exact = solver.solve(asked), SOLVERS["reference"].solve(asked)
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert (trace.contact_radius[-1], trace.force[-1]) == (0.0, 0.0)
-    found, expected = (observe(one, loading=asked.loading, point=True) for one in (trace, exact))
+    found, expected = (observe(one, loading=asked.loading, ends_in_a_point=True) for one in (trace, exact))
     assert found.detachment_radius == expected.detachment_radius == 0.0
     assert found.detachment_force == pytest.approx(0.0, abs=1e-12)
     assert found.detachment_time == pytest.approx(expected.detachment_time, rel=1e-3)
@@ -151,7 +151,7 @@ def test_a_dead_load_taken_off_at_once_ends_the_contact(solver, indenter):
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert trace.time[-1] == 1.0
     assert abs(trace.force[-1]) < 1e-9 * trace.force.max()
-    found = observe(trace, loading=asked.loading, point=indenter is BALL)
+    found = observe(trace, loading=asked.loading, ends_in_a_point=indenter is BALL)
     assert found.detachment_radius == (0.0 if indenter is BALL else 1e-3)
 
 

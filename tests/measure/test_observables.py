@@ -85,7 +85,7 @@ def test_an_event_at_the_free_surface_is_the_row_before_where_contact_is_lost_at
     assert observe(sphere).detachment_radius == 0.0
     radius = [1, 0.7, 1e-2, 0]  # under a force, that much may be left within rounding of the end
     forced = trace([0, 1, 2, 2], [2, 1, 0.1, 0], [2, 1, 1e-9, 0], radius, None, OutcomeKind.DETACHED, free)
-    assert observe(forced, point=True).detachment_radius == 0.0
+    assert observe(forced, ends_in_a_point=True).detachment_radius == 0.0
     assert observe(punch).detachment_time == observe(sphere).detachment_time == 2.0
 
 

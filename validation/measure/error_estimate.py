@@ -39,7 +39,6 @@ from validation.measure.norms import (
     CURVES,
     distance,
     interpolation_error,
-    load_step_ends,
     movement_bound,
     movement_distance,
     movement_interpolation_error,
@@ -48,7 +47,7 @@ from validation.measure.observables import at_last_contact
 from validation.measure.place_errors import add_at_approach, add_at_detachment, add_at_pull_off
 from validation.measure.row_interpolation import column_curve
 from validation.measure.scaling import column_of, scale
-from validation.measure.windows import windows
+from validation.measure.windows import load_step_ends, windows
 from validation.solvers import solver
 
 SAFETY = 3.0

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from contact_scene import Trace
 from validation.measure.row_interpolation import POINTS, SHORTEST, WEIGHTS, column_curve
+from validation.measure.windows import load_step_ends
 
 Array = NDArray[np.float64]
 
@@ -214,14 +215,6 @@ def movement_bound(trace: Trace, spans: Array, column: str) -> float:
             longer = float(trace.time[-1] - trace.time[0]) / float(end - begin)
             largest = max(largest, float(np.sqrt(longer)) * size / moved)
     return largest
-
-
-def load_step_ends(spans: Array) -> Array:
-    """Times at which load steps begin and end; cycles lie within one of them."""
-    begin, end = spans.T
-    within = (begin[1:] <= begin[:, None]) & (end[:, None] <= end[1:])
-    shorter = (end - begin)[:, None] < (end - begin)[1:]
-    return spans[~(within & shorter).any(axis=1)].ravel()
 
 
 def _worst_window(

@@ -89,7 +89,7 @@ class Observables:
 
 
 def observe(
-    trace: Trace, zone: float = 0.0, loading: Loading | None = None, point: bool = False
+    trace: Trace, zone: float = 0.0, loading: Loading | None = None, ends_in_a_point: bool = False
 ) -> Observables:
     """All observables of a run; of a run without a row, none.
 
@@ -100,8 +100,8 @@ def observe(
         Length of the process zone.
     loading : Loading, optional
         What was asked for: whether the approach of a run that did not finish had ended.
-    point : bool
-        Whether contact ends in a point: without adhesion, if the tip is not plane.
+    ends_in_a_point : bool
+        Whether contact shrinks to nothing before it is lost (``Scene.ends_in_a_point``).
 
     Returns
     -------
@@ -126,7 +126,7 @@ def observe(
     if pulling is not None:
         at = _row(trace, pulling, "pull_off")
         values |= at | {"pull_off_force": -at["pull_off_force"]}
-    values |= _detachment(trace, zone, point)
+    values |= _detachment(trace, zone, ends_in_a_point)
     if "stage" in trace.extra:
         values["instability_loss"] = trace.extra["instability_loss"][-1]
         if "detachment_force" in values:
@@ -210,7 +210,7 @@ def _row(trace: Trace, index: int, name: str) -> dict[str, float]:
     }
 
 
-def _detachment(trace: Trace, zone: float, point: bool) -> dict[str, float]:
+def _detachment(trace: Trace, zone: float, ends_in_a_point: bool) -> dict[str, float]:
     """The solver's own "pull-off" event where it gives one, else the last row still in contact.
 
     An event without a contact radius is the loss seen from the free surface: that of a punch is lost at once,
@@ -221,7 +221,7 @@ def _detachment(trace: Trace, zone: float, point: bool) -> dict[str, float]:
     last = _last_in_contact(trace, zone)
     until = trace.time[last] + ROUND_OFF * float(np.ptp(trace.time))
     for event in reversed(trace.events):
-        free = event.contact_radius == 0.0 and event.time <= until and not point
+        free = event.contact_radius == 0.0 and event.time <= until and not ends_in_a_point
         if event.kind == "pull-off" and event.contact_radius >= zone and not free:
             return {
                 "detachment_time": event.time,

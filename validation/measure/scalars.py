@@ -22,8 +22,8 @@ def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float 
     dict of str to float or None
     """
     zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
-    point = zone == 0.0 and scene.indenter.plane_tip == 0.0
-    values: dict[str, float | None] = dict(observe(trace, zone, scene.loading, point).as_dict())
+    observed = observe(trace, zone, scene.loading, scene.ends_in_a_point)
+    values: dict[str, float | None] = dict(observed.as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
     branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
     values["branch_dissipation"] = branches

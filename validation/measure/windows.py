@@ -42,6 +42,24 @@ def windows(loading: Loading, trace: Trace) -> Array:
     return np.array(covered, float).reshape(-1, 2)
 
 
+def load_step_ends(spans: Array) -> Array:
+    """Times at which load steps begin and end, told from the windows of a run alone; kinks are none of them.
+
+    Parameters
+    ----------
+    spans : ndarray, shape (n, 2)
+        As of :func:`windows`: cycles lie within a load step.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+    """
+    begin, end = spans.T
+    within = (begin[1:] <= begin[:, None]) & (end[:, None] <= end[1:])
+    shorter = (end - begin)[:, None] < (end - begin)[1:]
+    return spans[~(within & shorter).any(axis=1)].ravel()
+
+
 def corners(loading: Loading, trace: Trace) -> Array:
     """Times at which load steps begin and end, and at which the loading has kinks within them.
 

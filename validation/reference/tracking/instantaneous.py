@@ -140,7 +140,7 @@ def is_over(problem: FrontProblem, state: FrontState, end: FrontCandidate) -> bo
     before, after = state.surface.radius, end.surface.radius
     if not isinstance(problem.condition, NoTension) or before == 0.0:
         return False
-    if before <= problem.plane_tip:
+    if before <= problem.scene.bare_plane_tip:
         return end.force <= LOST_FORCE * state.largest_force
     return end.force <= 0.0 or after < min(before, VANISHED * state.largest_radius)
 
@@ -159,7 +159,7 @@ def contact_of_plane_tip(problem: FrontProblem, state: FrontState, segment: Segm
     -------
     FrontCandidate or None
     """
-    edge = problem.plane_tip
+    edge = problem.scene.bare_plane_tip
     if edge == 0.0 or state.surface.radius > 0.0:
         return None
     load = at_rest(segment, segment.present(state.surface.penetration, 0.0))

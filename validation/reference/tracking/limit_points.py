@@ -64,12 +64,12 @@ def prescribed_travel(
     if radius == a0:
         return StepOutcome(longest, rejected=True, below_zone=a0 <= problem.condition.smallest_radius)
     extremum = state.history.distance_to_extremum(FORCE, RADIUS) / (radius - a0)
-    if trial.segment.control != "force" and 0.1 < extremum < 1.0 and radius > problem.plane_tip:
+    if trial.segment.control != "force" and 0.1 < extremum < 1.0 and radius > problem.scene.bare_plane_tip:
         radius = a0 + rounded_length(extremum) * (radius - a0)
     h = trial.duration_to_radius(radius, longest, arrivals.value_after(radius - a0))
     probe = radius + STABILITY_PROBE * (radius - a0)
     if h is not None and h > 0.0:
-        least = max(problem.condition.smallest_radius, problem.plane_tip)
+        least = max(problem.condition.smallest_radius, problem.scene.bare_plane_tip)
         onwards = trial.residual(h, probe) if probe > least else 0.0
         if onwards * (radius - a0) >= 0.0:
             return _passing(problem, state, trial, radius, h, longest, allowed)
@@ -95,9 +95,9 @@ def _passing(
     end = problem.candidate(state.time + h, trial.surface_at(h, radius))
     deviation = _deviation(problem, state, trial, end)
     travel = _next_travel(problem, state, radius, deviation)
-    if deviation > REJECTED_ABOVE and radius > problem.plane_tip:
+    if deviation > REJECTED_ABOVE and radius > problem.scene.bare_plane_tip:
         return StepOutcome(longest, rejected=True, travel=travel)
-    lost = NO_STABLE_CONTACT if radius == problem.plane_tip else ""
+    lost = NO_STABLE_CONTACT if radius == problem.scene.bare_plane_tip else ""
     below_zone = 0.0 < radius == problem.condition.smallest_radius
     travelled = radius - state.surface.radius
     points = [(travelled, h), *_points(state)]
@@ -266,7 +266,7 @@ def approach_zero_radius(
     ends = [segment.value(state.time), segment.value(state.time + longest)]
     h = longest * ends[0] / (ends[0] - ends[1])
     trial = problem.trial(state, segment)
-    a0, least = state.surface.radius, problem.plane_tip
+    a0, least = state.surface.radius, problem.scene.bare_plane_tip
     if a0 - state.travel > least:
         return prescribed_travel(problem, state, trial, a0 - state.travel, h, allowed)
     end = problem.candidate(state.time + h, trial.surface_at(h, min(a0, least)))

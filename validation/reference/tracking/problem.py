@@ -66,16 +66,6 @@ class FrontProblem:
         return self.scene.indenter.edge
 
     @property
-    def plane_tip(self) -> float:
-        """Radius of a plane tip that touches, and is let go, as a whole; 0 without one, and with adhesion."""
-        return self.scene.indenter.plane_tip if isinstance(self.condition, NoTension) else 0.0
-
-    @property
-    def ends_in_a_point(self) -> bool:
-        """Whether contact shrinks to nothing before it is lost: without adhesion, if the tip is not plane."""
-        return isinstance(self.condition, NoTension) and self.plane_tip == 0.0
-
-    @property
     def shortest_time(self) -> float:
         """Shortest relaxation time; infinite if nothing relaxes."""
         return float(self.body.rheology.times.min(initial=math.inf))

@@ -96,13 +96,13 @@ def trial_step(
         if departure is not None and departure > tick:
             end = problem.candidate(state.time + departure, trial.surface_at(departure, a0))
             return StepOutcome(candidates=(end,), first_contact=True, kink=True)
-    if edge.radius < a0 <= problem.plane_tip:
+    if edge.radius < a0 <= problem.scene.bare_plane_tip:
         return StepOutcome(detachment=NO_STABLE_CONTACT)
     if not edge.stable:
         return prescribed_travel(problem, state, trial, edge.radius, h, rows.allowed(segment))
     end = problem.candidate(state.time + h, trial.surface_at(h, edge.radius))
     over = is_over(problem, state, end)
-    if over and a0 > problem.plane_tip:
+    if over and a0 > problem.scene.bare_plane_tip:
         edge = replace(edge, radius=0.0)
         end = problem.candidate(end.time, trial.surface_at(h, 0.0))
     deviation, intervals = _step_error(problem, state, trial, end, edge, rows)
@@ -171,12 +171,12 @@ def _vanishing_contact(
         if segment.value(state.time + h) <= 0.0:
             return approach_zero_radius(problem, state, segment, h, allowed)
     elif state.history.rate_of_radius() < 0.0 and (
-        0.0 < state.surface.radius - problem.plane_tip <= problem.largest_travel
+        0.0 < state.surface.radius - problem.scene.bare_plane_tip <= problem.largest_travel
         or state.force <= VANISHING_FORCE * problem.fineness.deviation * state.largest_force
     ):
         trial = problem.trial(state, segment)
-        if trial.residual(left, problem.plane_tip) > 0.0:
-            return prescribed_travel(problem, state, trial, problem.plane_tip, left, allowed)
+        if trial.residual(left, problem.scene.bare_plane_tip) > 0.0:
+            return prescribed_travel(problem, state, trial, problem.scene.bare_plane_tip, left, allowed)
     return None
 
 

@@ -226,7 +226,7 @@ class FrontStepper:
     def _lose_contact(self, reason: str, segment: Segment) -> None:
         """Contact ends here; the last row is the free surface, unless a force takes the indenter further."""
         state, surface = self.state, self.state.surface
-        last = (0.0, 0.0) if self.problem.ends_in_a_point else (state.force, surface.radius)
+        last = (0.0, 0.0) if self.problem.scene.ends_in_a_point else (state.force, surface.radius)
         state.events.append(Event("pull-off", state.time, surface.penetration, *last))
         self._end(OutcomeKind.DETACHED, reason)
         if surface.radius > 0.0 and segment.control != "force":
