@@ -149,7 +149,7 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
 
     @cache
     def settled(control: str, value: float, scale: float) -> TrialContact | None:
-        return equilibrium(elastic, untouched_state(elastic, 0.0, 0.0), control, value, scale)
+        return equilibrium(elastic, untouched_state(elastic, 0.0), control, value, scale)
 
     def settle(control: str, value: float) -> tuple[float, float, float]:
         deepest = penetration if control == "force" else value

@@ -42,10 +42,10 @@ def elastic_problem(problem: Problem, modulus: float) -> Problem:
     return replace(problem, chain=Chain(material), scene=replace(problem.scene, material=material))
 
 
-def untouched_state(problem: Problem, time: float, penetration: float) -> HalfSpaceState:
-    """No contact and no history."""
+def untouched_state(problem: Problem, penetration: float) -> HalfSpaceState:
+    """The state at time 0 without contact and history."""
     blank = SurfaceHistory.blank(len(problem.chain))
-    return HalfSpaceState(time, penetration, ContactSurface.free(problem.annuli), blank)
+    return HalfSpaceState(0.0, penetration, ContactSurface.free(problem.annuli), blank)
 
 
 def largest_stable(
@@ -133,9 +133,9 @@ def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energie
     material = scene.material
     penetration = scene.loading.penetration
     if problem.work == 0.0 and penetration <= 0.0:
-        return untouched_state(problem, 0.0, penetration), initial_energies(problem.chain, 0.0, relaxed)
+        return untouched_state(problem, penetration), initial_energies(problem.chain, 0.0, relaxed)
     elastic = elastic_problem(problem, material.modulus if relaxed else material.glassy_modulus)
-    untouched = untouched_state(elastic, 0.0, penetration)
+    untouched = untouched_state(elastic, penetration)
     trial = equilibrium(elastic, untouched, scene.loading.start_control, penetration, scale)
     if trial is None:
         return None
@@ -171,7 +171,7 @@ def _start_history(
         variables = np.zeros((len(radius), len(chain)))
     else:
         motion = Motion(0.0, 0.0, edge, penetration, penetration)
-        points = points_at(problem, untouched_state(problem, 0.0, penetration), radius)
+        points = points_at(problem, untouched_state(problem, penetration), radius)
         variables = advanced(chain, points, motion, load)
     at_edge = penetration - float(problem.scene.indenter.height(edge))
     inner, outer = split_at_edge(chain, radius, variables, load, edge, at_edge)

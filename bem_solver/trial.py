@@ -248,7 +248,7 @@ def gap_outside(
     motion: Motion,
     surface: ContactSurface,
     radius: Array,
-    creep: FreeCreep | None = None,
+    creep: FreeCreep | None,
 ) -> Array:
     """Gap outside the new edge at the end of the step.
 
@@ -261,7 +261,7 @@ def gap_outside(
     surface : ContactSurface
         After the step.
     radius : ndarray (m,)
-    creep : FreeCreep, optional
+    creep : FreeCreep or None
         Where it tells the displacement.
 
     Returns

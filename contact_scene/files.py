@@ -51,25 +51,15 @@ def as_path(given: Any, key: str = "path", allowed: str = "the path of a file") 
     return Path(given)
 
 
-def as_target(given: Any, key: str = "path") -> Path:
+def as_target(given: Any) -> Path:
     """What names a regular file that is there or can be made, as a path.
-
-    Parameters
-    ----------
-    given : Any
-    key : str
-        Name of the argument, for the error.
-
-    Returns
-    -------
-    Path
 
     Raises
     ------
     SceneError
         If it is no path, that of a folder or a device, or in a folder that is not there or not to be written.
     """
-    target, problem = as_path(given, key), ""
+    target, problem = as_path(given, "path"), ""
     try:
         target.stat()
     except FileNotFoundError:
@@ -84,7 +74,7 @@ def as_target(given: Any, key: str = "path") -> Path:
         problem = "is in a folder that cannot be written to"
     if problem:
         allowed = "the path of a file, in a folder that exists and can be written to"
-        raise SceneError(key, f"{target} {problem}", allowed)
+        raise SceneError("path", f"{target} {problem}", allowed)
     return target
 
 

@@ -46,7 +46,7 @@ def problem(count=64, divisions=12, material=ELASTIC, adhesion=STICKY, exponent=
 
 
 def static(whole, edge, depth):
-    return evaluate(whole, untouched_state(whole, 0.0, depth), 0.0, edge, "penetration", depth)
+    return evaluate(whole, untouched_state(whole, depth), 0.0, edge, "penetration", depth)
 
 
 @pytest.mark.parametrize("depth", DEPTHS.values(), ids=DEPTHS)
@@ -130,7 +130,7 @@ def test_residual_rises_through_zero_at_the_stable_edge():
 def test_force_control_is_penetration_control_read_backwards():
     whole = problem(material=ELASTIC)
     given = static(whole, EDGE, 0.032)
-    start = untouched_state(whole, 0.0, 0.0)
+    start = untouched_state(whole, 0.0)
     back = evaluate(whole, start, 0.0, EDGE, "force", given.surface.force)
     assert_allclose(back.motion.new_penetration, 0.032, rtol=1e-11)
     assert_allclose(back.closure, given.closure, rtol=1e-9)

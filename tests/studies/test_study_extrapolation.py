@@ -115,7 +115,7 @@ def test_three_levels_cannot_be_checked():
 
 def test_orders_against_the_reference_are_signed():
     errors = [-1e-2, 5e-3, -2e-2, None, 0.0]
-    found = reference_orders(HALVED, errors, 1.0)
+    found = reference_orders(HALVED, errors)
     assert found[:2] == pytest.approx((1.0, -2.0))
     assert found[2:] == (None, None)
 
@@ -132,4 +132,4 @@ def test_sizes_must_fall():
     with pytest.raises(ValueError, match="fall from level to level"):
         extrapolate((1.0, 1.0, 0.5), [1.0, 2.0, 3.0], 2.0, 1.0)
     with pytest.raises(ValueError, match="fall from level to level"):
-        reference_orders((0.5, 1.0), [1.0, 2.0], 1.0)
+        reference_orders((0.5, 1.0), [1.0, 2.0])

@@ -21,6 +21,8 @@ LARGER = 1.2
 """Least ratio of two values for the first to count as significantly larger."""
 STEADY = 1e-3
 """Change, relative to the largest magnitude, below which a quantity counts as constant."""
+_NEAREST = 6
+"""Points inside the edge from which the exponent of the tension there is read."""
 
 
 def rising(values: ArrayLike, slack: float = STEADY) -> bool:
@@ -29,12 +31,12 @@ def rising(values: ArrayLike, slack: float = STEADY) -> bool:
     return bool(np.all(y >= np.maximum.accumulate(y) - slack * np.abs(y).max()))
 
 
-def bell(values: ArrayLike, factor: float = LARGER) -> bool:
-    """Whether the values rise to one inner maximum and fall again, ``factor`` above both ends."""
+def bell(values: ArrayLike) -> bool:
+    """Whether the values rise to one inner maximum, significantly larger than both ends, and fall again."""
     y = np.asarray(values, float)
     top = int(y.argmax())
     single = rising(y[: top + 1], 0.01) and rising(y[top:][::-1], 0.01)
-    return single and bool(y[top] >= factor * max(y[0], y[-1]))
+    return single and bool(y[top] >= LARGER * max(y[0], y[-1]))
 
 
 def approach(trace: Trace) -> slice:
@@ -81,18 +83,16 @@ def last_slope(trace: Trace, within: float = 0.01) -> float:
     return float((force[-1] - force[first]) / (depth[-1] - depth[first]))
 
 
-def on_line(trace: Trace, slope: float, tolerance: float = RECOVERED) -> float:
+def on_line(trace: Trace, slope: float) -> float:
     """Share of the withdrawal up to the largest tension over which ``F = F_B + slope (D - D_B)``.
 
-    The deviation counts relative to the change of force so far.
+    A deviation of less than ``RECOVERED`` of the change of force so far is none.
 
     Parameters
     ----------
     trace : Trace
     slope : float
         Force over length.
-    tolerance : float
-        Largest deviation that counts as on the line.
 
     Returns
     -------
@@ -103,7 +103,7 @@ def on_line(trace: Trace, slope: float, tolerance: float = RECOVERED) -> float:
     force, depth = trace.force[rows], trace.penetration[rows]
     top = int(force.argmin())
     change = slope * (depth - depth[0])
-    off = np.abs(force - force[0] - change) > tolerance * np.abs(change) + 1e-12 * np.abs(force).max()
+    off = np.abs(force - force[0] - change) > RECOVERED * np.abs(change) + 1e-12 * np.abs(force).max()
     leaving = np.flatnonzero(off[: top + 1])
     last = depth[int(leaving[0]) - 1] if leaving.size and leaving[0] > 0 else depth[top]
     if leaving.size and leaving[0] == 0:
@@ -174,11 +174,11 @@ def annular_peak(profile: SurfaceProfile) -> tuple[float, float] | None:
     return float(r[top] / profile.contact_radius), float(p[top] / p[0]) if p[0] > 0.0 else float("inf")
 
 
-def edge_exponent(profile: SurfaceProfile, nearest: int = 6) -> float:
+def edge_exponent(profile: SurfaceProfile) -> float:
     """Exponent of the tension towards the edge, ``d ln(-p)/d ln(a - r)``, from the last points inside."""
     inside = profile.radius < profile.contact_radius
-    s = (profile.contact_radius - profile.radius[inside])[-nearest:]
-    tension = -profile.pressure[inside][-nearest:]
+    s = (profile.contact_radius - profile.radius[inside])[-_NEAREST:]
+    tension = -profile.pressure[inside][-_NEAREST:]
     if np.any(tension <= 0.0):
         return 0.0
     return float(np.polyfit(np.log(s), np.log(tension), 1)[0])

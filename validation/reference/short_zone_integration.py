@@ -33,7 +33,7 @@ def integrated(
     rates: Callable[[float, Array], Array],
     span: tuple[float, float],
     state: Array,
-    events: Sequence[Callable[[float, Array], float]] = (),
+    events: Sequence[Callable[[float, Array], float]],
 ) -> Any:
     """The integration over a time, or up to an event before.
 

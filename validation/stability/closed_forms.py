@@ -22,10 +22,8 @@ def zone_law(scene: Scene, plane_modulus: float) -> FiniteZone:
     return FiniteZone(scene.indenter.radius, plane_modulus, scene.adhesion.work, scene.adhesion.zone)
 
 
-def elastic_cycle(
-    scene: Scene, plane_modulus: float, which: str, top: float = TOP, at_once: bool = True
-) -> ClosedForm:
-    """Press to ``top`` and pull off, elastic with one modulus.
+def elastic_cycle(scene: Scene, plane_modulus: float, which: str, at_once: bool = True) -> ClosedForm:
+    """Press to ``TOP`` and pull off, elastic with one modulus.
 
     Force and radius at the top, the largest tension, where contact ends, and, where that happens
     ``at_once``, the loss: that of the model's own process zone, ``int (G - dg) dA`` from the start to where
@@ -41,8 +39,6 @@ def elastic_cycle(
         ``E* = E/(1 - nu^2)``, relaxed or glassy.
     which : str
         Which modulus it is, for the source.
-    top : float
-        Largest penetration.
     at_once : bool
         Whether the final instability leaves no time to creep.
 
@@ -53,14 +49,14 @@ def elastic_cycle(
         is stable until there.
     """
     law = zone_law(scene, plane_modulus)
-    pressed = law.at_penetration(top)
+    pressed = law.at_penetration(TOP)
     pulled, last = law.pull_off_force_control(), law.pull_off_penetration_control()
     adhering = law.work * math.pi * pressed.contact_radius**2
     values = [
         Value("approach_force", pressed.force, max(abs(pressed.force), -pulled.force)),
         Value("approach_radius", pressed.contact_radius),
         Value("pull_off_force", -pulled.force),
-        Value("final_penetration", last.penetration, top - last.penetration),
+        Value("final_penetration", last.penetration, TOP - last.penetration),
     ]
     if at_once:
         first = law.at_penetration(scene.loading.penetration)

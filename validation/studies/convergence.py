@@ -273,6 +273,6 @@ def read(ladder: Ladder, runs: tuple[LevelRun, ...], reference_scales: dict[str,
         size = reference_scales.get(name) or (known[-1] if known else 1.0)
         alone = None if name in NORMS else extrapolate(sizes, values, nominal, size)
         relative = [None if error is None else abs(error) for error in errors]
-        orders = reference_orders(sizes, errors, 1.0)
+        orders = reference_orders(sizes, errors)
         rows.append(Row(name, values, errors, orders, fitted_slope(sizes, relative), size, alone))
     return Convergence(ladder, nominal, runs, tuple(rows))

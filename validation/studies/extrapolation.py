@@ -165,9 +165,7 @@ def observed_order(sizes: Sequence[float], values: Sequence[float | None], scale
     return float(brentq(excess, *ORDERS, xtol=1e-13))
 
 
-def reference_orders(
-    sizes: Sequence[float], errors: Sequence[float | None], scale: float
-) -> tuple[float | None, ...]:
+def reference_orders(sizes: Sequence[float], errors: Sequence[float | None]) -> tuple[float | None, ...]:
     """Signed order of every two neighbouring levels, ``ln|e_coarse/e_fine| / ln(h_coarse/h_fine)``.
 
     Negative where the error grows; ``None`` where a level failed or an error is below round-off.
@@ -177,9 +175,7 @@ def reference_orders(
     sizes : sequence of float
         Relative size ``h`` of the levels, falling.
     errors : sequence of float or None
-        Signed error on every level, ``None`` where it failed.
-    scale : float
-        Magnitude that round-off is relative to, in the unit of ``errors``.
+        Signed relative error on every level, ``None`` where it failed.
 
     Returns
     -------
@@ -189,7 +185,7 @@ def reference_orders(
     _check(sizes)
     orders: list[float | None] = []
     for (coarse, fine), (big, small) in zip(pairwise(errors), pairwise(sizes), strict=True):
-        if coarse is None or fine is None or min(abs(coarse), abs(fine)) <= ROUND_OFF * scale:
+        if coarse is None or fine is None or min(abs(coarse), abs(fine)) <= ROUND_OFF:
             orders.append(None)
         else:
             orders.append(math.log(abs(coarse / fine)) / math.log(big / small))

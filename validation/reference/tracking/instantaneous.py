@@ -49,7 +49,7 @@ def forces_at_once(trial: Trial, radius: float) -> tuple[float, float]:
 
 
 def equilibrium_radius(
-    problem: FrontProblem, state: FrontState, trial: Trial, begin: float, finer: float = 1.0
+    problem: FrontProblem, state: FrontState, trial: Trial, begin: float, finer: float
 ) -> float | None:
     """Radius at which an edge that is at ``begin`` comes to rest at fixed time.
 
