@@ -189,7 +189,7 @@ class BentPath:
 
     def edge(self, left: Array) -> Array:
         """Edge with a share of the step still to come."""
-        return self.edge_on(self.course(left))
+        return self.edge_on(self.abscissa(left))
 
     def left(self, radius: Array) -> Array:
         """Share of the step still to come when the edge passes a radius.
@@ -201,19 +201,19 @@ class BentPath:
 
     def mean_since(self, left: Array) -> Array:
         """Mean speed from a share of the step still to come on, over the speed then."""
-        course = self.course(left)
-        ratio = self.share.mean(course) / self.share.slope(course)
+        abscissa = self.abscissa(left)
+        ratio = self.share.mean(abscissa) / self.share.slope(abscissa)
         return 1.0 / ratio if self.of_travel else ratio
 
-    def course(self, left: Array) -> Array:
+    def abscissa(self, left: Array) -> Array:
         """Share still to come of what the path is a polynomial of, and loads go with: of travel or step."""
         return self.share.inverse(left) if self.of_travel else left
 
-    def edge_on(self, course: Array) -> Array:
-        """Edge with a share of its course still to come."""
-        return self.end - self.travel * (course if self.of_travel else self.share.at(course))
+    def edge_on(self, abscissa: Array) -> Array:
+        """Edge with a share of its abscissa still to come."""
+        return self.end - self.travel * (abscissa if self.of_travel else self.share.at(abscissa))
 
     def passage(self, radius: Array) -> Array:
-        """Share of the course still to come when the edge passes a radius, continued beyond [0, 1]."""
+        """Share of the abscissa still to come when the edge passes a radius, continued beyond [0, 1]."""
         to_come = (self.end - radius) / self.travel
         return to_come if self.of_travel else self.share.inverse(to_come)

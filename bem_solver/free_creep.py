@@ -124,7 +124,7 @@ class FreeCreep:
         if carried is None or not share.any():
             return otherwise
         _, left = motion.passing(motion.new_edge - distance)
-        kept = 1.0 - carried.path.course(left) * carried.growth
+        kept = 1.0 - carried.path.abscissa(left) * carried.growth
         slowed = np.sqrt(carried.path.mean_since(left))
         gained = 1.0 - kept * slowed, 1.0 - kept / slowed
         of_inverse_root, of_root = self.chain.moduli_of_passage(left * motion.duration, gained)
@@ -140,14 +140,14 @@ class FreeCreep:
         points : SurfacePoints (m)
             At the start.
         variables : ndarray (m, K)
-            At the end, as they follow from a load of assumed course in between.
+            At the end, as they follow from a load assumed in between.
         load : ndarray (m,)
             ``v`` at the end.
 
         Returns
         -------
         ndarray (m, K)
-            Those of a load whose course is bent by a parabola as much as the displacement asks for.
+            Those of a load that is bent by a parabola as much as the displacement asks for.
         """
         chain = self.chain
         missed = self.displacement(points) - displacement_outside(chain, variables, load)

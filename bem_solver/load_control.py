@@ -1,7 +1,7 @@
 """The prescribed quantity of a step: the surface at its end, and what goes with the edge on the way.
 
 What the edge covers and leaves depends on the load at the edge, or just ahead of one that hardly moves, and
-on how that falls outside it, in the course of the step. Both are known at its start; at its end they are
+on how that falls outside it, during the step. Both are known at its start; at its end they are
 those of the surface that is sought. Penetration and surface displacement positive downwards, force and
 pressure positive in compression; radii from the axis.
 """
@@ -79,10 +79,10 @@ class LoadControl:
     def _ending(self, motion: Motion, surface: ContactSurface) -> Motion:
         """The motion whose end is that of a surface."""
         fall = None if motion.fall is None else motion.fall.towards(surface)
-        rise, bend = self._load_course(motion, surface)
+        rise, bend = self._load_rise_and_bend(motion, surface)
         return replace(motion, fall=fall, load_rise=rise, load_bend=bend)
 
-    def _load_course(self, motion: Motion, surface: ContactSurface) -> tuple[float, float]:
+    def _load_rise_and_bend(self, motion: Motion, surface: ContactSurface) -> tuple[float, float]:
         """Rise and bend of the load through the earlier row: at the edge of its path, or ahead of others."""
         earlier, path = self.earlier, motion.path
         if earlier is None or earlier.load is None or (path is not None and earlier.fall is None):

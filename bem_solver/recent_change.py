@@ -1,8 +1,9 @@
 """What a fall of the load that moves with the edge leaves of itself at points the edge does not pass.
 
-``int (exp(-(t_end - t)/theta) - even) dS(|r - a(t)|, t)`` along a path, by parts; what remains is smooth
-in the root of the course from the passage of the edge, within or beyond the step. Where and when the fall is
-read follows from the path alone: it is worked out once for all falls that are tried along it.
+``int (exp(-(t_end - t)/theta) - even) dS(|r - a(t)|, t)`` along a path, by parts; what remains is smooth in
+the root of the abscissa of the path (step or travel) from the passage of the edge, within or beyond the step.
+Where and when the fall is read follows from the path alone: it is worked out once for all falls that are
+tried along it.
 """
 
 from __future__ import annotations
@@ -70,8 +71,8 @@ class RecentChange:
         Parameters
         ----------
         fall : callable
-            ``S`` of a distance from the edge, a square root near it, and the share of the path's course gone
-            by.
+            ``S`` of a distance from the edge, a square root near it, and the share of the path's abscissa
+            gone by.
         even : ndarray (m, K) or (K,), optional
             Share of an even change that is taken off.
 
@@ -90,23 +91,23 @@ class RecentChange:
             change[:, remembered] -= Lagging.along(self, y[remembered], self._first).lagging(fall)
         forgets = ~remembered
         if forgets.any():
-            since = self.path.course(np.minimum(self.begin, self.end + _FORGOTTEN / y[forgets]))
+            since = self.path.abscissa(np.minimum(self.begin, self.end + _FORGOTTEN / y[forgets]))
             change[:, forgets] -= Lagging.along(self, y[forgets], since).lagging(fall)
         return change
 
     @cached_property
     def _first(self) -> Array:
-        """Course to come at the begin (m, 1)."""
-        return self.path.course(self.begin)
+        """Abscissa to come at the begin (m, 1)."""
+        return self.path.abscissa(self.begin)
 
     @cached_property
     def last(self) -> Array:
-        """Course to come at the end (m, 1)."""
-        return self.path.course(self.end)
+        """Abscissa to come at the end (m, 1)."""
+        return self.path.abscissa(self.end)
 
     @cached_property
     def _ends(self) -> tuple[Array, Array]:
-        """Distance from the edge and course gone by, at begin and end, each (m, 2)."""
+        """Distance from the edge and abscissa gone by, at begin and end, each (m, 2)."""
         ends = np.concatenate((self._first, self.last), axis=1)
         return np.abs(self.radius - self.path.edge_on(ends)), 1.0 - ends
 
@@ -126,9 +127,9 @@ class RecentChange:
 
 @dataclass(frozen=True)
 class Lagging:
-    """``int S(|r - a(t)|, t) d exp(-(t_end - t)/theta)`` between two shares of the course to come.
+    """``int S(|r - a(t)|, t) d exp(-(t_end - t)/theta)`` between two shares of the abscissa to come.
 
-    Read at ``distance`` from the edge and course ``come``, each (m, k, points), with weights (m, k) and
+    Read at ``distance`` from the edge and abscissa ``come``, each (m, k, points), with weights (m, k) and
     (m, k, points); ``k`` is 1, or K where the branches do not all begin at once: the fall is read once for
     all of them otherwise, and that is what costs.
     """
@@ -143,7 +144,21 @@ class Lagging:
 
     @classmethod
     def along(cls, change: RecentChange, y: Array, first: Array) -> Lagging:
-        """From a course ``first`` to come, (m, 1) or (m, K), for branches of which the step is ``y`` (K,)."""
+        """From a share of the abscissa to the end of a change.
+
+        Parameters
+        ----------
+        change : RecentChange
+            At radii (m, 1).
+        y : ndarray (K,)
+            Step, in the retardation times of the branches it is for.
+        first : ndarray (m, 1) or (m, K)
+            Abscissa to come where it begins.
+
+        Returns
+        -------
+        Lagging
+        """
         path, last = change.path, change.last
         passage = path.passage(change.radius)
         before = passage >= 0.5 * (first + last)  # the passage lies before, not after
@@ -157,12 +172,12 @@ class Lagging:
         reach = ways / np.maximum(near + np.sqrt(near**2 + ways), SMALLEST)
         beyond = reach[..., None] * points
         z = near[..., None] + beyond
-        course = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)
-        left = path.share.at(course) if path.of_travel else course
-        distance = np.abs(change.radius[..., None] - path.edge_on(course))
-        slope = path.share.slope(course) if path.of_travel else None
+        abscissa = nearest[..., None] + away[..., None] * beyond * (near[..., None] + z)
+        left = path.share.at(abscissa) if path.of_travel else abscissa
+        distance = np.abs(change.radius[..., None] - path.edge_on(abscissa))
+        slope = path.share.slope(abscissa) if path.of_travel else None
         memory = np.exp(y[:, None] * (change.end[..., None] - left))  # (m, K, points)
-        return cls(distance, 1.0 - course, z, slope, memory, weights, 2.0 * y * reach)
+        return cls(distance, 1.0 - abscissa, z, slope, memory, weights, 2.0 * y * reach)
 
     def lagging(self, fall: Fall) -> Array:
         """The integral (m, K) of a fall."""

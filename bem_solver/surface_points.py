@@ -129,7 +129,7 @@ def covered(chain: Chain, points: SurfacePoints, motion: Motion, passage: Passag
 def _met_under_load(
     chain: Chain, points: SurfacePoints, motion: Motion, passage: Passage, meeting: Array
 ) -> Array:
-    """Variables where the indenter is met, at a displacement ``meeting``, under a load of known course."""
+    """Variables where the indenter is met, at a displacement ``meeting``, under a load known until then."""
     share, _ = passage.shares
     y = (share * motion.duration)[:, None] / chain.retardation
     even = chain.spread(y)
