@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
 from scipy.special import ellipj, ellipkm1
 
+from bem_solver.cubic_interpolation import cubic_weights, divided_differences, interpolated
 from bem_solver.kernel import annulus_influence
 from bem_solver.power_contact import PowerContact
 
@@ -31,48 +32,6 @@ steps change by a tenth from annulus to annulus, by a millionth."""
 
 _POINTS_OF_MEAN = 4
 """Gauss points of a mean over an annulus, exact for the seventh power of the angle: cubics times an area."""
-
-
-def even_cubic(values: Array, position: Array) -> Array:
-    """Cubic Lagrange interpolation of samples at half-integers, even about both ends.
-
-    ``values`` (n,) stand at 0.5, 1.5, ...; ``position`` in [0, n], any shape.
-    """
-    padded = np.concatenate((values[1::-1], values, values[:-3:-1]))
-    return _cubic(_divided_differences(padded), position + 1.5)
-
-
-def cubic_weights(z: Array) -> Array:
-    """Lagrange's weights (4, m) at ``z`` (m,) of the cubic through samples at 0, 1, 2 and 3."""
-    one, two, three = z - 1.0, z - 2.0, z - 3.0
-    return np.array(
-        (-one * two * three / 6.0, z * two * three / 2.0, -z * one * three / 2.0, z * one * two / 6.0)
-    )
-
-
-def _divided_differences(samples: Array) -> Array:
-    """Of the cubics through four neighbouring samples each, in Newton's form; (n,) -> (4, n - 3)."""
-    first = samples[1:] - samples[:-1]
-    second = 0.5 * (first[1:] - first[:-1])
-    third = (second[1:] - second[:-1]) / 3.0
-    return np.array((samples[:-3], first[:-2], second[:-1], third))
-
-
-def _cubic(table: Array, position: Array) -> Array:
-    """The cubics of :func:`_divided_differences` at positions among the samples, which stand at 0, 1, ..."""
-    first = position.astype(np.intp)
-    first -= 1
-    np.minimum(np.maximum(first, 0, out=first), table.shape[1] - 1, out=first)
-    z = position - first
-    # clipped: all indices are in range, and to check them takes three times as long
-    value, slope, second, third = table.take(first, axis=1, mode="clip")
-    third *= z - 2.0  # in place: half of the time of so short arrays goes into making new ones
-    third += second
-    third *= z - 1.0
-    third += slope
-    third *= z
-    third += value
-    return third
 
 
 class Annuli:
@@ -269,7 +228,7 @@ class Annuli:
         samples[0] = -samples[2]  # odd about the far end (~1/x); about the edge continued by a cubic
         fourth, third, second, last = samples[-5:-1].tolist()
         samples[-1] = 4.0 * last - 6.0 * second + 4.0 * third - fourth
-        return _divided_differences(samples)
+        return divided_differences(samples)
 
     def at_edge(self, field: Array, kappa: float) -> float:
         """Surface displacement at the edge: two samples into the last cubic of ``field``."""
@@ -293,4 +252,4 @@ class Annuli:
         ndarray (m,)
         """
         angle = np.arcsin(1.0 / ratio)
-        return kappa * (2.0 / np.pi) * angle + _cubic(field, self.position(angle) + 1.0)
+        return kappa * (2.0 / np.pi) * angle + interpolated(field, self.position(angle) + 1.0)

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bem_solver.annuli import cubic_weights
+from bem_solver.cubic_interpolation import cubic_weights
 from bem_solver.surface import ContactSurface
 
 Array = NDArray[np.float64]

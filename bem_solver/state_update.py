@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
 from bem_solver.edge_energy import EdgeStep, energy_spent
-from bem_solver.energy import Energies, updated_energies, work_increment
+from bem_solver.energy import Energies, updated_energies
 from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import (
     NODES_APART,
@@ -26,6 +26,7 @@ from bem_solver.run_state import StepStart
 from bem_solver.surface_points import load_inside
 from bem_solver.tip_release import energy_of_tip, reached_jumps, release_jumps, tip_release
 from bem_solver.trial import EDGE_ACCURACY, TrialContact
+from bem_solver.work_increment import work_increment
 
 Array = NDArray[np.float64]
 

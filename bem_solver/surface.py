@@ -12,8 +12,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bem_solver.annuli import Annuli, even_cubic
+from bem_solver.annuli import Annuli
 from bem_solver.between_annuli import LoadBetween
+from bem_solver.cubic_interpolation import even_cubic
 from bem_solver.kinks import EdgeKinks
 
 Array = NDArray[np.float64]

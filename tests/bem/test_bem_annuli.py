@@ -10,8 +10,9 @@ import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import observed_order
 
-from bem_solver.annuli import Annuli, even_cubic
+from bem_solver.annuli import Annuli
 from bem_solver.between_annuli import LoadBetween
+from bem_solver.cubic_interpolation import even_cubic
 from bem_solver.power_contact import PowerContact
 from bem_solver.size_estimates import graded_annuli
 from bem_solver.surface import ContactSurface

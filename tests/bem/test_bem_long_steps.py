@@ -12,12 +12,13 @@ from support.paper_scenes import ONE, cycle, scene
 from bem_solver import Options, load_control, solve
 from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, WorkIncrement, updated_energies
+from bem_solver.energy import Energies, updated_energies
 from bem_solver.history import SurfaceHistory
 from bem_solver.motion import Motion
 from bem_solver.nodal_variables import NodalVariables
 from bem_solver.surface import ContactSurface
 from bem_solver.tip_release import energy_of_tip, tip_release
+from bem_solver.work_increment import WorkIncrement
 from contact_scene import (
     Adhesion,
     Branch,

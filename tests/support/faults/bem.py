@@ -93,12 +93,12 @@ def _(true):
     return init
 
 
-@fault("gap of the wrong sign", "trial:gap_outside")
+@fault("gap of the wrong sign", "trial_closure:gap_outside")
 def _(true):
     return lambda *given: -true(*given)
 
 
-@fault("process zone measured from the wrong side", "trial:gap_outside")
+@fault("process zone measured from the wrong side", "trial_closure:gap_outside")
 def _(true):
     def gap(problem, state, motion, surface, radius, *creep):
         mirrored = 2.0 * surface.edge + problem.zone - radius
@@ -173,7 +173,7 @@ def _(true):
     return lambda self, y: np.ones_like(y)
 
 
-@fault("gap longer by a length of 1e-6", "trial:gap_outside", ("cycle-si-small",))
+@fault("gap longer by a length of 1e-6", "trial_closure:gap_outside", ("cycle-si-small",))
 def _(true):
     return lambda *given: true(*given) + 1e-6
 
