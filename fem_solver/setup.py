@@ -135,21 +135,9 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     stage_done()
     radii = space.radii[:count]
     height = scene.indenter.height(radii)
-    zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else None
     # contact radii are those of the glassy response, in which the edge moves
     effective = glassy.effective_radii(material.unit_plane_modulus)
-    shortest = scene.adhesion.closing_zone if zone is not None and scene.adhesion is not None else None
-    geometry = EdgeGeometry(
-        radii, effective, zone, reach, scene.indenter.edge, stress=stress, shortest=shortest
-    )
-    law: EdgeLaw
-    if scene.adhesion is not None and zone is not None:
-        law = edge_law(geometry, scene.adhesion)
-    else:
-        operator = history.operator
-        depths = operator.elastic_depths(height).tolist()
-        positions = operator.transform_radii(radii).tolist()
-        law = AdhesionlessEdge(geometry, positions, depths, scene.indenter.plane_tip)
+    geometry, law = _edge(scene, radii, height, effective, history.operator, reach)
     times = np.append(material.shear.times, [] if material.bulk is None else material.bulk.times)
     return Setup(
         space=space,
@@ -161,10 +149,46 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
         radii=radii,
         height=height,
         travel=_edge_travel(geometry, reach, options.resolution),
-        resolved_from=_resolved_from(mesh, zone),
+        resolved_from=_resolved_from(mesh, geometry.zone),
         shortest_time=float(times.min()) if times.size else math.inf,
         compliance=scene.loading.compliance,
     )
+
+
+def _edge(
+    scene: Scene, radii: Array, height: Array, effective: Array, operator: SurfaceOperator, reach: float
+) -> tuple[EdgeGeometry, EdgeLaw]:
+    """Where the edge may be, and by which law it moves.
+
+    Parameters
+    ----------
+    scene : Scene
+    radii, height : ndarray, shape (n,)
+        Of the surface nodes, and of the indenter there.
+    effective : ndarray, shape (n,)
+        Contact radii that the nodes stand for.
+    operator : SurfaceOperator
+        Of the relaxed solid.
+    reach : float
+        Radius up to which the mesh is fine.
+
+    Returns
+    -------
+    EdgeGeometry
+    EdgeLaw
+    """
+    limit = scene.indenter.edge
+    if scene.adhesion is None or not scene.is_adhesive:
+        stress = None if scene.adhesion is None else scene.adhesion.stress
+        geometry = EdgeGeometry(radii, effective, None, reach, limit, stress=stress)
+        depths = operator.elastic_depths(height).tolist()
+        positions = operator.transform_radii(radii).tolist()
+        return geometry, AdhesionlessEdge(geometry, positions, depths, scene.indenter.plane_tip)
+    adhesion = scene.adhesion
+    geometry = EdgeGeometry(
+        radii, effective, adhesion.zone, reach, limit, stress=adhesion.stress, shortest=adhesion.closing_zone
+    )
+    return geometry, edge_law(geometry, adhesion)
 
 
 def _check(material: Moduli, options: Options) -> None:
