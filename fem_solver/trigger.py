@@ -6,42 +6,14 @@ edge; the load step ends with the one that just reaches the level.
 
 from __future__ import annotations
 
-from typing import Protocol
-
 from scipy.optimize import brentq
 
 from contact_scene import Segment, Trigger
-from fem_solver.contact_solver import ContactCandidate, ContactSolver
-from fem_solver.recorder import SurfaceState
-from fem_solver.run_state import StepCandidate
+from fem_solver.contact_solver import ContactCandidate
+from fem_solver.trial_step import TriedSteps
 
 _LENGTH_TOLERANCE = 1e-14
 """Accuracy of the length of the step, relative to it: close to rounding."""
-
-
-class SteppedRun(Protocol):
-    """A run that can try a step of any length."""
-
-    time: float
-    solver: ContactSolver
-
-    @property
-    def state(self) -> SurfaceState: ...
-
-    def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
-        """A step of any length.
-
-        Parameters
-        ----------
-        segment : Segment
-        dt, end : float
-            Length of the step and the time at its end.
-
-        Returns
-        -------
-        StepCandidate
-        """
-        ...
 
 
 class _NoEquilibrium(Exception):
@@ -49,13 +21,13 @@ class _NoEquilibrium(Exception):
 
 
 def step_to_level(
-    run: SteppedRun, segment: Segment, trigger: Trigger, dt: float, contact: ContactCandidate
+    run: TriedSteps, segment: Segment, trigger: Trigger, dt: float, contact: ContactCandidate
 ) -> ContactCandidate | None:
     """The state at the level; ``None`` if the step does not pass it, or passes it in a jump of the edge.
 
     Parameters
     ----------
-    run : SteppedRun
+    run : TriedSteps
     segment : Segment
         Load step.
     trigger : Trigger
