@@ -45,10 +45,10 @@ from contact_scene import (
     Trace,
     UnsupportedScene,
 )
-from contact_scene.blas_threads import single_threaded
-from contact_scene.loading_cursor import LoadingCursor
 from contact_scene.machine import on_machine
-from contact_scene.run_monitor import kept_state
+from contact_scene.run_control.blas_threads import single_threaded
+from contact_scene.run_control.loading_cursor import LoadingCursor
+from contact_scene.run_control.monitor import kept_state
 
 _SMOOTH_SHARE = 0.01
 """Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the

@@ -28,9 +28,9 @@ from bem_solver.step_result import FailedStep, StepFailure
 from bem_solver.step_trials import StepTrials
 from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
-from contact_scene.early_outcomes import budget_outcome
-from contact_scene.loading_cursor import LoadingCursor
-from contact_scene.run_monitor import KeptState, interruption
+from contact_scene.run_control.early_outcomes import budget_outcome
+from contact_scene.run_control.loading_cursor import LoadingCursor
+from contact_scene.run_control.monitor import KeptState, interruption
 from contact_scene.trigger import passed
 
 SOLVER = "bem"

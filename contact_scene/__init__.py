@@ -7,7 +7,6 @@ from contact_scene.errors import SceneError, UnsupportedScene
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.load_steps import Force, ForceRamp, Hold, Oscillate, Ramp, Sweep
 from contact_scene.loading import Loading
-from contact_scene.loading_cursor import LoadingCursor
 from contact_scene.machine import Machine
 from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.material_file import read_material
@@ -15,7 +14,8 @@ from contact_scene.material_models import PowerLawRelaxation, StandardLinearSoli
 from contact_scene.measured_moduli import DynamicData, RelaxationData
 from contact_scene.prony import PronyFit, fit_prony
 from contact_scene.readers import read_measured, read_shift_factors
-from contact_scene.run_monitor import KeptState, RunMonitor
+from contact_scene.run_control.loading_cursor import LoadingCursor
+from contact_scene.run_control.monitor import KeptState, RunMonitor
 from contact_scene.scene import Scene
 from contact_scene.scene_writer import write_material, write_scene
 from contact_scene.scenefile import read_scene, scene_from_dict

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import function_or_none, one_of, positive, shown
-from contact_scene.run_options import whole_number
+from contact_scene.run_control.options import whole_number
 from crosscontact import registry
 from crosscontact.result import checked_path
 from validation.execution.engines import Engine, engine_of, own_engine

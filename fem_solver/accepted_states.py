@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Counters, LoadingCursor, Outcome, OutcomeKind, RunMonitor
-from contact_scene.early_outcomes import below_zone_outcome, budget_outcome
+from contact_scene.run_control.early_outcomes import below_zone_outcome, budget_outcome
 from contact_scene.segment import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import AdhesiveEdge, EdgeMotion

@@ -17,9 +17,9 @@ from contact_scene import (
     Scene,
     Trace,
 )
-from contact_scene.blas_threads import single_threaded
 from contact_scene.machine import on_machine
-from contact_scene.run_monitor import kept_state
+from contact_scene.run_control.blas_threads import single_threaded
+from contact_scene.run_control.monitor import kept_state
 from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, history_log
 from fem_solver.fields.kept_recording import RecordingMonitor

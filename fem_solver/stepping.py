@@ -13,8 +13,8 @@ from typing import NoReturn
 from scipy.optimize import brentq
 
 from contact_scene import KeptState, Loading, Outcome, OutcomeKind, Segment
-from contact_scene.loading_cursor import Stop, stops_within
-from contact_scene.run_monitor import interruption
+from contact_scene.run_control.loading_cursor import Stop, stops_within
+from contact_scene.run_control.monitor import interruption
 from contact_scene.segment import Control
 from fem_solver.accepted_states import RunEnded
 from fem_solver.curved_loads import swing

@@ -8,8 +8,8 @@ import types
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, named, spring
 
-from contact_scene import blas_threads
-from contact_scene.blas_threads import single_threaded
+from contact_scene.run_control import blas_threads
+from contact_scene.run_control.blas_threads import single_threaded
 from validation import solvers
 from validation.execution.run_table import RunTable
 from validation.sweeps.batch import SweepOptions

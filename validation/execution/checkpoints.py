@@ -29,7 +29,7 @@ INTERVAL_PER_WRITE = 20.0
 
 
 class CheckpointWriter:
-    """Monitors one run (see ``contact_scene.run_monitor``) and writes its state to a file.
+    """Monitors one run (see ``contact_scene.run_control.monitor``) and writes its state to a file.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from contact_scene import SceneError
 from contact_scene.errors import not_negative, positive, shown
-from contact_scene.run_options import whole_number
+from contact_scene.run_control.options import whole_number
 from validation.fits.parameters import INSTRUMENT
 from validation.solvers import REFERENCE
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from contact_scene.run_options import MAX_STEPS
+from contact_scene.run_control.options import MAX_STEPS
 from validation.solvers.scene_work import SceneWork
 
 MOST_UNKNOWNS = 1e30

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contact_scene.errors import SceneError, finite, one_of, positive, shown
-from contact_scene.run_options import whole_number
+from contact_scene.run_control.options import whole_number
 
 KEYS = (
     "name", "label", "unit", "key", "keys", "factors", "values", "linspace", "geomspace", "range", "scale"

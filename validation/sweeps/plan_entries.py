@@ -9,7 +9,7 @@ import numpy as np
 
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, Trace
 from contact_scene.errors import SceneError, shown
-from contact_scene.run_options import whole_number
+from contact_scene.run_control.options import whole_number
 from validation.measure.scalars import measure
 from validation.sweeps.coordinates import Coordinate, read_coordinate
 from validation.sweeps.samples import SAMPLES

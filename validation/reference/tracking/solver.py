@@ -24,10 +24,10 @@ from contact_scene import (
     Trace,
     UnsupportedScene,
 )
-from contact_scene.blas_threads import single_threaded
-from contact_scene.loading_cursor import LoadingCursor
 from contact_scene.machine import machine_columns
-from contact_scene.run_monitor import kept_state
+from contact_scene.run_control.blas_threads import single_threaded
+from contact_scene.run_control.loading_cursor import LoadingCursor
+from contact_scene.run_control.monitor import kept_state
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.options import Fineness, Options

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from contact_scene import Event, Outcome, OutcomeKind, RunMonitor, Segment, Trigger
-from contact_scene.early_outcomes import below_zone_outcome, budget_outcome
-from contact_scene.loading_cursor import LoadingCursor, stops_within
-from contact_scene.run_monitor import KeptState, interruption
+from contact_scene.run_control.early_outcomes import below_zone_outcome, budget_outcome
+from contact_scene.run_control.loading_cursor import LoadingCursor, stops_within
+from contact_scene.run_control.monitor import KeptState, interruption
 from contact_scene.trigger import passed
 from validation.reference.tracking.instantaneous import force_without_contact
 from validation.reference.tracking.load_jump import load_jump

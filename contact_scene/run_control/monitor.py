@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from contact_scene.errors import SceneError
-from contact_scene.loading_cursor import LoadingCursor
+from contact_scene.run_control.loading_cursor import LoadingCursor
 from contact_scene.trace import Counters, Outcome, OutcomeKind
 
 
