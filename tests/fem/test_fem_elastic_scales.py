@@ -72,7 +72,7 @@ def test_closure_hardly_changes_where_the_mesh_moves_on():
     assert after == pytest.approx(before, rel=4e-6)
 
 
-@pytest.mark.parametrize(("exponent", "radius"), [(2.0, 0.01), (1.0, RADIUS), (4.0, RADIUS)])
+@pytest.mark.parametrize(("exponent", "radius"), [(2.0, 0.01), (4.0, RADIUS)])
 def test_a_tip_without_adhesion_touches_where_sneddon_has_it(exponent, radius):
     tip = PowerLaw(exponent, 1.0)
     placement = surfaces(tip).around(radius)
