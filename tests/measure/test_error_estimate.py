@@ -60,6 +60,17 @@ def test_a_scalar_is_no_better_than_its_curves():
     assert found["force"] > found["approach_force"] > 1e-3
 
 
+def test_a_penetration_under_a_given_force_is_no_better_than_its_curve():
+    """The force says nothing of it, and the two runs agree in the places that are compared."""
+    fine = spring(1.0)
+    other = dataclasses.replace(fine, penetration=fine.penetration + 1e-3 * np.sin(4 * np.pi * fine.time))
+    alike = {"detachment_penetration": -0.01, "detachment_time": 1.0, "detachment_radius": 0.2}
+    found, apart = from_two_runs(fine, other, alike, alike), distance(other, fine, "penetration")
+    assert found["force"] == found["detachment_time"] == 0.0
+    assert found["detachment_penetration"] == pytest.approx(apart.mean, rel=1e-6)
+    assert apart.mean > 1e-2
+
+
 def pulled(time, tension) -> Trace:
     """A run that detaches, with the given tension; penetration falls by one in unit time."""
     t = np.asarray(time, float)

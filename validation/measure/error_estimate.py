@@ -21,10 +21,11 @@ excursion in the worst window a curve has an estimate of its own, so that a smal
 the size of the contact.
 
 The difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its
-run are in the mean at its order (root mean squares are those of the last moments, where an edge that runs
-away is a little early or late); a square, than twice that. An energy is no better than the losses of both
-runs on the way to it. The excess at the edge is a difference, uncertain by what its two terms are. What the
-rows leave open of the end of approach, the pull-off and the detachment is added (:mod:`place_errors`).
+run are in the mean at its order, a penetration than that of the penetrations too (root mean squares are those
+of the last moments, where an edge that runs away is a little early or late); a square, than twice that. An
+energy is no better than the losses of both runs on the way to it. The excess at the edge is a difference,
+uncertain by what its two terms are. What the rows leave open of the end of approach, the pull-off and the
+detachment is added (:mod:`place_errors`).
 """
 
 from __future__ import annotations
@@ -95,6 +96,8 @@ def from_two_runs(
     spans = _spans(loading, run)
     errors, floors = _of_curves(run, other, usual, ratio, spans)
     heat, loss = _losses_apart(run, other, spans)
+    depths = distance(other, run, "penetration", spans)
+    mean_depth = 0.0 if depths is None else depths.mean
     for name, value in measured.items():
         there = otherwise.get(name)
         if value is None or there is None or not (column_of(name) or name in ENERGIES):
@@ -106,6 +109,8 @@ def from_two_runs(
         differs = max(abs(there - value), on_the_way)
         own = _extrapolated(differs / relative_to, order, ratio) if relative_to > 0.0 else 0.0
         errors[name] = max(own, (OF_SQUARE if name in IN_LAYERS else 1.0) * floors[order])
+        if column_of(name) == "penetration":  # what a prescribed force leaves to be found
+            errors[name] = max(errors[name], _extrapolated(mean_depth, order, ratio))
     _raise_to_balance(errors, run, measured)
     if len(spans):
         for column in CURVES:
