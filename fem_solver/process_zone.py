@@ -39,7 +39,7 @@ class ZoneShift:
 
     def __init__(self, radii: Array, zone: float) -> None:
         count = len(radii)
-        self.zone = zone
+        self.radii, self.zone = radii, zone
         self.low = np.zeros(count, dtype=int)
         self.high = np.zeros(count, dtype=int)
         self.share = np.zeros(count)
@@ -53,6 +53,48 @@ class ZoneShift:
             self.low[nodes], self.high[nodes], self.share[nodes] = nodes[right - 1], nodes[right], share
         # first node whose shifted point can lie outside the contact of the nodes 0..m
         self.first = np.searchsorted(np.maximum.accumulate(self.high), np.arange(count), side="right")
+
+    def nodes(self, last: int, top: int) -> tuple[int, int]:
+        """Nodes that the closure integral asks for, the axis left out.
+
+        Parameters
+        ----------
+        last : int
+            Last node in full contact.
+        top : int
+            Last node with a force.
+
+        Returns
+        -------
+        first : int
+            Of those whose forces count.
+        end : int
+            Behind the last whose gap counts.
+        """
+        first = max(int(self.first[last]), 1)
+        return first, int(self.high[first : top + 1].max()) + 1
+
+    def closure(self, first: int, forces: Array, gap: Array) -> float:
+        """Closure integral: half of what the nodal forces do over the gaps one zone further out, per area.
+
+        Parameters
+        ----------
+        first : int
+        forces : ndarray, shape (m,)
+            Compressive forces of the nodes from ``first`` on, up to the last with a force.
+        gap : ndarray, shape (k,)
+            Of the nodes from that last one on; zero before it.
+
+        Returns
+        -------
+        float
+            An energy per area.
+        """
+        top = first + len(forces) - 1
+        inside, known = slice(first, top + 1), np.concatenate([np.zeros(top - first), gap])
+        low, high, share = self.low[inside] - first, self.high[inside] - first, self.share[inside]
+        shifted = (1.0 - share) * known[low] + share * known[high]
+        return float(np.sum(-forces / self.radii[inside] * shifted) / (4.0 * np.pi * self.zone))
 
 
 def zone_of_stress(

@@ -147,7 +147,6 @@ class ContactProblem:
 
         Pressure at the edge would make the surface outside penetrate the indenter.
         """
-        geometry = self.geometry
         self.evaluations += 1
         m = int(np.floor(s))
         top = m + 1
@@ -155,17 +154,10 @@ class ContactProblem:
             return -np.inf
         y = self.transformed(s)
         shift = self._shift(s, y)
-        first = max(int(shift.first[m]), 1)
-        inside = np.arange(first, top + 1)
-        low, high = shift.low[inside], shift.high[inside]
-        beyond = int(high.max()) + 1
+        first, end = shift.nodes(m, top)
         forces = self.response.modulus * self.operator.last_forces(y, first)
-        imposed = self.penetration(s) + self._base[top:beyond]
-        gap = np.zeros(beyond - first)
-        gap[top - first :] = self.operator.displacement_beyond(y, beyond) - imposed
-        share = shift.share[inside]
-        shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
-        return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone))
+        imposed = self.penetration(s) + self._base[top:end]
+        return shift.closure(first, forces, self.operator.displacement_beyond(y, end) - imposed)
 
     def zone(self, s: float) -> float:
         """Length of the process zone; at fixed stress at most the radius, without contact that at rest."""

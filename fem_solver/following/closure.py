@@ -42,23 +42,14 @@ def closure_integral(
         shift = ZoneShift(geometry.radii, zone_at(placement, solid, s, v, b))
     m = int(np.floor(s))
     top = m + 1
-    first = max(int(shift.first[m]), 1)
+    first, end = shift.nodes(m, top)
     y = solid.force(v[first : top + 1], b[:, first : top + 1])
     # the node in full contact next to the edge tells tension from pressure
     if y[m - first] > 0.0:
         return -np.inf
-    inside = np.arange(first, top + 1)
-    low, high = shift.low[inside], shift.high[inside]
-    beyond = int(high.max()) + 1
-    forces = placement.forces(y, first)
-    gap = np.zeros(beyond - first)
-    gap[top - first :] = placement.displacement_of(v, top, beyond)
-    gap[top - first :] += placement.height[top:beyond] - penetration
-    share = shift.share[inside]
-    shifted = (1.0 - share) * gap[low - first] + share * gap[high - first]
+    gap = placement.displacement_of(v, top, end) + (placement.height[top:end] - penetration)
     lower, upper = placement.closure_scale[m : m + 2]
-    scale = float(lower + (s - m) * (upper - lower))
-    return float(np.sum(-forces / geometry.radii[inside] * shifted) / (4.0 * np.pi * shift.zone * scale))
+    return shift.closure(first, placement.forces(y, first), gap) / float(lower + (s - m) * (upper - lower))
 
 
 def zone_at(placement: Placement, solid: Components, s: float, v: Array, b: Array) -> float:

@@ -76,20 +76,15 @@ def closure_scales(
     shift = ZoneShift(radii, _ZONE)
     first = max(strip[0], _LEAST_RADIUS * _ZONE) + _ZONE
     nodes = np.flatnonzero((radii >= first) & (radii <= strip[1] - _ZONE))
-    found = [_closure(operator, radii, shift, int(m)) / punch_closure(effective[m], _ZONE) for m in nodes]
+    found = [_closure(operator, shift, int(m)) / punch_closure(effective[m], _ZONE) for m in nodes]
     return np.asarray(np.interp(np.arange(len(radii)), nodes, np.array(found) / modulus))
 
 
-def _closure(operator: SurfaceOperator, radii: Array, shift: ZoneShift, last: int) -> float:
+def _closure(operator: SurfaceOperator, shift: ZoneShift, last: int) -> float:
     """Closure integral at unit shear modulus and unit penetration, pulled, of contact up to a node."""
-    inside = np.arange(max(int(shift.first[last]), 1), last + 1)
-    low, high, share = shift.low[inside], shift.high[inside], shift.share[inside]
+    first, end = shift.nodes(last, last)
     y = operator.unit[: last + 1]
-    gap = np.zeros(int(high.max()) + 1)
-    gap[last:] = 1.0 - operator.displacement_beyond(y, len(gap))
-    shifted = (1.0 - share) * gap[low] + share * gap[high]
-    forces = operator.last_forces(y, int(inside[0]))
-    return float(np.sum(forces / radii[inside] * shifted) / (4.0 * np.pi * _ZONE))
+    return shift.closure(first, -operator.last_forces(y, first), 1.0 - operator.displacement_beyond(y, end))
 
 
 def height_stretch(radii: Array, effective: Array, positions: Array, strip: tuple[float, float]) -> float:
