@@ -169,6 +169,46 @@ def test_a_forecast_far_too_large_is_bounded_by_the_loading(clock, work):
     assert "100 steps" in lines()[-1]
 
 
+def test_no_time_is_left_to_be_told_before_a_share_of_the_work_is_done(clock, work):
+    """Of two hundred runs the first took two minutes, as forecast: the others take seconds, not hours."""
+    show, lines = work
+    show.phase("runs")
+
+    def run(seconds):
+        clock[0] += seconds
+        show.tell()
+
+    seconds = [2.0, 120.0] + [2.0] * 200
+    made = [tasks.Task(str(n), "run", run, (each,), expected_seconds=each) for n, each in enumerate(seconds)]
+    tasks.run_tasks(made, progress=show)
+    told = lines()
+    assert told[0].startswith("work: runs: 1/202 run: ")
+    assert "left" not in told[0]
+    assert not any(" h left" in line for line in told)
+    assert "about 7 min left" in told[2]
+
+
+def test_work_inside_a_long_task_counts(clock, work):
+    """Among two hundred tasks one is half of the work, and tells how far it is."""
+    show, lines = work
+    show.phase("runs")
+
+    def long(tell_share):
+        for second in range(1, 101):
+            clock[0] += 1.0
+            tell_share(0.01 * second)
+
+    def short():
+        clock[0] += 0.5
+
+    made = [tasks.Task("long", "long", long, (), expected_seconds=100.0, tells_share=True)]
+    made += [tasks.Task(str(n), "short", short, (), expected_seconds=0.5) for n in range(200)]
+    tasks.run_tasks(made, progress=show)
+    of_long = [line for line in lines() if "long" not in line and "short" not in line][:5]
+    assert of_long == [f"work: runs: {10 * n} %: about {left} left" for n, left in
+                       enumerate(("3 min", "3 min", "2 min", "2 min", "2 min"), 1)]  # fmt: skip
+
+
 def test_tasks_tell_the_time_left_by_their_forecasts(clock, monkeypatch, tmp_path):
     monkeypatch.setattr(tasks.time, "monotonic", lambda: clock[0])
 
@@ -180,10 +220,10 @@ def test_tasks_tell_the_time_left_by_their_forecasts(clock, monkeypatch, tmp_pat
         tasks.Task(str(n), f"task {n}", work, (), expected_seconds=seconds)
         for n, seconds in enumerate((3, 1, 2))
     ]
-    tasks.run_tasks(made, progress=lambda done, text: told.append(text))
+    tasks.run_tasks(made, progress=lambda done, text, left: told.append(text))
     assert [text.partition(", ")[2] for text in told] == ["about 3 s left", "about 3 s left", ""]
     kept = Store(tmp_path)
     kept.put("0", "done before")
     told.clear()
-    tasks.run_tasks(made, store=kept, progress=lambda done, text: told.append(text))
+    tasks.run_tasks(made, store=kept, progress=lambda done, text, left: told.append(text))
     assert [text.partition(", ")[2] for text in told] == ["", "about 6 s left", ""]

@@ -20,7 +20,7 @@ class Stopping(Progress):
         super().__init__("test")
         self._left = at
 
-    def __call__(self, fraction: float, text: str = "") -> None:
+    def __call__(self, fraction: float, text: str = "", detail: str | None = None) -> None:
         self._left -= 1
         if self._left == 0:
             raise KeyboardInterrupt

@@ -7,12 +7,18 @@ import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
+from support.spring_solver import FunctionSolver, small_scene, spring
 
+from validation.cases import load
+from validation.execution import told_shares
 from validation.execution.processes import WorkerProcesses, processes
+from validation.execution.solver_tasks import run_telling_share
 from validation.execution.store import Store
 from validation.execution.tasks import Task, TaskEnding, run_tasks
+from validation.solvers import SOLVERS
 
 
 def square(value: float) -> float:
@@ -40,7 +46,7 @@ def test_answers_are_stored_and_taken_over_breakdowns_are_not(tmp_path, threads)
     assert "Traceback" in first[1].details
     lines, seen = [], []
     store = Store(tmp_path)
-    again = run_tasks(tasks, executor, store, lambda share, text: lines.append((share, text)), seen.append)
+    again = run_tasks(tasks, executor, store, lambda share, text, _: lines.append((share, text)), seen.append)
     assert [result.value for result in again] == [9.0, None, 4.0]
     assert [result.stored for result in again] == [True, False, True]
     assert store.taken_over == 2
@@ -54,7 +60,7 @@ def test_answers_are_stored_and_taken_over_breakdowns_are_not(tmp_path, threads)
 def test_an_answer_that_reports_a_breakdown_is_tried_again(tmp_path):
     reports = [Task(key, key, Answer, (why,)) for key, why in (("a", ""), ("b", "no memory left"))]
     lines = []
-    run_tasks(reports, None, Store(tmp_path), lambda share, text: lines.append(text))
+    run_tasks(reports, None, Store(tmp_path), lambda share, text, _: lines.append(text))
     assert lines[1] == "2/2 b: no memory left"
     assert [file.name for file in (tmp_path / ".unfinished").iterdir()] == ["a"]
 
@@ -62,7 +68,7 @@ def test_an_answer_that_reports_a_breakdown_is_tried_again(tmp_path):
 def test_several_calls_share_one_progress():
     shares = []
     for before in (0, 1):
-        run_tasks([task(2.0)], progress=lambda share, text: shares.append(share), done_before=before, total=2)
+        run_tasks([task(2.0)], progress=lambda share, *_: shares.append(share), done_before=before, total=2)
     assert shares == [0.5, 1.0]
 
 
@@ -96,6 +102,70 @@ def test_a_process_that_dies_or_hangs_costs_its_own_task():
         "the process ended with code 7",
     ]
     assert [result.value for result in results[4:]] == [0.0, 1.0, 4.0, 9.0, 16.0]
+
+
+def wait_half_way(seen: Path, tell_share) -> bool:
+    """Tells that it is half-way, and goes on when that is seen."""
+    tell_share(0.5)
+    deadline = time.monotonic() + 60.0
+    while not seen.exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    return seen.exists()
+
+
+def test_a_running_task_tells_its_share_from_its_process(tmp_path, monkeypatch):
+    monkeypatch.setattr("validation.execution.tasks.SHARES_EVERY", 0.01)
+    seen, told = tmp_path / "seen", []
+
+    def progress(share, text, left):
+        told.append((share, text))
+        if share == 0.5:
+            seen.touch()
+
+    asked = Task("", "long", wait_half_way, (seen,), expected_seconds=9.0, tells_share=True)
+    with processes(1, isolated=True) as pool:
+        (result,) = run_tasks([asked], pool, progress=progress)
+        free = len(pool.shares._free)
+    assert result.value
+    assert 0.5 in {share for share, text in told if not text}
+    assert (told[-1][0], free) == (1.0, told_shares.SLOTS)
+
+
+def test_more_tasks_than_places_for_shares_are_carried_out(monkeypatch):
+    monkeypatch.setattr(told_shares, "SLOTS", 1)
+    asked = [Task("", "", silent, (n,), tells_share=True) for n in range(3)]
+    with processes(1, isolated=True) as pool:
+        assert [result.value for result in run_tasks(asked, pool, progress=lambda *_: None)] == [0, 1, 2]
+
+
+def silent(value: int, tell_share=None) -> int:
+    return value
+
+
+@pytest.mark.parametrize(
+    ("solver", "estimate", "end"), [("bem", False, 1.0), ("bem", True, 2 / 3), ("reference", True, 1.0)]
+)
+def test_a_run_and_the_second_one_for_its_errors_tell_their_shares(
+    tmp_path, monkeypatch, solver, estimate, end
+):
+    """The reference estimates its errors itself."""
+    answer, runs = spring(), []
+
+    def run(scene, resolution, *, progress, **others):
+        runs.append(shares := [])
+        for step in range(1, 11):
+            progress(0.1 * step)
+            shares.append(told[-1])
+        return answer(scene, resolution, progress=None, **others)
+
+    monkeypatch.setitem(SOLVERS, solver, FunctionSolver(run, solver))
+    told: list[float] = []
+    result = run_telling_share(load(small_scene(tmp_path)), solver, None, estimate, tell_share=told.append)
+    assert result.finished
+    assert len(runs) == 1 + (end < 1.0)
+    assert told == sorted(told)
+    assert runs[0][-1] == pytest.approx(end)
+    assert told[-1] == pytest.approx(1.0)
 
 
 def unpickled_in_vain() -> None:

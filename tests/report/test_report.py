@@ -207,7 +207,7 @@ def test_what_takes_longest_is_begun_first():
 
     class Pool(Executor):
         def submit(self, execute, function, arguments):
-            case, solver, _, _, estimate = arguments
+            case, solver, _, estimate = arguments
             begun.append((case.name, solver, estimate))
             future = Future()
             future.set_result(execute(Run, (case.name, solver)))

@@ -266,7 +266,7 @@ def test_estimates_are_asked_for_where_they_decide(swing, error, finding):
 
     def carried_out(numbered, executor, outstanding):
         for number, task in numbered:
-            _, solver, _, _, estimate = task.arguments
+            _, solver, _, estimate = task.arguments
             asked.append((solver, estimate))
             bem = solver == "bem"
             mine = result(solver, answer(swing if bem else 0.1), error if bem else 1e-5)

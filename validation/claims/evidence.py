@@ -7,7 +7,7 @@ any ``concurrent.futures`` executor: a process pool, Dask's ``Client.get_executo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -15,6 +15,7 @@ from contact_scene import Adhesion, Hold, Loading, Ramp, Scene, Trace
 from validation.cases import Case, load
 from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_all
+from validation.execution.task_progress import TellProgress
 from validation.measure.dimensionless import unit_sizes
 from validation.solvers import REFERENCE
 from validation.solvers.boundary_elements import BoundaryElements
@@ -172,7 +173,7 @@ def missing_runs(planned: Iterable[tuple[Case, str]]) -> list[tuple[Case, str]]:
 def gather(
     tasks: Iterable[tuple[Case, str]],
     executor: Executor | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: TellProgress | None = None,
 ) -> Evidence:
     """Run ``tasks``, here or through an executor."""
     pairs = list(tasks)

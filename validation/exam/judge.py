@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -16,6 +16,7 @@ from validation.exam.griffith_limit import GriffithTrack, tracks
 from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
+from validation.execution.task_progress import TellProgress
 from validation.execution.tasks import run_tasks
 from validation.measure.check import Check
 from validation.solvers import REFERENCE, SOLVERS
@@ -134,7 +135,7 @@ def judge_folder(
     folder: AnswerFolder,
     executor: Executor | None = None,
     store: Store | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: TellProgress | None = None,
 ) -> Judgement:
     """Judge everything in a folder.
 
@@ -168,7 +169,7 @@ def reference_runs(
     cases: Sequence[Case],
     executor: Executor | None = None,
     store: Store | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: TellProgress | None = None,
 ) -> dict[str, Run]:
     """Runs of the reference at ``FINER`` times its default resolution, with error estimates, by scene.
 

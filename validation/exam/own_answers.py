@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +19,7 @@ from validation.exam.scene_json import scene_of
 from validation.execution.files import write_whole
 from validation.execution.runs import Run, run
 from validation.execution.solver_tasks import run_of, run_task
+from validation.execution.task_progress import TellProgress
 from validation.execution.tasks import run_tasks
 from validation.solvers import SOLVERS
 
@@ -32,7 +33,7 @@ def answer_all(
     solvers: Sequence[str],
     resolutions: Sequence[int | None] = (None,),
     executor: Executor | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: TellProgress | None = None,
 ) -> list[Run]:
     """Answer every scene by every solver, and write the answers.
 

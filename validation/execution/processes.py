@@ -10,7 +10,7 @@ import os
 import pickle
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, MutableSequence
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
@@ -22,6 +22,7 @@ import pebble
 
 from validation.execution.memory import keep_freed
 from validation.execution.signals import interrupts_blocked
+from validation.execution.told_shares import ToldShares, connect
 
 WALL_PER_PROCESSOR_SECOND = 10.0
 """Wall time after which a task is given up, over its limit of processor time: a task that sleeps uses none,
@@ -29,7 +30,13 @@ and on a machine with ten times as many busy processes as cores no other task re
 
 
 class WorkerProcesses(Executor):
-    """Spawned processes that leave an interrupt to their parent and end with it, even if it is killed."""
+    """Spawned processes that leave an interrupt to their parent and end with it, even if it is killed.
+
+    Attributes
+    ----------
+    shares : ToldShares
+        Where tasks tell what share of them is done.
+    """
 
     def __init__(
         self,
@@ -41,7 +48,14 @@ class WorkerProcesses(Executor):
         # Started later, where interrupts are blocked, it would unblock them for the processes that follow.
         resource_tracker.ensure_running()
         context = multiprocessing.get_context("spawn")
-        self._pool = pebble.ProcessPool(count, tasks_per_process, initializer=_begin_worker, context=context)
+        self.shares = ToldShares(context)
+        self._pool = pebble.ProcessPool(
+            count,
+            tasks_per_process,
+            initializer=_begin_worker,
+            initargs=(self.shares.memory,),
+            context=context,
+        )
         self._futures: WeakSet[Future[Any]] = WeakSet()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
@@ -151,9 +165,10 @@ def _carry_out(call: bytes, seconds: float | None) -> Any:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
-def _begin_worker() -> None:
-    """Set up a worker process: allocator, end with the parent."""
+def _begin_worker(shares: MutableSequence[float]) -> None:
+    """Set up a worker process: allocator, where shares are told, end with the parent."""
     keep_freed()
+    connect(shares)
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_exit_after, args=(parent.sentinel,), daemon=True).start()

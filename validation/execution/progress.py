@@ -17,6 +17,8 @@ from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn
 from rich.progress import Progress as RichProgress
 
+from validation.execution.step_share import StepShare
+
 WIDTH = 30
 """Characters of a full bar."""
 TEXT = 60
@@ -27,11 +29,11 @@ SILENCE = 10.0
 """Seconds without a line after which a phase is said to go on, where there is no terminal."""
 SILENT_SHARE = 0.1
 """The same over the time since the phase began, so that the log of a long run stays short."""
-SATURATION = 3.0
-"""Exponent with which the fraction of a run falls behind its steps over their forecast: 79 % where that is
-reached, 99 % at three times as many, which is what a forecast may be wrong by."""
 AFTER = 1.0
 """Seconds of a phase before which a rate says nothing."""
+LEAST_SHARE = 0.05
+"""Share of the work that has to be done before the time left is told: of less, what was waited for
+at the begin would be taken for the pace of more than twenty times as much."""
 GONE = (OSError, ValueError)
 """What a stream raises that is closed, full or without a reader. None of it ends the work."""
 
@@ -41,7 +43,7 @@ class Progress:
 
     On a terminal one line is redrawn; elsewhere a line is written for every text, and without texts at most
     one for every tenth and every second, so that a log stays short. ``detail`` goes with the fraction and
-    is no line of its own.
+    is no line of its own; ``None``: the time left, by the pace of the phase so far.
     """
 
     def __init__(self, label: str, stream: TextIO | None = None) -> None:
@@ -78,10 +80,12 @@ class Progress:
             self._watch = threading.Thread(target=self._keep_telling, daemon=True)
             self._watch.start()
 
-    def __call__(self, fraction: float, text: str = "", detail: str = "") -> None:
+    def __call__(self, fraction: float, text: str = "", detail: str | None = None) -> None:
         with self._lock:
             self._fraction = min(max(fraction, 0.0), 1.0)
-            self._detail = detail or (time_left(self._fraction, self._began) if self._phase else "")
+            if detail is None:
+                detail = time_left(self._fraction, self._began) if self._phase else ""
+            self._detail = detail
             now = time.monotonic()
             if self._terminal:
                 if text or now - self._shown >= REDRAW:
@@ -148,10 +152,7 @@ class Progress:
 class StepProgress:
     """Progress of a run by the steps it has taken: what a solver calls after every step.
 
-    The share of the prescribed loading says little about the work ahead: a cycle may lose contact half-way.
-    The steps ahead are those of the forecast that are not taken yet, and at most the forecast's over the part
-    of the loading that is left. A forecast may be a few times too small: the fraction follows the steps taken
-    over it, and ever more slowly as it is reached. Beyond the forecast no time left is given.
+    Beyond the forecast no time left is given.
 
     Parameters
     ----------
@@ -163,33 +164,28 @@ class StepProgress:
     """
 
     def __init__(self, progress: Progress, steps: float, after: str) -> None:
-        self._progress, self._forecast, self._after = progress, max(steps, 1.0), after
-        self._steps, self._fraction = 0, 0.0
+        self._progress, self._after = progress, after
+        self._of_run = StepShare(steps)
         self._began: float | None = None
 
     def __call__(self, share: float) -> None:
         if self._began is None:
             self._progress.phase("solving")
             self._began = time.monotonic()
-        self._steps += 1
+        done = self._of_run(share)
         if share >= 1.0:
-            self._progress(1.0, detail=f"{self._steps} steps")
+            self._progress(1.0, detail=f"{self._of_run.steps} steps")
             self._progress.phase(self._after)
-            return
-        over_loading = self._forecast * (1.0 - share)
-        ahead = min(self._forecast - self._steps, over_loading)
-        taken = self._steps / self._forecast
-        saturating = taken / (1.0 + taken**SATURATION) ** (1.0 / SATURATION)
-        bounded = self._steps / (self._steps + over_loading)
-        self._fraction = max(self._fraction, min(saturating, 0.99), min(bounded, 0.99))
-        self._progress(self._fraction, detail=self._words(ahead))
+        else:
+            self._progress(done, detail=self._words())
 
-    def _words(self, ahead: float) -> str:
+    def _words(self) -> str:
         lasted = time.monotonic() - (self._began or 0.0)
-        text = f"{self._steps} steps"
+        steps, ahead = self._of_run.steps, self._of_run.ahead
+        text = f"{steps} steps"
         if lasted < AFTER:
             return text
-        rate = (self._steps - 1) / lasted  # the clock began with the first step done
+        rate = (steps - 1) / lasted  # the clock began with the first step done
         left = f"about {duration(ahead / rate)} left" if ahead > 0.0 else "more than expected"
         return f"{text}, {rate:.3g} a second, {left}"
 
@@ -200,7 +196,7 @@ def time_left(done: float, began: float) -> str:
     Empty while that share, or the time it took, is too small to tell.
     """
     lasted = time.monotonic() - began
-    if lasted < AFTER or not 0.0 < done < 1.0:
+    if lasted < AFTER or not LEAST_SHARE <= done < 1.0:
         return ""
     return f"about {duration(lasted * (1.0 - done) / done)} left"
 

@@ -107,12 +107,14 @@ def run(
     monitor: RunMonitor | None = None,
     max_steps: int | None = None,
     estimate_monitor: RunMonitor | None = None,
+    estimate_progress: solvers.Progress | None = None,
 ) -> Run:
     """Run one solver; a refusal or a breakdown is part of the answer.
 
     Parameters
     ----------
-    case, solver, resolution, progress, estimate, monitor, max_steps, estimate_monitor
+    case, solver, resolution, progress, estimate, monitor, max_steps, estimate_monitor,
+    estimate_progress
         As of :func:`run_or_raise`.
 
     Returns
@@ -130,6 +132,7 @@ def run(
             monitor=monitor,
             max_steps=max_steps,
             estimate_monitor=estimate_monitor,
+            estimate_progress=estimate_progress,
         )
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
@@ -155,6 +158,7 @@ def run_or_raise(
     stop_times: Collection[float] = (),
     max_steps: int | None = None,
     estimate_monitor: RunMonitor | None = None,
+    estimate_progress: solvers.Progress | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
@@ -177,6 +181,8 @@ def run_or_raise(
         Largest number of steps, accepted and rejected together; ``None``: by the forecast.
     estimate_monitor : RunMonitor or None
         May stop the second run, from which errors are estimated; then there is no estimate.
+    estimate_progress : callable or None
+        Called with the share of the loading that is done in that second run.
 
     Returns
     -------
@@ -213,7 +219,7 @@ def run_or_raise(
     if not estimate or not result.finished:
         return result
     spent = time.process_time()
-    errors = _errors(case, result, method, resolution, estimate_monitor)
+    errors = _errors(case, result, method, resolution, estimate_monitor, estimate_progress)
     return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
 
 
@@ -229,6 +235,7 @@ def _errors(
     method: solvers.Solver,
     resolution: int | None,
     monitor: RunMonitor | None,
+    progress: solvers.Progress | None,
 ) -> dict[str, float]:
     """Error estimates of a finished run; none if the second run ends otherwise.
 
@@ -240,6 +247,7 @@ def _errors(
     resolution : int or None
         Of the run.
     monitor : RunMonitor or None
+    progress : callable or None
         Of the second run.
 
     Returns
@@ -253,7 +261,9 @@ def _errors(
         return error_estimate.from_own(trace, result.measures, case.scene.loading)
     second, stops = method.comparison_run(case.scene, resolution), cycle_times(case.scene.loading)
     try:
-        other = second.solve(stop_times=stops, profile_times=case.profile_times, monitor=monitor)
+        other = second.solve(
+            stop_times=stops, profile_times=case.profile_times, progress=progress, monitor=monitor
+        )
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
     if other.outcome.kind is not trace.outcome.kind:

@@ -11,8 +11,11 @@ from validation import solvers
 from validation.cases import Case
 from validation.execution.fingerprints import fingerprint
 from validation.execution.runs import Run, run
+from validation.execution.step_share import StepShare
 from validation.execution.store import Store
+from validation.execution.task_progress import TellProgress
 from validation.execution.tasks import Task, TaskResult, run_tasks
+from validation.solvers.cost import ESTIMATE_SHARE
 
 
 def expected_seconds(
@@ -54,13 +57,74 @@ def run_task(
         To be carried out by :func:`~validation.execution.tasks.run_tasks`.
     """
     asked = (case.scene, solver, resolution, case.profile_times, estimate, max_steps)
+    seconds = expected_seconds(case, solver, resolution, max_steps)
     return Task(
         fingerprint("run", *asked, *origin_of(solver)),
         f"{case.name} {solver}",
-        partial(run, max_steps=max_steps),
-        (case, solver, resolution, None, estimate),
-        expected_seconds(case, solver, resolution, max_steps),
+        partial(run_telling_share, max_steps=max_steps),
+        (case, solver, resolution, estimate),
+        seconds * (1.0 + ESTIMATE_SHARE * _has_second_run(solver, estimate)),
+        tells_share=True,
     )
+
+
+def run_telling_share(
+    case: Case,
+    solver: str,
+    resolution: int | None = None,
+    estimate: bool = False,
+    *,
+    max_steps: int | None = None,
+    tell_share: Callable[[float], None] | None = None,
+) -> Run:
+    """A run that tells what share of it is done, and of the second one from which its errors are estimated.
+
+    Parameters
+    ----------
+    case, solver, resolution, estimate, max_steps
+        As of :func:`run_or_raise`.
+    tell_share : callable or None
+        Called after every step with the share, 0 to 1; not for a solver without a forecast.
+
+    Returns
+    -------
+    Run
+    """
+    first = second = None
+    method = solvers.SOLVERS.get(solver)
+    if tell_share is not None and method is not None:
+        steps = method.expected_cost(case.scene, resolution).within(max_steps).steps
+        whole = 1.0 + ESTIMATE_SHARE * _has_second_run(solver, estimate)
+        first = _part_of_task(StepShare(steps), 0.0, 1.0 / whole, tell_share)
+        second = _part_of_task(StepShare(ESTIMATE_SHARE * steps), 1.0 / whole, 1.0, tell_share)
+    return run(case, solver, resolution, first, estimate, max_steps=max_steps, estimate_progress=second)
+
+
+def _part_of_task(
+    share: StepShare, begin: float, end: float, tell: Callable[[float], None]
+) -> Callable[[float], None]:
+    """What a solver calls after every step of a run that is a part of a task.
+
+    Parameters
+    ----------
+    share : StepShare
+        Of the run.
+    begin, end : float
+        Shares of the task between which the run is, 0 to 1.
+    tell : callable
+        Called with the share of the task.
+
+    Returns
+    -------
+    callable
+    """
+    return lambda loading: tell(begin + (end - begin) * share(loading))
+
+
+def _has_second_run(solver: str, estimate: bool) -> bool:
+    """Whether the errors of a run are estimated from a second one."""
+    method = solvers.SOLVERS.get(solver)
+    return estimate and method is not None and not method.estimates_errors
 
 
 def origin_of(solver: str) -> tuple[str, ...]:
@@ -81,7 +145,7 @@ def run_all(
     pairs: Iterable[tuple[Case, str]],
     executor: Executor | None = None,
     store: Store | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: TellProgress | None = None,
     estimated: Collection[str] = (),
     max_steps: int | None = None,
 ) -> dict[tuple[str, str], Run]:

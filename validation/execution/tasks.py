@@ -10,21 +10,26 @@ from __future__ import annotations
 import signal
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Executor, Future
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 from itertools import islice
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from validation.execution.processes import WorkerProcesses
-from validation.execution.progress import time_left
 from validation.execution.store import Store
+from validation.execution.task_progress import TaskProgress, TellProgress
+from validation.execution.told_shares import ShareTeller, ToldShares
 
 OUTSTANDING = 512
 """Tasks that an executor holds at a time: more than the workers of a large cluster, so that none waits for
 its next one, and few enough that neither their arguments nor their futures count in memory."""
+SHARES_EVERY = 1.0
+"""Seconds after which the shares of running tasks are looked at again."""
 
 
 class TaskEnding(StrEnum):
@@ -53,6 +58,9 @@ class Task:
         A guess; long tasks are submitted first.
     time_limit : float or None
         Processor time in seconds after which the task is given up; ``None``: never.
+    tells_share : bool
+        Whether the function takes a keyword ``tell_share``, to be called with the share of itself that is
+        done, 0 to 1, or ``None``.
     """
 
     key: str
@@ -61,6 +69,7 @@ class Task:
     arguments: tuple[Any, ...] = ()
     expected_seconds: float = 1.0
     time_limit: float | None = None
+    tells_share: bool = False
 
 
 @dataclass(frozen=True)
@@ -94,7 +103,7 @@ def run_tasks(
     tasks: Iterable[Task],
     executor: Executor | None = None,
     store: Store | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: TellProgress | None = None,
     on_result: Callable[[TaskResult], None] | None = None,
     *,
     done_before: int = 0,
@@ -110,7 +119,8 @@ def run_tasks(
     store : Store or None
         Holds answers of an earlier attempt and receives new ones, breakdowns excepted.
     progress : callable or None
-        Called with the share that is done, 0 to 1, and a line of text.
+        Called with the share of the work that is done, 0 to 1, a line of text for every task that has ended,
+        and the time left (see :class:`~validation.execution.task_progress.TaskProgress`).
     on_result : callable or None
         Called with each result as soon as it is there, one call at a time, in this thread.
     done_before, total : int
@@ -122,51 +132,37 @@ def run_tasks(
         In the order of ``tasks``.
     """
     store, tasks = store or Store(), list(tasks)
-    total = done_before + len(tasks) if total is None else total
     results: dict[int, TaskResult] = {}
-    began = time.monotonic()
-
-    def show(text: str) -> None:
-        done = done_before + len(results)
-        if progress is not None:
-            left = time_left(_share_done(tasks, results), began) if total == len(tasks) else ""
-            progress(done / total, f"{done}/{total} {text}{', ' if left else ''}{left}")
-
+    told = TaskProgress([task.expected_seconds for task in tasks], progress, done_before, total)
     for index, task in enumerate(tasks):
         value = store.get(task.key)
         if value is not None:
             results[index] = TaskResult(task, value, stored=True)
+            told.take_over(index)
             if on_result is not None:
                 on_result(results[index])
     if results:
-        show("taken over from an earlier attempt")
+        told.tell("taken over from an earlier attempt")
     missing = [(index, task) for index, task in enumerate(tasks) if index not in results]
     if executor is not None:
         missing.sort(key=lambda pair: -pair[1].expected_seconds)
-    for index, result in completed_tasks(missing, executor):
+    on_shares = None if progress is None else told.update
+    for index, result in completed_tasks(missing, executor, on_shares=on_shares):
         results[index] = result
         breakdown = result.failure or getattr(result.value, "breakdown", "")
         if not breakdown:
             store.put(result.task.key, result.value)
         if on_result is not None:
             on_result(result)
-        show(f"{result.task.label}: {breakdown or f'{result.seconds:.1f} s'}")
+        told.finish(index, f"{result.task.label}: {breakdown or f'{result.seconds:.1f} s'}")
     return [results[index] for index in range(len(tasks))]
 
 
-def _share_done(tasks: Sequence[Task], results: Mapping[int, TaskResult]) -> float:
-    """Share of the work, by the forecast of each task, that is done; answers from the store are no work."""
-    work = {
-        index: task.expected_seconds
-        for index, task in enumerate(tasks)
-        if index not in results or not results[index].stored
-    }
-    done = sum(seconds for index, seconds in work.items() if index in results)
-    return done / (sum(work.values()) or 1.0)
-
-
 def completed_tasks(
-    numbered: Iterable[tuple[int, Task]], executor: Executor | None = None, outstanding: int = OUTSTANDING
+    numbered: Iterable[tuple[int, Task]],
+    executor: Executor | None = None,
+    outstanding: int = OUTSTANDING,
+    on_shares: Callable[[Mapping[int, float]], None] | None = None,
 ) -> Iterator[tuple[int, TaskResult]]:
     """Results as they come, each with the number of its task.
 
@@ -179,6 +175,9 @@ def completed_tasks(
         ``None``: one after the other in this process.
     outstanding : int
         Most tasks that the executor holds at a time.
+    on_shares : callable or None
+        Called with the shares of running tasks that are done, by number, where tasks tell them: those carried
+        out here or by :class:`~validation.execution.processes.WorkerProcesses`.
 
     Yields
     ------
@@ -186,31 +185,82 @@ def completed_tasks(
     """
     if executor is None:
         for number, task in numbered:
-            yield number, TaskResult(task, *execute(task.function, task.arguments))
+            tell = None if on_shares is None else partial(_tell_one, on_shares, number)
+            yield number, TaskResult(task, *execute(_telling(task, tell), task.arguments))
         return
     done: SimpleQueue[Future[Any]] = SimpleQueue()
-    submitted: dict[Future[Any], tuple[int, Task]] = {}
+    submitted: dict[Future[Any], _Submitted] = {}
+    shares = executor.shares if isinstance(executor, WorkerProcesses) and on_shares is not None else None
     coming = iter(numbered)
     try:
         while True:
             for number, task in islice(coming, outstanding - len(submitted)):
-                future = _submit(executor, task)
-                submitted[future] = (number, task)
+                teller = shares.teller() if shares is not None and task.tells_share else None
+                future = _submit(executor, task, _telling(task, teller))
+                submitted[future] = _Submitted(number, task, teller)
                 future.add_done_callback(done.put)
             if not submitted:
                 return
-            future = done.get()
-            number, task = submitted.pop(future)
-            yield number, _collected(task, future)
+            future = _next_done(done, submitted, shares, on_shares)
+            ended = submitted.pop(future)
+            if shares is not None and ended.teller is not None:
+                shares.release(ended.teller)
+            yield ended.number, _collected(ended.task, future)
     finally:
         for future in submitted:  # the reader of the results has gone
             future.cancel()
 
 
-def _submit(executor: Executor, task: Task) -> Future[Any]:
+@dataclass(frozen=True)
+class _Submitted:
+    """A task that an executor holds."""
+
+    number: int
+    task: Task
+    teller: ShareTeller | None
+
+
+def _next_done(
+    done: SimpleQueue[Future[Any]],
+    submitted: Mapping[Future[Any], _Submitted],
+    shares: ToldShares | None,
+    on_shares: Callable[[Mapping[int, float]], None] | None,
+) -> Future[Any]:
+    """The task that ends next; until then what the running ones tell is passed on.
+
+    Parameters
+    ----------
+    done : SimpleQueue
+    submitted : mapping
+    shares : ToldShares or None
+    on_shares : callable or None
+        As of :func:`completed_tasks`.
+
+    Returns
+    -------
+    Future
+    """
+    while shares is not None and on_shares is not None:
+        with suppress(Empty):
+            return done.get(timeout=SHARES_EVERY)
+        tellers = {one.number: one.teller for one in submitted.values() if one.teller is not None}
+        on_shares({number: shares.share(teller) for number, teller in tellers.items()})
+    return done.get()
+
+
+def _tell_one(on_shares: Callable[[Mapping[int, float]], None], number: int, share: float) -> None:
+    on_shares({number: share})
+
+
+def _telling(task: Task, tell: Callable[[float], None] | None) -> Callable[..., Any]:
+    """The task's function, told where to tell its share."""
+    return partial(task.function, tell_share=tell) if task.tells_share and tell is not None else task.function
+
+
+def _submit(executor: Executor, task: Task, function: Callable[..., Any]) -> Future[Any]:
     if task.time_limit is not None and isinstance(executor, WorkerProcesses):
-        return executor.submit_limited(task.time_limit, execute, task.function, task.arguments)
-    return executor.submit(execute, task.function, task.arguments)
+        return executor.submit_limited(task.time_limit, execute, function, task.arguments)
+    return executor.submit(execute, function, task.arguments)
 
 
 def execute(

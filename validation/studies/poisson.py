@@ -14,7 +14,7 @@ What an assumption costs is its difference from the second of these, reported be
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -22,6 +22,7 @@ from validation.cases import Case
 from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
+from validation.execution.task_progress import TellProgress
 from validation.execution.tasks import run_tasks
 from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import scale
@@ -126,7 +127,7 @@ def compare_ratios(
     ratios: Iterable[float] = RATIOS,
     resolution: int | None = None,
     executor: Executor | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: TellProgress | None = None,
     store: Store | None = None,
     max_steps: int | None = None,
 ) -> list[CompressibilityComparison]:

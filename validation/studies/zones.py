@@ -186,6 +186,7 @@ def _zone_run(
         function=_measured,
         arguments=(plain.function, *plain.arguments),
         time_limit=PATIENCE,
+        tells_share=False,
     )
     (answer,) = run_tasks([task], executor, store)
     if answer.ending is TaskEnding.TIMED_OUT:
