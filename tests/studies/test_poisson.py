@@ -79,7 +79,7 @@ def test_all_assumptions_have_the_same_shear_and_what_they_say():
         poisson_material.on_the_surface(RUBBER)
 
 
-def answered(case, solver, resolution=None, progress=None, estimate=False, max_steps=None):
+def answered(case, solver, resolution=None, progress=None, estimate=False, max_steps=None, **others):
     """A run as stiff as its material is at first; compressible ones know the modulus of the surface."""
     material = case.scene.material
     if material.bulk is not None:
@@ -95,7 +95,7 @@ def answered(case, solver, resolution=None, progress=None, estimate=False, max_s
     return Run(case.name, solver, trace, measures=measure(trace, case.scene, 0.0), errors=errors)
 
 
-def careless(case, solver, resolution=None, progress=None, estimate=False, max_steps=None):
+def careless(case, solver, resolution=None, progress=None, estimate=False, max_steps=None, **others):
     """Finite elements that overlook the bulk modulus."""
     material = case.scene.material
     wrong = poisson_material.incompressible(material) if solver == "fem" else material
