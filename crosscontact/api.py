@@ -13,6 +13,7 @@ from contact_scene.run_control.options import whole_number
 from crosscontact import registry, run_figure
 from crosscontact.limits import SMALLEST_RESOLUTION
 from crosscontact.result import Result
+from crosscontact.scene_argument import case_of
 from crosscontact.tables import aligned, cell, html_table
 from validation import cases
 from validation import scenes as builtin_scenes
@@ -85,7 +86,7 @@ def solve(
     SceneError
         If an argument is wrong or the solver does not take the scene (``UnsupportedScene``); one line.
     """
-    case = _case(scene)
+    case = case_of(scene)
     registry.check(solver, "solver", registry.selectable())
     if resolution is not None:
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
@@ -135,7 +136,7 @@ def compare(
     -------
     SolverComparison
     """
-    case = _case(scene)
+    case = case_of(scene)
     if resolution is not None:
         resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
     if max_steps is not None:
@@ -211,14 +212,6 @@ def _row(check: Check) -> tuple[str, ...]:
         "-" if check.limit is None else f"{check.limit:.1e}",
         "pass" if check.passed else "FAIL",
     )
-
-
-def _case(scene: Scene | str | os.PathLike[str]) -> cases.Case:
-    if isinstance(scene, Scene):
-        return cases.Case(scene.title or "scene", scene)
-    if isinstance(scene, (str, os.PathLike)):
-        return cases.load(os.fspath(scene))
-    raise SceneError("scene", f"got {shown(scene)}", "a Scene, the name of a built-in scene, or a scene file")
 
 
 def _times(values: Collection[float], key: str) -> tuple[float, ...]:

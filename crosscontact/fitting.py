@@ -16,8 +16,8 @@ from contact_scene.run_control.options import whole_number
 from crosscontact import registry
 from crosscontact.limits import SMALLEST_RESOLUTION
 from crosscontact.result import checked_path
+from crosscontact.scene_argument import case_of
 from crosscontact.tables import aligned, html_table
-from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.store import Store
 from validation.fits.afm_files import is_afm_file, read_file, write_afm
@@ -174,11 +174,7 @@ def fit(
         One line, if data or arguments are no good.
     """
     measured = _measured(curves)
-    registry.check(solver, "solver", registry.names())
-    if check_solver is not None:
-        registry.check(check_solver, "check_solver", registry.names())
-    if resolution is not None:
-        resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
+    resolution = _checked_resolution(solver, check_solver, resolution)
     of_class(executor, "executor", (Executor, type(None)), "an Executor of concurrent.futures, or None")
     function_or_none(progress, "progress", "a line of text")
     settings = FitSettings(
@@ -196,12 +192,17 @@ def fit(
         check_solver=check_solver,
         max_steps=max_steps,
     )
-    of_class(
-        scene, "scene", (Scene, str, os.PathLike), "a Scene, the name of a built-in scene, or a scene file"
-    )
-    guess = scene if isinstance(scene, Scene) else cases.load(os.fspath(scene)).scene
+    guess = case_of(scene).scene
     folder = None if out is None else output_folder(checked_path(out, "out"), "out")
     return Fit(_fit_and_write(measured, guess, settings, folder, executor, progress))
+
+
+def _checked_resolution(solver: str, check_solver: str | None, resolution: int | None) -> int | None:
+    """The resolution, checked after the solvers that it is for."""
+    registry.check(solver, "solver", registry.names())
+    if check_solver is not None:
+        registry.check(check_solver, "check_solver", registry.names())
+    return None if resolution is None else whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
 
 
 def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:

@@ -16,6 +16,7 @@ from contact_scene.errors import function_or_none, one_of, positive, shown
 from contact_scene.run_control.options import whole_number
 from crosscontact import registry
 from crosscontact.result import checked_path
+from crosscontact.scene_argument import A_SCENE
 from validation.execution.engines import Engine, engine_of, own_engine
 from validation.execution.folder_lock import locked_folder
 from validation.execution.polled_jobs import JobQueue
@@ -110,7 +111,7 @@ def sweep(
         batch_seconds = positive(batch_seconds, "batch_seconds")
     function_or_none(progress, "progress", "the share that is done and a line of text")
     target = None if out is None else checked_path(out, "out")
-    table = {
+    asked = {
         "solver": solver,
         "resolution": resolution,
         "max_steps": max_steps,
@@ -122,10 +123,32 @@ def sweep(
         "coordinates": _coordinates(values, design in SAMPLES),
     }
     if points is not None:
-        table["points"] = points
+        asked["points"] = points
     with ExitStack() as opened:
-        plan = _checked_plan(table, _base(scene, opened), target is not None)
+        plan = _checked_plan(asked, _base(scene, opened), target is not None)
         engine = _engine(opened, executor, jobs, batch_seconds)
+        return _carried_out(plan, engine, target, progress)
+
+
+def _carried_out(
+    plan: SweepPlan, engine: Engine, target: Path | None, progress: Callable[[float, str], None] | None
+) -> xarray.Dataset:
+    """The runs of a plan as a data set, with a folder from what is stored there, and written into it.
+
+    Parameters
+    ----------
+    plan : SweepPlan
+    engine : Engine
+    target : Path or None
+        The folder.
+    progress : callable or None
+        As of :func:`sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    with ExitStack() as opened:
         folder = None if target is None else opened.enter_context(locked_folder(target, "out"))
         if folder is not None:
             check_kind(folder, SWEEP, "out")
@@ -140,7 +163,7 @@ def _base(scene: Scene | str | os.PathLike[str], opened: ExitStack) -> SceneTabl
         return of_scene(scene, Path(opened.enter_context(tempfile.TemporaryDirectory())))
     if isinstance(scene, (str, os.PathLike)):
         return builtin_or_file(os.fspath(scene), Path())
-    raise SceneError("scene", f"got {shown(scene)}", "a Scene, the name of a built-in scene, or a scene file")
+    raise SceneError("scene", f"got {shown(scene)}", A_SCENE)
 
 
 def _checked_plan(table: dict[str, Any], base: SceneTable, has_folder: bool) -> SweepPlan:

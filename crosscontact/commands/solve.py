@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from contact_scene import OutcomeKind
@@ -84,21 +86,16 @@ def run(
         progress.phase("set-up")
         after = "estimating the errors" if estimate else "measuring"
         steps = StepProgress(progress, 1.0 if cost is None else cost.steps, after)
-        try:
+        with _telling_what_is_kept(folder):
             result, writer = run_with_checkpoints(
                 case, solver, resolution, steps, folder, fresh=fresh, estimate=estimate, max_steps=max_steps
             )
-        except KeyboardInterrupt:
-            _say_what_is_kept(None if folder is None else folder / CHECKPOINT)
-            raise
     if result.refused:
         print(f"crosscontact: error: {result.failure}", file=sys.stderr)
         return 2
     try:
         if folder is not None:
-            write_run(folder, case.scene, result)
-            if result.finished:
-                writer.remove()  # before anything is printed, to a reader that may have gone
+            _write(folder, case, result, writer)
     finally:  # numbers that a full disk does not take are printed all the same
         _print(case, result, _without_errors(writer, estimate))
     if not said:
@@ -108,6 +105,23 @@ def run(
     if folder is not None:
         print(f"written to {folder}")
     return _ending(result, writer, estimate)
+
+
+@contextmanager
+def _telling_what_is_kept(folder: Path | None) -> Iterator[None]:
+    """Let an interruption pass and say what the same command finds."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        _say_what_is_kept(None if folder is None else folder / CHECKPOINT)
+        raise
+
+
+def _write(folder: Path, case: cases.Case, result: Run, writer: CheckpointWriter) -> None:
+    """The run's files; a finished run needs its checkpoint no longer."""
+    write_run(folder, case.scene, result)
+    if result.finished:
+        writer.remove()  # before anything is printed, to a reader that may have gone
 
 
 def _say_what_is_kept(checkpoint: Path | None, steps: int = 0) -> None:

@@ -86,17 +86,13 @@ def synthetic(
     one_of(solver, "solver", tuple(SOLVERS))
     scene = _on_spring(scene, stiffness)
     segments = _driven_segments(scene)
-    run = run_of(scene, solver, resolution)
-    if run.failure or run.time.size < 2:
-        raise SceneError("", f"no curve: {run.failure or 'no contact'}", "a scene that the solver finishes")
+    run = _finished_run(scene, solver, resolution)
     if scene.loading.has_triggers:
         segments = _segments_up_to_levels(scene.loading, run)
     time = _row_times(scene, segments, run, sampling, seed)
     motion = _motion(scene, segments, time)
-    exact = _exact_force(segments, run, time)
-    tension = -float(run.force.min())
-    scale = tension if scene.is_adhesive and tension > 0.0 else float(np.abs(run.force).max())
-    force = exact + noise * scale * np.random.default_rng(seed).standard_normal(time.size)
+    force = _exact_force(segments, run, time)
+    force += noise * _force_scale(scene, run) * np.random.default_rng(seed).standard_normal(time.size)
     force += baseline + drift * time
     position = motion + contact_point
     spring = scene.loading.compliance > 0.0
@@ -118,6 +114,26 @@ def _on_spring(scene: Scene, stiffness: float | None) -> Scene:
     if loading.compliance > 0.0 and loading.start == "jump-in":
         loading = replace(loading, start="snap-in")
     return replace(scene, loading=loading)
+
+
+def _finished_run(scene: Scene, solver: str, resolution: int | None) -> FitRun:
+    """The run whose curve is recorded.
+
+    Raises
+    ------
+    SceneError
+        If the solver does not finish the scene, or there is no contact.
+    """
+    run = run_of(scene, solver, resolution)
+    if run.failure or run.time.size < 2:
+        raise SceneError("", f"no curve: {run.failure or 'no contact'}", "a scene that the solver finishes")
+    return run
+
+
+def _force_scale(scene: Scene, run: FitRun) -> float:
+    """What noise is relative to: the largest tension of a contact that pulls, else the largest force."""
+    tension = -float(run.force.min())
+    return tension if scene.is_adhesive and tension > 0.0 else float(np.abs(run.force).max())
 
 
 def _driven_segments(scene: Scene) -> list[Segment]:

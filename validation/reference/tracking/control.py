@@ -98,47 +98,59 @@ def balanced(
     Surface
     """
 
-    by_force = segment.control == "force"
-
     def measure(state: Surface) -> float:
-        # A contact that ends in a point carries no force; there the stress at the point has to vanish.
-        if by_force and state.radius == 0.0:
-            return state.edge_stress(body)
-        return segment.present(state.penetration, state.force(body))
+        return _balanced_quantity(state, body, segment)
 
     def trial(end: float, with_tip_energy: bool = False) -> Surface:
         depth = _through_rows(duration, surface.penetration, end, depths, over_zones)
         return after_step(surface, body, field_update(surface, body, depth), path, fractions, with_tip_energy)
 
-    wanted = target if path.start + path.travel > 0.0 or not by_force else 0.0
+    wanted = target if path.start + path.travel > 0.0 or segment.control != "force" else 0.0
     one = trial(surface.penetration)
     lacking = wanted - measure(one)
     if lacking == 0.0:
         return one
     difference = math.copysign(max(abs(lacking), TRIAL_SEPARATION * abs(wanted)), lacking)
-    stiffness = _stiffness(body, duration, path)
-    if not by_force:
-        stiffness = 1.0 + segment.compliance * stiffness
-    two = trial(surface.penetration + difference / stiffness)
+    two = trial(surface.penetration + difference / _slope(segment, body, duration, path))
     gained = measure(two) - measure(one)
     if gained == 0.0:  # a force too small for its own round-off
         return two
     share = lacking / gained
-    balancing = one.penetration + share * (two.penetration - one.penetration)
-    mixed = Surface(
-        balancing,
+    mixed = _between(one, two, share)
+    if not with_tip_energy:
+        return mixed
+    missed = wanted - measure(mixed)
+    if abs(missed) <= UNBALANCED * abs(wanted):
+        return replace(mixed, tip_energy=trial(mixed.penetration, True).tip_energy)
+    return trial(mixed.penetration + missed / gained * (two.penetration - one.penetration), True)
+
+
+def _balanced_quantity(state: Surface, body: Body, segment: Segment) -> float:
+    """The force, or the stage, of a state.
+
+    A contact that ends in a point carries no force; there the stress at the point has to vanish.
+    """
+    if segment.control == "force" and state.radius == 0.0:
+        return state.edge_stress(body)
+    return segment.present(state.penetration, state.force(body))
+
+
+def _between(one: Surface, two: Surface, share: float) -> Surface:
+    """The state at a share of the way from one penetration to another, the fields being affine in it."""
+    return Surface(
+        one.penetration + share * (two.penetration - one.penetration),
         one.inside,
         one.branches + share * (two.branches - one.branches),
         one.outside,
         one.units + share * (two.units - one.units),
         0.0,
     )
-    if not with_tip_energy:
-        return mixed
-    missed = wanted - measure(mixed)
-    if abs(missed) <= UNBALANCED * abs(wanted):
-        return replace(mixed, tip_energy=trial(balancing, True).tip_energy)
-    return trial(balancing + missed / gained * (two.penetration - one.penetration), True)
+
+
+def _slope(segment: Segment, body: Body, duration: float, path: EdgePath) -> float:
+    """Change of the force, or the stage, for a change of penetration, with the edge at rest."""
+    stiffness = _stiffness(body, duration, path)
+    return stiffness if segment.control == "force" else 1.0 + segment.compliance * stiffness
 
 
 def _stiffness(body: Body, duration: float, path: EdgePath) -> float:
