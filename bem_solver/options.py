@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact_scene.errors import number, one_of, positive
 from contact_scene.run_control.options import MAX_STEPS, whole_number
+from contact_scene.value_checks import number, one_of, positive
 
 ANNULI = ("graded", "uniform")
 SCHEMES = ("exponential", "backward-euler")

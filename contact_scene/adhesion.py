@@ -26,16 +26,8 @@ import math
 from dataclasses import dataclass, replace
 
 from contact_scene.edge_rate import PowerRate, RateTable
-from contact_scene.errors import (
-    LARGEST,
-    POSITIVE,
-    SMALLEST,
-    SceneError,
-    not_negative,
-    positive,
-    shown,
-    zero_or_positive,
-)
+from contact_scene.errors import SceneError, shown
+from contact_scene.value_checks import LARGEST, POSITIVE, SMALLEST, not_negative, positive, zero_or_positive
 
 
 @dataclass(frozen=True)

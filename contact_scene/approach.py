@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contact_scene.errors import SceneError, finite, not_negative, positive
+from contact_scene.errors import SceneError
 from contact_scene.segment import Segment, Step
 from contact_scene.trigger import Trigger
+from contact_scene.value_checks import finite, not_negative, positive
 
 
 @dataclass(frozen=True)

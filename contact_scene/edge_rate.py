@@ -12,7 +12,8 @@ from bisect import bisect_right
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from contact_scene.errors import SceneError, a_string, as_tuple, number, positive
+from contact_scene.errors import SceneError
+from contact_scene.value_checks import a_string, as_tuple, number, positive
 
 RATE_COLUMNS = ("speed", "work")
 """Columns of a file of such a table."""

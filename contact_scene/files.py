@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from contact_scene.errors import SceneError, of_class, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.separators import check_head, check_row, is_number
 from contact_scene.units import bracketed, check_units
+from contact_scene.value_checks import of_class
 
 TOO_LARGE = 10_000_000
 """Bytes; a scene or a table larger than this is a mistake."""

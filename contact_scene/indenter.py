@@ -16,11 +16,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.errors import (
+from contact_scene.errors import SceneError
+from contact_scene.value_checks import (
     A_COLUMN,
     NOT_NEGATIVE,
     SMALLEST,
-    SceneError,
     a_string,
     as_tuple,
     finite,

@@ -10,10 +10,11 @@ import math
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from contact_scene.errors import SceneError, finite, not_negative, positive
+from contact_scene.errors import SceneError
 from contact_scene.segment import Segment, Step, straight
 from contact_scene.table import Table
 from contact_scene.trigger import Trigger, level
+from contact_scene.value_checks import finite, not_negative, positive
 
 
 @dataclass(frozen=True)

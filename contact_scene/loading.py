@@ -11,10 +11,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from contact_scene.approach import Approach
-from contact_scene.errors import SceneError, as_tuple, finite, one_of, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.load_steps import Hold, Ramp
 from contact_scene.machine import Machine
 from contact_scene.segment import Control, Segment, Step
+from contact_scene.value_checks import as_tuple, finite, one_of
 
 STARTS = ("jump-in", "relaxed", "snap-in")
 

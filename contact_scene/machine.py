@@ -19,8 +19,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import LARGEST, SMALLEST, number
 from contact_scene.trace import Event, Trace
+from contact_scene.value_checks import LARGEST, SMALLEST, number
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.errors import LARGEST, SceneError, as_tuple, not_negative, number, positive, shown
+from contact_scene.errors import SceneError, shown
+from contact_scene.value_checks import LARGEST, as_tuple, not_negative, number, positive
 
 NEGLIGIBLE = 1e-31
 """Branches below this fraction of the relaxed modulus are left out of the spectrum: eps^2, never visible."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 
-from contact_scene.errors import SceneError, one_of, positive
+from contact_scene.errors import SceneError
 from contact_scene.files import as_path, read_text
 from contact_scene.material import Material
 from contact_scene.prony import PronyFit, fit_prony, series_material, young_over
 from contact_scene.pyvisco import read_pyvisco
 from contact_scene.readers import FORMATS, MEASURED, branch_table, format_of, measured_data
+from contact_scene.value_checks import one_of, positive
 
 LARGEST_MISFIT = 0.05
 """Root mean square of the relative residuals up to which measured data become a material without a look at

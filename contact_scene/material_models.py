@@ -28,8 +28,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contact_scene.errors import LARGEST, SMALLEST, SceneError, not_negative, number, positive, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.material import Branch, Material
+from contact_scene.value_checks import LARGEST, SMALLEST, not_negative, number, positive
 
 WIDEST_SPACING = math.log(10.0)
 """In log time: at least one branch a decade. Wider spacings may still keep ``E(t)`` to the stated error, but

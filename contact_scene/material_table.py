@@ -7,13 +7,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from contact_scene.errors import POSITIVE, SceneError, one_of, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.material_file import read_material
 from contact_scene.material_models import MODELS
 from contact_scene.readers import FORMATS, read_shift_factors
 from contact_scene.scene_tables import beside, built, check_keys, required, under
 from contact_scene.temperature_shift import SHIFTS, WLF, Arrhenius, ShiftTable, at_temperature
+from contact_scene.value_checks import POSITIVE, one_of
 
 
 def _branch_tuple(entries: Any) -> tuple[Branch, ...]:

@@ -8,16 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import (
-    LARGEST,
-    SMALLEST,
-    SceneError,
-    as_tuple,
-    column,
-    positive,
-    shown,
-    true_or_false,
-)
+from contact_scene.errors import SceneError, shown
+from contact_scene.value_checks import LARGEST, SMALLEST, as_tuple, column, positive, true_or_false
 
 _TWO_UNITS = "two strings: units of time and of stress"
 

@@ -204,7 +204,7 @@ def number_in_line(cell: str, line: int, file: str) -> float:
 def checked_in_line(
     check: Callable[[Any, str], float], value: float, name: str, line: int, file: str
 ) -> float:
-    """A number that passes ``check`` of :mod:`contact_scene.errors`, or its error with line and file.
+    """A number that passes ``check`` of :mod:`contact_scene.value_checks`, or its error with line and file.
 
     Parameters
     ----------

@@ -25,10 +25,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import LARGEST, SMALLEST, SceneError, number, of_class, positive
+from contact_scene.errors import SceneError
 from contact_scene.material import Branch, Material
 from contact_scene.measured_moduli import DynamicData, RelaxationData
 from contact_scene.series_design import LAST_REFINEMENTS, PronySeries, SeriesDesign, root_mean_square
+from contact_scene.value_checks import LARGEST, SMALLEST, number, of_class, positive
 
 PER_DECADE = 10
 """Grid times a decade: neighbours differ by a quarter, so refinement starts within an eighth of any time."""

@@ -23,11 +23,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from contact_scene.errors import SceneError, number, positive, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_rows
 from contact_scene.material import Branch
 from contact_scene.separators import check_head
 from contact_scene.units import check_units
+from contact_scene.value_checks import number, positive
 
 CONTRADICTION = 0.01
 """Difference of ``E_i`` from ``alpha_i E_0``, relative to ``E_0``, from which on they contradict each other:

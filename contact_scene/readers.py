@@ -31,7 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import SceneError, finite, not_negative, one_of, positive, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.files import as_path, read_text
 from contact_scene.material import Branch
 from contact_scene.measured_moduli import DynamicData, RelaxationData
@@ -46,6 +46,7 @@ from contact_scene.named_columns import (
 from contact_scene.reptate import reptate_modes, shear_moduli
 from contact_scene.temperature_shift import ShiftTable
 from contact_scene.units import check_units
+from contact_scene.value_checks import finite, not_negative, one_of, positive
 
 FORMATS = ("pyvisco", "reptate", "branches", "relaxation", "dynamic")
 """Kinds of material files."""

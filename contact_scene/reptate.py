@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from contact_scene.errors import SceneError, not_negative, positive, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.material import Branch
 from contact_scene.named_columns import NamedColumns, cells_of_line, checked_in_line, number_in_line
+from contact_scene.value_checks import not_negative, positive
 
 
 def reptate_modes(text: str, file: str) -> tuple[Branch, ...]:

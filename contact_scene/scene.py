@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach_bound import bounded_approaches
-from contact_scene.errors import SceneError, a_string, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.indenter import Indenter
 from contact_scene.loading import Loading
 from contact_scene.machine import Machine
 from contact_scene.material import Material
+from contact_scene.value_checks import a_string
 
 
 @dataclass(frozen=True)

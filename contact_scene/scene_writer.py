@@ -11,12 +11,12 @@ import tomli_w
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.edge_rate import RATE_COLUMNS, RateTable
-from contact_scene.errors import a_string, of_class
 from contact_scene.files import as_target, write_pairs, write_whole
 from contact_scene.indenter import TabulatedProfile
 from contact_scene.material import BulkRelaxation, Material
 from contact_scene.scene import Scene
 from contact_scene.table import Table
+from contact_scene.value_checks import a_string, of_class
 
 
 def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:

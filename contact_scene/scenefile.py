@@ -14,7 +14,7 @@ from typing import Any
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach import Approach
 from contact_scene.edge_rate import RATE_COLUMNS, PowerRate, RateTable
-from contact_scene.errors import FINITE, SceneError, a_string, one_of, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.files import as_path, read_pairs, read_text
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.load_steps import STEPS
@@ -25,6 +25,7 @@ from contact_scene.scene import Scene
 from contact_scene.scene_tables import beside, built, check_keys, entries_of, required, table_of, under
 from contact_scene.segment import Step
 from contact_scene.table import QUANTITIES, Table
+from contact_scene.value_checks import FINITE, a_string, one_of
 
 SHAPES: dict[str, type[Indenter]] = {
     kind.shape: kind for kind in (Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile)

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import LARGEST, SMALLEST, SceneError
+from contact_scene.errors import SceneError
 from contact_scene.measured_moduli import DynamicData, RelaxationData
+from contact_scene.value_checks import LARGEST, SMALLEST
 
 MOST_ROWS = 20_000
 """Rows of measured data: the design matrix of more would not fit into memory comfortably."""

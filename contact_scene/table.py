@@ -17,8 +17,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from contact_scene.errors import A_COLUMN, LARGEST, SceneError, a_string, as_tuple, finite, one_of
+from contact_scene.errors import SceneError
 from contact_scene.segment import Segment, Step
+from contact_scene.value_checks import A_COLUMN, LARGEST, a_string, as_tuple, finite, one_of
 
 QUANTITIES = ("penetration", "force")
 INTERPOLATIONS = ("linear", "cubic")

@@ -13,8 +13,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from contact_scene.errors import A_COLUMN, LARGEST, SMALLEST, SceneError, as_tuple, finite, of_class, positive
+from contact_scene.errors import SceneError
 from contact_scene.material import Branch, BulkRelaxation, Material
+from contact_scene.value_checks import A_COLUMN, LARGEST, SMALLEST, as_tuple, finite, of_class, positive
 
 GAS_CONSTANT = 8.31446261815324
 """J/(mol K), exact in the SI of 2019."""

@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import SceneError, a_number, a_string, as_tuple, column, of_class, true_or_false
+from contact_scene.errors import SceneError
 from contact_scene.files import write_whole
+from contact_scene.value_checks import a_number, a_string, as_tuple, column, of_class, true_or_false
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from contact_scene.errors import finite
 from contact_scene.trace import Outcome, OutcomeKind
+from contact_scene.value_checks import finite
 
 Quantity = Literal["force", "radius", "penetration"]
 

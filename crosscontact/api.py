@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import NOT_NEGATIVE, function_or_none, number, several, shown, true_or_false
+from contact_scene.errors import shown
 from contact_scene.run_control.options import whole_number
+from contact_scene.value_checks import NOT_NEGATIVE, function_or_none, number, several, true_or_false
 from crosscontact import registry, run_figure
 from crosscontact.limits import SMALLEST_RESOLUTION
 from crosscontact.result import Result

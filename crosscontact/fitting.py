@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import as_tuple, function_or_none, of_class, shown
+from contact_scene.errors import shown
 from contact_scene.files import as_target
 from contact_scene.run_control.options import whole_number
+from contact_scene.value_checks import as_tuple, function_or_none, of_class
 from crosscontact import registry
 from crosscontact.limits import SMALLEST_RESOLUTION
 from crosscontact.result import checked_path

@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Collection
 
-from contact_scene.errors import SceneError, several, shown
+from contact_scene.errors import SceneError, shown
+from contact_scene.value_checks import several
 from validation.solvers import PEERS, REFERENCE, SOLVERS
 
 __all__ = ["REFERENCE", "check", "chosen", "names", "selectable", "usable"]

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contact_scene import Outcome, Scene
-from contact_scene.errors import of_class
 from contact_scene.files import as_path
+from contact_scene.value_checks import of_class
 from crosscontact import run_figure
 from crosscontact.key_numbers import key_numbers, table
 from crosscontact.tables import aligned, html_table

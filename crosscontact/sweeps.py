@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import function_or_none, one_of, positive, shown
+from contact_scene.errors import shown
 from contact_scene.run_control.options import whole_number
+from contact_scene.value_checks import function_or_none, one_of, positive
 from crosscontact import registry
 from crosscontact.result import checked_path
 from crosscontact.scene_argument import A_SCENE

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from contact_scene.errors import number, one_of
 from contact_scene.run_control.options import MAX_STEPS, moments, whole_number
+from contact_scene.value_checks import number, one_of
 
 DEFAULT_TOLERANCE = 1e-3
 """Relative accuracy of the force in time where the options ask for none."""

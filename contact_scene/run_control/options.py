@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from contact_scene.errors import SceneError, number
+from contact_scene.errors import SceneError
+from contact_scene.value_checks import number
 
 MAX_STEPS = 200_000
 """Trial steps, accepted and rejected together, that a run may take where its options name no other number."""

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import Material, SceneError
-from contact_scene.errors import one_of, positive
 from contact_scene.files import read_text
 from contact_scene.material_file import LARGEST_MISFIT, no_series_meets, read_material
 from contact_scene.measured_moduli import RelaxationData
 from contact_scene.prony import TOLERANCE, PronyFit, fit_prony, young_over
 from contact_scene.readers import FORMATS, MEASURED, format_of, measured_data
 from contact_scene.scene_writer import write_material
+from contact_scene.value_checks import one_of, positive
 from crosscontact.commands.forecast import warn
 from crosscontact.tables import aligned
 from validation.drawing.export import png, svg_file

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, SceneError, Trace
-from contact_scene.errors import LARGEST, shown
+from contact_scene.errors import shown
 from contact_scene.files import read_rows, read_text
 from contact_scene.separators import check_head
+from contact_scene.value_checks import LARGEST
 from validation.exam.header import Header, read_header
 
 Array = NDArray[np.float64]

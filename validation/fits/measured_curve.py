@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.errors import FINITE, LARGEST, SMALLEST, SceneError, a_string, column, positive
+from contact_scene.errors import SceneError
+from contact_scene.value_checks import FINITE, LARGEST, SMALLEST, a_string, column, positive
 
 Array = NDArray[np.float64]
 

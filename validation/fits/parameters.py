@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import finite, shown
+from contact_scene.errors import shown
 from contact_scene.scene_values import value_at
+from contact_scene.value_checks import finite
 from validation.fits.measured_curve import Array
 
 CONTACT_POINT, BASELINE, DRIFT, TIME_OFFSET = "contact_point", "baseline", "drift", "time_offset"

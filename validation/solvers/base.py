@@ -9,8 +9,9 @@ from functools import partial
 from typing import Any, ClassVar
 
 from contact_scene import COLUMNS, RunMonitor, Scene, SceneError, Trace, UnsupportedScene
-from contact_scene.errors import as_tuple, finite, function_or_none, positive, shown, true_or_false
+from contact_scene.errors import shown
 from contact_scene.run_control.options import whole_number
+from contact_scene.value_checks import as_tuple, finite, function_or_none, positive, true_or_false
 from validation.solvers.cost import Cost, CostModel, forecast
 from validation.solvers.model_range import out_of_range
 from validation.solvers.scene_work import SceneWork, scene_work

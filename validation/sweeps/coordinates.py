@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from contact_scene.errors import SceneError, finite, one_of, positive, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.run_control.options import whole_number
+from contact_scene.value_checks import finite, one_of, positive
 
 KEYS = (
     "name", "label", "unit", "key", "keys", "factors", "values", "linspace", "geomspace", "range", "scale"

@@ -29,9 +29,10 @@ from pathlib import Path
 from typing import Any
 
 from contact_scene import Scene
-from contact_scene.errors import SceneError, one_of, shown
+from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_text
 from contact_scene.run_control.options import whole_number
+from contact_scene.value_checks import one_of
 from validation import solvers
 from validation.sweeps.coordinates import MOST_RUNS, Coordinate
 from validation.sweeps.plan_entries import (
