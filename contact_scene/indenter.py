@@ -28,6 +28,9 @@ from contact_scene.value_checks import (
     positive,
 )
 
+PROFILE_COLUMNS = ("radius", "height")
+"""Columns of a file of a tabulated profile."""
+
 Array = NDArray[np.float64]
 
 

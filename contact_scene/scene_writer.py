@@ -12,7 +12,7 @@ import tomli_w
 from contact_scene.adhesion import Adhesion
 from contact_scene.edge_rate import RATE_COLUMNS, RateTable
 from contact_scene.files import as_target, write_pairs, write_whole
-from contact_scene.indenter import TabulatedProfile
+from contact_scene.indenter import PROFILE_COLUMNS, TabulatedProfile
 from contact_scene.material import BulkRelaxation, Material
 from contact_scene.scene import Scene
 from contact_scene.table import Table
@@ -32,9 +32,7 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     data: dict[str, Any] = {"title": scene.title, "material": _material_table(scene.material)}
     if isinstance(scene.indenter, TabulatedProfile):
         name = f"{target.stem}-profile.csv"
-        write_pairs(
-            target.with_name(name), ("radius", "height"), scene.indenter.radii, scene.indenter.heights
-        )
+        write_pairs(target.with_name(name), PROFILE_COLUMNS, scene.indenter.radii, scene.indenter.heights)
         data["indenter"] = {"shape": TabulatedProfile.shape, "file": name}
     else:
         data["indenter"] = {"shape": scene.indenter.shape} | asdict(scene.indenter)  # type: ignore[call-overload]

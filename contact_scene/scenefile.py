@@ -16,7 +16,15 @@ from contact_scene.approach import Approach
 from contact_scene.edge_rate import RATE_COLUMNS, PowerRate, RateTable
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import as_path, read_pairs, read_text
-from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
+from contact_scene.indenter import (
+    PROFILE_COLUMNS,
+    Cone,
+    FlatPunch,
+    Indenter,
+    PowerLaw,
+    Sphere,
+    TabulatedProfile,
+)
 from contact_scene.load_steps import STEPS
 from contact_scene.loading import STARTS, Loading
 from contact_scene.machine import Machine
@@ -119,7 +127,7 @@ def _indenter(data: dict[str, Any], where: Path) -> Indenter:
         return built(SHAPES[shape], data, "shape")
     check_keys(data, ("shape", *_PROFILE_KEYS))
     path = beside(where, required(data, "file", "a CSV file of radius, height"))
-    radii, heights = read_pairs(path, ("radius", "height"))
+    radii, heights = read_pairs(path, PROFILE_COLUMNS)
     try:
         return TabulatedProfile(radii, heights, str(data["file"]))
     except SceneError as error:

@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from contact_scene import RateTable, Scene, SceneError, TabulatedProfile, scene_from_dict, write_scene
+from contact_scene.edge_rate import RATE_COLUMNS
 from contact_scene.errors import shown
 from contact_scene.files import write_pairs
+from contact_scene.indenter import PROFILE_COLUMNS
 from contact_scene.table import Table
 
 DERIVED = "derived"
@@ -101,7 +103,7 @@ def _with_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     try:
         if isinstance(indenter, dict) and "radii" in indenter:
             columns = indenter["radii"], indenter["heights"]
-            write_pairs(folder / "profile.csv", ("radius", "height"), *columns)
+            write_pairs(folder / "profile.csv", PROFILE_COLUMNS, *columns)
             data["indenter"] = {"shape": indenter.get("shape"), "file": "profile.csv"}
         if isinstance(loading, dict) and isinstance(loading.get("steps"), list):
             steps = list(loading["steps"])
@@ -114,7 +116,7 @@ def _with_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
             data["loading"] = {**loading, "steps": steps}
         rate = adhesion.get("rate") if isinstance(adhesion, dict) else None
         if isinstance(adhesion, dict) and isinstance(rate, dict) and "speeds" in rate:
-            write_pairs(folder / "rate.csv", ("speed", "work"), rate["speeds"], rate["works"])
+            write_pairs(folder / "rate.csv", RATE_COLUMNS, rate["speeds"], rate["works"])
             data["adhesion"] = {**adhesion, "rate": {"file": "rate.csv"}}
     except (KeyError, TypeError, ValueError):
         raise SceneError("scene", "has a table that is not two lists", "lists of equal length") from None
