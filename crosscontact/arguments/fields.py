@@ -5,9 +5,13 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from crosscontact.arguments.shared_options import fresh_option, max_steps_option
 from crosscontact.arguments.value_types import Names, count, number, resolution
+
+if TYPE_CHECKING:
+    from validation.fields.figures.figure_set import FigureSet
 
 _time = number(lambda value: 0.0 <= value < math.inf, "times >= 0")
 
@@ -74,7 +78,6 @@ def _add_figures(command: argparse.ArgumentParser) -> None:
 def carry_out(options: argparse.Namespace, jobs: int) -> int:
     """Compute, write and draw the fields in the body."""
     from crosscontact.commands import fields
-    from validation.fields.figures.figure_set import of_options
 
     return fields.run(
         options.scene,
@@ -83,7 +86,33 @@ def carry_out(options: argparse.Namespace, jobs: int) -> int:
         options.every,
         options.resolution,
         options.out,
-        of_options(options),
+        _figures(options),
         max_steps=options.max_steps,
         fresh=options.fresh,
     )
+
+
+def _figures(options: argparse.Namespace) -> FigureSet | None:
+    """The figures that options of the command line request; ``None`` for none.
+
+    Raises
+    ------
+    SceneError
+        If a quantity has no such name, or figures are both requested and excluded.
+    """
+    from contact_scene import SceneError
+    from validation.fields.figures.figure_set import USUAL, FigureSet
+
+    if options.no_figures:
+        if (
+            options.quantity
+            or options.strip
+            or options.animate
+            or options.revolve
+            or options.show
+            or options.alike
+        ):
+            raise SceneError("--no-figures", "figures are asked for beside it", "one or the other")
+        return None
+    quantities = tuple(dict.fromkeys(options.quantity or USUAL))
+    return FigureSet(quantities, options.strip, options.animate, options.revolve, options.show, options.alike)

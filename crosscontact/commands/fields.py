@@ -7,29 +7,26 @@ with them.
 from __future__ import annotations
 
 import sys
-import time
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contact_scene import Counters, OutcomeKind, SceneError, write_scene
+from contact_scene import OutcomeKind, SceneError, write_scene
+from crosscontact.commands.field_files import StoredPictures, write_moments
 from crosscontact.commands.forecast import announce, cost_within, expected_cost, warn
 from crosscontact.commands.refusals import check_taken
 from validation import cases, solvers
 from validation.execution.checkpoints import CHECKPOINT, RecordedRunWriter
-from validation.execution.files import in_words, output_folder
+from validation.execution.files import output_folder
 from validation.execution.fingerprints import fingerprint
 from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused
 from validation.execution.signals import GracefulStop, interrupting
 from validation.execution.store import FOLDER, Store
-from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import FigureSet
-from validation.fields.files import ParaViewSeries
 from validation.fields.request import METHOD, FieldRequest, RecordedFields, check_times, record_fields
-from validation.report.document import counted, plain
+from validation.report.document import counted
 from validation.solvers import Cost
 
 if TYPE_CHECKING:
@@ -180,7 +177,8 @@ def _into(folder: Path, command: FieldsCommand) -> int:
             if writer.stopped:
                 raise KeyboardInterrupt
             write_scene(scene, folder / "scene.toml")
-            lines = _write(recorded, folder, command, store, progress, states.append)
+            to_draw = None if figures is None else states.append
+            lines = write_moments(recorded, folder, scene, command.key, store, progress, to_draw)
             if figures is not None and states:
                 progress.phase("drawing")
                 lines += figures.draw(
@@ -190,7 +188,7 @@ def _into(folder: Path, command: FieldsCommand) -> int:
                     scene,
                     progress,
                     recorded.recording.rows.values(),
-                    _Pictures(command.key, store),
+                    StoredPictures(command.key, store),
                 )
     except KeyboardInterrupt:
         there = (folder / FOLDER).is_dir() or (folder / CHECKPOINT).exists()
@@ -203,109 +201,6 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     for line in lines:
         print(line)
     return _exit_code(recorded)
-
-
-class _Pictures:
-    """Pictures by name, drawn unless an interrupted command has left them.
-
-    Parameters
-    ----------
-    key : str
-        Fingerprint of the states they show.
-    store : Store
-    """
-
-    def __init__(self, key: str, store: Store) -> None:
-        self._key, self._store = key, store
-
-    def __call__(self, name: str, draw: Callable[[], bytes]) -> bytes:
-        key = fingerprint(self._key, name)
-        data = self._store.get(key)
-        if data is None:
-            data = draw()
-            self._store.put(key, data)
-        return bytes(data)
-
-
-def _write(
-    recorded: RecordedFields,
-    folder: Path,
-    command: FieldsCommand,
-    store: Store,
-    progress: Progress,
-    on_moment: Callable[[FieldState], None],
-) -> list[str]:
-    """Compute and write all states; returns lines for a reader.
-
-    Parameters
-    ----------
-    recorded : RecordedFields
-    folder : Path
-    command : FieldsCommand
-    store : Store
-        Says which moments' files an interrupted command has left; those written are added.
-    progress : Progress
-    on_moment : callable(FieldState)
-        Called with each state to be drawn; states recorded only as every n-th are too many.
-
-    Returns
-    -------
-    list of str
-    """
-    trace = recorded.recording.trace
-    before, begin = asdict(trace.counters), time.process_time()
-    drawn = set() if command.figures is None else set(recorded.moments) - recorded.sampled
-    keys = {row: fingerprint(command.key, row) for row in recorded.moments if row not in recorded.frames}
-    there = {row for row, key in keys.items() if store.get(key)}
-    series = ParaViewSeries(folder, command.case.scene, keep=bool(there)) if keys else None
-    lines = [_HEAD] if keys else []
-    for count, state in enumerate(recorded.states(), 1):
-        if series is not None and state.row in keys:
-            sums = balance(state, trace)
-            if not series.add(state, sums, state.row in there):
-                store.put(keys[state.row], True)
-            lines.append(_line(state, sums))
-        if state.row in drawn:
-            on_moment(state)
-        progress(count / len(recorded.moments), detail=f"{count} of {len(recorded.moments)} moments")
-    cost = _difference(trace.counters, before)
-    spent = ", ".join(counted(count, plain(name).removesuffix("s")) for name, count in cost.items() if count)
-    lines.append(f"cost of the fields: {spent or 'none'}")
-    if series is None:
-        return lines
-    numbers = {
-        "solver": trace.solver,
-        "outcome": str(trace.outcome.kind),
-        "reason": trace.outcome.reason,
-        "run": before,
-        "fields": cost,
-        "processor_seconds": time.process_time() - begin,
-    }
-    lists = series.close(numbers)
-    return [*lines, *(f"written to {file}" for file in lists), f"for ParaView: {in_words(series.bytes)}"]
-
-
-_HEAD = (
-    f"{'moment':<20}{'time':>12}{'penetration':>13}{'force':>12}{'radius':>11}"
-    f"{'stored':>12}{'lost in mesh':>14}{'in trace':>12}{'difference':>12}"
-)
-
-
-def _line(state: FieldState, sums: EnergySums) -> str:
-    error = "-" if sums.error is None else f"{100.0 * sums.error:.3f} %"
-    return (
-        f"{state.label or '-':<20}{state.time:12.6g}{state.penetration:13.5g}{state.force:12.5g}"
-        f"{state.contact_radius:11.5g}{sums.stored:12.5g}{_number(sums.dissipated):>14}"
-        f"{sums.branch_dissipation:12.6g}{error:>12}"
-    )
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.6g}"
-
-
-def _difference(counters: Counters, before: dict[str, int]) -> dict[str, int]:
-    return {name: count - before[name] for name, count in asdict(counters).items()}
 
 
 def _exit_code(recorded: RecordedFields) -> int:

@@ -15,7 +15,7 @@ from validation.cases import Case, Expected
 from validation.compare.against_reference import against_reference
 from validation.compare.checks import check_run
 from validation.execution.runs import Run
-from validation.measure import check, norms
+from validation.measure import check, movement_norms, norms
 
 SCENE = Scene(Material(1.0, 0.5), Sphere(1.0), Loading("relaxed", 0.0, (Ramp(1.0, 0.5),)))
 KNOWN = Expected("loop_energy", "by hand", value=1.0, tolerance={"bem": 0.01})
@@ -62,7 +62,7 @@ def window():
     """They part evenly in the second window, by 1 at its end, where the excursion is 2."""
     apart = np.maximum(TIMES - 2.0, 0.0) / 2.0
     spans = np.array([[0.0, 2.0], [2.0, 4.0]])
-    found = norms.movement_distance(trace(TIMES + apart), trace(TIMES), spans)
+    found = movement_norms.movement_distance(trace(TIMES + apart), trace(TIMES), spans)
     return (found.rms, found.begin, found.end), (0.5 / math.sqrt(12.0), 2.0, 4.0)
 
 

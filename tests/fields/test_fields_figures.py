@@ -15,7 +15,15 @@ from matplotlib import colormaps
 from support.synthetic_fields import RADIUS, SCENE, ZONE, state, states, surfaces, trace
 
 from contact_scene import FlatPunch, SceneError
-from validation.fields.figures import colours, fig3, figure_set, geometry, moment_panels, moments, rendering
+from validation.fields.figures import (
+    colours,
+    fig3,
+    geometry,
+    moment_panels,
+    moments,
+    rendering,
+    single_section,
+)
 from validation.fields.figures.colours import ValueKind
 from validation.fields.figures.figure_set import FigureSet
 from validation.fields.figures.quantities import QUANTITIES
@@ -274,12 +282,12 @@ def test_alike_sections_share_scale_view_and_colours(monkeypatch):
     def shown(common):
         found = []
         for one in some:
-            axes = figure_set.single_section(one, SCENE, quantity, common).axes
+            axes = single_section.single_section(one, SCENE, quantity, common).axes
             bars = [each.get_ylim() for each in axes if each.get_label() == "<colorbar>"]
             found.append((axes[0].get_title().split("\n")[1], axes[0].get_xlim(), *bars))
         return found
 
-    one, other = shown(figure_set.alike(some, SCENE, quantity))
+    one, other = shown(single_section.alike(some, SCENE, quantity))
     assert one == other
     one, other = shown(None)
     assert one[1:3] != other[1:3]
@@ -288,7 +296,7 @@ def test_alike_sections_share_scale_view_and_colours(monkeypatch):
 def test_one_section_states_its_scale(monkeypatch):
     monkeypatch.setattr(rendering, "picture", lambda fill, size: np.zeros((size[1], size[0], 3), np.uint8))
     one = state(label="pull-off")
-    drawn = figure_set.single_section(one, SCENE, QUANTITIES["stress_zz"])
+    drawn = single_section.single_section(one, SCENE, QUANTITIES["stress_zz"])
     scale = geometry.magnification(float(np.abs(one.displacement).max()), RADIUS)
     whole, edge = drawn.axes[:2]
     assert f"displacements drawn {scale:g} times as large" in whole.get_title()

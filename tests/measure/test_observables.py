@@ -23,8 +23,9 @@ from contact_scene import (
 from contact_scene.run_control.early_outcomes import below_zone_outcome
 from validation.cases import load
 from validation.measure.approach import end_of_approach, is_located
+from validation.measure.cycle_losses import cycle_losses
 from validation.measure.norms import distance, parting_time
-from validation.measure.observables import at_last_contact, cycle_losses, observe
+from validation.measure.observables import at_last_contact, observe
 from validation.measure.scalars import measure
 
 

@@ -15,7 +15,8 @@ from validation.measure.approach import has_smooth_crests, is_located
 from validation.measure.check import Check, agreement_limit, disagreement
 from validation.measure.dimensionless import unit_sizes
 from validation.measure.error_estimate import MOVEMENT
-from validation.measure.norms import distance, movement_distance, parting_time
+from validation.measure.movement_norms import movement_distance
+from validation.measure.norms import distance, parting_time
 from validation.measure.observables import Observables
 from validation.measure.scaling import column_of, scale
 from validation.measure.windows import windows

@@ -19,7 +19,7 @@ from validation.execution.runs import Run
 from validation.measure.approach import is_located
 from validation.measure.cycles import cycle_times
 from validation.measure.error_estimate import MOVEMENT
-from validation.measure.norms import movement_distance
+from validation.measure.movement_norms import movement_distance
 from validation.measure.scalars import measure
 from validation.measure.scaling import Magnitudes, column_of
 from validation.measure.windows import windows

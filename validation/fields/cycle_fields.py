@@ -16,9 +16,10 @@ from validation.drawing.export import png
 from validation.execution.runs import Run
 from validation.fields.balance import balance
 from validation.fields.figures import animation, fig3, moment_panels, revolution
-from validation.fields.figures.figure_set import FigureSet, single_section
+from validation.fields.figures.figure_set import FigureSet
 from validation.fields.figures.quantities import QUANTITIES
 from validation.fields.figures.rendering import NoRendering
+from validation.fields.figures.single_section import single_section
 from validation.fields.request import FieldRequest, record_fields
 from validation.measure.approach import end_of_approach
 

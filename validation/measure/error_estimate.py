@@ -36,14 +36,8 @@ import numpy as np
 
 from contact_scene import Loading, Trace
 from contact_scene.trace import Array
-from validation.measure.norms import (
-    CURVES,
-    distance,
-    interpolation_error,
-    movement_bound,
-    movement_distance,
-    movement_interpolation_error,
-)
+from validation.measure.movement_norms import movement_bound, movement_distance, movement_interpolation_error
+from validation.measure.norms import CURVES, distance, interpolation_error
 from validation.measure.observables import at_last_contact
 from validation.measure.place_errors import add_at_approach, add_at_detachment, add_at_pull_off
 from validation.measure.row_interpolation import column_curve

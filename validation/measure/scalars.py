@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from contact_scene import Scene, Trace
+from validation.measure.cycle_losses import cycle_losses
 from validation.measure.cycles import cycle_times
-from validation.measure.observables import at_last_contact, cycle_losses, observe
+from validation.measure.observables import at_last_contact, observe
 
 
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:

@@ -1,11 +1,12 @@
 """The solvers by name, one object each; scikit-fem and gmsh are imported when the finite elements run."""
 
-from validation.solvers.base import Progress, RunOptions, Solver
+from validation.solvers.base import Solver
 from validation.solvers.cost import Cost
 from validation.solvers.front_tracking import REFERENCE
 from validation.solvers.model_range import out_of_range, scene_warnings, trace_warnings
 from validation.solvers.peers import PEERS
 from validation.solvers.registry import SOLVERS, register, solver, solvers, unregister
+from validation.solvers.run_options import Progress, RunOptions
 
 __all__ = [
     "PEERS",

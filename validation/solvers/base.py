@@ -8,77 +8,17 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
-from contact_scene import COLUMNS, RunMonitor, Scene, SceneError, Trace, UnsupportedScene
-from contact_scene.errors import shown
-from contact_scene.run_control.options import whole_number
-from contact_scene.value_checks import as_tuple, finite, function_or_none, positive, true_or_false
+from contact_scene import COLUMNS, Scene, Trace, UnsupportedScene
 from validation.solvers.cost import Cost, CostModel, forecast
 from validation.solvers.model_range import out_of_range
+from validation.solvers.run_options import RunOptions
 from validation.solvers.scene_work import SceneWork, scene_work
-
-Progress = Callable[[float], None]
 
 SKIPPED_WORK: Mapping[str, str] = {
     "closure_evaluations": "no closure was evaluated",
     "history_updates": "no history was carried",
 }
 """Work counter of any solver: what its remaining at zero means."""
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """What may be requested of any solver beside the resolution.
-
-    Parameters
-    ----------
-    step_tolerance : float, optional
-        Tolerance of the time steps, relative; what it bounds, and its default, are the solver's own.
-    stop_times : tuple of float
-        Times that are stepped onto exactly.
-    profile_times : tuple of float
-        Times that are stepped onto exactly and give a surface profile each.
-    max_steps : int, optional
-        Largest number of steps, accepted and rejected together; by default several times the forecast
-        (:meth:`Solver.step_budget`), so that no run that was announced ends for want of steps.
-    progress : callable, optional
-        Called with the share of the loading that is done, 0 to 1.
-    monitor : RunMonitor, optional
-        Stops the run between two steps, or has it continued.
-    estimate_errors : bool
-        Put error estimates into ``Trace.errors``, if the solver makes its own.
-    """
-
-    step_tolerance: float | None = None
-    stop_times: tuple[float, ...] = ()
-    profile_times: tuple[float, ...] = ()
-    max_steps: int | None = None
-    progress: Progress | None = None
-    monitor: RunMonitor | None = None
-    estimate_errors: bool = False
-
-    def __post_init__(self) -> None:
-        if self.step_tolerance is not None:
-            object.__setattr__(self, "step_tolerance", positive(self.step_tolerance, "step_tolerance"))
-        for key in ("stop_times", "profile_times"):
-            times = as_tuple(getattr(self, key), key, "several times")
-            checked = tuple(finite(time, f"{key}[{index}]") for index, time in enumerate(times))
-            object.__setattr__(self, key, checked)
-        if self.max_steps is not None:
-            object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
-        function_or_none(self.progress, "progress", "the share that is done")
-        if self.monitor is not None and not callable(getattr(self.monitor, "continue_run", None)):
-            raise SceneError("monitor", f"got {shown(self.monitor)}", "a RunMonitor or None")
-        true_or_false(self.estimate_errors, "estimate_errors")
-
-    @property
-    def of_solver(self) -> dict[str, Any]:
-        """Keywords that the options of every solver have in common."""
-        return {
-            "tolerance": self.step_tolerance,
-            "stop_times": self.stop_times,
-            "profile_times": self.profile_times,
-            **specified(max_steps=self.max_steps),
-        }
 
 
 @dataclass(frozen=True)
@@ -277,8 +217,3 @@ class Solver(ABC):
     def _unknowns(self, work: SceneWork, resolution: int) -> float:
         """What the time of a step grows with: points of the surface, by default of the whole contact."""
         return max(work.radius_in_zones, 1.0) * resolution
-
-
-def specified(**options: Any) -> dict[str, Any]:
-    """The options that are not ``None``; the others keep the solver's default."""
-    return {name: value for name, value in options.items() if value is not None}

@@ -9,8 +9,9 @@ from typing import Any, ClassVar
 from bem_solver import Options, refusal, solve
 from bem_solver.options import DEFAULT_RESOLUTION
 from contact_scene import Scene, Trace, UnsupportedScene
-from validation.solvers.base import RunOptions, Solver
+from validation.solvers.base import Solver
 from validation.solvers.cost import CostModel
+from validation.solvers.run_options import RunOptions
 
 
 @dataclass(frozen=True)

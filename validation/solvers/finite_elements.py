@@ -12,7 +12,7 @@ from contact_scene import Scene, SceneError, Trace
 from contact_scene.memory import installed_memory
 from meshes import EdgeMeshes, HalfSpaceMesh
 from meshes.around_edge import INNER_RADIUS
-from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver
+from validation.solvers.base import SKIPPED_WORK, ComparisonRun, Solver
 from validation.solvers.contact_range import largest_contact_radius
 from validation.solvers.cost import Cost, CostModel, forecast
 from validation.solvers.fitted_meshes import (
@@ -28,6 +28,7 @@ from validation.solvers.fitted_meshes import (
     peels,
     resolved_length,
 )
+from validation.solvers.run_options import RunOptions
 from validation.solvers.scene_work import SceneWork, scene_work
 
 FOLLOWED_BEYOND = 48.0

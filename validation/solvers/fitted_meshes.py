@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import meshes
 from contact_scene import Adhesion, Scene, SceneError
-from validation.solvers.base import specified
 from validation.solvers.contact_range import largest_contact_radius
+from validation.solvers.run_options import specified
 
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""

@@ -9,8 +9,9 @@ from typing import Any, ClassVar
 from contact_scene import Scene, Trace, UnsupportedScene
 from validation.reference import Options, refusal, solve
 from validation.reference.tracking.options import DEFAULT_RESOLUTION
-from validation.solvers.base import RunOptions, Solver
+from validation.solvers.base import Solver
 from validation.solvers.cost import CostModel
+from validation.solvers.run_options import RunOptions
 
 REFERENCE = "reference"
 

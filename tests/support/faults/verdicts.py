@@ -11,6 +11,7 @@ from dataclasses import replace
 from support.faults.injection import Fault
 
 NORMS, COMPARE = "validation.measure.norms", "validation.compare"
+MOVEMENT = "validation.measure.movement_norms"
 
 
 def _squared(true):
@@ -33,8 +34,8 @@ FAULTS = [
     Fault("reference", "RMS without its root", f"{NORMS}:distance", _squared, ("rms",), True),
     Fault("reference", "mean of a difference with its sign", f"{NORMS}:_mean_magnitude",
           lambda true: lambda apart: 0.5 * (apart[0] + apart[-1]), ("mean",), True),
-    Fault("reference", "windows one row late", f"{NORMS}:_worst_window", _next_row, ("window",), True),
-    Fault("reference", "mean of a window left in", f"{NORMS}:_worst_window",
+    Fault("reference", "windows one row late", f"{MOVEMENT}:_worst_window", _next_row, ("window",), True),
+    Fault("reference", "mean of a window left in", f"{MOVEMENT}:_worst_window",
           lambda true: lambda grid, apart, values, spans, *_: true(grid, apart, values, spans, 0.0),
           ("window",), True),
     Fault("reference", "sign of a difference dropped", f"{COMPARE}.against_reference:_ratio",

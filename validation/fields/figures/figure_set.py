@@ -6,23 +6,20 @@ whole run, ``revolution_QUANTITY_NNNN.png`` the body in three dimensions.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from contact_scene import Scene, SceneError, Trace
 from validation.drawing.export import png
 from validation.execution.files import in_words, write_whole
-from validation.fields.figures import animation, moment_panels, moments, revolution, sections
+from validation.fields.figures import animation, moment_panels, moments, revolution
 from validation.fields.figures.animation import Keep
-from validation.fields.figures.geometry import magnification, magnification_near_edge, near_edge, section
 from validation.fields.figures.quantities import QUANTITIES, Quantity
 from validation.fields.figures.rendering import NoRendering
+from validation.fields.figures.single_section import alike, single_section
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -217,29 +214,6 @@ class FigureSet:
         return [QUANTITIES[name] for name in self.quantities]
 
 
-def of_options(options: argparse.Namespace) -> FigureSet | None:
-    """The figures that options of the command line request; ``None`` for none.
-
-    Raises
-    ------
-    SceneError
-        If a quantity has no such name, or figures are both requested and excluded.
-    """
-    if options.no_figures:
-        if (
-            options.quantity
-            or options.strip
-            or options.animate
-            or options.revolve
-            or options.show
-            or options.alike
-        ):
-            raise SceneError("--no-figures", "figures are asked for beside it", "one or the other")
-        return None
-    quantities = tuple(dict.fromkeys(options.quantity or USUAL))
-    return FigureSet(quantities, options.strip, options.animate, options.revolve, options.show, options.alike)
-
-
 def _rest(progress: Progress, begun: float, done: float) -> None:
     progress(begun + (1.0 - begun) * done)
 
@@ -250,42 +224,3 @@ def _touching(states: Sequence[FieldState]) -> list[FieldState]:
 
 def _png(draw: Callable[[], Figure]) -> bytes:
     return png(draw())
-
-
-def single_section(
-    state: FieldState, scene: Scene, quantity: Quantity, common: sections.Alike | None = None
-) -> Figure:
-    """The section of one state, with caption.
-
-    Parameters
-    ----------
-    state : FieldState
-    scene : Scene
-    quantity : Quantity
-    common : Alike or None
-        Magnification, view and colours of all sections; ``None``: of its own.
-
-    Returns
-    -------
-    Figure
-    """
-    length = moments.zone(scene, state.contact_radius)
-    if common is None:
-        scale = magnification(float(np.abs(state.displacement).max()), state.contact_radius)
-        edge_scale = magnification_near_edge(state, length, scale)
-    else:
-        scale, edge_scale = common.scale, common.edge_scale
-    cut, at_edge = section(state, scene, scale), section(state, scene, edge_scale)
-    return sections.figure(cut, at_edge, quantity, length, moment_panels.caption(state), common)
-
-
-def alike(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> sections.Alike:
-    """Magnifications, view and range of colours that sections of several states have in common."""
-    cut, view, colour_range = moment_panels.sections_alike(states, scene, quantity)
-    zones = [moments.zone(scene, state.contact_radius) for state in states]
-    scale = cut[0].scale
-    edge_scale = min(magnification_near_edge(*one, scale) for one in zip(states, zones, strict=True))
-    at_edge = [section(state, scene, edge_scale) for state in states]
-    views = [near_edge(*one) for one in zip(at_edge, zones, strict=True)]
-    edge_colours = sections.shared_colours(quantity, at_edge, views)
-    return sections.Alike(scale, edge_scale, view, colour_range, edge_colours)

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from contact_scene import Scene, Sphere, Trace
-from validation.solvers.base import RunOptions
 from validation.solvers.peers.peer import Peer, elastic_ramps, ramp_times, trace_of
+from validation.solvers.run_options import RunOptions
 
 SPARE = 2.8
 """Side of the square over the largest contact radius: beyond 2, so that the contact ends inside it."""

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from contact_scene import Scene, Trace
-from validation.solvers.base import RunOptions
 from validation.solvers.peers.elastic_retraction import ElasticRetraction, radii, retraction, stated
+from validation.solvers.run_options import RunOptions
 
 ROWS = 600
 """Contact radii at which the equilibrium is computed."""

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from contact_scene import Scene, Trace
-from validation.solvers.base import RunOptions
 from validation.solvers.peers.elastic_retraction import ElasticRetraction, radii, retraction, stated
+from validation.solvers.run_options import RunOptions
 
 
 class SharpEdge(ElasticRetraction):

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from contact_scene import Force, ForceRamp, Scene, Sphere, Trace
-from validation.solvers.base import RunOptions
 from validation.solvers.peers.peer import Peer, beyond_a_sphere, trace_of
+from validation.solvers.run_options import RunOptions
 
 SPARE = 2.2
 """Side of the square over a bound of the contact radius: beyond 2, so that the contact ends inside it."""
