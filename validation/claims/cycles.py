@@ -26,9 +26,8 @@ PLACE = "Sec. III, Fig. 2"
 
 @claim(
     PLACE,
-    "Contact begins at zero penetration by a jump that is elastic with the glassy modulus (JKR), "
-    "whatever the "
-    "speed.",
+    "Contact begins at zero penetration by a jump that is elastic with the glassy modulus (JKR), whatever "
+    "the speed.",
     HOLDS,
 )
 def jump_in_is_glassy(evidence: Evidence) -> list[Part]:
@@ -104,9 +103,8 @@ def limits_share_the_pull_off_force(evidence: Evidence) -> list[Part]:
     zone = [elastic.pull_off(glassy) for glassy in (False, True)]
     return [
         Part(
-            f"{slow:.4f} F_JKR at V = {SLOWEST:g}, {fast:.4f} at V = {FASTEST:g}; the finite process "
-            "zone makes it "
-            f"{zone[0]:.4f} and {zone[1]:.4f}, exactly 1 for both only as it vanishes",
+            f"{slow:.4f} F_JKR at V = {SLOWEST:g}, {fast:.4f} at V = {FASTEST:g}; the finite process zone "
+            f"makes it {zone[0]:.4f} and {zone[1]:.4f}, exactly 1 for both only as it vanishes",
             abs(fast / slow - 1.0) <= RECOVERED,
             {"slow": slow, "fast": fast},
         )

@@ -47,9 +47,8 @@ def longer_rest_holds_more(evidence: Evidence) -> list[Part]:
 
 @claim(
     PLACE,
-    "After a rest much longer than τ the retraction approaches that of the relaxed contact (flat "
-    "punch), with very "
-    "large pull-off force.",
+    "After a rest much longer than τ the retraction approaches that of the relaxed contact (flat punch), "
+    "with very large pull-off force.",
     HOLDS,
 )
 def long_rest_is_relaxed(evidence: Evidence) -> list[Part]:
@@ -66,8 +65,7 @@ def long_rest_is_relaxed(evidence: Evidence) -> list[Part]:
 @claim(
     PLACE,
     "The faster the approach and retraction, the longer the rest it takes to relax and to enter the "
-    "flat-punch "
-    "regime.",
+    "flat-punch regime.",
     IN_PART,
 )
 def faster_needs_longer_rest(evidence: Evidence) -> list[Part]:

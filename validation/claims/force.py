@@ -44,8 +44,7 @@ def jump_is_a_flat_punch(evidence: Evidence) -> list[Part]:
         parts.append(
             Part(
                 f"process zone of the paper, {force} F_JKR: penetration jumps by {ratio:.4f} of that, "
-                "radius to "
-                f"{radius_ratio:.4f} of a_B",
+                f"radius to {radius_ratio:.4f} of a_B",
                 abs(ratio - 1.0) <= RECOVERED,
                 {f"jump_{force}": ratio, f"radius_{force}": radius_ratio},
             )
@@ -55,9 +54,8 @@ def jump_is_a_flat_punch(evidence: Evidence) -> list[Part]:
 
 @claim(
     PLACE,
-    "After the jump contact area, penetration and retraction speed fall monotonically, until the "
-    "contact becomes "
-    "unstable and detaches.",
+    "After the jump contact area, penetration and retraction speed fall monotonically, until the contact "
+    "becomes unstable and detaches.",
     IN_PART,
 )
 def everything_falls_until_detachment(evidence: Evidence) -> list[Part]:
@@ -76,9 +74,8 @@ def everything_falls_until_detachment(evidence: Evidence) -> list[Part]:
             Part(f"{force} F_JKR: area falls", rising(-a, 1e-4)),
             Part("penetration falls", rising(-depth, 1e-4)),
             Part(
-                f"speed of retraction falls until t = {again:.2f} of the time of detachment, "
-                f"{t[-1]:.3g} τ, then rises "
-                f"{speed[-1] / speed[slowest]:.3g}-fold",
+                f"speed of retraction falls until t = {again:.2f} of the time of detachment, {t[-1]:.3g} τ, "
+                f"then rises {speed[-1] / speed[slowest]:.3g}-fold",
                 rising(-speed, 0.01),
                 {f"slowest_at_{force}": again, f"detachment_{force}": float(t[-1])},
             ),
@@ -89,9 +86,8 @@ def everything_falls_until_detachment(evidence: Evidence) -> list[Part]:
 
 @claim(
     PLACE,
-    "Contact is lost at significantly larger elongation than in the retraction at constant speed that "
-    "has the same "
-    "pull-off force.",
+    "Contact is lost at significantly larger elongation than in the retraction at constant speed that has "
+    "the same pull-off force.",
     IN_PART,
 )
 def farther_than_at_constant_speed(evidence: Evidence) -> list[Part]:
@@ -103,8 +99,7 @@ def farther_than_at_constant_speed(evidence: Evidence) -> list[Part]:
         parts += [
             Part(
                 f"{force} F_JKR ({evidence.pull_off(same):.3f} at V = {speed:g}): withdrawn by {drawn:.4f} "
-                "R when contact is "
-                f"lost, by {DEPTH - depth:.4f} R at constant speed {where}",
+                f"R when contact is lost, by {DEPTH - depth:.4f} R at constant speed {where}",
                 drawn > LARGER * (DEPTH - depth),
                 {f"force_{force}": drawn, f"{name}_{force}": DEPTH - depth},
             )

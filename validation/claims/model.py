@@ -108,8 +108,7 @@ def plane_modulus_is_multiplied(evidence: Evidence) -> list[Part]:
 @claim(
     "Sec. II, after Eq. (closure)",
     "The length of the process zone has no effect on the qualitative behaviour; it only shifts the "
-    "frequency at "
-    "which the edge is excited.",
+    "frequency at which the edge is excited.",
     IN_PART,
 )
 def process_zone_only_shifts(evidence: Evidence) -> list[Part]:

@@ -58,8 +58,7 @@ def stiffens_with_frequency(evidence: Evidence) -> list[Part]:
     return [
         Part(
             f"mean slopes of six stretches of the sweep, relative: {shown}; last cycle "
-            f"{slopes[-1] / slopes[0]:.2f} "
-            "times the first",
+            f"{slopes[-1] / slopes[0]:.2f} times the first",
             smooth == sorted(smooth) and slopes[-1] > LARGER * slopes[0],
             {"last_over_first": slopes[-1] / slopes[0]},
         )
@@ -82,8 +81,7 @@ def loss_is_the_loop(evidence: Evidence) -> list[Part]:
 @claim(
     PLACE,
     "Loss per cycle over frequency is bell-shaped, vanishes at very low and very high frequency, and is "
-    "largest at "
-    "ωτ of about 1.",
+    "largest at ωτ of about 1.",
     HOLDS,
 )
 def loss_peaks_at_one(evidence: Evidence) -> list[Part]:
@@ -101,15 +99,13 @@ def loss_peaks_at_one(evidence: Evidence) -> list[Part]:
         ),
         Part(
             f"{loop[0] / loop[top]:.2f} of it at ωτ = {cycles[0].angular_frequency:.2f}, "
-            f"{loop[-1] / loop[top]:.2f} at "
-            f"{cycles[-1].angular_frequency:.2f}",
+            f"{loop[-1] / loop[top]:.2f} at {cycles[-1].angular_frequency:.2f}",
             bell(loop),
             {"first": float(loop[0] / loop[top]), "last": float(loop[-1] / loop[top])},
         ),
         Part(
             f"beyond the sweep: loss modulus at ωτ = 0.01 and 100 is {far[0] / far[1]:.3f} and "
-            f"{far[2] / far[1]:.3f} of "
-            "that at 1",
+            f"{far[2] / far[1]:.3f} of that at 1",
             bool(far[0] < RECOVERED * far[1] and far[2] < RECOVERED * far[1]),
         ),
     ]

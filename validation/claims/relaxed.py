@@ -54,8 +54,7 @@ def point_b(evidence: Evidence) -> list[Part]:
 @claim(
     PLACE,
     "At first the response is elastic with the glassy modulus, the contact area stands still, and force "
-    "falls "
-    "linearly with penetration like a flat punch's, whatever the speed.",
+    "falls linearly with penetration like a flat punch's, whatever the speed.",
     IN_PART,
 )
 def flat_punch_line_at_any_speed(evidence: Evidence) -> list[Part]:
@@ -68,9 +67,8 @@ def flat_punch_line_at_any_speed(evidence: Evidence) -> list[Part]:
         share = on_line(trace, slope)
         parts.append(
             Part(
-                f"V = {speed:g}: first slope {ratio:.3f} of 2 a E∞*, straight to 5 % over {share:.2f} "
-                "of the way to "
-                "pull-off",
+                f"V = {speed:g}: first slope {ratio:.3f} of 2 a E∞*, straight to 5 % over {share:.2f} of "
+                "the way to pull-off",
                 share >= 0.1 and abs(ratio - 1.0) <= 2 * RECOVERED,
                 {f"slope_{speed:g}": ratio, f"share_{speed:g}": share},
             )
@@ -110,9 +108,8 @@ def fast_edge_is_griffith(evidence: Evidence) -> list[Part]:
 
 @claim(
     PLACE,
-    "In fast retraction force-penetration and force-area curves differ significantly from JKR's, and "
-    "JKR does not "
-    "predict the pull-off force.",
+    "In fast retraction force-penetration and force-area curves differ significantly from JKR's, and JKR "
+    "does not predict the pull-off force.",
     HOLDS,
 )
 def fast_curves_are_not_jkr(evidence: Evidence) -> list[Part]:
@@ -153,8 +150,7 @@ def pull_off_falls_with_speed(evidence: Evidence) -> list[Part]:
 @claim(
     PLACE,
     "Very slow retraction has the soft elastic elongation before pull-off; at intermediate speed it is "
-    "significantly "
-    "larger.",
+    "significantly larger.",
     HOLDS,
 )
 def elongation_is_largest_between(evidence: Evidence) -> list[Part]:
@@ -183,8 +179,7 @@ def elongation_is_largest_between(evidence: Evidence) -> list[Part]:
 @claim(
     PLACE,
     "In the small-scale regime (slow, bulk relaxed) load-penetration and load-area curves are well "
-    "approximated by "
-    "JKR with the work of adhesion replaced by G.",
+    "approximated by JKR with the work of adhesion replaced by G.",
     IN_PART,
 )
 def small_scale_is_effective_jkr(evidence: Evidence) -> list[Part]:
@@ -221,9 +216,8 @@ def small_scale_is_effective_jkr(evidence: Evidence) -> list[Part]:
 
 @claim(
     "Abstract; Sec. III, Fig. 4",
-    "Fast retraction after relaxation ends in a flat-punch-like detachment: the contact area is "
-    "constant until "
-    "pull-off.",
+    "Fast retraction after relaxation ends in a flat-punch-like detachment: the contact area is constant "
+    "until pull-off.",
     IN_PART,
 )
 def detachment_at_constant_area(evidence: Evidence) -> list[Part]:
@@ -234,9 +228,8 @@ def detachment_at_constant_area(evidence: Evidence) -> list[Part]:
     exact = (frozen.pull_off().contact_radius / frozen.relaxed.contact_radius) ** 2
     parts = [
         Part(
-            f"infinitely fast, vanishing process zone: {100 * (1 - exact):.1f} % of the area is lost "
-            "before the largest "
-            "tension",
+            f"infinitely fast, vanishing process zone: {100 * (1 - exact):.1f} % of the area is lost before "
+            "the largest tension",
             1.0 - exact <= RECOVERED,
             {"exact_area_kept": exact},
         )

@@ -57,8 +57,7 @@ def release_rate_lies_on_the_right_side(evidence: Evidence) -> list[Part]:
         Part(f"smallest G/Δγ at pull-off over V: {least:.3f}", least >= 1.0 - RECOVERED, {"pulled": least}),
         Part(
             f"largest G/Δγ on approach: {most:.3f} (an elastic contact with this process zone has "
-            f"{elastic_bias:.3f} at "
-            "a = 0.15 R)",
+            f"{elastic_bias:.3f} at a = 0.15 R)",
             most <= 1.0 + RECOVERED,
             {"pushed": most},
         ),
@@ -209,9 +208,8 @@ def jkr_overestimates_when_fast(evidence: Evidence) -> list[Part]:
 
 @claim(
     "Abstract and Conclusions",
-    "In cycles at intermediate speed the loss near the contact's edge (small-scale) raises G and with "
-    "it the pull-off "
-    "force.",
+    "In cycles at intermediate speed the loss near the contact's edge (small-scale) raises G and with it "
+    "the pull-off force.",
     IN_PART,
 )
 def cycles_gain_by_release_rate(evidence: Evidence) -> list[Part]:
@@ -248,9 +246,8 @@ def loss_is_the_branch_integral(evidence: Evidence) -> list[Part]:
         apart = float((branches - loss) / (elastic.vanishing(False).work * area))
         parts.append(
             Part(
-                f"V = {speed:g}: loss {loss:.3e}, branch integral {branches:.3e}; difference "
-                f"{apart:+.3f} Δγ over the area "
-                "that opened",
+                f"V = {speed:g}: loss {loss:.3e}, branch integral {branches:.3e}; difference {apart:+.3f} "
+                "Δγ over the area that opened",
                 abs(apart) <= RECOVERED,
                 {
                     f"loss_{speed:g}": float(loss),

@@ -129,8 +129,7 @@ def crack_is_a_trumpet(evidence: Evidence) -> list[Part]:
         parts += [
             Part(
                 f"Δ/R = {profile.penetration:.3f}: gap grows with the power {exponents[0]:.2f} of the "
-                "distance at "
-                f"{distances[0] / a:.3f} a (elastic {still[0]:.2f})",
+                f"distance at {distances[0] / a:.3f} a (elastic {still[0]:.2f})",
                 bool(0.4 < exponents[0] < 0.75),
                 {f"tip_{profile.time:g}": float(exponents[0])},
             ),

@@ -26,7 +26,7 @@ def expected_seconds(
     Parameters
     ----------
     case, solver, resolution, max_steps
-        As of :func:`run_or_raise`.
+        As of :func:`~validation.execution.runs.run_or_raise`.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def run_task(
     Parameters
     ----------
     case, solver, resolution, estimate, max_steps
-        As of :func:`run_or_raise`.
+        As of :func:`~validation.execution.runs.run_or_raise`.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def run_telling_share(
     Parameters
     ----------
     case, solver, resolution, estimate, max_steps
-        As of :func:`run_or_raise`.
+        As of :func:`~validation.execution.runs.run_or_raise`.
     tell_share : callable or None
         Called after every step with the share, 0 to 1; not for a solver without a forecast.
 
