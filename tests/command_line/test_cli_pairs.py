@@ -38,7 +38,7 @@ from crosscontact import registry
 from crosscontact.cli import main
 from validation import solvers
 from validation.drawing import export
-from validation.execution import checkpoints, tasks
+from validation.execution import checkpoints, task_execution
 from validation.fields import files
 from validation.report import pictures
 from validation.studies import schemes
@@ -110,7 +110,9 @@ def interrupted(row: Row, monkeypatch: pytest.MonkeyPatch) -> None:
 
         monkeypatch.setattr(checkpoints.CheckpointWriter, "continue_run", stop_later)
         return
-    owner, name = {"fields": (files, "save"), "sweep": (batch, "run")}.get(row.command, (tasks, "execute"))
+    owner, name = {"fields": (files, "save"), "sweep": (batch, "run")}.get(
+        row.command, (task_execution, "execute")
+    )
     calls, function = iter(range(1)), getattr(owner, name)
 
     def stop_at_the_second(*given):

@@ -7,8 +7,10 @@ import threading
 
 import pytest
 
-from validation.execution import progress, tasks
+from validation.execution import progress
+from validation.execution.run_tasks import run_tasks
 from validation.execution.store import Store
+from validation.execution.tasks import Task
 
 
 class Terminal(io.StringIO):
@@ -179,8 +181,8 @@ def test_no_time_is_left_to_be_told_before_a_share_of_the_work_is_done(clock, wo
         show.tell()
 
     seconds = [2.0, 120.0] + [2.0] * 200
-    made = [tasks.Task(str(n), "run", run, (each,), expected_seconds=each) for n, each in enumerate(seconds)]
-    tasks.run_tasks(made, progress=show)
+    made = [Task(str(n), "run", run, (each,), expected_seconds=each) for n, each in enumerate(seconds)]
+    run_tasks(made, progress=show)
     told = lines()
     assert told[0].startswith("work: runs: 1/202 run: ")
     assert "left" not in told[0]
@@ -201,29 +203,26 @@ def test_work_inside_a_long_task_counts(clock, work):
     def short():
         clock[0] += 0.5
 
-    made = [tasks.Task("long", "long", long, (), expected_seconds=100.0, tells_share=True)]
-    made += [tasks.Task(str(n), "short", short, (), expected_seconds=0.5) for n in range(200)]
-    tasks.run_tasks(made, progress=show)
+    made = [Task("long", "long", long, (), expected_seconds=100.0, tells_share=True)]
+    made += [Task(str(n), "short", short, (), expected_seconds=0.5) for n in range(200)]
+    run_tasks(made, progress=show)
     of_long = [line for line in lines() if "long" not in line and "short" not in line][:5]
     assert of_long == [f"work: runs: {10 * n} %: about {left} left" for n, left in
                        enumerate(("3 min", "3 min", "2 min", "2 min", "2 min"), 1)]  # fmt: skip
 
 
-def test_tasks_tell_the_time_left_by_their_forecasts(clock, monkeypatch, tmp_path):
-    monkeypatch.setattr(tasks.time, "monotonic", lambda: clock[0])
-
+def test_tasks_tell_the_time_left_by_their_forecasts(clock, tmp_path):
     def work():
         clock[0] += 3.0
 
     told = []
     made = [
-        tasks.Task(str(n), f"task {n}", work, (), expected_seconds=seconds)
-        for n, seconds in enumerate((3, 1, 2))
+        Task(str(n), f"task {n}", work, (), expected_seconds=seconds) for n, seconds in enumerate((3, 1, 2))
     ]
-    tasks.run_tasks(made, progress=lambda done, text, left: told.append(text))
+    run_tasks(made, progress=lambda done, text, left: told.append(text))
     assert [text.partition(", ")[2] for text in told] == ["about 3 s left", "about 3 s left", ""]
     kept = Store(tmp_path)
     kept.put("0", "done before")
     told.clear()
-    tasks.run_tasks(made, store=kept, progress=lambda done, text, left: told.append(text))
+    run_tasks(made, store=kept, progress=lambda done, text, left: told.append(text))
     assert [text.partition(", ")[2] for text in told] == ["", "about 6 s left", ""]

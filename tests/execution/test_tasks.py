@@ -15,9 +15,10 @@ from support.spring_solver import FunctionSolver, small_scene, spring
 from validation.cases import load
 from validation.execution import told_shares
 from validation.execution.processes import WorkerProcesses, processes
+from validation.execution.run_tasks import run_tasks
 from validation.execution.solver_tasks import run_telling_share
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskEnding, run_tasks
+from validation.execution.tasks import Task, TaskEnding
 from validation.solvers import SOLVERS
 
 
@@ -114,7 +115,7 @@ def wait_half_way(seen: Path, tell_share) -> bool:
 
 
 def test_a_running_task_tells_its_share_from_its_process(tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.execution.tasks.SHARES_EVERY", 0.01)
+    monkeypatch.setattr("validation.execution.task_execution.SHARES_EVERY", 0.01)
     seen, told = tmp_path / "seen", []
 
     def progress(share, text, left):

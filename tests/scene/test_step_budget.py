@@ -13,7 +13,7 @@ from contact_scene import Branch, Loading, Material, Oscillate, Scene, Sphere, T
 from contact_scene.run_control.options import MAX_STEPS
 from crosscontact.cli import main
 from validation import solvers
-from validation.execution.tasks import run_tasks
+from validation.execution.run_tasks import run_tasks
 from validation.fields import request
 from validation.solvers import SOLVERS, Cost
 from validation.solvers.cost_benchmark import SCENES

@@ -13,8 +13,9 @@ from support import scripted_solver as fakes
 from contact_scene import OutcomeKind, Scene, SceneError
 from crosscontact.arguments import parser
 from validation.execution.processes import WorkerProcesses
+from validation.execution.run_tasks import run_tasks
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskResult, run_tasks
+from validation.execution.tasks import Task, TaskResult
 from validation.stability import base, measure
 from validation.stability.case import (
     ClosedForm,

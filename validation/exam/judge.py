@@ -13,11 +13,11 @@ from validation.exam.answer import Answer
 from validation.exam.answer_folder import AnswerFolder
 from validation.exam.grading import COARSEST, Grade, grade
 from validation.exam.griffith_limit import GriffithTrack, tracks
+from validation.execution.run_tasks import run_tasks
 from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
 from validation.execution.task_progress import TellProgress
-from validation.execution.tasks import run_tasks
 from validation.measure.check import Check
 from validation.solvers import REFERENCE, SOLVERS
 
@@ -143,7 +143,7 @@ def judge_folder(
     ----------
     folder : AnswerFolder
     executor, store, progress
-        As of :func:`~validation.execution.tasks.run_tasks`, for the runs of the reference.
+        As of :func:`~validation.execution.run_tasks.run_tasks`, for the runs of the reference.
 
     Returns
     -------
@@ -177,7 +177,7 @@ def reference_runs(
     ----------
     cases : sequence of Case
     executor, store, progress
-        As of :func:`~validation.execution.tasks.run_tasks`.
+        As of :func:`~validation.execution.run_tasks.run_tasks`.
 
     Returns
     -------

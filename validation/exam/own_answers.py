@@ -17,10 +17,10 @@ from validation.exam.declining import DECLINED
 from validation.exam.export import header_of, trace_text
 from validation.exam.scene_json import scene_of
 from validation.execution.files import write_whole
+from validation.execution.run_tasks import run_tasks
 from validation.execution.runs import Run, run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.task_progress import TellProgress
-from validation.execution.tasks import run_tasks
 from validation.solvers import SOLVERS
 
 ANSWERS = "answers"
@@ -47,7 +47,7 @@ def answer_all(
     resolutions : sequence of int or None
         As of ``Solver.solve``; ``None``: the solver's choice.
     executor, progress
-        As of :func:`~validation.execution.tasks.run_tasks`.
+        As of :func:`~validation.execution.run_tasks.run_tasks`.
 
     Returns
     -------

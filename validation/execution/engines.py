@@ -13,7 +13,7 @@ from contact_scene.errors import SceneError
 from validation.execution.polled_jobs import JobQueue, PolledJobs
 from validation.execution.processes import processes
 from validation.execution.signals import deferred, interrupts_blocked
-from validation.execution.tasks import OUTSTANDING
+from validation.execution.task_execution import OUTSTANDING
 
 LOCAL_CLUSTER = "local"
 """In place of the address of a Dask scheduler: a cluster of this command's own, on this machine."""

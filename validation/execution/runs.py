@@ -15,7 +15,7 @@ import numpy as np
 from contact_scene import RunMonitor, SceneError, Trace
 from validation import solvers
 from validation.cases import Case
-from validation.execution.tasks import one_line
+from validation.execution.task_execution import one_line
 from validation.measure import error_estimate
 from validation.measure.cycles import cycle_times
 from validation.measure.scalars import measure

@@ -10,11 +10,12 @@ from functools import partial
 from validation import solvers
 from validation.cases import Case
 from validation.execution.fingerprints import fingerprint
+from validation.execution.run_tasks import run_tasks
 from validation.execution.runs import Run, run
 from validation.execution.step_share import StepShare
 from validation.execution.store import Store
 from validation.execution.task_progress import TellProgress
-from validation.execution.tasks import Task, TaskResult, run_tasks
+from validation.execution.tasks import Task, TaskResult
 from validation.solvers.cost import ESTIMATE_SHARE
 
 
@@ -54,7 +55,7 @@ def run_task(
     Returns
     -------
     Task
-        To be carried out by :func:`~validation.execution.tasks.run_tasks`.
+        To be carried out by :func:`~validation.execution.run_tasks.run_tasks`.
     """
     asked = (case.scene, solver, resolution, case.profile_times, estimate, max_steps)
     seconds = expected_seconds(case, solver, resolution, max_steps)
@@ -155,7 +156,7 @@ def run_all(
     ----------
     pairs : iterable of (Case, str)
     executor, store, progress
-        As of :func:`~validation.execution.tasks.run_tasks`.
+        As of :func:`~validation.execution.run_tasks.run_tasks`.
     estimated : collection of str
         Names of the scenes whose errors are estimated.
     max_steps : int or None

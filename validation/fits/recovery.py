@@ -29,8 +29,9 @@ from validation.execution.files import output_folder, to_json, write_whole
 from validation.execution.fingerprints import fingerprint
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
+from validation.execution.run_tasks import run_tasks
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskResult, run_tasks
+from validation.execution.tasks import Task, TaskResult
 from validation.fits.fit import fit_curves
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve

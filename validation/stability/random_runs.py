@@ -13,7 +13,8 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 
 from validation.execution.solver_tasks import run_task
-from validation.execution.tasks import Task, TaskEnding, TaskResult, completed_tasks
+from validation.execution.task_execution import completed_tasks
+from validation.execution.tasks import Task, TaskEnding, TaskResult
 from validation.solvers import REFERENCE, SOLVERS, solver
 from validation.stability.random_answers import AnswerFinding, JudgedScene, examine
 from validation.stability.random_compared import examine_compared
@@ -107,7 +108,7 @@ def judged_scenes(
         May be a generator; scenes are taken from it as processes become free.
     settings : RandomRunSettings
     executor : Executor or None
-        As of :func:`~validation.execution.tasks.completed_tasks`.
+        As of :func:`~validation.execution.task_execution.completed_tasks`.
     jobs : int
         Its processes.
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from contact_scene import Scene
 from validation.execution.fingerprints import fingerprint
 from validation.execution.processes import processes
+from validation.execution.run_tasks import run_tasks
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskResult, run_tasks
+from validation.execution.tasks import Task, TaskResult
 from validation.solvers import REFERENCE, SOLVERS
 from validation.stability.case import EquivalentScene, ReferenceRuns, StabilityCase
 from validation.stability.case_runs import CaseAnswer, CaseRun, solve_case

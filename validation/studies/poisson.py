@@ -19,11 +19,11 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 from validation.cases import Case
+from validation.execution.run_tasks import run_tasks
 from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
 from validation.execution.task_progress import TellProgress
-from validation.execution.tasks import run_tasks
 from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE
@@ -141,7 +141,7 @@ def compare_ratios(
     resolution : int or None
         Divisions per process zone of the finite elements.
     executor, progress, store
-        As of :func:`~validation.execution.tasks.run_tasks`.
+        As of :func:`~validation.execution.run_tasks.run_tasks`.
     max_steps : int or None
         Of every run; ``None``: by its forecast.
 

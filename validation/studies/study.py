@@ -16,8 +16,10 @@ from validation.execution.environment import stamp
 from validation.execution.fingerprints import fingerprint
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
+from validation.execution.run_tasks import run_tasks
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskResult, one_line, run_tasks
+from validation.execution.task_execution import one_line
+from validation.execution.tasks import Task, TaskResult
 from validation.solvers import REFERENCE, Cost
 from validation.studies.convergence import (
     REPEATS,

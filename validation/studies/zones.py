@@ -20,10 +20,11 @@ from contact_scene import SceneError
 from validation.cases import Case
 from validation.execution.fingerprints import fingerprint
 from validation.execution.memory import peak_memory
+from validation.execution.run_tasks import run_tasks
 from validation.execution.runs import Run, run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
-from validation.execution.tasks import TaskEnding, run_tasks
+from validation.execution.tasks import TaskEnding
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE, SOLVERS
 from validation.solvers.contact_range import largest_contact_radius

@@ -19,7 +19,8 @@ from validation.execution.memory import keep_freed
 from validation.execution.progress import duration
 from validation.execution.run_table import RunTable, StoredRun
 from validation.execution.solver_tasks import expected_seconds
-from validation.execution.tasks import Task, TaskResult, completed_tasks
+from validation.execution.task_execution import completed_tasks
+from validation.execution.tasks import Task, TaskResult
 from validation.sweeps.batch import BatchedRun, OtherVersion, SweepOptions, failed_record, run_batch
 from validation.sweeps.plan import Rows, SweepPlan
 
