@@ -277,7 +277,8 @@ MATRIX = """
 @pytest.mark.parametrize("work", [POOL, MATRIX], ids=["pool", "matrix"])
 def test_workers_end_with_their_parent(work):
     imports = "import os, time\nfrom validation.execution.processes import processes\n"
-    imports += "from validation.execution.run_tasks import run_tasks\nfrom validation.execution.tasks import Task\n"
+    imports += "from validation.execution.run_tasks import run_tasks\n"
+    imports += "from validation.execution.tasks import Task\n"
     program = f"{imports}if __name__ == '__main__':{work}"
     parent = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT
