@@ -64,7 +64,7 @@ def run_task(
         f"{case.name} {solver}",
         partial(run_telling_share, max_steps=max_steps),
         (case, solver, resolution, estimate),
-        seconds * (1.0 + ESTIMATE_SHARE * _has_second_run(solver, estimate)),
+        seconds * (1.0 + ESTIMATE_SHARE * estimate),
         tells_share=True,
     )
 
@@ -85,7 +85,8 @@ def run_telling_share(
     case, solver, resolution, estimate, max_steps
         As of :func:`~validation.execution.runs.run_or_raise`.
     tell_share : callable or None
-        Called after every step with the share, 0 to 1; not for a solver without a forecast.
+        Called after every step with the share, 0 to 1; not for a solver without a forecast, nor in the second
+        run of one that estimates its errors itself.
 
     Returns
     -------
@@ -95,7 +96,7 @@ def run_telling_share(
     method = solvers.SOLVERS.get(solver)
     if tell_share is not None and method is not None:
         steps = method.expected_cost(case.scene, resolution).within(max_steps).steps
-        whole = 1.0 + ESTIMATE_SHARE * _has_second_run(solver, estimate)
+        whole = 1.0 + ESTIMATE_SHARE * estimate
         first = _part_of_task(StepShare(steps), 0.0, 1.0 / whole, tell_share)
         second = _part_of_task(StepShare(ESTIMATE_SHARE * steps), 1.0 / whole, 1.0, tell_share)
     return run(case, solver, resolution, first, estimate, max_steps=max_steps, estimate_progress=second)
@@ -120,12 +121,6 @@ def _part_of_task(
     callable
     """
     return lambda loading: tell(begin + (end - begin) * share(loading))
-
-
-def _has_second_run(solver: str, estimate: bool) -> bool:
-    """Whether the errors of a run are estimated from a second one."""
-    method = solvers.SOLVERS.get(solver)
-    return estimate and method is not None and not method.estimates_errors
 
 
 def origin_of(solver: str) -> tuple[str, ...]:

@@ -45,11 +45,6 @@ class TaskProgress:
         self._running: dict[int, float] = {}
         self._began = time.monotonic()
 
-    @property
-    def wanted(self) -> bool:
-        """Whether anything is told."""
-        return self._tell is not None
-
     def take_over(self, task: int) -> None:
         """The answer of a task comes from an earlier attempt."""
         self._count += 1
