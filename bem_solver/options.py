@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact_scene.run_control.options import MAX_STEPS, whole_number
+from contact_scene.run_control.options import MAX_STEPS, moments, whole_number
 from contact_scene.value_checks import number, one_of, positive
 
 ANNULI = ("graded", "uniform")
@@ -61,8 +61,8 @@ class Options:
             positive(self.step, "step")
         one_of(self.annuli, "annuli", ANNULI)
         one_of(self.scheme, "scheme", SCHEMES)
-        for key, times in (("stop_times", self.stop_times), ("profile_times", self.profile_times)):
-            object.__setattr__(self, key, tuple(number(time, key, "finite times") for time in times))
+        object.__setattr__(self, "stop_times", moments(self.stop_times, "stop_times"))
+        object.__setattr__(self, "profile_times", moments(self.profile_times, "profile_times"))
         object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
 
     @property

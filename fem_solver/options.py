@@ -65,9 +65,9 @@ class Options:
 
     def __post_init__(self) -> None:
         checked = {
-            "stop_times": moments(self.stop_times),
-            "profile_times": moments(self.profile_times),
-            "record_times": moments(self.record_times),
+            "stop_times": moments(self.stop_times, "stop_times"),
+            "profile_times": moments(self.profile_times, "profile_times"),
+            "record_times": moments(self.record_times, "record_times"),
             "max_steps": whole_number(self.max_steps, "max_steps", 1),
             "record_every": whole_number(self.record_every, "record_every", 0),
         }

@@ -38,6 +38,22 @@ def whole_number(value: int, key: str, least: int) -> int:
     return int(value)
 
 
-def moments(times: Collection[float]) -> tuple[float, ...]:
-    """An option of requested times, as floats."""
-    return tuple(float(time) for time in times)
+def moments(times: Collection[float], key: str) -> tuple[float, ...]:
+    """An option of requested times.
+
+    Parameters
+    ----------
+    times : collection of float
+    key : str
+        Of the option, for the message.
+
+    Returns
+    -------
+    tuple of float
+
+    Raises
+    ------
+    SceneError
+        If one of them is not a finite number.
+    """
+    return tuple(number(time, key, "finite times") for time in times)
