@@ -59,7 +59,7 @@ def test_rated_edge():
     assert stated(name, "start_radius") == pytest.approx(first.contact_radius, rel=1e-7)
     assert stated(name, "pull_off_force") == pytest.approx(-np.nanmin(force), rel=1e-6)
     assert stated(name, "final_penetration") == pytest.approx(depth[ended][-1], rel=1e-4)
-    moved = times <= 20.0
+    moved = slice(0, 20001, 20)  # until 20, dense enough for the trapezoids
     taken = np.array([OPENING.closure(*state) for state in zip(radius[moved], depth[moved], strict=True)])
     spent = -np.sum(0.5 * (taken[1:] + taken[:-1]) * np.diff(np.pi * radius[moved] ** 2))
     assert stated(name, "separation_energy") == pytest.approx(spent, rel=1e-6)

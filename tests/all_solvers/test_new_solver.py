@@ -7,6 +7,7 @@ import json
 
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, named, spring
+from support.unlaid_figures import without_layout
 
 from contact_scene import Branch, BulkRelaxation, Loading, Material, Scene, Sphere, UnsupportedScene
 from validation import solvers
@@ -46,7 +47,8 @@ def test_a_whole_report(registered, tmp_path):
     scene = tmp_path / "small.toml"
     scene.write_text(SCENE)
     report = build("quick", [load(str(scene))], 1, Progress("test"))
-    write(report, tmp_path / "out")
+    with without_layout():
+        write(report, tmp_path / "out")
     (entry,) = json.loads((tmp_path / "out" / "report.json").read_text())["scenes"]
     assert list(entry["runs"]) == [*(one.name for one in solvers.solvers())]
     assert entry["runs"][NAME]["outcome"] == "detached"

@@ -105,7 +105,7 @@ def test_a_plane_tip_touches_and_is_let_go_as_a_whole(solver, name):
 POINTS = {
     "ball": scene(BALL, PRESSED, Hold(1.0), RELEASED),
     "cone": scene(Cone(75.0), PRESSED, Hold(1.0), RELEASED, start=-2e-5),
-    "blunt": scene(BLUNT, PRESSED, Hold(1.0), RELEASED),
+    "blunt": scene(BLUNT, PRESSED, Hold(1.0), RELEASED, start=5e-5),
     "force": scene(Cone(75.0), Force(1e-3, 3.0), ForceRamp(0.0, 1e-3), start=-1e-5),
     "force on a ball": scene(BALL, ForceRamp(1e-3, 1e-3), ForceRamp(-1e-3, 1e-3), start=-1e-5),
 }
@@ -146,10 +146,10 @@ def test_a_dead_load_taken_off_at_once_ends_the_contact(solver, indenter):
 
     A punch bears nothing over its whole face, by which front tracking divided.
     """
-    asked = scene(indenter, Force(1e-3, 1.0), Force(0.0, 1.0))
+    asked = scene(indenter, Force(1e-3, 0.1), Force(0.0, 0.1))
     trace = solver.solve(asked)
     assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert trace.time[-1] == 1.0
+    assert trace.time[-1] == 0.1
     assert abs(trace.force[-1]) < 1e-9 * trace.force.max()
     found = observe(trace, loading=asked.loading, ends_in_a_point=indenter is BALL)
     assert found.detachment_radius == (0.0 if indenter is BALL else 1e-3)
@@ -158,17 +158,17 @@ def test_a_dead_load_taken_off_at_once_ends_the_contact(solver, indenter):
 @solvers("bem")
 def test_a_force_that_lowers_an_indenter_does_no_work_on_the_way(solver):
     """It is as if the indenter had touched from the start."""
-    above, touching = (solver.solve(scene(BALL, Force(1e-3, 0.2), start=start)) for start in (-1e-4, 0.0))
+    above, touching = (solver.solve(scene(BALL, Force(1e-3, 0.05), start=start)) for start in (-1e-4, 0.0))
     assert above.external_work[-1] == pytest.approx(touching.external_work[-1], rel=1e-3)
 
 
-@pytest.mark.parametrize("steps", [(Force(1e-2, 0.5), Force(1e-3, 0.5)), slow((ForceRamp(1e-2, 1e-3),))])
+@pytest.mark.parametrize("steps", [(Force(1e-2, 0.1), Force(1e-3, 0.1)), slow((ForceRamp(1e-2, 1e-3),))])
 def test_front_tracking_keeps_a_given_force(steps):
     material = Material(1.8e6, 0.5, (Branch(2e6, 0.1), Branch(1e6, 2.0)))
     asked = scene(Sphere(2e-3), *steps, start=1e-6, material=material)
-    trace = reference.solve(asked, reference.Options(5))
-    given = np.where(trace.time < 0.5, 1e-2, 1e-3) if len(steps) == 2 else trace.force[0] + 1e-3 * trace.time
-    smooth = (trace.time > 0.0) & (trace.time != 0.5)
+    trace = reference.solve(asked, reference.Options(4))
+    given = np.where(trace.time < 0.1, 1e-2, 1e-3) if len(steps) == 2 else trace.force[0] + 1e-3 * trace.time
+    smooth = (trace.time > 0.0) & (trace.time != 0.1)
     assert trace.force[smooth] == pytest.approx(given[smooth], rel=1e-11)
 
 
@@ -183,7 +183,7 @@ def test_front_tracking_keeps_a_given_force(steps):
 )
 def test_front_tracking_follows_a_new_contact_from_its_first_moment(indenter, material):
     """The radius goes as a root of the time, which a long first step draws as a chord."""
-    trace = reference.solve(scene(indenter, PRESSED, material=material), reference.Options(8))
+    trace = reference.solve(scene(indenter, PRESSED, material=material), reference.Options(6))
     assert 0.0 < trace.time[1] <= 1e-4 * trace.time[-1]
     exponent = 2.0 if indenter is BALL else 4.0
     middle = 0.5 * (trace.time[1:] + trace.time[:-1])

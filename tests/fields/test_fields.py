@@ -169,7 +169,7 @@ def test_surface_is_that_of_the_run():
 
 
 def test_fields_cost_nothing_unless_asked_for():
-    scene = Scene(Material(0.75, 0.5, TWO), Sphere(1.0), Loading("jump-in", 0.015, STEPS), ADHESION)
+    scene = Scene(Material(0.75, 0.5, TWO), Sphere(1.0), Loading("jump-in", 0.015, STEPS[:1]), ADHESION)
     plain = solve(scene, mesh(), Options(tolerance=3e-2))
     silent = record(scene, mesh(), Options(tolerance=3e-2))
     assert plain.counters == silent.trace.counters
@@ -187,7 +187,7 @@ def test_fields_cost_nothing_unless_asked_for():
 
 
 def test_rows_not_recorded_are_named():
-    recording = recorded("quadrature")
+    recording = recorded("quadrature", 0.5)
     with pytest.raises(KeyError, match=r"rows not recorded: \[1, 2\]"):
         next(field_states(recording, {recording.rows[TURN]: "", 2: "", 1: ""}))
     with pytest.raises(KeyError, match="rows not recorded"):

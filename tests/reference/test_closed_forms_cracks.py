@@ -99,7 +99,7 @@ def test_one_branch_formulas():
     ],
 )
 def test_every_opening_law_rises_from_one_to_the_ratio_of_moduli(material, law):
-    speed = np.geomspace(1e-12, 1e9, 22)
+    speed = np.geomspace(1e-12, 1e9, 15)
     ratio = material.glassy_modulus / material.modulus
     values = law(material, ZONE, speed)
     assert np.all(np.diff(values) >= -1e-8)
@@ -122,7 +122,7 @@ def test_closing_falls_from_one_to_the_inverse_ratio(material):
 
 @pytest.mark.parametrize("name", [name for name in LAWS if name != "closure"])
 def test_the_comparison_laws_agree_with_the_closure_at_the_ends_only(name):
-    speed = np.geomspace(1e-4, 1e-1, 13)
+    speed = np.geomspace(1e-4, 1e-1, 5)
     difference = np.abs(LAWS[name](ONE, ZONE, speed) / steady_crack.opening(ONE, ZONE, speed) - 1)
     assert np.max(difference) > 0.1
 

@@ -30,7 +30,7 @@ FINE_DETACHMENT, FINE_LOOP = 5.623687e7, 3.027465e-8
 @cache
 def _run(stops: int) -> Trace:
     ends = np.linspace(0.0, EDGE_CROSSES_ITS_FIRST_PLACE.loading.steps[0].duration, stops + 2)
-    return solve(EDGE_CROSSES_ITS_FIRST_PLACE, Options(resolution=8, stop_times=tuple(ends[1:-1])))
+    return solve(EDGE_CROSSES_ITS_FIRST_PLACE, Options(resolution=5, stop_times=tuple(ends[1:-1])))
 
 
 @pytest.mark.parametrize("stops", [0, 8])

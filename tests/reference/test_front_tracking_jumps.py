@@ -62,7 +62,7 @@ def test_an_elastic_jump_does_the_stored_work(shape, before) -> None:  # type: i
 def test_dashpots_do_not_move_in_no_time() -> None:
     trace = solve(
         _scene((Hold(1.0), Force(-0.002, 0.1), Ramp(-0.1, 1.0)), 0.02, material=RUBBER,
-               adhesion=STICKY), Options(resolution=8),
+               adhesion=STICKY), COARSE,
     )  # fmt: skip
     stands = np.diff(trace.time) == 0.0
     assert np.count_nonzero(stands) > 10

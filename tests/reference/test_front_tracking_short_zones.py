@@ -153,7 +153,7 @@ def test_short_steps_give_what_is_written_down(name: str) -> None:
 
 
 def test_zones_longer_than_a_twentieth_of_the_radius_are_stepped_as_ever() -> None:
-    long, short = solve(scene(0.013), Options(resolution=8)), short_steps(scene(0.013), resolution=8)
+    long, short = solve(scene(0.013), Options(resolution=4)), short_steps(scene(0.013), resolution=4)
     assert np.array_equal(long.contact_radius, short.contact_radius)
     assert np.array_equal(long.force, short.force)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from support.browser import CHROMIUM, NAMES, measure_page
-from support.spring_solver import SCENE, fake, named
+from support.browser import CHROMIUM, NAMES, measure_page, measure_pages
+from support.spring_solver import fake, named
 
 from crosscontact import registry
 from validation import solvers
@@ -19,26 +19,37 @@ pytestmark = pytest.mark.skipif(
     CHROMIUM is None, reason=f"no Chromium on PATH (looked for {', '.join(NAMES)})"
 )
 
+WIDTHS = [375, 1280]
+"""Of a telephone and of a screen, in pixels."""
+
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
-    own = folder / "small.toml"
-    own.write_text(SCENE)
     with pytest.MonkeyPatch.context() as patch:
         for name in registry.names():
             patch.setitem(solvers.SOLVERS, name, named(name, fake(1.0 if name == "reference" else 1.1)))
-        write(build("quick", [load(str(own)), load("cycle-v0.1")], 1, Progress("test")), folder)
+        write(build("quick", [load("cycle-v0.1")], 1, Progress("test")), folder)
     return (folder / "index.html").read_text()
 
 
-@pytest.mark.parametrize("width", [375, 1280])
-def test_page_fits_and_shows_everything(page, tmp_path, width):
-    seen = measure_page(tmp_path, page, width)
+@pytest.fixture(scope="module")
+def measured(page, tmp_path_factory):
+    """The page at two widths, and a page spoilt on purpose at the smaller, by one browser."""
+    spoilt = page.replace(
+        "<main>", '<main><div style="width:900px">x</div><img src="gone.png"><script>nosuch()</script>'
+    )
+    shown = [(page, width) for width in WIDTHS] + [(spoilt, WIDTHS[0])]
+    return measure_pages(tmp_path_factory.mktemp("browser"), shown)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_page_fits_and_shows_everything(measured, width):
+    seen = measured[WIDTHS.index(width)]
     assert seen["width"] == width
     assert seen["content"] <= width
     assert (seen["trouble"], seen["broken"], seen["flat"], seen["wide"]) == (0, 0, 0, 0)
-    assert seen["figures"] == 12
+    assert seen["figures"] == 6
     assert seen["labels"] > 50
 
 
@@ -60,11 +71,8 @@ def test_dark_page_has_light_ink(page, tmp_path):
     assert sum(_rgb(dark["paper"])) < 200 < 600 < sum(_rgb(dark["ink"]))
 
 
-def test_the_probe_sees_a_page_that_is_too_wide_and_a_picture_that_is_missing(page, tmp_path):
-    spoilt = page.replace(
-        "<main>", '<main><div style="width:900px">x</div><img src="gone.png"><script>nosuch()</script>'
-    )
-    seen = measure_page(tmp_path, spoilt, 375)
+def test_the_probe_sees_a_page_that_is_too_wide_and_a_picture_that_is_missing(measured):
+    seen = measured[-1]
     assert seen["content"] > 375
     assert seen["broken"] == 1
     assert seen["trouble"] >= 1

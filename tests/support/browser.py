@@ -28,17 +28,28 @@ addEventListener("load", () => {
 });
 </script>
 """
-FRAME = """<!doctype html><title>waiting</title><iframe src="page.html" style="border:0"
-width="{width}" height="800"></iframe><script>
-const frame = document.querySelector('iframe');
-frame.onload = () => setTimeout(() => { document.title = frame.contentDocument.title; }, 300);
+FRAME = '<iframe src="page{number}.html" style="border:0" width="{width}" height="800"></iframe>'
+COLLECT = """<script>
+addEventListener("load", () => setTimeout(() => {
+  const titles = [...document.querySelectorAll("iframe")].map(frame => frame.contentDocument.title);
+  document.title = "[" + titles.join() + "]";
+}, 300));
 </script>"""
 
 
 def measure_page(folder, html: str, width: int, *flags: str) -> dict:
-    """What the page says about itself when it is ``width`` pixels wide (a frame: windows have a minimum)."""
-    (folder / "page.html").write_text(html.replace("<head>", "<head>" + PROBE))
-    (folder / "frame.html").write_text(FRAME.replace("{width}", str(width)))
+    """What the page says about itself when it is ``width`` pixels wide."""
+    (seen,) = measure_pages(folder, [(html, width)], *flags)
+    return seen
+
+
+def measure_pages(folder, pages: list[tuple[str, int]], *flags: str) -> list[dict]:
+    """The same of several pages and widths by one browser, each in a frame: windows have a minimum width."""
+    frames = []
+    for number, (html, width) in enumerate(pages):
+        (folder / f"page{number}.html").write_text(html.replace("<head>", "<head>" + PROBE))
+        frames.append(FRAME.format(number=number, width=width))
+    (folder / "frame.html").write_text("".join(("<!doctype html><title>waiting</title>", *frames, COLLECT)))
     said = subprocess.run(
         [
             str(CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
@@ -50,5 +61,5 @@ def measure_page(folder, html: str, width: int, *flags: str) -> dict:
         capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     title = said.stdout.partition("<title>")[2].partition("</title>")[0]
-    assert title.startswith("{"), f"the page said nothing: {said.stderr[-500:]}"
+    assert title.startswith("[{"), f"the page said nothing: {said.stderr[-500:]}"
     return json.loads(title)

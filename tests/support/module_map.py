@@ -51,6 +51,8 @@ class Reach:
         self._known = set(self._edges)
         self.distances = {name: self._distances(name) for name in self.tests}
         self._sizes = {test: sum(d == 1 for d in found.values()) for test, found in self.distances.items()}
+        self._words = {name: set(path.stem.split("_")) for name, path in self.tests.items()}
+        self._groups = {name: path.parent.name for name, path in self.tests.items()}
 
     def _named(self, found: Iterable[Import]) -> set[str]:
         """The imported modules; a name that a package passes on counts for the module it is from."""
@@ -82,9 +84,9 @@ class Reach:
 
         def rank(test: str) -> tuple:
             distance = self.distances[test][module]
-            named = len(words & set(Path(test).stem.split("_"))) / len(words)
+            named = len(words & self._words[test]) / len(words)
             size = self._sizes[test]
-            stranger = Path(test).parent.name != group
+            stranger = self._groups[test] != group
             if distance == 1 or (distance == 2 and not stranger and named > 0.5):
                 return -named if named > 0.5 else 0.0, 1, stranger, size, test
             return 0.0, distance + stranger, stranger, size, test
