@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from support.import_graph import COMPUTED, ImportGraph, Source, imports, read_sources
+from support.import_graph import COMPUTED, ImportGraph, Source, imports, source_at
 
 ROOT = Path(__file__).parents[1]
 TESTS = ROOT / "tests"
@@ -72,10 +72,9 @@ DEFERRED = {
 }
 
 
-@cache
 def project() -> ImportGraph:
     """The imports of all packages."""
-    return ImportGraph(read_sources(ROOT, PACKAGES))
+    return ImportGraph.of(ROOT, tuple(PACKAGES))
 
 
 def room(module: str) -> str:
@@ -288,7 +287,7 @@ def test_no_test_imports_another_and_no_folder_of_tests_shadows_a_package():
     found = [
         f"{path.relative_to(ROOT)} imports {one.module}"
         for path in TESTS.rglob("*.py")
-        for one in imports(path.stem, Source(path.read_text(encoding="utf-8")))
+        for one in imports(path.stem, source_at(path))
         if one.module.split(".")[0] in files or (one.module.split(".")[0] == "tests")
     ]
     assert not found, report(found)

@@ -193,7 +193,7 @@ def test_adhesionless_cycle_with_hold_is_tings(indenter):
     question = scene(
         Ramp(0.04, 0.05), Hold(0.2), Ramp(-0.05, 0.08), material=THREE, indenter=indenter, adhesion=None
     )
-    exact, trace = Ting(THREE, indenter, 0.05, 0.8, 0.08, 0.2), bem(question, resolution=8)
+    exact, trace = Ting(THREE, indenter, 0.05, 0.8, 0.08, 0.2), bem(question, resolution=6)
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert_allclose(trace.outcome.time, exact.detachment(), rtol=2e-3)
     assert_allclose(trace.force, exact.force(trace.time), atol=1e-3 * trace.force.max())

@@ -171,7 +171,7 @@ def test_rounding_does_not_choose_the_steps_under_a_constant_force(monkeypatch: 
         slower, softer = 1.0 + 1e-15, 1.0 - 1e-15
         return replace(moduli, retardation=slower * moduli.retardation, moduli=softer * moduli.moduli)
 
-    pulled = Loading("relaxed", 0.032, (Force(-8.0 * F_JKR, 0.1),))
+    pulled = Loading("relaxed", 0.032, (Force(-8.0 * F_JKR, 0.25),))
     dead_load = Scene(ONE, Sphere(1.0), pulled, STICKY)
     once = solve(dead_load, Options(resolution=4))
     monkeypatch.setattr(problem, "rheology", perturbed)

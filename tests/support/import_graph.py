@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 COMPUTED = "a computed module name"
@@ -44,15 +44,20 @@ class Import:
         return f"{self.importer}:{self.line} imports {self.module}{':' + self.name if self.name else ''}"
 
 
+@cache
+def source_at(path: Path) -> Source:
+    """The module in a file; no file is read and parsed twice."""
+    return Source(path.read_text(encoding="utf-8"), path.stem == "__init__")
+
+
 def read_sources(root: Path, packages: Iterable[str]) -> dict[str, Source]:
     """Every module below the packages, by its full name."""
     sources = {}
     for package in packages:
         for path in sorted((root / package).rglob("*.py")):
             parts = path.relative_to(root).with_suffix("").parts
-            is_package = parts[-1] == "__init__"
-            module = ".".join(parts[:-1] if is_package else parts)
-            sources[module] = Source(path.read_text(encoding="utf-8"), is_package)
+            source = source_at(path)
+            sources[".".join(parts[:-1] if source.is_package else parts)] = source
     return sources
 
 
@@ -112,7 +117,14 @@ def _called(node: ast.Call) -> str:
 class ImportGraph:
     """The modules of some packages and every import between them, whatever its form."""
 
+    @staticmethod
+    @cache
+    def of(root: Path, packages: tuple[str, ...]) -> ImportGraph:
+        """Of every module below the packages."""
+        return ImportGraph(read_sources(root, packages))
+
     def __init__(self, sources: Mapping[str, Source]) -> None:
+        self.sources = sources
         self.modules = set(sources)
         self.by_importer = {name: imports(name, source, self.modules) for name, source in sources.items()}
         self.imports = [found for one in self.by_importer.values() for found in one]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # where this file is run as a script
 
-from support.import_graph import Import, ImportGraph, Source, imports, read_sources
+from support.import_graph import Import, ImportGraph, imports, source_at
 
 ROOT = Path(__file__).parents[2]
 MAP = ROOT / "tests" / "MAP.md"
@@ -30,12 +30,11 @@ class Reach:
     """How far each test is from each module, in imports."""
 
     def __init__(self, root: Path = ROOT, packages: Iterable[str] = PACKAGES) -> None:
-        sources = read_sources(root, packages)
-        self.graph = ImportGraph(sources)
+        self.graph = ImportGraph.of(root, tuple(packages))
         # a package that says nothing but what it is, and what only starts the command line, have no tests
         self.modules = {
             name
-            for name, source in sources.items()
+            for name, source in self.graph.sources.items()
             if not name.endswith("__main__") and len(source.tree.body) > 1
         }
         self.tests = {path.relative_to(root).as_posix(): path for path in (root / "tests").rglob("test_*.py")}
@@ -46,8 +45,7 @@ class Reach:
         known = self.graph.modules | set(support)
         self._edges = {module: self._named(found) for module, found in self.graph.by_importer.items()}
         for name, path in (*support.items(), *self.tests.items()):
-            source = Source(path.read_text(encoding="utf-8"))
-            self._edges[name] = self._named(imports(name, source, known)) & known
+            self._edges[name] = self._named(imports(name, source_at(path), known)) & known
         self._known = set(self._edges)
         self.distances = {name: self._distances(name) for name in self.tests}
         self._sizes = {test: sum(d == 1 for d in found.values()) for test, found in self.distances.items()}
