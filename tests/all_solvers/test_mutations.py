@@ -38,6 +38,8 @@ FAULTS += [*altered_scenes.FAULTS, *altered_answers.FAULTS, *shared.FAULTS]
 SCENES = ("relaxed-equilibrium", "elastic-relaxed", "cycle-v0.02", "adhesionless-cycle", "three-branches")
 NOTICEABLE = 0.01
 CHEAP = "punch-programme"
+RESOLUTION = {"bem": 6}
+"""Of solvers that meet the check values of the cheapest scene at less than their default resolution."""
 TABLES = [*altered_scenes.FAULTS, *altered_answers.FAULTS]
 CHEAP_TABLES = [fault for fault in TABLES if fault.scenes == (CHEAP,)][::3]
 CHEAP_SHARED = [fault for fault in shared.FAULTS if fault.scenes == (CHEAP,)]
@@ -249,7 +251,8 @@ def test_the_scenes_belong_to_the_quick_suite():
 @pytest.mark.parametrize("solver", solvers.SOLVERS)
 def test_check_values_hold_without_a_fault(solver):
     case = cases.load(CHEAP)
-    assert [check for check in check_run(case, run(case, solver)) if not check.passed] == []
+    found = run(case, solver, RESOLUTION.get(solver))
+    assert [check for check in check_run(case, found) if not check.passed] == []
 
 
 @pytest.mark.parametrize("fault", QUICKLY, ids=lambda fault: fault.key)
@@ -257,7 +260,8 @@ def test_check_values_catch_a_fault(fault):
     """Those of one scene, which pass through no solver."""
     with seeded(fault) as calls, time_limit(LEAST_LIMIT), np.errstate(all="ignore"):
         case = cases.load(CHEAP)
-        failed = [check for check in check_run(case, run(case, fault.solver)) if not check.passed]
+        found = run(case, fault.solver, RESOLUTION.get(fault.solver))
+        failed = [check for check in check_run(case, found) if not check.passed]
     assert calls.count
     assert failed
 

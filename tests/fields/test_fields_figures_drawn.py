@@ -15,6 +15,7 @@ from matplotlib import colormaps
 from matplotlib.tri import LinearTriInterpolator, Triangulation
 from PIL import Image
 from support.synthetic_fields import RADIUS, SCENE, state, states, trace
+from support.unlaid_figures import without_layout
 
 from validation.fields.figures import animation, geometry, moment_panels, rendering, revolution, sections
 from validation.fields.figures.figure_set import FigureSet
@@ -109,7 +110,8 @@ def test_moment_panels_are_alike():
 def test_animation_has_a_frame_a_state_and_one_table_of_colours():
     rows = [0, 8]
     done: list[float] = []
-    film = animation.film(states(dict.fromkeys(rows, "")), trace(), SCENE, MISES, done.append)
+    with without_layout():
+        film = animation.film(states(dict.fromkeys(rows, "")), trace(), SCENE, MISES, done.append)
     with Image.open(io.BytesIO(film)) as gif:
         assert gif.format == "GIF"
         assert gif.n_frames == 2

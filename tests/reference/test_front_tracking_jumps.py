@@ -73,12 +73,12 @@ def test_dashpots_do_not_move_in_no_time() -> None:
 
 def test_force_jumps_from_nothing_and_back() -> None:
     """Hertz at the glassy modulus at once; the loss of the branches is that of the balance."""
-    trace = solve(_scene((Force(0.01, 0.02), Force(0.005, 0.02), Force(-1.0, 1.0)), material=RUBBER), COARSE)
+    trace = solve(_scene((Force(0.01, 0.1), Force(0.005, 0.1), Force(-1.0, 1.0)), material=RUBBER), COARSE)
     first = int(np.searchsorted(trace.time, 0.0, side="right")) - 1
     assert trace.force[first] == pytest.approx(0.01, rel=1e-9)
     assert trace.contact_radius[first] == pytest.approx((0.75 * 0.01 / 10.0) ** (1 / 3), rel=1e-6)
     assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert trace.outcome.time == pytest.approx(0.04)
+    assert trace.outcome.time == pytest.approx(0.2)
     assert trace.force.min() >= 0.0
     lost = trace.dissipated_energy[-1]
     assert trace.extra["branch_dissipation"][-1] == pytest.approx(lost, rel=1e-4)
