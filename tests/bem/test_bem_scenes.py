@@ -86,9 +86,9 @@ def marked(cases):
     return [pytest.param(*case, id=name, marks=marks.get(name, ())) for name, case in cases.items()]
 
 
-def compared(question, tolerance):
+def compared(question, tolerance, resolution=12, of_front=10):
     """Both answers, alike in how they end and along the way."""
-    mine, other = bem(question, resolution=8), front(question, 6)
+    mine, other = bem(question, resolution=resolution), front(question, of_front)
     assert mine.outcome.kind is other.outcome.kind
     assert [event.kind for event in mine.events] == [event.kind for event in other.events]
     assert_allclose(mine.outcome.time, other.outcome.time, rtol=5e-3)
@@ -112,7 +112,7 @@ def test_cycle_is_that_of_front_tracking(question, tolerance):
 
 @pytest.mark.parametrize(("question", "tolerance"), marked(LOADINGS))
 def test_loading_is_that_of_front_tracking(question, tolerance):
-    mine, other = compared(question, tolerance)
+    mine, other = compared(question, tolerance, 8, 6)
     assert_allclose(mine.start_force, other.start_force, rtol=1e-3, atol=1e-5)
 
 
