@@ -78,8 +78,8 @@ def test_hold_and_force_of_no_duration_cost_nothing():
 
 
 def test_step_budget_keeps_what_was_computed():
-    whole = bem(cycle(0.02), resolution=6)
-    trace = solve(cycle(0.02), Options(resolution=6, max_steps=25))
+    whole = bem(cycle(0.02))
+    trace = solve(cycle(0.02), Options(max_steps=25))
     assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
     assert not trace.outcome.finished
     assert "25" in trace.outcome.reason
