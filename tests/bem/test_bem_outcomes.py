@@ -208,13 +208,15 @@ def test_never_anything_but_finite_numbers(question):
     assert trace.wall_seconds > 0.0
 
 
-@pytest.mark.parametrize("cycles", [3, pytest.param(20, marks=pytest.mark.exhaustive)])
-def test_whole_periods_are_not_stepped_over(cycles):
-    """The end of the step has the phase of its start: no trial would notice."""
-    question = scene(Oscillate(1e-3, 1.0, 2.0 * np.pi * cycles), start="relaxed")
+def test_whole_periods_are_not_stepped_over():
+    """The end of the step has the phase of its start: no trial would notice where nothing relaxes.
+
+    After the hold the first step is a twentieth of what follows, as a period is.
+    """
+    question = scene(Hold(100.0), Oscillate(1e-3, 1.0, 40.0 * np.pi), start="relaxed", material=ELASTIC)
     trace = solve(question, Options(resolution=4))
     assert_allclose(trace.penetration.max(), 1e-3, rtol=0.02)
-    assert_allclose(trace.external_work[-1] / cycles, 3.7e-6, rtol=0.1)
+    assert len(trace) > 100
 
 
 def test_unit_of_time_is_free_after_a_jump_of_the_load():
