@@ -4,7 +4,7 @@ Elements are wide away from the strip. A strip of 1e-4 of the contact radius doe
 some 5e-5 stiffer than that of the nodes' radius, as if every radius were so much larger. Contact radii are
 those of the flat punch as stiff (see ``surface``); here heights and the closure integral follow them.
 
-- Heights are taken at radii at which a paraboloid's contact ends where Hertz has it, ``D = a^2/R``.
+- Heights are taken at radii at which a paraboloid's contact has Hertz's force.
 - The closure integral of a flat punch is ``E* D^2/(2 pi a)`` where its zone is short. On the mesh it depends
   on the place of the edge within the strip, by 2e-6 per zone: where the mesh moves on by some zones, what
   drives the edge would jump, always the same way, and an edge that is about to run away would leap.
@@ -90,6 +90,11 @@ def _closure(operator: SurfaceOperator, shift: ZoneShift, last: int) -> float:
 def height_stretch(radii: Array, effective: Array, positions: Array, strip: tuple[float, float]) -> float:
     """Radius at which heights are taken over that of the node.
 
+    A paraboloid bears ``2 E* sum_i (A_i - A_(i-1)) (D - x_i^2/R)``, with the effective radii ``A`` and the
+    position ``x`` of each component, and ``2 E* int (D - x^2/R) dx`` by Hertz. Both are made equal over the
+    strip. Vertices and mid-side nodes bear differently: a mean of the components that does not weight them
+    is off by a hundredth of an element.
+
     Parameters
     ----------
     radii, effective, positions : ndarray, shape (n,)
@@ -105,5 +110,6 @@ def height_stretch(radii: Array, effective: Array, positions: Array, strip: tupl
     if strip[0] <= 0.0:
         return 1.0
     first, last = np.searchsorted(radii, strip)
-    between = 0.5 * (effective[first - 1 : last - 1] + effective[first:last])
-    return float(np.mean(between / positions[first:last]))
+    inner, outer = effective[first - 1 : last - 1], effective[first:last]
+    borne, by_hertz = positions[first:last] ** 2, (outer**2 + outer * inner + inner**2) / 3.0
+    return float(np.sqrt(((outer - inner) @ by_hertz) / ((outer - inner) @ borne)))
