@@ -132,6 +132,18 @@ def test_the_edge_runs_away_after_the_last_row():
     assert (in_a_point["detachment_radius"], in_a_point["detachment_force"]) == (0.0, 0.0)
 
 
+@pytest.mark.parametrize("bend", [0.0, 0.3, -0.3])
+@pytest.mark.parametrize("left", [0.0, 1e-4, 1e-3, 1e-2, 0.1])
+def test_what_is_left_until_the_edge_runs_away_is_told_by_the_last_rows(left, bend):
+    """A row on the limit point has lost nothing, however long its step; one before it no more than told."""
+    away = 0.01 * np.array([1.0, 0.6, 0.4, 0.2, left])
+    edge = 0.5 + np.sqrt(away) + bend * away
+    run = dataclasses.replace(pulled(1.0 - away, away), contact_radius=edge, errors={"contact_radius": 0.0})
+    found = from_own(run, {"detachment_radius": edge[-1]})["detachment_radius"] * edge[-1]
+    assert edge[-1] - 0.5 <= found + 1e-12
+    assert found <= 3.0 * (edge[-1] - 0.5) + 7.0 * abs(bend) * away[1] + 1e-12
+
+
 def test_the_place_of_the_largest_tension_is_as_uncertain_as_the_way_its_error_reaches():
     """Tension rises to 1 in ten steps and falls in five; known to 0.25 it may stand 2.5 steps before."""
     t = np.arange(16.0)

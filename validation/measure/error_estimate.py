@@ -39,14 +39,12 @@ from contact_scene.trace import Array
 from validation.measure.movement_norms import movement_bound, movement_distance, movement_interpolation_error
 from validation.measure.norms import CURVES, distance, interpolation_error
 from validation.measure.observables import at_last_contact
-from validation.measure.place_errors import add_at_approach, add_at_detachment, add_at_pull_off
+from validation.measure.place_errors import SAFETY, add_at_approach, add_at_detachment, add_at_pull_off
 from validation.measure.row_interpolation import column_curve
 from validation.measure.scaling import column_of, scale
 from validation.measure.windows import load_step_ends, windows
 from validation.solvers import solver
 
-SAFETY = 3.0
-"""Safety factor on the extrapolated error of two grids, whose order is not observed (Roache 1994)."""
 IN_LAYERS = ("branch_dissipation", "zone_excess")
 """Quantities of first order: squares of the stress in the layer at the edge."""
 OF_SQUARE = 2.0

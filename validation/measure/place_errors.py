@@ -24,6 +24,9 @@ from validation.measure.scaling import column_of, scale
 RUNAWAY = 1.0 / (math.sqrt(2.0) - 1.0)
 """Distance of the edge from where contact is lost over its last step, if it is lost within one more step of
 that duration: before a limit point the edge moves as the root of the time that is left."""
+SAFETY = 3.0
+"""Safety factor on errors whose order is not observed: the difference of two grids (Roache 1994), and the
+place of a limit point as the last rows tell it."""
 LEAST_VARIED = 0.5
 """Least change of the error of the force near its extremum, relative to that error: how two runs differ from
 row to row may vanish by accident."""
@@ -115,8 +118,9 @@ def add_at_detachment(
 ) -> None:
     """Add to the errors of radius and force at detachment what they may have lost after the last row.
 
-    Time and penetration are those of an event, but the edge runs away there. The last step tells how far, and
-    the one before where that is short by chance. A contact that ends in a point has lost nothing.
+    Time and penetration are those of an event, but the edge runs away there. The last rows tell how far (the
+    last step, and the one before where that is short by chance). A contact that ends in a point has lost
+    nothing.
 
     Parameters
     ----------
@@ -134,12 +138,50 @@ def add_at_detachment(
     before, last = touching[-2], touching[-1]
     if trace.contact_radius[before] == trace.contact_radius[last]:
         return  # the edge is at rest, and contact is lost all at once
+    steps = _steps_to_limit_point(trace.time[touching[-4:]], trace.contact_radius[touching[-4:]])
     for name in ("force", "radius"):
         key, column = f"detachment_{name}", trace.columns()[column_of(name)]
         relative_to = scale(key, float(column[last]), trace)
         if key in errors and relative_to > 0.0:
-            away = RUNAWAY * float(np.abs(np.diff(column[touching[-3:]])).max())
+            away = steps * float(np.abs(np.diff(column[touching[-3:]])).max())
             errors[key] = _joined(errors, key, min(away, abs(float(column[last]))) / relative_to, compared)
+
+
+def _steps_to_limit_point(time: Array, radius: Array) -> float:
+    """How far the edge may have gone on after the last row, in the longer of its last two steps.
+
+    Before a limit point it moves as the root of the time that is left: three rows tell the point, and how
+    well, its distance from the one that the three rows before tell. The last row may be on it. Where rows do
+    not tell, contact may be lost within one more step of the last one's duration.
+
+    Parameters
+    ----------
+    time, radius : ndarray, shape (n,)
+        Of the last rows in contact, at most four.
+
+    Returns
+    -------
+    float
+    """
+    if len(time) < 4:
+        return RUNAWAY
+    way, way_before = _way_to_limit_point(time[1:], radius[1:]), _way_to_limit_point(time[:3], radius[:3])
+    moved = abs((radius[3] - way) - (radius[2] - way_before))
+    longest = float(np.abs(np.diff(radius[1:])).max())
+    known = SAFETY * (abs(way) + moved) / longest if longest > 0.0 else math.inf
+    return min(known, RUNAWAY) if math.isfinite(known) else RUNAWAY
+
+
+def _way_to_limit_point(time: Array, radius: Array) -> float:
+    """Distance ``d`` of the last of three rows from the limit point; nan where the edge does not run away.
+
+    With ``u``, ``w`` the distances of the earlier rows from the last, and ``h``, ``g`` the times between:
+    ``(u + d)^2/(h + t) = (w + d)^2/(g + t) = d^2/t``.
+    """
+    (w, u), (g, h) = radius[:2] - radius[2], time[2] - time[:2]
+    if not (h > 0.0 and 0.0 < u < w and w / g < u / h):
+        return math.nan
+    return float(0.5 * (u * u / h - w * w / g) / (w / g - u / h))
 
 
 def _uncertain(
