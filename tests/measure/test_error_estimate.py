@@ -138,9 +138,17 @@ def test_what_is_left_until_the_edge_runs_away_is_told_by_the_last_rows(left, be
     """A row on the limit point has lost nothing, however long its step; one before it no more than told."""
     away = 0.01 * np.array([1.0, 0.6, 0.4, 0.2, left])
     edge = 0.5 + np.sqrt(away) + bend * away
-    run = dataclasses.replace(pulled(1.0 - away, away), contact_radius=edge, errors={"contact_radius": 0.0})
-    found = from_own(run, {"detachment_radius": edge[-1]})["detachment_radius"] * edge[-1]
-    assert edge[-1] - 0.5 <= found + 1e-12
+    run, alike = (
+        dataclasses.replace(pulled(1.0 - away, away), contact_radius=edge),
+        {"detachment_radius": edge[-1]},
+    )
+    between = interpolation_error(run, "contact_radius") * edge.max()
+    found = from_two_runs(run, run, alike, alike)["detachment_radius"] * edge[-1] - between
+    alone = from_own(dataclasses.replace(run, errors={"contact_radius": 0.0}), alike)["detachment_radius"]
+    assert (
+        alone * edge[-1] > 2.0 * (edge[-3:-1] - edge[-2:]).max()
+    )  # what the point is off by, nothing else tells
+    assert edge[-1] - 0.5 <= found + between + 1e-12
     assert found <= 3.0 * (edge[-1] - 0.5) + 7.0 * abs(bend) * away[1] + 1e-12
 
 

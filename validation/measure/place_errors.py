@@ -118,8 +118,9 @@ def add_at_detachment(
 ) -> None:
     """Add to the errors of radius and force at detachment what they may have lost after the last row.
 
-    Time and penetration are those of an event, but the edge runs away there. The last rows tell how far (the
-    last step, and the one before where that is short by chance). A contact that ends in a point has lost
+    Time and penetration are those of an event, but the edge runs away there. The last step tells how far, and
+    the one before where that is short by chance; the last rows tell it closer, but nothing of what their
+    point is off by, which the difference of two runs has in it. A contact that ends in a point has lost
     nothing.
 
     Parameters
@@ -138,7 +139,9 @@ def add_at_detachment(
     before, last = touching[-2], touching[-1]
     if trace.contact_radius[before] == trace.contact_radius[last]:
         return  # the edge is at rest, and contact is lost all at once
-    steps = _steps_to_limit_point(trace.time[touching[-4:]], trace.contact_radius[touching[-4:]])
+    steps, rows = RUNAWAY, touching[-4:]
+    if compared:
+        steps = _steps_to_limit_point(trace.time[rows], trace.contact_radius[rows])
     for name in ("force", "radius"):
         key, column = f"detachment_{name}", trace.columns()[column_of(name)]
         relative_to = scale(key, float(column[last]), trace)
