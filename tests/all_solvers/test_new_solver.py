@@ -43,6 +43,7 @@ def registered(monkeypatch):
     unregister(NAME)
 
 
+@pytest.mark.slow
 def test_a_whole_report(registered, tmp_path):
     scene = tmp_path / "small.toml"
     scene.write_text(SCENE)

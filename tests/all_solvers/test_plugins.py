@@ -228,6 +228,7 @@ def test_a_package_in_a_fresh_environment(tmp_path):
     assert '"broken" of my-solver 1.0 cannot be used: AttributeError' in line
 
 
+@pytest.mark.slow
 def test_peers_are_found_by_name_and_run_by_nobody_else():
     assert set(PEERS) <= set(registry.selectable())
     assert not set(PEERS) & {*registry.names(), *SOLVERS}

@@ -63,14 +63,8 @@ def twice(monkeypatch):
     return put
 
 
-@pytest.mark.parametrize(
-    ("name", "solve"),
-    [
-        pytest.param("bem", bem, marks=pytest.mark.slow),
-        ("fem", fem),
-        pytest.param("reference", front, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "solve"), [("bem", bem), ("fem", fem), ("reference", front)])
 def test_a_step_tried_in_vain_leaves_nothing(twice, name, solve):
     once = uninterrupted(solve)
     vain = twice()

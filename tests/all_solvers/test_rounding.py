@@ -57,7 +57,7 @@ LONG = [
     for case in SCENES
     if (name, case) not in QUICK and (name, case) != ("fem", "hold")  # ten times as long as all others
 ]
-DEFAULT = [("reference", "hold"), ("bem", "oscillation")]  # either scene once, by either solver
+DEFAULT = [("reference", "hold")]
 pairs = pytest.mark.parametrize(
     ("name", "case"),
     [pytest.param(*pair, marks=[] if pair in DEFAULT else [pytest.mark.slow]) for pair in (*QUICK, *LONG)],

@@ -118,6 +118,7 @@ def test_every_row_follows_the_law(solver, name):
     assert_law_holds(scene, SOLVERS[solver].solve(scene, None), ACCURACY[solver])
 
 
+@pytest.mark.slow
 def test_boundary_elements_follow_the_law_in_few_steps():
     """Steps over many zones: at a twelfth of a zone each they would be a hundred thousand."""
     scene = load(*RATED).scene

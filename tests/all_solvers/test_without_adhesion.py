@@ -111,7 +111,7 @@ POINTS = {
 }
 
 
-@solvers("bem")
+@solvers("bem", "reference")
 @pytest.mark.parametrize("name", ["blunt", *(slow(name) for name in POINTS if name != "blunt")])
 def test_any_other_contact_ends_in_a_point(solver, name):
     asked = POINTS[name]

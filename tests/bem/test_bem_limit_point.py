@@ -43,13 +43,8 @@ def test_an_old_kink_within_the_zone_does_not_move_the_limit_point():
     assert_allclose(radius, LOST_AT[0.02], rtol=2e-5)
 
 
-@pytest.mark.parametrize(
-    ("name", "exact"),
-    [
-        ("retraction-v2e-4", 0.019441212),
-        pytest.param("force-2", 0.061521170, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "exact"), [("retraction-v2e-4", 0.019441212), ("force-2", 0.061521170)])
 def test_what_creeps_before_a_limit_point_does_not_move_it(name, exact):
     """Under a dead load and in slow retraction the time that is left is long: the edge is to come closer.
 

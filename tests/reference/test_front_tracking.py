@@ -162,6 +162,7 @@ def test_the_deepest_row_of_an_oscillation_is_its_first_peak() -> None:
     assert seen.approach_force == pytest.approx(exact.force, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_rounding_does_not_choose_the_steps_under_a_constant_force(monkeypatch: pytest.MonkeyPatch) -> None:
     """Differences of a force that is constant are rounding: no step may follow from them."""
     exact = problem.rheology

@@ -91,7 +91,8 @@ CHECK_VALUES = {
 }
 
 
-@pytest.mark.parametrize("name", ["retraction", pytest.param("cycle", marks=SLOW)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CHECK_VALUES)
 def test_check_values_of_thirty_thousand_short_steps(name: str) -> None:
     loading, pull_off, loop, detachment = CHECK_VALUES[name]
     trace = _run(1.3e-4, loading)
@@ -288,7 +289,7 @@ def test_estimates_cover_the_errors(loading: Loading) -> None:
 @pytest.mark.parametrize(
     ("name", "time"),
     [
-        ("force-8", 1.721914918),
+        pytest.param("force-8", 1.721914918, marks=SLOW),
         pytest.param("force-4", 30.07007421, marks=SLOW),
         pytest.param("pdms-dead-load-1um", 10.72547869, marks=pytest.mark.exhaustive),
         pytest.param("pdms-dead-load-100nm", 104.2025024, marks=pytest.mark.exhaustive),

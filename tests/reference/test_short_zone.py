@@ -69,8 +69,8 @@ def approached(scene: Scene):
     return law(scene).approach(scene.loading.penetration, step.to, step.rate)
 
 
-QUICK = ("pdms-dead-load-100nm", "force-4", "bulk-retraction-100nm")
-"""A force, a dead load and a retraction; that one with bulk that relaxes, too."""
+QUICK = ("pdms-dead-load-100nm", "force-4")
+"""A force and a dead load."""
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in QUICK else SLOW) for name in SCENES])
