@@ -10,7 +10,7 @@ from validation.cases import Case
 from validation.execution.files import in_words
 from validation.execution.progress import duration
 from validation.solvers import SOLVERS, Cost, Solver
-from validation.solvers.cost import ESTIMATE_SHARE
+from validation.solvers.cost import relative_time
 
 LONG = 10.0
 """Seconds of processor time from which an expected cost is said: what a user waits for without a word."""
@@ -71,7 +71,7 @@ def announce(cost: Cost | None, estimate: bool = False, more_seconds: float = 0.
     """
     if cost is None:
         return
-    seconds = cost.seconds * (1.0 + ESTIMATE_SHARE * estimate) + more_seconds
+    seconds = cost.seconds * relative_time(estimate) + more_seconds
     if seconds <= LONG and cost.bytes <= LARGE:
         return
     parts = [f"{_about(cost.steps)} steps", duration(seconds), f"{in_words(cost.bytes)} of memory"]

@@ -16,7 +16,7 @@ from validation.execution.step_share import StepShare
 from validation.execution.store import Store
 from validation.execution.task_progress import TellProgress
 from validation.execution.tasks import Task, TaskResult
-from validation.solvers.cost import ESTIMATE_SHARE
+from validation.solvers.cost import ESTIMATE_SHARE, relative_time
 
 
 def expected_seconds(
@@ -64,7 +64,7 @@ def run_task(
         f"{case.name} {solver}",
         partial(run_telling_share, max_steps=max_steps),
         (case, solver, resolution, estimate),
-        seconds * (1.0 + ESTIMATE_SHARE * estimate),
+        seconds * relative_time(estimate),
         tells_share=True,
     )
 
@@ -96,9 +96,9 @@ def run_telling_share(
     method = solvers.SOLVERS.get(solver)
     if tell_share is not None and method is not None:
         steps = method.expected_cost(case.scene, resolution).within(max_steps).steps
-        whole = 1.0 + ESTIMATE_SHARE * estimate
-        first = _part_of_task(StepShare(steps), 0.0, 1.0 / whole, tell_share)
-        second = _part_of_task(StepShare(ESTIMATE_SHARE * steps), 1.0 / whole, 1.0, tell_share)
+        first_ends = 1.0 / relative_time(estimate)
+        first = _part_of_task(StepShare(steps), 0.0, first_ends, tell_share)
+        second = _part_of_task(StepShare(ESTIMATE_SHARE * steps), first_ends, 1.0, tell_share)
     return run(case, solver, resolution, first, estimate, max_steps=max_steps, estimate_progress=second)
 
 

@@ -29,6 +29,11 @@ BUDGET_PER_FORECAST = 5.0
 """Step budget over the forecast, which is within a factor of three and leaves rejected steps out."""
 
 
+def relative_time(estimate: bool) -> float:
+    """Time of a run, with that from which its errors are estimated if they are, relative to the run alone."""
+    return 1.0 + ESTIMATE_SHARE * estimate
+
+
 @dataclass(frozen=True)
 class Cost:
     """Forecast of a run, to a factor of three or so.

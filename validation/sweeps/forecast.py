@@ -9,7 +9,7 @@ from validation import solvers
 from validation.cases import Case
 from validation.execution.run_table import RunTable
 from validation.execution.solver_tasks import expected_seconds
-from validation.solvers.cost import ESTIMATE_SHARE
+from validation.solvers.cost import relative_time
 from validation.sweeps.batch import SweepOptions
 from validation.sweeps.plan import SweepPlan
 from validation.sweeps.plan_entries import measure_names
@@ -85,7 +85,7 @@ def forecast(plan: SweepPlan, table: RunTable) -> SweepForecast:
 def _modelled(plan: SweepPlan, scene: Scene, options: SweepOptions) -> float:
     case = Case("sweep", scene)
     seconds = expected_seconds(case, plan.solver, plan.resolution, plan.max_steps)
-    return seconds * (1.0 + ESTIMATE_SHARE * options.estimate)
+    return seconds * relative_time(options.estimate)
 
 
 def _bytes(plan: SweepPlan, runs: int) -> float:
