@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from support.paper_scenes import ZONE, cycle
 
 from validation.measure.observables import observe
@@ -97,7 +98,24 @@ def test_path_towards_a_limit_point_is_a_parabola_of_the_time() -> None:
     assert path.end_slope == pytest.approx(0.08 / (-2.0 * 0.1))
     onto = path_over_radius(rows, 0.09, 1.0, 0.7)
     assert abs(onto.end_slope) >= 50.0 * 0.3
-    assert not PathOverRadius(1.0, 0.0, 0.0).passing(x).any()
+    assert not PathOverRadius(1.0, 0.0, (0.0,)).passing(x).any()
+
+
+def test_path_towards_a_limit_point_over_zones_is_the_polynomial_through_all_rows() -> None:
+    """Exact for a time that is a cubic of the radius, in steps that pass over process zones."""
+
+    def time(distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        return 0.3 * (0.09 - (distance + 0.3) ** 2) - 0.4 * (distance**3 + 0.027) + 0.4 * 0.027
+
+    distances = np.array([0.0, 0.1, 0.2, 0.35])
+    rows = RowExtrapolation(tuple(distances), tuple(time(distances)))
+    path = path_over_radius(rows, float(time(np.array(-0.25))), 1.0, 0.75, whole=True)
+    x = np.linspace(0.75, 1.0, 9)
+    np.testing.assert_allclose(path.passing(x), time(x - 1.0) / time(np.array(-0.25)), atol=1e-13)
+    fractions = np.linspace(0.0, 1.0, 9)
+    nodes = path(fractions)
+    assert (np.diff(nodes) < 0.0).all()
+    np.testing.assert_allclose(nodes[[0, -1]], (1.0, 0.75), atol=1e-13)
 
 
 def test_path_goes_on_smoothly_beyond_a_limit_point() -> None:
@@ -109,7 +127,7 @@ def test_path_goes_on_smoothly_beyond_a_limit_point() -> None:
     steps = zip(durations, paths, strict=True)
     passed = np.array([duration * path.passing(np.array([0.8]))[0] for duration, path in steps])
     np.testing.assert_allclose(passed, 0.08, atol=1e-13)
-    assert paths[0].bend < -1.0 < paths[-1].bend
+    assert paths[0].bends[0] < -1.0 < paths[-1].bends[0]
     for path in paths:
         inner = path(np.linspace(0.1, 0.95, 20))
         assert (np.diff(inner) < 0.0).all()

@@ -5,8 +5,8 @@ history and the end of the step define a polynomial. A step of a fraction of a p
 and takes the parabola through the middle of it: what is left of it changes sign there. A step over many zones
 takes all of it: the condition at its end is one on the speed of the edge. So it is, in steps of any length,
 where the edge takes up what its speed tells. With rows of equal spacing that speed is a backward
-differentiation formula, whose order is the number of rows. Towards a limit point the time is a parabola of
-the radius.
+differentiation formula, whose order is the number of rows. Towards a limit point the same holds of the time
+over the radius, which is smooth there: a parabola, or over many zones all of the polynomial.
 """
 
 from __future__ import annotations
@@ -95,29 +95,31 @@ class ParabolicPath:
 
 @dataclass(frozen=True)
 class PathOverRadius:
-    """The time is a parabola of the radius: ``f = s + bend s (s - 1)`` at ``s = (a - a0)/travel``.
+    """The time is a polynomial of the radius: ``f = s + s (s - 1) (c0 + c1 s ...)``, ``s = (a - a0)/travel``.
 
-    So it is towards a limit point, which the edge passes with infinite speed.
+    So it is towards a limit point, which the edge passes with infinite speed. ``bends = (c0, c1, ...)``.
     """
 
     start: float
     travel: float
-    bend: float
+    bends: tuple[float, ...]
 
     def __call__(self, fraction: Array) -> Array:
-        return self.start + self.travel * ParabolicPath(0.0, 1.0, self.bend).passing(fraction)
+        """Radius at about these fractions: by the parabola, which serves to leave nodes behind."""
+        middle = max(_middle(self.bends), -LARGEST_BEND)
+        return self.start + self.travel * ParabolicPath(0.0, 1.0, middle).passing(fraction)
 
     @property
     def end_slope(self) -> float:
         """Derivative with respect to the fraction at the end of the step."""
-        return self.travel / max(1.0 + self.bend, 1.0 - LARGEST_BEND)
+        return self.travel / max(1.0 + sum(self.bends), 1.0 - LARGEST_BEND)
 
     def passing(self, x: Array) -> Array:
         """Fraction at which the edge passes ``x``."""
         if self.travel == 0.0:
             return np.zeros_like(x)
         share = np.minimum(np.maximum((x - self.start) / self.travel, 0.0), 1.0)
-        return share + self.bend * share * (share - 1.0)
+        return share + share * (share - 1.0) * np.polynomial.polynomial.polyval(share, self.bends)
 
 
 @dataclass(frozen=True)
@@ -158,8 +160,10 @@ class PolynomialPath:
         return [low - high for low, high in pairwise((self.travel, *self.bends, 0.0))]
 
 
-def path_over_radius(rows: RowExtrapolation, duration: float, start: float, radius: float) -> PathOverRadius:
-    """Parabola of the time over the radius, with the curvature of the rows before.
+def path_over_radius(
+    rows: RowExtrapolation, duration: float, start: float, radius: float, whole: bool = False
+) -> PathOverRadius:
+    """Path of which the time is a polynomial of the radius.
 
     Parameters
     ----------
@@ -168,14 +172,24 @@ def path_over_radius(rows: RowExtrapolation, duration: float, start: float, radi
     duration : float
     start, radius : float
         Radius at both ends of the step.
+    whole : bool
+        Whether it is the polynomial through all rows; otherwise the parabola with their curvature.
 
     Returns
     -------
     PathOverRadius
     """
     travel = radius - start
-    bend = 0.5 * rows.curvature(travel, duration) * travel**2 / duration if duration > 0.0 else 0.0
-    return PathOverRadius(start, travel, min(max(bend, -LARGEST_TIME_BEND), LARGEST_BEND))
+    if duration <= 0.0 or travel == 0.0:
+        return PathOverRadius(start, travel, (0.0,))
+    if whole and len(rows.times) > 2:
+        nodes = [0.0, 1.0, *(distance / travel for distance in rows.times[1:])]
+        bends = _bends(nodes, [0.0, 1.0, *(time / duration for time in rows.values[1:])])
+        slope = _bend_slope(bends)
+        against = max(-float(slope[0]) / LARGEST_BEND, -float(slope.min()) / LARGEST_TIME_BEND, 1.0)
+        return PathOverRadius(start, travel, tuple(bend / against for bend in bends))
+    bend = 0.5 * rows.curvature(travel, duration) * travel**2 / duration
+    return PathOverRadius(start, travel, (min(max(bend, -LARGEST_TIME_BEND), LARGEST_BEND),))
 
 
 @dataclass(frozen=True)
@@ -243,10 +257,16 @@ def path_family(rows: RowExtrapolation | RootExtrapolation, duration: float, sta
 
 def _parabola(start: float, travel: float, bends: Sequence[float]) -> ParabolicPath:
     """Parabola through both ends and the middle of a path, its bend reduced as far as it would reverse."""
-    middle, limit = 0.0, LARGEST_BEND * abs(travel)
+    limit = LARGEST_BEND * abs(travel)
+    return ParabolicPath(start, travel, min(max(_middle(bends), -limit), limit))
+
+
+def _middle(bends: Sequence[float]) -> float:
+    """``c0 + c1 f + ...`` in the middle of a step."""
+    middle = 0.0
     for bend in reversed(bends):
         middle = 0.5 * middle + bend
-    return ParabolicPath(start, travel, min(max(middle, -limit), limit))
+    return middle
 
 
 def _bends(nodes: list[float], values: list[float]) -> tuple[float, ...]:

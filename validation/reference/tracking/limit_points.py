@@ -59,7 +59,7 @@ def prescribed_travel(
     """
     a0 = state.surface.radius
     arrivals = state.history.time_over_radius()
-    if not problem.rated and not trial.over_zones:
+    if not problem.rated:
         trial = replace(trial, arrivals=arrivals)
     if radius == a0:
         return StepOutcome(longest, rejected=True, below_zone=a0 <= problem.condition.smallest_radius)

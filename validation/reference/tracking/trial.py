@@ -75,8 +75,7 @@ class Trial:
     over_zones : bool
         Whether the step may pass over process zones; its path is then the polynomial through all rows.
     arrivals : RowExtrapolation or None
-        Time over the radius at the rows before, if the path is a parabola over the radius: towards a limit
-        point.
+        Time over the radius at the rows before, if the path is one over the radius: towards a limit point.
     """
 
     body: Body
@@ -142,7 +141,7 @@ class Trial:
 
     def _edge_path(self, duration: float, radius: float) -> EdgePath:
         if self.arrivals is not None:
-            return path_over_radius(self.arrivals, duration, self.surface.radius, radius)
+            return path_over_radius(self.arrivals, duration, self.surface.radius, radius, self.over_zones)
         family = self._paths.get(duration)
         if family is None:
             family = self._paths[duration] = path_family(self.radii, duration, self.surface.radius)
