@@ -29,7 +29,7 @@ from fem_solver.following.passage import NodePassage, PartlyReleased
 from fem_solver.following.path import EdgePolynomial
 from fem_solver.following.placement import Placement
 from fem_solver.following.state import FollowingState
-from fem_solver.following.surface_record import SurfaceRecord
+from fem_solver.following.surface_record import EdgePassage, SurfaceRecord
 
 Array = NDArray[np.float64]
 
@@ -158,7 +158,7 @@ class FollowingProblem:
             released = self._released_in_part(low, high)
             passage.at_once(self.dt, share, penetration * unit - profile, self._free[nodes], released)
             return passage
-        path = EdgePolynomial.through(state.radius, self.geometry.radius(s), self.dt, state.before)
+        path = self._path(s)
         ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
         at, change = path.passed(ends), penetration - state.penetration
 
@@ -172,6 +172,11 @@ class FollowingProblem:
         else:
             passage.cover(self.dt, share, at[:-1], at[1:], imposed, before)
         return passage
+
+    def _path(self, s: float) -> EdgePolynomial:
+        """Path of the edge over the step."""
+        state = self.state
+        return EdgePolynomial.through(state.radius, self.geometry.radius(s), self.dt, state.before)
 
     def _released_in_part(self, low: int, high: int) -> PartlyReleased | None:
         """The node in contact in part at the begin, if it is one of ``low..high-1``."""
@@ -230,16 +235,23 @@ class FollowingProblem:
         )
 
     def _recorded(self, s: float, b: Array) -> SurfaceRecord:
-        """The surface at the end of the step; from the mesh where that is fine or the edge was."""
+        """The surface at the end of the step; from the mesh where that is fine."""
         here, state = self.placement, self.state
-        nodes = SurfaceRecord(here.positions, b / here.unit, int(np.floor(s)) + 1)
+        nodes = SurfaceRecord(here.positions, b / here.unit, here.profile / here.unit, int(np.floor(s)) + 1)
         if state.record is None or s < 0.0:
             return nodes
-        low, high = self._changing(s)
-        ends = min(low, int(here.lowest)), min(max(high, self.geometry.last), len(here.unit) - 1)
-        after = state.record.after(self.solid, self.dt, self.penetration(s) - state.penetration)
-        edge = float(np.interp(s, np.arange(len(here.positions)), here.positions))
-        return after.renewed(nodes, ends, edge)
+        ends, sites = here.geometry.effective[nodes.edge - 1 :], here.positions[nodes.edge :]
+        # components sit aside of the middle of their radii by an error of the stiffness: the same all around
+        sited = 2.0 * (sites[0] + sites[1]) / (ends[0] + 2.0 * ends[1] + ends[2])
+        path = None if self.at_once else self._path(s)
+
+        def moments(x: Array) -> Array:
+            return np.ones(len(x)) if path is None else path.passed(x / sited)
+
+        penetrations = state.penetration, self.penetration(s)
+        step = EdgePassage(self.dt, penetrations, sited * self.geometry.radius(s), moments)
+        fine = slice(int(here.lowest), self.geometry.last + 1)
+        return state.record.after(self.solid, step, nodes).renewed(nodes, fine)
 
     def forces(self, s: float) -> Array:
         """All nodal forces, compressive positive; shape (n,)."""

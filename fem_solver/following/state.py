@@ -119,7 +119,9 @@ def transferred(state: FollowingState, old: Placement, new: Placement, solid: Co
     edge = new.geometry.position(state.radius) if state.edge >= 0.0 else -1.0
     inside, top = int(np.floor(state.edge)) + 1, int(np.floor(edge)) + 1
     outside = inside + (state.edge > inside - 1)  # the partly released node is neither
-    known = state.record or SurfaceRecord(old.positions, state.branches / old.unit, inside)
+    known = state.record or SurfaceRecord(
+        old.positions, state.branches / old.unit, old.profile / old.unit, inside
+    )
     x, intensity, share = known.positions, known.intensity, edge - (top - 1)
     free = known.edge + outside - inside
     within, uneven = _in_contact(known, new, top, solid)

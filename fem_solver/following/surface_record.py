@@ -2,12 +2,14 @@
 
 Away from the edge a component changes by itself: in contact by the penetration, outside by recovery, and its
 intensity, the branch variables over ``L^-1 1``, by the same law at every radius. Points that a fine strip has
-seen are thus followed exactly, whatever mesh there is now.
+seen are thus followed exactly, whatever mesh there is now, and where the edge passes them in a step, the path
+of the edge tells when.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +18,34 @@ from scipy.interpolate import PchipInterpolator
 from fem_solver.following.components import Components
 
 Array = NDArray[np.float64]
-Selection = slice | NDArray[np.bool_]
+Selection = slice | NDArray[np.bool_] | NDArray[np.intp]
 
-_STRAIGHT = 1e-4
+_STRAIGHT = 1e-5
 """Deviation from a line between its neighbours below which a point is dropped, relative to the largest
-intensity of the branch: a tenth of the tolerance of a step."""
+intensity of the branch: a tenth of what the path of an edge may miss in a step, relative to its radius, so
+that an edge that comes back does not have to make steps for points that are gone."""
+
+
+@dataclass(frozen=True)
+class EdgePassage:
+    """How the edge goes over the surface in a step.
+
+    Parameters
+    ----------
+    dt : float
+        Time; 0 for a glassy response.
+    penetrations : tuple of float
+        At the begin and at the end.
+    edge : float
+        Where the edge is at the end.
+    moments : callable(ndarray) -> ndarray
+        Shares of the step at which it is at radii between.
+    """
+
+    dt: float
+    penetrations: tuple[float, float]
+    edge: float
+    moments: Callable[[Array], Array]
 
 
 @dataclass(frozen=True)
@@ -32,74 +57,107 @@ class SurfaceRecord:
     positions : ndarray, shape (m,)
         Radii, rising.
     intensity : ndarray, shape (branches, m)
+    profile : ndarray, shape (m,)
+        The indenter's height, transformed, over ``L^-1 1``: the penetration at which contact without adhesion
+        ends there.
     edge : int
         Number of points in contact; the next one is the node that is released in part.
     """
 
     positions: Array
     intensity: Array
+    profile: Array
     edge: int
 
-    def renewed(self, nodes: SurfaceRecord, range_of_nodes: tuple[int, int], edge: float) -> SurfaceRecord:
-        """The record with what the mesh knows in a range of its nodes, thinned elsewhere.
-
-        Points that the edge has passed are left out wherever they are: with wide elements there they may lie
-        short of the first node that has changed.
+    def renewed(self, nodes: SurfaceRecord, fine: slice) -> SurfaceRecord:
+        """The record with what the mesh knows where it is fine, thinned elsewhere.
 
         Parameters
         ----------
         nodes : SurfaceRecord
             The nodes of the mesh.
-        range_of_nodes : tuple of int
-            First and last node that replace what there is; the edge is between them.
-        edge : float
-            Where the edge is now.
+        fine : slice
+            Those that replace what there is; the edge is between them.
 
         Returns
         -------
         SurfaceRecord
         """
-        first, last = range_of_nodes
-        held = np.arange(len(self.positions)) < self.edge
-        inner = held & (self.positions < min(nodes.positions[first], edge))
-        outer = ~held & (self.positions > nodes.positions[last])
-        within, beyond = slice(first, nodes.edge), slice(nodes.edge, last + 1)
-        left = _thinned(*self._joined(inner, nodes, within), int(inner.sum()))
+        inner = self.positions < nodes.positions[fine][0]
+        outer = self.positions > nodes.positions[fine][-1]
+        within, beyond = slice(fine.start, nodes.edge), slice(nodes.edge, fine.stop)
+        left = self._at(inner)._followed_by(nodes._at(within))
+        left = left._at(_needed(left.positions, left.intensity, int(inner.sum())))
+        right = nodes._at(beyond)._followed_by(self._at(outer))
         # mirrored: the points that may go come first
-        x, values = nodes._joined(beyond, self, outer)
-        right = _thinned(-x[::-1], values[:, ::-1], int(outer.sum()))
-        return SurfaceRecord(
-            np.concatenate([left[0], -right[0][::-1]]),
-            np.hstack([left[1], right[1][:, ::-1]]),
-            len(left[0]),
-        )
+        mirrored = _needed(-right.positions[::-1], right.intensity[:, ::-1], int(outer.sum()))
+        right = right._at(mirrored[::-1])
+        return replace(left._followed_by(right), edge=len(left.positions))
 
-    def _joined(self, own: Selection, other: SurfaceRecord, others: Selection) -> tuple[Array, Array]:
-        """Positions and intensities of points of two records, those of this one first."""
-        return (
-            np.concatenate([self.positions[own], other.positions[others]]),
-            np.hstack([self.intensity[:, own], other.intensity[:, others]]),
-        )
+    def after(self, solid: Components, step: EdgePassage, nodes: SurfaceRecord) -> SurfaceRecord:
+        """The record after a step, every point released or covered in its own time, exactly.
 
-    def after(self, solid: Components, dt: float, change: float) -> SurfaceRecord:
-        """The record after a time, of which what the edge passes is wrong.
+        A node of a wide element stands for the radii between two positions of the edge, and not evenly: its
+        mean is that of another radius, to one side at vertices and to the other between them. Left behind as
+        points, nodes would make the surface uneven for an edge that comes back.
 
         Parameters
         ----------
         solid : Components
-        dt : float
-            Time; 0 for a glassy response.
-        change : float
-            Of the penetration.
+        step : EdgePassage
+        nodes : SurfaceRecord
+            Nodes of the mesh: points where the edge passes them.
 
         Returns
         -------
         SurfaceRecord
         """
-        inside, outside = self.intensity[:, : self.edge], self.intensity[:, self.edge :]
-        pressed = np.full(inside.shape[1], change)
-        within = solid.linear(np.zeros_like(pressed), inside, dt, pressed)
-        return SurfaceRecord(self.positions, np.hstack([within, solid.recovered(outside, dt)[1]]), self.edge)
+        known = self._with_points(nodes, step.edge)
+        x, b, profile = known.positions, known.intensity, known.profile
+        held, holds = np.arange(len(x)) < known.edge, x < step.edge
+        first, last = (penetration - profile for penetration in step.penetrations)
+        share = np.where(held == holds, np.where(held, 1.0, 0.0), step.moments(x))
+        passed, left = first + share * (last - first), (1.0 - share) * step.dt
+        until = np.where(held, solid.linear(first, b, share * step.dt, passed), 0.0)
+        free = np.where(held, 0.0, b)
+        v, free = solid.recovered(free, share * step.dt)
+        covered = solid.linear(passed, solid.linear(v, free, 0.0, passed), left, last)
+        released = solid.linear(passed, until, 0.0, solid.relieved(passed, until, 0.0))
+        still_free = solid.recovered(np.where(held, released, b), np.where(held, left, step.dt))[1]
+        intensity = np.where(holds, np.where(held, until, covered), still_free)
+        return SurfaceRecord(x, intensity, profile, int(np.count_nonzero(holds)))
+
+    def _with_points(self, nodes: SurfaceRecord, edge: float) -> SurfaceRecord:
+        """Without the node that is released in part, and with the nodes that the edge passes on its way."""
+        within, beyond = self._at(slice(self.edge)), self._at(slice(self.edge + 1, None))
+        if beyond.positions.size and edge > beyond.positions[0]:
+            beyond = beyond._refined(nodes, beyond.positions[0], edge)
+        elif within.positions.size and edge < within.positions[-1]:
+            within = within._refined(nodes, edge, within.positions[-1])
+        return replace(within._followed_by(beyond), edge=len(within.positions))
+
+    def _refined(self, nodes: SurfaceRecord, low: float, high: float) -> SurfaceRecord:
+        """The same points, and the nodes between two radii."""
+        x = nodes.positions
+        added = nodes._at((x > low) & (x < high) & ~np.isin(x, self.positions))
+        intensity = interpolated(self.positions, self.intensity, added.positions)
+        both = self._followed_by(replace(added, intensity=intensity))
+        return both._at(np.argsort(both.positions))
+
+    def _at(self, selection: Selection) -> SurfaceRecord:
+        """Some of the points, all on one side of the edge."""
+        return SurfaceRecord(
+            self.positions[selection], self.intensity[:, selection], self.profile[selection], 0
+        )
+
+    def _followed_by(self, other: SurfaceRecord) -> SurfaceRecord:
+        """The points of two records, those of this one first."""
+        return SurfaceRecord(
+            np.concatenate([self.positions, other.positions]),
+            np.hstack([self.intensity, other.intensity]),
+            np.concatenate([self.profile, other.profile]),
+            0,
+        )
 
 
 def interpolated(x: Array, values: Array, at: Array) -> Array:
@@ -152,8 +210,8 @@ def averaged(x: Array, values: Array, bounds: Array) -> Array:
     return np.asarray(np.diff(total, axis=1) / np.diff(bounds))
 
 
-def _thinned(x: Array, values: Array, count: int) -> tuple[Array, Array]:
-    """Every second of the first points dropped where neither a line nor the interpolation misses it.
+def _needed(x: Array, values: Array, count: int) -> NDArray[np.bool_]:
+    """All points but every second of the first ones, where neither a line nor the interpolation misses it.
 
     The interpolation takes its slopes from the intervals beside a point. Where one of them is far longer than
     the other, points on a line alone would not keep it on that line.
@@ -168,25 +226,24 @@ def _thinned(x: Array, values: Array, count: int) -> tuple[Array, Array]:
 
     Returns
     -------
-    x, values : ndarray
+    ndarray of bool, shape (m,)
     """
+    kept = np.ones(len(x), dtype=bool)
     middle = np.arange(1, min(count, len(x) - 1), 2)
     if not middle.size:
-        return x, values
+        return kept
     share = (x[middle] - x[middle - 1]) / (x[middle + 1] - x[middle - 1])
     line = (1.0 - share) * values[:, middle - 1] + share * values[:, middle + 1]
     allowed = _STRAIGHT * np.abs(values).max(axis=1, keepdims=True)
     dropped = middle[(np.abs(values[:, middle] - line) <= allowed).all(axis=0)]
-    kept = np.ones(len(x), dtype=bool)
+    at = 0.5 * np.stack([x[dropped - 1] + x[dropped], 2.0 * x[dropped], x[dropped] + x[dropped + 1]])
+    known = interpolated(x, values, at.ravel()).reshape(len(values), *at.shape)
     while dropped.size:
         kept[dropped] = False
-        at = np.concatenate(
-            [0.5 * (x[dropped - 1] + x[dropped]), x[dropped], 0.5 * (x[dropped] + x[dropped + 1])]
-        )
-        missed = np.abs(interpolated(x[kept], values[:, kept], at) - interpolated(x, values, at)) > allowed
-        needed = missed.any(axis=0).reshape(3, -1).any(axis=0)
+        left = interpolated(x[kept], values[:, kept], at.ravel()).reshape(known.shape)
+        needed = (np.abs(left - known) > allowed[:, None]).any(axis=(0, 1))
         kept[dropped[needed]] = True
         if not needed.any():
             break
-        dropped = dropped[~needed]
-    return x[kept], values[:, kept]
+        dropped, at, known = dropped[~needed], at[:, ~needed], known[:, :, ~needed]
+    return kept

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from contact_scene import (
     Adhesion,
@@ -21,7 +22,9 @@ from contact_scene import (
     Scene,
     Sphere,
 )
-from fem_solver.following.surface_record import SurfaceRecord, interpolated
+from fem_solver.following.components import Components
+from fem_solver.following.surface_record import EdgePassage, SurfaceRecord, interpolated
+from fem_solver.prony import Prony
 from validation import reference
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.fitted_meshes import peels
@@ -50,27 +53,49 @@ DENTED = Scene(
 the dent, along which the edge goes over two thirds of the radius and back."""
 
 
-def record(positions: list[float], edge: int) -> SurfaceRecord:
-    """Points with an intensity that is their number."""
-    return SurfaceRecord(np.array(positions), np.arange(len(positions))[None, :].astype(float), edge)
+SOLID = Components(Prony(0.75, np.array([6.75]), np.array([1.0])))
 
 
-def test_points_that_an_advancing_edge_has_passed_leave_the_record():
-    """The node released in part lies short of the first wide element's node, and is neither held nor free."""
-    known = record([1.0, 2.0, 3.0, 3.1, 3.2, 4.0, 9.0], edge=3)
-    nodes = SurfaceRecord(np.array([0.0, 2.5, 5.0, 7.0, 7.1, 7.2]), np.full((1, 6), 50.0), 5)
-    found = known.renewed(nodes, (2, 5), edge=7.15)
-    assert found.positions.tolist() == [1.0, 2.0, 3.0, 5.0, 7.0, 7.1, 7.2, 9.0]
-    assert found.intensity[0].tolist() == [0.0, 1.0, 2.0, 50.0, 50.0, 50.0, 50.0, 6.0]
-    assert found.positions[: found.edge].max() < 7.15 < found.positions[found.edge]
+def record(positions: ArrayLike, intensity: ArrayLike, edge: int) -> SurfaceRecord:
+    """Points of a body with one branch, under a paraboloid."""
+    x = np.asarray(positions, float)
+    return SurfaceRecord(x, np.asarray(intensity, float)[None], x**2, edge)
 
 
-def test_points_that_a_receding_edge_has_passed_leave_the_record():
-    known = record([1.0, 2.0, 3.0, 3.1, 3.2, 4.0, 9.0], edge=4)
-    nodes = SurfaceRecord(np.array([0.0, 1.5, 2.4, 3.15, 6.0, 8.0]), np.full((1, 6), 50.0), 2)
-    found = known.renewed(nodes, (2, 4), edge=1.9)
-    assert found.positions.tolist() == [1.0, 2.4, 3.15, 6.0, 9.0]
+def test_a_record_is_renewed_where_the_mesh_is_fine():
+    known = record([1.0, 2.0, 3.0, 4.0, 9.0], [5.0, 1.0, 7.0, 2.0, 4.0], edge=3)
+    nodes = record([0.0, 2.5, 5.0, 7.0, 7.1, 7.2, 9.5], [50.0] * 7, edge=4)
+    found = known.renewed(nodes, slice(2, 6))
+    assert found.positions.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 7.1, 7.2, 9.0]
+    assert found.intensity[0].tolist() == [5.0, 1.0, 7.0, 2.0, 50.0, 50.0, 50.0, 50.0, 4.0]
+    assert found.positions[: found.edge].max() == 7.0
+
+
+def test_points_are_covered_in_their_own_time():
+    """Virgin ground, passed at constant speed: each point relaxes from the jump of its own moment."""
+    known = record([1.0, 1.1, 1.2, 3.0], [0.0] * 4, edge=1)  # the second one is released in part
+    nodes = record([0.5, 1.0, 1.5, 1.7, 2.5, 3.5], [0.0] * 6, edge=4)
+    step = EdgePassage(2.0, (4.0, 4.0), 2.0, lambda x: x - 1.0)
+    found = known.after(SOLID, step, nodes)
+    assert found.positions.tolist() == [1.0, 1.2, 1.5, 1.7, 3.0]
+    assert found.edge == 4
+    passed = found.positions[1:4]
+    expected = 6.75 * (4.0 - passed**2) * np.exp(-2.0 * (2.0 - passed))
+    assert found.intensity[0, 1:4] == pytest.approx(expected, rel=1e-13)
+    assert found.intensity[0, [0, 4]].tolist() == [0.0, 0.0]
+
+
+def test_points_are_released_in_their_own_time():
+    """Each loses its force at once and recovers: with one branch at the rate of retardation."""
+    known = record([1.0, 1.5, 2.0, 2.1], [0.0] * 4, edge=3)
+    step = EdgePassage(2.0, (1.0, 1.0), 1.2, lambda x: 2.0 - x)
+    found = known.after(SOLID, step, record([0.5, 1.7, 2.5], [0.0] * 3, edge=1))
+    assert found.positions.tolist() == [1.0, 1.5, 1.7, 2.0]
     assert found.edge == 1
+    x = found.positions[1:]
+    jump = -6.75 / 7.5 * 0.75 * (1.0 - x**2)
+    expected = jump * np.exp(-0.1 * 2.0 * (x - 1.0))
+    assert found.intensity[0, 1:] == pytest.approx(expected, rel=1e-13)
 
 
 @pytest.mark.parametrize("free", [True, False])
@@ -82,11 +107,10 @@ def test_the_record_is_read_the_same_after_it_has_been_thinned(free):
     strip = np.linspace(0.0215, 0.0219, 200)
     at, here = np.linspace(0.0225, 0.14, 2000), np.interp(strip, [0.0, 0.067], [0.1, 0.03])
     sign = 1.0 if free else -1.0  # in contact all is mirrored
-    nodes = SurfaceRecord(np.sort(sign * strip), here[None, :: int(sign)], 0 if free else strip.size)
-    positions, ends = np.sort(sign * outer), (0, strip.size - 1)
-    known = SurfaceRecord(positions, values[None, :: int(sign)], 0 if free else outer.size)
+    nodes = record(np.sort(sign * strip), here[:: int(sign)], 0 if free else strip.size)
+    known = record(np.sort(sign * outer), values[:: int(sign)], 0 if free else outer.size)
     for _ in range(20):
-        known = known.renewed(nodes, ends, edge=-np.inf if free else np.inf)
+        known = known.renewed(nodes, slice(strip.size))
     read = interpolated(known.positions, known.intensity, sign * at)[0]
     expected = np.interp(at, outer, values)
     assert np.abs(read - expected).max() < 3e-4 * values.max()
