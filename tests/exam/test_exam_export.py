@@ -15,6 +15,7 @@ from support.exam_answers import SCENE, case, hertz, text
 from contact_scene import SceneError, read_scene
 from crosscontact.cli import main
 from validation.cases import load
+from validation.exam import judge
 from validation.exam.export import exam_cases, export_reference, export_scenes
 from validation.exam.header import Header, read_header
 from validation.exam.judge import reference_runs
@@ -126,7 +127,14 @@ def test_bad_input_is_told_in_a_line(tmp_path, capsys):
     assert "'nobody'" in capsys.readouterr().err
 
 
+@pytest.fixture
+def _usual_reference(monkeypatch):
+    """The reference at its default resolution, of half the steps: what is asked is where its numbers go."""
+    monkeypatch.setattr(judge, "FINER", 1)
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("_usual_reference")
 def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
     """Export, answer by the script of the page, judge; the reference computed again from its header."""
     lines = SCRIPT.read_text(encoding="utf-8").splitlines()
@@ -148,6 +156,7 @@ def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("_usual_reference")
 def test_a_reference_trace_is_reproduced_from_its_header_alone(tmp_path, capsys):
     """A scene with a spring and a trigger, all of which the header holds; no file beside it."""
     asked = [replace(load("spring-elastic"), profile_times=())]
