@@ -24,6 +24,14 @@ from validation.fields.figures.quantities import QUANTITIES
 
 ROOT = Path(__file__).parents[2]
 STRESS, MISES = QUANTITIES["stress_zz"], QUANTITIES["von_mises"]
+PRESSED = """
+material = { modulus = 0.75, poisson = 0.5 }
+indenter = { shape = "sphere", radius = 1.0 }
+[loading]
+start = "relaxed"
+penetration = 0.01
+steps = [{ kind = "ramp", to = 0.011, rate = 0.01 }]
+"""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -208,7 +216,9 @@ def test_a_machine_without_opengl_is_told_so(tmp_path):
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT, env=hidden
     )
     assert done.stdout.startswith("NoRendering PyVista cannot draw on this machine")
-    run = [sys.executable, "-m", "crosscontact", "fields", "cycle-v0.1", "--resolution", "4", "--pull-off"]
+    file = tmp_path / "pressed.toml"
+    file.write_text(PRESSED)
+    run = [sys.executable, "-m", "crosscontact", "fields", str(file), "--resolution", "4", "--at", "0.1"]
     done = subprocess.run(
         [*run, "--out", str(tmp_path / "out")], capture_output=True, text=True, cwd=ROOT, env=hidden
     )
