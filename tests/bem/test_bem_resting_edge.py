@@ -135,8 +135,7 @@ def oscillating(duration):
 @pytest.mark.parametrize(
     ("resolution", "duration", "share"),
     [
-        pytest.param(4, 0.21, 0.02, marks=pytest.mark.slow),
-        pytest.param(5, 1.0, 0.02, marks=pytest.mark.slow),
+        pytest.param(5, 0.32, 0.02, marks=pytest.mark.slow),
         pytest.param(8, 1.0, 0.02, marks=pytest.mark.exhaustive),
         pytest.param(12, 1.0, 0.01, marks=pytest.mark.exhaustive),
     ],
