@@ -58,9 +58,18 @@ LONG = [
     if (name, case) not in QUICK and (name, case) != ("fem", "hold")  # ten times as long as all others
 ]
 DEFAULT = [("reference", "hold")]
+RARELY = [("reference", "cycle"), ("bem", "steps"), ("fem", "cycle"), ("fem", "steps")]
+"""Cycles and steps stay with one solver each; reports with cycles are compared between two kernels."""
+
+
+def marks(pair):
+    if pair in DEFAULT:
+        return ()
+    return pytest.mark.exhaustive if pair in RARELY else pytest.mark.slow
+
+
 pairs = pytest.mark.parametrize(
-    ("name", "case"),
-    [pytest.param(*pair, marks=[] if pair in DEFAULT else [pytest.mark.slow]) for pair in (*QUICK, *LONG)],
+    ("name", "case"), [pytest.param(*pair, marks=marks(pair)) for pair in (*QUICK, *LONG)]
 )
 KERNELS = ({"OPENBLAS_CORETYPE": "Haswell"}, {"OPENBLAS_NUM_THREADS": "2"})
 ELSEWHERE = """

@@ -300,7 +300,7 @@ def test_estimates_cover_the_errors(loading: Loading) -> None:
     ("name", "time"),
     [
         pytest.param("force-8", 1.721914918, marks=SLOW),
-        pytest.param("force-4", 30.07007421, marks=SLOW),
+        pytest.param("force-4", 30.07007421, marks=pytest.mark.exhaustive),
         pytest.param("pdms-dead-load-1um", 10.72547869, marks=pytest.mark.exhaustive),
         pytest.param("pdms-dead-load-100nm", 104.2025024, marks=pytest.mark.exhaustive),
     ],
