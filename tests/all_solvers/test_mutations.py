@@ -1,11 +1,11 @@
 """Does the quick suite catch wrong physics? Single faults, one at a time, against the suite's own checks.
 
 A fault counts as caught if a check of the quick suite that passes for the true solvers fails with the fault.
-It is tried on the scenes it names, otherwise on the cheapest of that suite; a fault that slips through all of
-those must not change any observable by more than one per cent there. Tolerances alone are asked first; error
-estimates, which only narrow them and cost several more runs, where those show nothing. What all solvers share
-is tried on one solver, against check values alone. The table of all faults is printed and written to
-``out/faults.md``.
+It is tried on the scenes it names, otherwise on the cheapest of that suite. One that is tried in CI has to be
+caught; any other that slips through all of those must not change any observable by more than one per cent
+there. Tolerances alone are asked first; error estimates, which only narrow them and cost several more runs,
+where those show nothing. What all solvers share is tried on one solver, against check values alone. The table
+of all faults is printed and written to ``out/faults.md``.
 """
 
 from __future__ import annotations
@@ -63,7 +63,6 @@ IN_CI = (
     "bem: answer: contact given up half a zone too early",
     "fem: glassy state with the relaxed ratio of the moduli",
     "fem: bulk relaxes like shear",
-    "fem: process zone longer by a length of 1e-6",
     "fem: relaxation times close together joined",
     "fem: surface 0.5 % narrower than its mesh",
     "reference: answer: tensions 1 % too small",
@@ -280,4 +279,5 @@ def test_the_faults_tried_in_ci_exist():
 )
 def test_fault_is_caught_or_small(fault, findings):
     finding = findings[fault.key].result()
-    assert finding.caught or finding.effect <= NOTICEABLE, finding.row()
+    small = fault.key not in IN_CI and finding.effect <= NOTICEABLE
+    assert finding.caught or small, finding.row()
