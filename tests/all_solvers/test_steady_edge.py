@@ -7,7 +7,6 @@ what makes up the law, one at a time: the check values show each.
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
@@ -111,18 +110,10 @@ def assert_law_holds(scene, trace, accuracy):
     return rows.law / rows.enhancement / scene.adhesion.work
 
 
-RARELY = {("steady-stress-si", "fem")}
-"""Nine seconds; the report has this run beside the scene's check values, and the other rows stay."""
-
-
-@pytest.mark.parametrize(
-    ("name", "solver"),
-    [
-        pytest.param(*pair, marks=pytest.mark.exhaustive if pair in RARELY else pytest.mark.slow)
-        for pair in product((*RATED, *STRESS), ACCURACY)
-    ],
-)
-def test_every_row_follows_the_law(name, solver):
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", ACCURACY)
+@each_scene
+def test_every_row_follows_the_law(solver, name):
     scene = load(name).scene
     assert_law_holds(scene, SOLVERS[solver].solve(scene, None), ACCURACY[solver])
 
