@@ -127,7 +127,7 @@ def test_last_digits_of_a_scene(name, case):
     assert_alike(name, case, rows(solver(name).solve(perturbed(SCENES[case], generator), RESOLUTION)))
 
 
-@pytest.mark.exhaustive  # CI repeats the numerical tests and the quick report so
+@pytest.mark.exhaustive  # CI repeats the default tests and the quick report so
 @pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: "-".join(kernel.values()))
 def test_other_kernels_and_threads(kernel):
     path = os.pathsep.join((os.path.dirname(__file__), *sys.path))
