@@ -1,6 +1,7 @@
 """The parts of the front tracking against definitions, brute force and independent integrators."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,15 +10,18 @@ from scipy.integrate import quad
 from scipy.linalg import expm
 
 from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw, Sphere, TabulatedProfile
+from contact_scene.segment import straight as straight_load
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.closure import EdgeFields, closure_integral
+from validation.reference.tracking.control import freedom
 from validation.reference.tracking.edge_path import ParabolicPath, PolynomialPath, path_family
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.penetration_path import cubic, phi
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.root import bracketed, rising_root
 from validation.reference.tracking.row_extrapolation import RowExtrapolation
+from validation.reference.tracking.surface import Body
 
 RADII = np.linspace(0.0, 1.0, 41)
 SHAPES = [
@@ -269,3 +273,17 @@ def test_a_root_close_to_its_guess_is_corrected_by_the_known_slope() -> None:
     assert found[0] == pytest.approx(0.31, abs=1e-16)
     assert len(asked) == 1
     assert rising_root(line, 0.31 + 1e-11, 0.01, 3.0, (0.31, 0.4), 1e-10) == (0.31 + 1e-11, 3.0)
+
+
+def test_penetration_is_as_free_as_the_load_leaves_it() -> None:
+    body = Body(rheology(SPREAD), transform(Sphere(2.0)))
+    stage = straight_load("stage", 0.0, 1.0, 0.0, 1.0)
+    half = 0.5 / (body.rheology.glassy * 0.1)
+    stiff, even, soft = (
+        freedom(replace(stage, compliance=c), body, 0.1) for c in (1e-6 * half, half, 1e6 * half)
+    )
+    assert freedom(straight_load("penetration", 0.0, 1.0, 0.0, 1.0), body, 0.1) == 0.0
+    assert freedom(straight_load("force", 0.0, 1.0, 0.0, 1.0), body, 0.1) == 1.0
+    assert even == pytest.approx(0.5)
+    assert 0.0 < stiff < 2e-6
+    assert 1.0 - 2e-6 < soft < 1.0

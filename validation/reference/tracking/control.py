@@ -147,6 +147,28 @@ def _between(one: Surface, two: Surface, share: float) -> Surface:
     )
 
 
+def freedom(segment: Segment, body: Body, radius: float) -> float:
+    """How free the penetration is under a load: 0 where it is prescribed, 1 under a force.
+
+    On a spring the share of the stage's travel that the contact leaves to it in a run too fast to relax.
+
+    Parameters
+    ----------
+    segment : Segment
+    body : Body
+    radius : float
+        Contact radius.
+
+    Returns
+    -------
+    float
+    """
+    if segment.control != "stage":
+        return 1.0 if segment.control == "force" else 0.0
+    soft = segment.compliance * 2.0 * body.rheology.glassy * radius
+    return soft / (1.0 + soft)
+
+
 def _slope(segment: Segment, body: Body, duration: float, path: EdgePath) -> float:
     """Change of the force, or the stage, for a change of penetration, with the edge at rest."""
     stiffness = _stiffness(body, duration, path)

@@ -55,8 +55,8 @@ class NodePlacement:
         Relative deviation allowed in a step.
     over_zones : bool
         Whether the step may pass over several process zones; its nodes then reach down to a part of a zone.
-    free : bool
-        Whether the force is controlled, so that the penetration is free.
+    freedom : float
+        How free the penetration is, from 0, prescribed, to 1, under a controlled force.
     """
 
     shortest: float
@@ -65,13 +65,15 @@ class NodePlacement:
     divisions: float
     deviation: float
     over_zones: bool = False
-    free: bool = False
+    freedom: float = 0.0
 
     def fractions(self, duration: float) -> Array:
         """Fractions of the step, rising, within (0, 1)."""
         if math.isinf(self.shortest) or duration <= 0.0 or self.travel == 0.0 or self.zone_length == 0.0:
             return np.empty(0)
-        grading = FREE_GRADING if self.over_zones and self.free else GRADING
+        grading = GRADING
+        if self.over_zones:
+            grading *= (FREE_GRADING / GRADING) ** self.freedom
         ratio = max(1.0 - grading / self.divisions, STEEPEST)
         share = 1.0 if self.over_zones else LAYER_SHARE
         smallest = max(

@@ -9,6 +9,7 @@ import numpy as np
 
 from contact_scene import Scene, Segment
 from validation.reference.tracking.abel import transform
+from validation.reference.tracking.control import freedom
 from validation.reference.tracking.equilibrium import pressed_radius, staged_radius, touching_radius
 from validation.reference.tracking.law import EdgeCondition, Griffith, NoTension
 from validation.reference.tracking.node_placement import NodePlacement
@@ -30,7 +31,8 @@ LONG_STEP_SHARE = 0.3
 """Allowed deviation of a step over process zones, in those of shorter ones, which stay far below theirs: an
 accelerating edge magnifies errors."""
 FREE_STEP_SHARE = 0.035
-"""The same under a controlled force, where no penetration holds the edge back: there by up to ten."""
+"""The same under a controlled force, where no penetration holds the edge back: there by up to ten. On
+a spring it is between the two (:func:`~validation.reference.tracking.control.freedom`)."""
 FREE_SHARE = 0.7
 """Allowed deviation of shorter steps under a controlled force: when contact is lost is a sum of all times."""
 ZONES_FROM_TURN = 2
@@ -132,7 +134,7 @@ class FrontProblem:
                 self.fineness.divisions,
                 self.fineness.deviation,
                 over_zones,
-                segment.control == "force",
+                freedom(segment, self.body, state.surface.radius),
             ),
             state.counters,
             self.edge_radius,
@@ -196,10 +198,8 @@ class FrontProblem:
             PENETRATION: max(state.largest_depth, abs(to.surface.penetration)),
         }
         over_zones = self.over_zones(state.surface.radius)
-        if segment.control == "force":
-            share = FREE_STEP_SHARE if over_zones else FREE_SHARE
-        else:
-            share = LONG_STEP_SHARE if over_zones else 1.0
+        held, free = (LONG_STEP_SHARE, FREE_STEP_SHARE) if over_zones else (1.0, FREE_SHARE)
+        share = held * (free / held) ** freedom(segment, self.body, state.surface.radius)
         return StepErrorEstimator(
             state.history,
             share * self.fineness.deviation,
