@@ -19,6 +19,8 @@ Columns = Mapping[str, Array]
 
 RICHARDSON = 1.0 / 3.0
 """Error of the finer of two runs over their difference, for order two and twice the step."""
+LIMIT_POINT = 1.0
+"""The same for order one: the moment at which contact is lost over a short zone, and the work until then."""
 NO_TENSION = 1e-9
 """Tension, relative to the largest force, that is the rounding of a contact without adhesion when it ends."""
 NEARBY = 48
@@ -26,11 +28,15 @@ NEARBY = 48
 corner, among which the nearest is sought: where an edge collapses, a small shift in time is many rows."""
 
 
-def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> dict[str, float]:
+def estimated_errors(
+    fine: Columns, coarse: Columns, detached: bool = False, over_zones: bool = False
+) -> dict[str, float]:
     """Relative errors of the finer run.
 
     ``pull_off_force`` and ``loop_energy`` as they are (a loop that almost closes: relative to a thousandth of
     the work done to and fro), ``contact_radius`` and ``force`` largest over the run, relative to the largest.
+    If contact is lost in steps over process zones, that moment and the loop are off by the whole difference:
+    they converge with first order there.
     Of runs that both lose contact (``detached``) also ``detachment_time`` and ``detachment_penetration``,
     relative to the largest and no better than the loop energy: two such moments can agree by accident.
 
@@ -40,26 +46,29 @@ def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> 
         Columns of the traces of both runs, by name.
     detached : bool
         Whether both runs lose contact.
+    over_zones : bool
+        Whether the last steps may pass over process zones.
 
     Returns
     -------
     dict of str to float
     """
     errors = {}
+    order = LIMIT_POINT if detached and over_zones else RICHARDSON
     tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
     if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
         errors["pull_off_force"] = RICHARDSON * abs(tension[0] - tension[1]) / tension[0]
     loops = [float(run["external_work"][-1]) for run in (fine, coarse)]
     turnover = float(np.abs(np.diff(fine["external_work"])).sum())
     if turnover > 0.0:
-        errors["loop_energy"] = RICHARDSON * abs(loops[0] - loops[1]) / max(abs(loops[0]), 1e-3 * turnover)
+        errors["loop_energy"] = order * abs(loops[0] - loops[1]) / max(abs(loops[0]), 1e-3 * turnover)
     if detached:
         ends = [int(np.flatnonzero(run["contact_radius"] > 0.0)[-1]) for run in (fine, coarse)]
         for name in ("time", "penetration"):
             values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
             largest = float(np.abs(fine[name]).max())
             if largest > 0.0:
-                own = RICHARDSON * abs(values[0] - values[1]) / largest
+                own = order * abs(values[0] - values[1]) / largest
                 errors[f"detachment_{name}"] = max(own, errors.get("loop_energy", 0.0))
     for name in ("contact_radius", "force"):
         errors[name] = RICHARDSON * _curve_distance(fine, coarse, name)

@@ -29,7 +29,7 @@ from contact_scene.run_control.blas_threads import single_threaded
 from contact_scene.run_control.loading_cursor import LoadingCursor
 from contact_scene.run_control.monitor import kept_state
 from validation.reference.tracking.equilibrium import start_surface
-from validation.reference.tracking.estimate import estimated_errors
+from validation.reference.tracking.estimate import Columns, estimated_errors
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.problem import FrontProblem, front_problem, with_elastic_travel
 from validation.reference.tracking.recorder import EXTRA_COLUMNS, RADIUS_OF_ROW
@@ -104,7 +104,9 @@ def solve(
         stops = replace(options, stop_times=options.stop_times + options.profile_times, profile_times=())
         coarser = _run(scene, stops, fineness.coarser(), DENSE_ROW_TOLERANCES)
         kinds = {result.outcome.kind, coarser.outcome.kind}
-        errors = estimated_errors(result.columns, coarser.columns, kinds == {OutcomeKind.DETACHED})
+        over_zones = front_problem(scene, fineness).over_zones(_last_radius(result.columns))
+        detached = kinds == {OutcomeKind.DETACHED}
+        errors = estimated_errors(result.columns, coarser.columns, detached, over_zones)
     return Trace(
         solver=NAME,
         **{name: result.columns[name] for name in COLUMNS},
@@ -125,6 +127,12 @@ class _Result:
     counters: Counters = field(default_factory=Counters)
     events: list[Event] = field(default_factory=list)
     profiles: list[SurfaceProfile] = field(default_factory=list)
+
+
+def _last_radius(columns: Columns) -> float:
+    """Contact radius in the last row in contact; 0 without one."""
+    radii = columns["contact_radius"]
+    return float(radii[radii > 0.0][-1]) if (radii > 0.0).any() else 0.0
 
 
 def _run(

@@ -6,6 +6,7 @@ passes them*, and every node is then carried to the end of the step exactly.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from validation.reference.tracking import hermite
 from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import PenetrationPath
+from validation.reference.tracking.rheology import Rheology
 from validation.reference.tracking.surface import COINCIDENT, Body, Surface, distinct, shift_last_inwards
 
 Array = NDArray[np.float64]
@@ -121,7 +123,7 @@ def _advanced(
         x = np.concatenate(([beside], x))
         units = np.concatenate((surface.units[:1], units))
     kept = slice(0 if begins else None)
-    at = h * path.passing(x)
+    at = _passed(path, x, h, rheology)
     strain = depth.penetration(at) - body.transform(x)
     covered = rheology.cover(units * np.exp(-at[:, None] / rheology.retardation), strain)
     tip = 0.0
@@ -157,7 +159,7 @@ def _receded(
     near = surface.inside[first:]
     slope = hermite.slopes(near, surface.branches[first:])
     start = hermite.evaluate(near, surface.branches[first:], slope, x) + depth.jump * rheology.moduli
-    at = h * path.passing(x)
+    at = _passed(path, x, h, rheology)
     at[0] = h
     branches = start * np.exp(-at[:, None] / rheology.times)
     branches = branches + depth.memory(np.zeros_like(at), at, rheology.times) * rheology.moduli
@@ -178,6 +180,15 @@ def _receded(
         *distinct(np.concatenate((x, surface.outside[rest:])), np.concatenate((units, outside[rest:]))),
         tip,
     )
+
+
+def _passed(path: EdgePath, x: Array, duration: float, rheology: Rheology) -> Array:
+    """Times at which the edge passes points: no later than the end by more than the shortest relaxation time.
+
+    A trial beyond a limit point passes some of them after its end, and looks back on them: over many times of
+    a fast branch what it would see is beyond floating point.
+    """
+    return np.minimum(duration * path.passing(x), duration + rheology.times.min(initial=math.inf))
 
 
 def _tip_energy(x: Array, stress: Array, glassy: float) -> float:
