@@ -119,7 +119,7 @@ class PathOverRadius:
         if self.travel == 0.0:
             return np.zeros_like(x)
         share = np.minimum(np.maximum((x - self.start) / self.travel, 0.0), 1.0)
-        return share + share * (share - 1.0) * np.polynomial.polynomial.polyval(share, self.bends)
+        return share * _horner(_per_fraction(1.0, self.bends), share)
 
 
 @dataclass(frozen=True)
@@ -131,12 +131,12 @@ class PolynomialPath:
     bends: tuple[float, ...]
 
     def __call__(self, fraction: Array) -> Array:
-        return self.start + fraction * _horner(self._per_fraction, fraction)
+        return self.start + fraction * _horner(_per_fraction(self.travel, self.bends), fraction)
 
     def passing(self, x: Array) -> Array:
         """Fraction at which the edge passes ``x``, by Newton's method from the inverse of a parabola."""
         f = _parabola(self.start, self.travel, self.bends).passing(x)
-        distance, per_fraction = x - self.start, self._per_fraction
+        distance, per_fraction = x - self.start, _per_fraction(self.travel, self.bends)
         slope = _derivative(per_fraction)
         for _ in range(NEWTON_STEPS):
             change = (f * _horner(per_fraction, f) - distance) / _horner(slope, f)
@@ -152,12 +152,7 @@ class PolynomialPath:
 
     def slope(self, fraction: Array) -> Array:
         """Derivative with respect to the fraction."""
-        return _horner(_derivative(self._per_fraction), fraction)
-
-    @property
-    def _per_fraction(self) -> list[float]:
-        """``(a - a0)/f`` as coefficients of the powers of ``f``."""
-        return [low - high for low, high in pairwise((self.travel, *self.bends, 0.0))]
+        return _horner(_derivative(_per_fraction(self.travel, self.bends)), fraction)
 
 
 def path_over_radius(
@@ -286,6 +281,11 @@ def _bends(nodes: list[float], values: list[float]) -> tuple[float, ...]:
     return tuple(bends)
 
 
+def _per_fraction(rise: float, bends: Sequence[float]) -> list[float]:
+    """``(rise f + f (f - 1) (c0 + c1 f + ...))/f`` as coefficients of the powers of ``f``."""
+    return [low - high for low, high in pairwise((rise, *bends, 0.0))]
+
+
 def _horner(coefficients: Sequence[float], f: Array) -> Array:
     value = coefficients[-1] * f + coefficients[-2]
     for coefficient in coefficients[-3::-1]:
@@ -301,4 +301,4 @@ def _derivative(per_fraction: Sequence[float]) -> list[float]:
 
 def _bend_slope(bends: Sequence[float]) -> Array:
     """Derivative of ``f (f - 1) (c0 + c1 f + ...)`` at ``SLOPE_SAMPLES``."""
-    return _horner(_derivative([low - high for low, high in pairwise((0.0, *bends, 0.0))]), SLOPE_SAMPLES)
+    return _horner(_derivative(_per_fraction(0.0, bends)), SLOPE_SAMPLES)

@@ -19,7 +19,7 @@ Columns = Mapping[str, Array]
 
 RICHARDSON = 1.0 / 3.0
 """Error of the finer of two runs over their difference, for order two and twice the step."""
-LIMIT_POINT = 1.0
+FIRST_ORDER = 1.0
 """The same for order one: the moment at which contact is lost over a short zone, and the work until then."""
 NO_TENSION = 1e-9
 """Tension, relative to the largest force, that is the rounding of a contact without adhesion when it ends."""
@@ -54,21 +54,21 @@ def estimated_errors(
     dict of str to float
     """
     errors = {}
-    order = LIMIT_POINT if detached and over_zones else RICHARDSON
+    share = FIRST_ORDER if detached and over_zones else RICHARDSON
     tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
     if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
         errors["pull_off_force"] = RICHARDSON * abs(tension[0] - tension[1]) / tension[0]
     loops = [float(run["external_work"][-1]) for run in (fine, coarse)]
     turnover = float(np.abs(np.diff(fine["external_work"])).sum())
     if turnover > 0.0:
-        errors["loop_energy"] = order * abs(loops[0] - loops[1]) / max(abs(loops[0]), 1e-3 * turnover)
+        errors["loop_energy"] = share * abs(loops[0] - loops[1]) / max(abs(loops[0]), 1e-3 * turnover)
     if detached:
         ends = [int(np.flatnonzero(run["contact_radius"] > 0.0)[-1]) for run in (fine, coarse)]
         for name in ("time", "penetration"):
             values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
             largest = float(np.abs(fine[name]).max())
             if largest > 0.0:
-                own = order * abs(values[0] - values[1]) / largest
+                own = share * abs(values[0] - values[1]) / largest
                 errors[f"detachment_{name}"] = max(own, errors.get("loop_energy", 0.0))
     for name in ("contact_radius", "force"):
         errors[name] = RICHARDSON * _curve_distance(fine, coarse, name)

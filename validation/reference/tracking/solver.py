@@ -29,7 +29,7 @@ from contact_scene.run_control.blas_threads import single_threaded
 from contact_scene.run_control.loading_cursor import LoadingCursor
 from contact_scene.run_control.monitor import kept_state
 from validation.reference.tracking.equilibrium import start_surface
-from validation.reference.tracking.estimate import Columns, estimated_errors
+from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.problem import FrontProblem, front_problem, with_elastic_travel
 from validation.reference.tracking.recorder import EXTRA_COLUMNS, RADIUS_OF_ROW
@@ -104,9 +104,8 @@ def solve(
         stops = replace(options, stop_times=options.stop_times + options.profile_times, profile_times=())
         coarser = _run(scene, stops, fineness.coarser(), DENSE_ROW_TOLERANCES)
         kinds = {result.outcome.kind, coarser.outcome.kind}
-        over_zones = front_problem(scene, fineness).over_zones(_last_radius(result.columns))
         detached = kinds == {OutcomeKind.DETACHED}
-        errors = estimated_errors(result.columns, coarser.columns, detached, over_zones)
+        errors = estimated_errors(result.columns, coarser.columns, detached, result.over_zones)
     return Trace(
         solver=NAME,
         **{name: result.columns[name] for name in COLUMNS},
@@ -122,17 +121,14 @@ def solve(
 
 @dataclass(frozen=True)
 class _Result:
+    """What a run has computed; ``over_zones``: whether its last steps in contact may pass over zones."""
+
     columns: dict[str, Array]
     outcome: Outcome
     counters: Counters = field(default_factory=Counters)
     events: list[Event] = field(default_factory=list)
     profiles: list[SurfaceProfile] = field(default_factory=list)
-
-
-def _last_radius(columns: Columns) -> float:
-    """Contact radius in the last row in contact; 0 without one."""
-    radii = columns["contact_radius"]
-    return float(radii[radii > 0.0][-1]) if (radii > 0.0).any() else 0.0
+    over_zones: bool = False
 
 
 def _run(
@@ -161,8 +157,9 @@ def _run(
     columns, outcome = _finite_rows(columns, outcome)
     if interrupted:
         outcome = replace(outcome, time=float(columns["time"][-1]))
-    state = stepper.state
-    return _Result(columns, outcome, state.counters, state.events, state.profiles)
+    radii, state = columns["contact_radius"], stepper.state
+    over_zones = stepper.problem.over_zones(float(radii[radii > 0.0][-1])) if radii.any() else False
+    return _Result(columns, outcome, state.counters, state.events, state.profiles, over_zones)
 
 
 def _stepper(
