@@ -7,10 +7,10 @@ import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 from support.spring_solver import FunctionSolver, small_scene, spring
+from support.worker_tasks import NotThere, silent, spin, square, wait_half_way
 
 from validation.cases import load
 from validation.execution import told_shares
@@ -20,12 +20,6 @@ from validation.execution.solver_tasks import run_telling_share
 from validation.execution.store import Store
 from validation.execution.tasks import Task, TaskEnding
 from validation.solvers import SOLVERS
-
-
-def square(value: float) -> float:
-    if value < 0.0:
-        raise ValueError(f"{value}\nis negative")
-    return value * value
 
 
 @dataclass(frozen=True)
@@ -81,11 +75,6 @@ def test_long_tasks_are_submitted_first_and_given_back_in_order():
     assert [result.value for result in run_tasks(tasks)] == [3, 4, 5]  # here: in the given order
 
 
-def spin() -> None:
-    while True:
-        pass
-
-
 def test_a_process_that_dies_or_hangs_costs_its_own_task():
     tasks = [
         Task("", "spins", spin, (), time_limit=0.3, expected_seconds=9.0),
@@ -103,15 +92,6 @@ def test_a_process_that_dies_or_hangs_costs_its_own_task():
         "the process ended with code 7",
     ]
     assert [result.value for result in results[4:]] == [0.0, 1.0, 4.0, 9.0, 16.0]
-
-
-def wait_half_way(seen: Path, tell_share) -> bool:
-    """Tells that it is half-way, and goes on when that is seen."""
-    tell_share(0.5)
-    deadline = time.monotonic() + 60.0
-    while not seen.exists() and time.monotonic() < deadline:
-        time.sleep(0.01)
-    return seen.exists()
 
 
 def test_a_running_task_tells_its_share_from_its_process(tmp_path, monkeypatch):
@@ -139,10 +119,6 @@ def test_more_tasks_than_places_for_shares_are_carried_out(monkeypatch):
         assert [result.value for result in run_tasks(asked, pool, progress=lambda *_: None)] == [0, 1, 2]
 
 
-def silent(value: int, tell_share=None) -> int:
-    return value
-
-
 @pytest.mark.parametrize(
     ("solver", "estimate", "ends"),
     [("bem", False, [1.0]), ("bem", True, [2 / 3, 1.0]), ("reference", True, [2 / 3])],
@@ -166,15 +142,6 @@ def test_a_run_and_the_second_one_for_its_errors_tell_their_shares(
     assert result.finished
     assert [shares[-1] for shares in runs] == pytest.approx(ends)
     assert told == sorted(told)
-
-
-def unpickled_in_vain() -> None:
-    raise ModuleNotFoundError("No module named 'nowhere'")
-
-
-class NotThere:
-    def __reduce__(self):
-        return unpickled_in_vain, ()
 
 
 def test_what_cannot_be_unpickled_fails_with_its_task():
