@@ -366,7 +366,7 @@ def test_solve_tells_which_load_step_was_the_last(capsys, tmp_path):
     scene = tmp_path / "again.toml"
     steps = [f'{{ kind = "ramp", to = {to}, rate = 1e-6 }}' for to in ("1e-6", "0.0", "2e-6", "-1e-6")]
     scene.write_text(
-        "[material]\nmodulus = 1e5\npoisson = 0.5\n[indenter]\nshape = 'cone'\nhalf_angle = 60\n"
+        "[material]\nmodulus = 1e5\npoisson = 0.5\n[indenter]\nshape = 'flat-punch'\nradius = 1e-6\n"
         f"[loading]\nstart = 'relaxed'\npenetration = 0.0\nsteps = [{', '.join(steps)}]\n"
     )
     assert code_of("solve", str(scene), "--resolution", "4") == 0

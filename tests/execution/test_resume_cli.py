@@ -207,7 +207,9 @@ def report_of(folder: Path):
     return report
 
 
-def test_a_report_does_what_is_missing(capsys, tmp_path, scene_file, monkeypatch):
+def test_a_report_does_what_is_missing_and_has_the_run_times_of_the_runs(
+    capsys, tmp_path, scene_file, monkeypatch
+):
     solved = Counting(monkeypatch)
     given = ["compare", scene_file, "--jobs", "1", "--out"]
     once, twice = tmp_path / "once", tmp_path / "twice"
@@ -216,11 +218,20 @@ def test_a_report_does_what_is_missing(capsys, tmp_path, scene_file, monkeypatch
     solved.stops = "reference"
     assert main([*given, str(twice)]) == 1
     assert [file.name for file in twice.iterdir()] == [".unfinished"]
+    entries = list((twice / ".unfinished").iterdir())
+    measured = {
+        kept.solver: kept.wall_seconds
+        for kept, _ in (checked_pickle.read(file, file.name) for file in entries)
+    }
+    assert set(measured) == {"bem", "fem"}
     assert main([*given, str(twice)]) == 0
     assert sorted(solved.runs) == sorted(all_runs)
     assert "2/3 taken over" in capsys.readouterr().err
     assert report_of(twice) == report_of(once)
     assert sorted(file.name for file in twice.iterdir()) == sorted(file.name for file in once.iterdir())
+    (scene,) = json.loads((twice / "report.json").read_text())["scenes"]
+    for solver, seconds in measured.items():
+        assert scene["runs"][solver]["wall_seconds"] == seconds
 
 
 def test_a_fresh_report_takes_nothing_over(tmp_path, scene_file, monkeypatch):
@@ -231,23 +242,6 @@ def test_a_fresh_report_takes_nothing_over(tmp_path, scene_file, monkeypatch):
     solved.runs = []
     assert main([*given, "--fresh"]) == 0
     assert {"bem", "fem", "reference"} <= set(solved.runs)
-
-
-def test_run_times_of_a_report_are_those_of_the_runs(tmp_path, scene_file, monkeypatch):
-    solved = Counting(monkeypatch)
-    solved.stops = "reference"
-    given = ["compare", scene_file, "--jobs", "1", "--out", str(tmp_path)]
-    assert main(given) == 1
-    entries = list((tmp_path / ".unfinished").iterdir())
-    measured = {
-        kept.solver: kept.wall_seconds
-        for kept, _ in (checked_pickle.read(file, file.name) for file in entries)
-    }
-    assert set(measured) == {"bem", "fem"}
-    assert main(given) == 0
-    (scene,) = json.loads((tmp_path / "report.json").read_text())["scenes"]
-    for solver, seconds in measured.items():
-        assert scene["runs"][solver]["wall_seconds"] == seconds
 
 
 @pytest.mark.parametrize("command", ["report", "compare", "solve", "study"])
@@ -274,7 +268,9 @@ MATRIX = """
 """
 
 
-@pytest.mark.parametrize("work", [POOL, MATRIX], ids=["pool", "matrix"])
+@pytest.mark.parametrize(
+    "work", [pytest.param(POOL, id="pool", marks=pytest.mark.slow), pytest.param(MATRIX, id="matrix")]
+)
 def test_workers_end_with_their_parent(work):
     imports = "import os, time\nfrom validation.execution.processes import processes\n"
     imports += "from validation.execution.run_tasks import run_tasks\n"
