@@ -24,13 +24,18 @@ def force_of(profile):
     return profile.contact_radius * np.trapezoid(density, np.append(angle, 0.5 * np.pi))
 
 
+def asked():
+    """The cycle with its profiles; two of the times lie outside the run."""
+    return bem(CYCLE, profile_times=(-1.0, *TIMES, 1e9), resolution=6)
+
+
 @pytest.fixture(scope="module")
 def profiles():
-    return bem(CYCLE, profile_times=TIMES, resolution=6).profiles
+    return asked().profiles
 
 
 def test_times_are_stepped_onto(profiles):
-    trace = bem(CYCLE, profile_times=TIMES, resolution=6)
+    trace = asked()
     assert tuple(p.time for p in profiles) == TIMES
     for profile in profiles:
         rows = np.flatnonzero(trace.time == profile.time)
@@ -75,7 +80,7 @@ def test_displacement_is_continuous_at_the_edge_and_fades(profiles):
 def test_annular_pressure_peak_on_approach_only():
     """Fig. 3: freshly covered points are still stiff and press in a ring; in retraction the edge pulls."""
     question = cycle(0.002)
-    *approach, retraction = bem(question, profile_times=(5.0, 10.0, 16.0, 24.0), resolution=6).profiles
+    *approach, retraction = bem(question, profile_times=(5.0, 10.0, 16.0, 24.0), resolution=4).profiles
     for p in approach:
         peak = int(np.argmax(p.pressure))
         assert 0.8 < p.radius[peak] / p.contact_radius < 0.99
@@ -108,15 +113,14 @@ def test_elastic_profile_is_hertzs():
 
 def test_times_outside_the_run_are_ignored_and_none_changes_the_answer():
     plain = bem(CYCLE, resolution=6)
-    asked = bem(CYCLE, profile_times=(-1.0, 1e9, 1.0), resolution=6)
-    assert [p.time for p in asked.profiles] == [1.0]
+    assert tuple(p.time for p in asked().profiles) == TIMES
     assert plain.profiles == ()
-    assert_allclose(asked.force.min(), plain.force.min(), rtol=2e-4)
+    assert_allclose(asked().force.min(), plain.force.min(), rtol=2e-4)
 
 
 def test_surface_after_detachment_and_before_contact():
     waiting = scene(Ramp(0.01, 0.01), at=-0.01, adhesion=None)
-    early, late = solve(waiting, Options(resolution=6, profile_times=(0.5, 1.5))).profiles
+    early, late = solve(waiting, Options(resolution=4, profile_times=(0.5, 1.5))).profiles
     assert early.contact_radius == early.force == 0.0
     assert_allclose(early.pressure, 0.0)
     assert_allclose(early.gap[1:], SPHERE.height(early.radius[1:]) + 0.005)
@@ -126,11 +130,11 @@ def test_surface_after_detachment_and_before_contact():
 def test_relaxed_surface_is_elastic_and_only_force_remembers():
     """A held contact forgets: after ages the profile is that of the relaxed modulus."""
     question = scene(Ramp(0.03, 10.0), Hold(1e3), adhesion=None)
-    (profile,) = solve(question, Options(resolution=6, profile_times=(1000.0,))).profiles
+    (profile,) = solve(question, Options(resolution=4, profile_times=(1000.0,))).profiles
     a = np.sqrt(0.03)
     assert_allclose(profile.contact_radius, a, rtol=2e-3)
     assert_allclose(profile.force, hertz.force(a, 1.0, ONE.relaxed_plane_modulus), rtol=2e-3)
-    assert front(scene(start="relaxed", at=0.03, adhesion=None)).force[0] > 0.0
+    assert front(scene(start="relaxed", at=0.03, adhesion=None), 4).force[0] > 0.0
 
 
 def test_profile_without_contact_or_length_scale():
@@ -150,7 +154,7 @@ def test_released_surface_keeps_its_indentation():
         material=Material(0.75, 0.5, (Branch(0.75, 0.01),)),
     )
     lost = 0.0015 / 0.096
-    profile = solve(question, Options(resolution=6, profile_times=(lost,))).profiles[-1]
+    profile = solve(question, Options(resolution=4, profile_times=(lost,))).profiles[-1]
     assert profile.contact_radius == 0.0
     assert profile.gap.min() > -1e-3 * profile.penetration
     assert_allclose(profile.displacement.max(), profile.penetration, rtol=1e-3)

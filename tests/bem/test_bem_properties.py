@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from support.bem_runs import GLASSY
+from support.bem_runs import GLASSY, bem
 from support.paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
@@ -36,7 +36,7 @@ def test_units_do_not_matter(length, modulus, time, poisson):
         scene(Ramp(0.02 * length, 0.05 * length / time), start="relaxed", at=0.005 * length).loading,
         Adhesion(WORK * modulus * length, ZONE * length),
     )
-    plain = solve(approach(ONE, adhesion=Adhesion(WORK, ZONE)), COARSE)
+    plain = bem(approach(ONE, adhesion=Adhesion(WORK, ZONE)), resolution=4)
     other = solve(scaled, COARSE)
     assert other.counters.steps == plain.counters.steps
     units = {"force": modulus * length**2, "contact_radius": length, "dissipated_energy": modulus * length**3}
@@ -45,6 +45,7 @@ def test_units_do_not_matter(length, modulus, time, poisson):
         assert_allclose(other.columns()[name] / unit, column, atol=1e-8 * np.abs(column).max(), err_msg=name)
 
 
+@pytest.mark.slow  # by default the invariant "no weight" asks it of every solver
 @few
 @given(SPECTRA, st.floats(-6.0, 6.0))
 def test_branch_of_zero_modulus_changes_nothing(branches, decade):

@@ -11,6 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from support.bem_runs import bem, front
+from support.paper_scenes import cycle
 
 from bem_solver import Options, solve
 from bem_solver.annuli import Annuli
@@ -35,7 +36,6 @@ from contact_scene import (
     Scene,
     Sphere,
 )
-from validation.cases import load
 
 PULL_OFF = {1.3e-3: 0.02028430, 1.3e-4: 0.02305769, 1.3e-5: 0.02343383, 1.3e-6: 0.02347723, 1e-9: 0.02348288}
 """By front tracking; the shortest is the limit of fast opening in closed form."""
@@ -284,7 +284,7 @@ def test_an_edge_that_has_crept_has_a_path_of_time():
 
 def test_few_steps_up_to_where_the_edge_runs_away():
     """A path of the edge over the time misses the instant of the loss by 1.4e-4, with as many steps."""
-    trace = solve(load("cycle-v0.002").scene, Options(4))
+    trace = bem(cycle(0.002), resolution=4)
     assert trace.counters.steps < 80
     assert_allclose(trace.time[-1], 43.3846019, rtol=2e-5)
 

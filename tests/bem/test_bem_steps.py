@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.bem_runs import bem
 from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
@@ -31,7 +32,7 @@ from contact_scene import (
     Table,
 )
 
-COARSE = Options(resolution=6)
+COARSE, COARSEST = Options(resolution=6), Options(resolution=4)
 
 
 def test_small_oscillation_of_a_relaxed_contact():
@@ -83,7 +84,7 @@ def test_options_have_defaults_that_refine_together():
 
 def test_tighter_tolerance_takes_more_steps():
     question = scene(Oscillate(0.005, 1.0, 3.0), start="relaxed", at=0.02, adhesion=None)
-    few, many = (solve(question, Options(resolution=6, tolerance=t)) for t in (0.02, 0.002))
+    few, many = (solve(question, Options(resolution=4, tolerance=t)) for t in (0.02, 0.002))
     assert many.counters.steps > 1.5 * few.counters.steps
 
 
@@ -135,12 +136,12 @@ def test_kinks_of_a_table_are_stepped_onto():
 def test_progress_rises_within_bounds(question):
     """Shares never fall and stay within 0 to 1; without the callable the answer is the same."""
     shares = []
-    trace = solve(question, COARSE, shares.append)
+    trace = solve(question, COARSEST, shares.append)
     assert len(shares) >= trace.counters.steps
     assert np.all(np.diff(shares) >= 0.0)
     assert shares[0] >= 0.0
     assert shares[-1] <= 1.0 + 1e-12
-    assert np.array_equal(trace.force, solve(question, COARSE).force)
+    assert np.array_equal(trace.force, solve(question, COARSEST).force)
 
 
 def test_progress_reaches_one_when_all_is_done():
@@ -227,7 +228,7 @@ def test_a_limit_point_takes_few_trials(rate, most, evaluations):
     Nor does the edge turn round before it: what coarsening the history changes of the closure stood between
     the stable and the unstable edge, and five more steps went to and fro.
     """
-    trace = solve(cycle(rate), Options(resolution=4))
+    trace = bem(cycle(rate), resolution=4)
     assert trace.outcome.kind == "detached"
     assert 0 < trace.counters.rejected_steps <= most
     assert trace.counters.closure_evaluations <= evaluations
@@ -236,7 +237,7 @@ def test_a_limit_point_takes_few_trials(rate, most, evaluations):
 
 def test_an_advancing_edge_passes_twice_as_far():
     """Where nothing but the travel limit keeps steps short."""
-    trace = solve(cycle(0.02), Options(resolution=6))
+    trace = bem(cycle(0.02), resolution=6)
     top = int(np.argmax(trace.penetration))
     travels = np.abs(np.diff(trace.contact_radius)) / ZONE
     assert 0.5 < travels[:top].max() <= 4.0 / 6.0 + 1e-9

@@ -95,7 +95,7 @@ def cycle_errors(speed, divisions=2, family="structured"):
     return np.array([a / b - 1.0 for a, b in zip(found, CHECKS[speed], strict=True)])
 
 
-@pytest.mark.parametrize("speed", CHECKS)
+@pytest.mark.parametrize("speed", [0.002, 0.02, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_cycles_at_two_elements_per_process_zone(speed):
     errors = cycle_errors(speed)
     assert np.abs(errors).max() < 1e-2
@@ -157,7 +157,7 @@ def test_relaxed_equilibrium_and_elastic_pull_off():
     trace = run(Ramp(-0.1, 0.01), penetration=0.032, material=SOFT)
     assert trace.contact_radius[0] == pytest.approx(0.245149, rel=1e-3)
     assert -trace.force.min() / JKR == pytest.approx(1.02693, rel=2e-3)
-    stiff = run(Ramp(-0.1, 0.01), penetration=0.032, material=Material(7.5, 0.5))
+    stiff = run(Ramp(-0.1, 0.01), penetration=0.01, material=Material(7.5, 0.5))
     assert -stiff.force.min() / JKR == pytest.approx(1.05837, rel=2e-3)
     # nothing is dissipated; a finite zone spends a little less than the work of adhesion, which shows as loss
     released = WORK * np.pi * (trace.contact_radius[0] ** 2 - trace.contact_radius[-1] ** 2)
@@ -381,7 +381,8 @@ def test_step_budget_is_an_outcome():
     assert len(trace) == trace.counters.steps + 1
 
 
-@pytest.mark.parametrize("scale", [(1e-6, 1e6, 1e-3), pytest.param((1e3, 1e-9, 1e6), marks=pytest.mark.slow)])
+@pytest.mark.slow  # by default the invariant "units" asks it of every solver
+@pytest.mark.parametrize("scale", [(1e-6, 1e6, 1e-3), (1e3, 1e-9, 1e6)])
 def test_units_do_not_matter(scale):
     length, modulus, time = scale
     material = Material(0.75 * modulus, 0.5, (Branch(6.75 * modulus, time),))

@@ -146,7 +146,7 @@ def test_steps_of_an_elastic_contact_do_not_depend_on_the_process_zone() -> None
     assert got.pull_off_force == pytest.approx(-exact.force, rel=1e-8)
     assert got.pull_off_radius == pytest.approx(exact.contact_radius, rel=2e-6)
     assert got.detachment_penetration == pytest.approx(last.penetration, rel=1e-8)
-    for row in range(0, len(trace) - 40, 10):
+    for row in range(0, len(trace) - 40, 20):
         state = elastic.at_penetration(float(trace.penetration[row]))
         assert trace.contact_radius[row] == pytest.approx(state.contact_radius, rel=1e-6)
         assert trace.force[row] == pytest.approx(state.force, abs=1e-6 * trace.force.max())
