@@ -55,7 +55,7 @@ def scene(indenter, *steps, start=0.0, material=GEL, machine=None):
 
 
 @every_solver
-@pytest.mark.parametrize("indenter", [BALL, Cone(70.0)], ids=["ball", "cone"])
+@pytest.mark.parametrize("indenter", [pytest.param(BALL, id="ball"), slow(Cone(70.0), id="cone")])
 def test_the_edge_of_a_contact_that_relaxes_is_at_rest(solver, indenter):
     """Lee and Radok: pressed in, the radius is that of an elastic contact, whatever relaxes."""
     trace = solver.solve(scene(indenter, PRESSED, Hold(3.0), start=1e-5))
@@ -176,7 +176,7 @@ def test_front_tracking_keeps_a_given_force(steps):
     ("indenter", "material"),
     [
         pytest.param(BALL, GEL, id="ball-gel"),
-        pytest.param(BLUNT, Material(2e4, 0.45), id="blunt-elastic"),
+        pytest.param(BLUNT, Material(2e4, 0.45), id="blunt-elastic", marks=pytest.mark.slow),
         pytest.param(BALL, Material(2e4, 0.45), id="ball-elastic", marks=pytest.mark.slow),
         pytest.param(BLUNT, GEL, id="blunt-gel", marks=pytest.mark.slow),
     ],

@@ -48,7 +48,7 @@ PUNCH = Scene(
 @pytest.mark.parametrize(
     ("question", "force"),
     [
-        pytest.param(LATE, 0.014152234, id="late"),
+        pytest.param(LATE, 0.014152234, id="late", marks=pytest.mark.slow),
         pytest.param(PRESSED, 1.8127202e-4, id="pressed", marks=pytest.mark.slow),
         pytest.param(PUNCH, 0.0077250485, id="punch"),
     ],

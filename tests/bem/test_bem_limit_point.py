@@ -26,7 +26,7 @@ LOST_AT = {0.002: 0.0633057208, 0.02: 0.0795893386, 0.1: 0.0376330894}
     [
         (0.002, 4),
         (0.02, 12),
-        (0.1, 4),
+        pytest.param(0.1, 4, marks=pytest.mark.slow),
         *(pytest.param(*row, marks=pytest.mark.exhaustive) for row in ((0.002, 12), (0.02, 4), (0.1, 12))),
     ],
 )

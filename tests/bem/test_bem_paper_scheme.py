@@ -157,7 +157,10 @@ def test_first_order_when_width_and_step_are_refined_together():
 
 @pytest.mark.parametrize(
     ("speed", "radius", "pull_off", "lost", "loop"),
-    [(0.002, 0.21116, 4.5242, -0.02277, 1.8872e-4), (0.1, 0.20092, 1.7023, 0.0042386, 7.469e-5)],
+    [
+        pytest.param(0.002, 0.21116, 4.5242, -0.02277, 1.8872e-4, marks=pytest.mark.slow),
+        (0.1, 0.20092, 1.7023, 0.0042386, 7.469e-5),
+    ],
 )
 def test_cycles(speed, radius, pull_off, lost, loop):
     trace = uniform(cycle(speed))

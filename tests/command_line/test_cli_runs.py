@@ -34,7 +34,7 @@ def test_compare_in_parallel(tmp_path):
     [
         (["solve", "sweep", "--solver", "reference"], 2.0),
         (["report", "--jobs", "2"], 0.3),
-        (["report", "--jobs", "2"], 2.0),
+        pytest.param(["report", "--jobs", "2"], 2.0, marks=pytest.mark.slow),
     ],
 )
 def test_interrupt(tmp_path, arguments, seconds):

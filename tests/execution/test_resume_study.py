@@ -54,7 +54,7 @@ def found_in(study_of) -> list:
     ]
 
 
-@pytest.mark.parametrize("at", [2, pytest.param(9, marks=pytest.mark.slow), 25])
+@pytest.mark.parametrize("at", [*(pytest.param(at, marks=pytest.mark.slow) for at in (2, 9)), 25])
 def test_a_study_does_what_is_missing(tmp_path, levels, at):
     file = tmp_path / "small.toml"
     file.write_text(SCENE)

@@ -85,7 +85,7 @@ SCENES = {
 }
 
 
-QUICK = {"close branches", "cone", "force ramp"}
+QUICK = {"cone", "force ramp"}
 
 
 @pytest.mark.parametrize(

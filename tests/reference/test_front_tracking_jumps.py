@@ -190,6 +190,7 @@ def test_rows_in_between_stay_with_their_neighbours(decades: list[int], heights:
     assert got.max() <= 2.0
 
 
+@pytest.mark.slow
 def test_a_force_that_rises_from_nothing_leaves_sane_rows() -> None:
     """The contact begins as a point: its first rows crowd, and nothing is made up between them."""
     branches = (
@@ -208,7 +209,7 @@ def test_a_force_that_rises_from_nothing_leaves_sane_rows() -> None:
 
 
 @pytest.mark.parametrize(
-    "exponent", [1.28, 8.0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1.0, 2.0))]
+    "exponent", [1.28, *(pytest.param(n, marks=pytest.mark.slow) for n in (1.0, 2.0, 8.0))]
 )
 def test_a_contact_that_begins_as_a_point_soon_forgets_it(exponent: float) -> None:
     """A contact that grows has the radius of an elastic one, whatever it has been through (Lee and Radok)."""

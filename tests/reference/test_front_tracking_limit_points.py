@@ -202,7 +202,7 @@ def test_nodes_in_a_relaxing_layer_come_closer_with_the_tolerance() -> None:
     np.testing.assert_allclose(nearest[:2], np.array(nearest[1:]) * 2.0, rtol=0.15)
 
 
-@pytest.mark.parametrize("rate", FINE)
+@pytest.mark.parametrize("rate", [0.002, pytest.param(0.02, marks=pytest.mark.slow), 0.1])
 def test_cycles_of_the_paper_take_few_evaluations(rate: float) -> None:
     trace = solve(cycle(rate), Options(resolution=6))
     assert trace.counters.closure_evaluations < EVALUATIONS[rate]

@@ -69,8 +69,7 @@ def approached(scene: Scene):
     return law(scene).approach(scene.loading.penetration, step.to, step.rate)
 
 
-QUICK = ("pdms-dead-load-100nm", "force-4")
-"""A force and a dead load."""
+QUICK = ("pdms-dead-load-100nm",)
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in QUICK else SLOW) for name in SCENES])
