@@ -76,14 +76,19 @@ class NodePassage:
         """
         reached = share * imposed + (1.0 - share) * free
         top = int(np.count_nonzero(share == 1.0))
-        v, b = self.v[top : top + 1], self.b[:, top : top + 1]
+        v, b, stays_free = self.v[top : top + 1], self.b[:, top : top + 1], None
         if partly is not None:
             at = partly.at
             reached[at] = self._reached_in_part(partly, float(share[at]), float(imposed[at]))
-            if at == top:
+            if at == top and share[at] > partly.share:
+                stays_free = (1.0 - share[at]) * self._free_by_mean(at, partly.share)
+            elif at == top:
                 v, b = np.array([partly.contact]), self.held[:, None]
-        self.held = self.solid.linear(v, b, dt, imposed[top : top + 1])
+        held = self.solid.linear(v, b, dt, imposed[top : top + 1])
         self.linear(np.full(len(self.v), dt), reached)
+        if stays_free is not None:  # radii just covered have jumped from elsewhere than those in contact
+            held = (self.b[:, top] - stays_free)[:, None] / share[top]
+        self.held = held
 
     def _reached_in_part(self, partly: PartlyReleased, share: float, imposed: float) -> float:
         """Mean of the node in contact in part after a change in no time.

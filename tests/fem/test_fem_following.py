@@ -28,7 +28,7 @@ from contact_scene import (
 )
 from fem_solver.following import history, state
 from fem_solver.following.components import Components
-from fem_solver.following.passage import NodePassage
+from fem_solver.following.passage import NodePassage, PartlyReleased
 from fem_solver.following.path import EdgePolynomial, missed_by_extrapolation
 from fem_solver.following.problem import FollowingProblem
 from fem_solver.process_zone import ZoneShift
@@ -123,6 +123,23 @@ def test_radii_covered_one_by_one_lose_what_each_stores_after_its_jump(time, ste
         passage.held = passage.held[:, 0]
     left = solid.stored(passage.v, passage.b)
     assert passage.dissipated == pytest.approx(float((jumped - left)[0]), rel=1e-12)
+
+
+@pytest.mark.parametrize("after", [0.004, 0.5, 0.999])
+def test_a_jump_within_a_node_leaves_its_radii_where_each_of_them_jumps_to(after):
+    """Those in contact follow the indenter, those just covered come to it, the free ones stay."""
+    solid, before, contact, imposed = Components(SHEAR), 0.01, np.array([0.3]), np.array([0.35])
+    held = np.full((3, 1), 0.02)
+    away, free = solid.recovered(np.array([[0.05], [-0.02], [0.01]]), 0.4)
+    v, b = before * contact + (1.0 - before) * away, before * held + (1.0 - before) * free
+    passage = NodePassage(solid, v, b, held[:, 0], False)
+    passage.at_once(0.0, np.array([after]), imposed, away, PartlyReleased(0, before, float(contact[0])))
+    in_contact = solid.linear(contact, held, 0.0, imposed)
+    if after > before:
+        covered = solid.linear(away, free, 0.0, imposed)
+        assert_allclose(passage.b, before * in_contact + (after - before) * covered + (1.0 - after) * free)
+        in_contact = (before * in_contact + (after - before) * covered) / after
+    assert_allclose(passage.held, in_contact, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
