@@ -116,8 +116,8 @@ class AcceptedStates:
         if outcome is not None:
             raise RunEnded(outcome)
 
-    def _commit(self, candidate: ContactCandidate, contact: bool = True) -> None:
-        """Accept a state, in contact or free: history, row, counters."""
+    def _commit(self, candidate: ContactCandidate, contact: bool = True, bent: float = 0.0) -> None:
+        """Accept a state, in contact or free: history, row, counters; ``bent`` as of a surface state."""
         forces = candidate.problem.forces(candidate.edge.s)
         penetration, force, radius = candidate.penetration, candidate.force, self.solver.radius(candidate)
         if not (np.isfinite(forces).all() and all(map(math.isfinite, (penetration, force, radius)))):
@@ -147,6 +147,7 @@ class AcceptedStates:
                 zone=candidate.problem.zone(candidate.edge.s),
                 received=received,
                 smooth="force" in self.estimator.slopes,
+                bent=bent,
                 singular_force=candidate.singular_force,
                 **self._at_tip(candidate.edge.s, radius, forces),
                 **self._interface(candidate, radius),

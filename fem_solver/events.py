@@ -41,7 +41,9 @@ class LoadJump:
     done, part : float
         Share of the jump that is accepted, and of the next part.
     response_scale : float
-        Largest response so far.
+        Largest change of the response so far.
+    bent : float
+        Work in the last part beyond its trapezoid, ``int F dD`` along parabolas through its middle.
     """
 
     control: Control
@@ -50,6 +52,8 @@ class LoadJump:
     done: float = 0.0
     part: float = 1.0
     response_scale: float = 0.0
+    bent: float = 0.0
+    _begin: float | None = None
 
     @property
     def complete(self) -> bool:
@@ -65,7 +69,7 @@ class LoadJump:
         state : SurfaceState
             The last accepted one.
         tolerance : float
-            Deviation from a linear response, relative to the largest response so far.
+            Deviation from a linear response, relative to the largest change of the response so far.
 
         Returns
         -------
@@ -78,11 +82,15 @@ class LoadJump:
             return None if self.part > _LAST_PART else end
         middle = self._at(solver, state, self.done + 0.5 * self.part)
         before = state.penetration if self.control == "force" else state.force
-        responses = (before, end.response)
-        self.response_scale = max(self.response_scale, *(abs(response) for response in responses))
-        deviation = abs(middle.response - 0.5 * (responses[0] + responses[1]))
+        if self._begin is None:
+            self._begin = before
+        self.response_scale = max(self.response_scale, abs(end.response - self._begin))
+        deviation = abs(middle.response - 0.5 * (before + end.response))
         curved = not middle.in_equilibrium or deviation > tolerance * self.response_scale
-        return None if curved and self.part > _SHORTEST_PART else end
+        if curved and self.part > _SHORTEST_PART:
+            return None
+        self.bent = _work_of_bend(state, middle, end) if middle.in_equilibrium else 0.0
+        return end
 
     def halve(self) -> None:
         """Try again with half the part."""
@@ -100,6 +108,14 @@ class LoadJump:
     def _at(self, solver: ContactSolver, state: SurfaceState, share: float) -> ContactCandidate:
         limits = (solver.setup.law.lowest, math.inf)
         return solver.trial(0.0, self.control, self.value(share), state.edge, limits)
+
+
+def _work_of_bend(first: SurfaceState, middle: ContactCandidate, last: ContactCandidate) -> float:
+    """``int F dD`` beyond the trapezoid, along parabolas through three states."""
+    depth, force = last.penetration - first.penetration, last.force - first.force
+    depth_bend = middle.penetration - 0.5 * (first.penetration + last.penetration)
+    force_bend = middle.force - 0.5 * (first.force + last.force)
+    return 2.0 / 3.0 * (force_bend * depth - depth_bend * force)
 
 
 def zone_reached(

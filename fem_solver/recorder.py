@@ -60,6 +60,8 @@ class SurfaceState:
         Work done on the surface so far, where the history knows it better than trapezoids between rows.
     smooth : bool
         Whether the rates of the step before go on into the one that ends here.
+    bent : float
+        Work since the last state beyond its trapezoid, where a load jump tells it.
     release : tuple of float
         Glassy energy release rate of the tip, opening and closing (see ``tip_release``).
     singular_force : float
@@ -83,6 +85,7 @@ class SurfaceState:
     duration: float = 0.0
     received: float | None = None
     smooth: bool = False
+    bent: float = 0.0
     release: tuple[float, float] = UNKNOWN_RELEASE
     singular_force: float = 0.0
 
@@ -143,15 +146,20 @@ class SurfaceRecorder:
         """Append an accepted state."""
         content = self.content
         if content.last is not None:
-            mean, bent = 0.5 * (state.force + content.last.force), self._work_of_bend(state)
+            mean = 0.5 * (state.force + content.last.force)
+            bent = state.bent + self._work_of_bend(state)
             content.external_work += mean * (state.penetration - content.last.penetration) + bent
         if content.last is not None and state.received is not None:
             content.surface_work += state.received - (content.last.received or 0.0)
+            if self.work_of_adhesion == 0.0:
+                content.surface_work += state.bent
         elif content.last is not None:
             forces = 0.5 * (state.forces + content.last.forces)
             content.surface_work += float(forces @ (state.displacement - content.last.displacement))
             if state.radius == content.last.radius:  # otherwise forces at the edge open it, on straight lines
                 content.surface_work += bent
+            elif self.work_of_adhesion == 0.0:
+                content.surface_work += state.bent
         else:
             content.first = state
         first = content.first or state

@@ -246,7 +246,7 @@ class NodeReleaseRun(SteppedStates):
                 self._contact_lost(candidate)
             if self._below_zone(candidate):
                 self._end_in_jump(jump)
-            self._commit(candidate)
+            self._commit(candidate, bent=jump.bent)
             jump.advance()
 
     def _end_in_jump(self, jump: LoadJump) -> NoReturn:

@@ -12,6 +12,7 @@ from validation.cases import load
 from validation.measure.observables import observe
 from validation.reference import Options, solve
 from validation.reference.tracking import hermite
+from validation.reference.tracking.row_integrals import integrals
 
 PERIODS, FREQUENCY = 2.8, 60.0
 EDGE_CROSSES_ITS_FIRST_PLACE = Scene(
@@ -40,6 +41,14 @@ def test_asked_times_do_not_change_the_energies(stops: int, name: str) -> None:
     trace = _run(stops)
     column = trace.extra[name] if name in trace.extra else getattr(trace, name)
     assert column[-1] == pytest.approx(FINE[name], rel=5e-4)
+
+
+@pytest.mark.parametrize("behind", [1e-3, 3e-6])
+def test_a_force_that_bends_where_an_edge_sets_off_does_the_work_of_its_two_lines(behind: float) -> None:
+    """An edge whose speed follows a law sets off within a thousandth of the step before."""
+    depth = np.array([0.0, 0.2, 0.4, 0.6, 0.6 + behind, 0.6 + 2.0 * behind, 0.6 + 4.0 * behind])
+    force = np.where(depth < 0.6, 2.0 * depth, 1.2 - (depth - 0.6))
+    assert integrals(depth, force, depth, [0, 6]).sum() == pytest.approx(np.trapezoid(force, depth), rel=1e-5)
 
 
 def test_squares_are_integrated_along_the_interpolated_field() -> None:

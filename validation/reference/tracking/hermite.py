@@ -22,12 +22,15 @@ _GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
 _ENDS, _NEXT = np.array([0, -1]), np.array([1, -2])  # the outer nodes and intervals, and the ones behind
 
 
-def slopes(x: Array, y: Array) -> Array:
-    """Limited slopes at the nodes ``x`` (m,), strictly rising; ``y`` has shape (m,) or (m, n)."""
+def slopes(x: Array, y: Array, step: float = STEP) -> Array:
+    """Limited slopes at the nodes ``x`` (m,), strictly rising; ``y`` has shape (m,) or (m, n).
+
+    ``step`` is the ratio of neighbouring intervals at which the slope is that of the node's own side.
+    """
     if len(x) == 1:
         return np.zeros_like(y)
     if y.ndim == 2 and y.shape[1] == 1:
-        column: Array = slopes(x, y[:, 0])[:, None]
+        column: Array = slopes(x, y[:, 0], step)[:, None]
         return column
     widths = x[1:] - x[:-1]
     h = widths if y.ndim == 1 else widths[:, None]
@@ -44,7 +47,7 @@ def slopes(x: Array, y: Array) -> Array:
     middle += left
     np.minimum(np.maximum(middle, -bound), bound, out=result[1:-1])
     # At the ends, and beside a step, the slope is that of the node's own side.
-    steps = beside_steps(widths)
+    steps = beside_steps(widths, step)
     if y.ndim == 1 and not len(steps):  # the usual case: an eighth of a run is saved without arrays of two
         for end, behind in ((0, 1), (-1, -2)):
             last, width = float(secant[end]), float(widths[end])
@@ -57,7 +60,7 @@ def slopes(x: Array, y: Array) -> Array:
     near = np.concatenate((_ENDS % len(h), np.where(on_left, steps - 1, steps)))
     far = np.concatenate((_NEXT % len(h), np.where(on_left, steps - 2, steps + 1)))
     far = np.where((far >= 0) & (far < len(h)), far, near)
-    far = np.where(widths[far] > STEP * widths[near], far, near)
+    far = np.where(widths[far] > step * widths[near], far, near)
     own = secant[near]
     one_sided = own + (own - secant[far]) * (h[near] / (h[near] + h[far]))
     bound = 3.0 * np.abs(own)
@@ -65,13 +68,13 @@ def slopes(x: Array, y: Array) -> Array:
     return result
 
 
-def beside_steps(widths: Array) -> NDArray[np.intp]:
+def beside_steps(widths: Array, step: float = STEP) -> NDArray[np.intp]:
     """Inner nodes with another so close on one side that the data may step between them.
 
-    ``widths`` are those of the intervals between all nodes.
+    ``widths`` are those of the intervals between all nodes, ``step`` the ratio of two of them from which on.
     """
     left, right = widths[:-1], widths[1:]
-    return ((right < STEP * left) | (left < STEP * right)).nonzero()[0] + 1
+    return ((right < step * left) | (left < step * right)).nonzero()[0] + 1
 
 
 def evaluate(x: Array, y: Array, slope: Array, at: Array) -> Array:

@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(3)
 _GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
+_CORNER = 1e-2
+"""Ratio of neighbouring steps from which on the force may bend within the shorter: an edge sets off."""
 
 
 def integrals(time: Array, force: Array, depth: Array, ends: list[int]) -> Array:
@@ -38,7 +40,7 @@ def integrals(time: Array, force: Array, depth: Array, ends: list[int]) -> Array
         if t[0] == t[-1]:
             t = np.arange(len(f), dtype=float)
         h = np.diff(t)
-        f_slope, d_slope = hermite.slopes(t, f), hermite.slopes(t, d)
+        f_slope, d_slope = hermite.slopes(t, f, _CORNER), hermite.slopes(t, d, _CORNER)
         at = t[:-1, None] + h[:, None] * _GAUSS
         speed = hermite.rate(t, d, d_slope, at)
         parts[first:last] = h * ((hermite.evaluate(t, f, f_slope, at) * speed) @ _WEIGHT)
