@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from contact_scene.segment import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import EdgeMotion
-from fem_solver.recorder import SurfaceState
+from fem_solver.recorder import SurfaceState, work_of_bends
 from fem_solver.release import ContactProblem
 
 _SHORTEST_PART = 2.0**-10
@@ -38,6 +38,8 @@ class LoadJump:
     control : "penetration", "force" or "stage"
     first, last : float
         Values of the controlled quantity.
+    begin : SurfaceState
+        The state before the jump.
     done, part : float
         Share of the jump that is accepted, and of the next part.
     response_scale : float
@@ -49,11 +51,11 @@ class LoadJump:
     control: Control
     first: float
     last: float
+    begin: SurfaceState
     done: float = 0.0
     part: float = 1.0
     response_scale: float = 0.0
     bent: float = 0.0
-    _begin: float | None = None
 
     @property
     def complete(self) -> bool:
@@ -81,11 +83,9 @@ class LoadJump:
         if not end.in_equilibrium:
             return None if self.part > _LAST_PART else end
         middle = self._at(solver, state, self.done + 0.5 * self.part)
-        before = state.penetration if self.control == "force" else state.force
-        if self._begin is None:
-            self._begin = before
-        self.response_scale = max(self.response_scale, abs(end.response - self._begin))
-        deviation = abs(middle.response - 0.5 * (before + end.response))
+        change = abs(end.response - self._response(self.begin))
+        self.response_scale = max(self.response_scale, change)
+        deviation = abs(middle.response - 0.5 * (self._response(state) + end.response))
         curved = not middle.in_equilibrium or deviation > tolerance * self.response_scale
         if curved and self.part > _SHORTEST_PART:
             return None
@@ -105,6 +105,9 @@ class LoadJump:
         """The controlled quantity at a share of the jump."""
         return self.last if share == 1.0 else self.first + share * (self.last - self.first)
 
+    def _response(self, state: SurfaceState) -> float:
+        return state.penetration if self.control == "force" else state.force
+
     def _at(self, solver: ContactSolver, state: SurfaceState, share: float) -> ContactCandidate:
         limits = (solver.setup.law.lowest, math.inf)
         return solver.trial(0.0, self.control, self.value(share), state.edge, limits)
@@ -112,10 +115,10 @@ class LoadJump:
 
 def _work_of_bend(first: SurfaceState, middle: ContactCandidate, last: ContactCandidate) -> float:
     """``int F dD`` beyond the trapezoid, along parabolas through three states."""
-    depth, force = last.penetration - first.penetration, last.force - first.force
-    depth_bend = middle.penetration - 0.5 * (first.penetration + last.penetration)
-    force_bend = middle.force - 0.5 * (first.force + last.force)
-    return 2.0 / 3.0 * (force_bend * depth - depth_bend * force)
+    depth_bend = 2.0 * (first.penetration + last.penetration) - 4.0 * middle.penetration
+    force_bend = 2.0 * (first.force + last.force) - 4.0 * middle.force
+    rises = last.penetration - first.penetration, last.force - first.force
+    return work_of_bends(rises, (depth_bend, force_bend))
 
 
 def zone_reached(

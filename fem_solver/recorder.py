@@ -90,6 +90,17 @@ class SurfaceState:
     singular_force: float = 0.0
 
 
+def work_of_bends(rises: tuple[float, float], bends: tuple[float, float]) -> float:
+    """``int F dD`` beyond the trapezoid along parabolas.
+
+    Parameters
+    ----------
+    rises, bends : tuple of float
+        Of penetration and force: the rise over the way, and ``c`` of ``c s (s - 1)`` over its share s.
+    """
+    return (bends[0] * rises[1] - bends[1] * rises[0]) / 6.0
+
+
 @dataclass
 class RecorderContent:
     """Serialisable content of a recorder: rows, events, profiles and the work between the rows."""
@@ -147,21 +158,20 @@ class SurfaceRecorder:
         content = self.content
         if content.last is not None:
             mean = 0.5 * (state.force + content.last.force)
-            bent = state.bent + self._work_of_bend(state)
+            bent = self._work_of_bend(state)
             content.external_work += mean * (state.penetration - content.last.penetration) + bent
         if content.last is not None and state.received is not None:
             content.surface_work += state.received - (content.last.received or 0.0)
-            if self.work_of_adhesion == 0.0:
-                content.surface_work += state.bent
         elif content.last is not None:
             forces = 0.5 * (state.forces + content.last.forces)
             content.surface_work += float(forces @ (state.displacement - content.last.displacement))
-            if state.radius == content.last.radius:  # otherwise forces at the edge open it, on straight lines
-                content.surface_work += bent
-            elif self.work_of_adhesion == 0.0:
-                content.surface_work += state.bent
         else:
             content.first = state
+        if content.last is not None:
+            if state.received is None and state.radius == content.last.radius:
+                content.surface_work += bent
+            elif self.work_of_adhesion == 0.0:  # otherwise forces at the edge open it, on straight lines
+                content.surface_work += state.bent
         first = content.first or state
         stored = state.stored - first.stored
         interface = state.interface - first.interface
@@ -199,7 +209,7 @@ class SurfaceRecorder:
         misses a ten-thousandth of a smooth press, which may be all that an almost elastic contact loses.
         """
         if not state.smooth or len(self.content.rows) < 2:
-            return 0.0
+            return state.bent
         (t0, depth0, force0), (t1, depth1, force1) = (row[:3] for row in self.content.rows[-2:])
         before, now = t1 - t0, state.time - t1
         if min(before, now) <= 0.0:
@@ -212,7 +222,7 @@ class SurfaceRecorder:
 
         depth, depth_bend = path(depth0, depth1, state.penetration)
         force, force_bend = path(force0, force1, state.force)
-        return (depth_bend * force - force_bend * depth) / 6.0
+        return work_of_bends((depth, force), (depth_bend, force_bend))
 
     def mark(self) -> RowBefore:
         """What is needed to take the next row back."""

@@ -234,7 +234,7 @@ class NodeReleaseRun(SteppedStates):
             return
         self.estimator.reset()
         tolerance = self.setup.jump_tolerance * self.estimator.tolerance
-        jump = LoadJump(segment.control, before, target)
+        jump = LoadJump(segment.control, before, target, state)
         while not jump.complete:
             self._check_budget()
             candidate = jump.trial(self.solver, self.state, tolerance)
