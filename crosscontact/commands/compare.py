@@ -80,7 +80,7 @@ def run(
     if folder is not None:
         with Progress("compare") as writing:
             writing.phase("drawing and writing")
-            write(result, folder)
+            write(result, folder, jobs, writing)
         store.clear()
         print(f"written to {folder / 'index.html'}")
     code = exit_code(result.failures)

@@ -82,7 +82,7 @@ def run(
         result = replace(result, baseline=regression.compare(baseline, old, of_report(result), loaded))
     with Progress("report") as writing:
         writing.phase("drawing and writing")
-        write(result, folder)
+        write(result, folder, jobs, writing)
     store.clear()
     print(f"{counted(len(result.checks), 'check')}, {len(result.failures)} failed: {folder / 'index.html'}")
     code = exit_code(result.failures)

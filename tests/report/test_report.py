@@ -57,6 +57,17 @@ def test_all_forms_are_there(built):
     assert report.failures
 
 
+@pytest.mark.slow
+def test_pages_drawn_by_two_processes_are_the_same(built, tmp_path):
+    report, _ = built
+    shares: list[float] = []
+    for name, workers in (("here", 1), ("there", 2)):
+        (tmp_path / name).mkdir()
+        write(report, tmp_path / name, workers, shares.append)
+    assert (tmp_path / "there/index.html").read_text() == (tmp_path / "here/index.html").read_text()
+    assert shares == [0.5, 1.0] * 2
+
+
 def test_json_has_every_check(built):
     report, folder = built
     data = json.loads((folder / "report.json").read_text())

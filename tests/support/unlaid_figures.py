@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 import pytest
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 BARE_AXES = {
@@ -21,4 +22,5 @@ def without_layout() -> Iterator[None]:
     """Figures made inside keep the margins that Matplotlib starts with, and number no ticks."""
     with pytest.MonkeyPatch.context() as patch, rc_context(BARE_AXES):
         patch.setattr(ConstrainedLayoutEngine, "execute", lambda engine, figure: None)
+        patch.setattr(Figure, "tight_layout", lambda figure, **options: None)
         yield

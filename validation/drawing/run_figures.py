@@ -47,7 +47,7 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
     """One panel with all curves laid over each other; the largest tension of each is marked."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=SIZE, layout="constrained")
+    figure = Figure(figsize=SIZE)
     axes = figure.add_subplot()
     for curve in sorted(curves, key=_width, reverse=True):
         x, y = curve.columns.get(panel.across), curve.columns.get(panel.up)
@@ -72,6 +72,8 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
     axes.locator_params(axis="x", nbins=6)  # more would run into each other where numbers are long
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, labelcolor=INK, fontsize="small", handlelength=2.6)
+    figure.tight_layout(pad=0.4)
+    figure.set_layout_engine(None)  # once is enough for one pair of axes; an engine draws everything twice
     return figure
 
 

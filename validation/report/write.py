@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from validation.cases import Case
 from validation.claims.all import checks as claim_checks
+from validation.compare.suite import SceneComparison
 from validation.drawing import export
 from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
+from validation.execution.processes import processes
 from validation.execution.run_folder import write_run
 from validation.report import html, json_data, junit, markdown
-from validation.report.document import Document, figures_of
+from validation.report.document import Document, Section, figures_of
 from validation.report.figures import zone_chart
 from validation.report.report import Report
 from validation.report.report_folder import REPORT, STABILITY, STUDY, poisson_json, zones_json
@@ -35,14 +38,14 @@ from validation.studies.study import Study
 from validation.studies.zones import ZoneRun
 
 
-def page(report: Report) -> Document:
-    """Everything, with figures."""
+def page(report: Report, scenes: Sequence[Section]) -> Document:
+    """Everything, with figures; ``scenes`` are the sections of its scenes."""
     parts = [overview.section(report)]
     parts += [] if report.baseline is None else [regression.section(report.baseline)]
     parts += [] if report.claims is None else [claims.section(report.claims)]
     parts += [] if report.stability is None else [stability.section(report.stability)]
     parts += [] if report.fields is None else [fields.section(report.fields)]
-    parts += map(scene.section, report.scenes)
+    parts += scenes
     parts += [costs.section(report.runs), environment.section(report.environment, report.wall_seconds)]
     return Document(overview.title(report), (overview.lead(report),), tuple(parts))
 
@@ -73,11 +76,22 @@ def suites(report: Report) -> list[junit.CheckSuite]:
     return made
 
 
-def write(report: Report, folder: Path) -> None:
+def write(
+    report: Report, folder: Path, workers: int = 1, progress: Callable[[float], None] | None = None
+) -> None:
     """Write ``index.html``, ``summary.md``, ``report.json``, ``junit.xml``, ``runs/SCENE/SOLVER/``.
 
     What passed has pages of its own in ``pages/`` where one page would be too large. Figures of the paper, of
     the matrix and of fields also come as files in ``figures/``.
+
+    Parameters
+    ----------
+    report : Report
+    folder : Path
+    workers : int
+        Processes that draw; 1: this one.
+    progress : callable or None
+        Called with the share of the scenes that are drawn, 0 to 1.
     """
     (folder / "index.html").unlink(missing_ok=True)  # if it is there, the set is complete
     for one in report.scenes:
@@ -87,7 +101,21 @@ def write(report: Report, folder: Path) -> None:
     checks = junit.text(f"crosscontact {report.suite}", suites(report), report.wall_seconds)
     write_whole(folder / "junit.xml", checks)
     write_whole(folder / "summary.md", markdown.text(summary(report)))
-    _write_page(page(report), folder)
+    _write_page(page(report, _scene_sections(report.scenes, workers, progress)), folder)
+
+
+def _scene_sections(
+    scenes: Sequence[SceneComparison], workers: int, progress: Callable[[float], None] | None
+) -> list[Section]:
+    """Sections of the scenes: drawing their curves is most of the work of a page."""
+    with processes(min(workers, len(scenes))) as executor:
+        drawn = (map if executor is None else executor.map)(scene.section, scenes)
+        sections = []
+        for section in drawn:
+            sections.append(section)
+            if progress is not None:
+                progress(len(sections) / len(scenes))
+    return sections
 
 
 def write_study(result: Study, folder: Path) -> None:
