@@ -190,7 +190,7 @@ def _(true):
     return observe
 
 
-@measure_fault("work by steps", "observables:loop_energy", ("cycle-v0.1",))
+@measure_fault("work by steps", "observables:loop_energy", ("cycle-si-small",))
 def _(true):
     return lambda trace: float((trace.force[:-1] * np.diff(trace.penetration)).sum())
 
