@@ -17,13 +17,19 @@ a ring force excites that far field; it differs from one by the order of ``(r_i/
 compliance ``C_ij = C^0_ij + c_i v_j`` symmetric.
 
 With the surface ordered behind the body, the last diagonal block of the factors ``L D L^T`` factorises the
-stiffness condensed to the surface (the Schur complement), and ``C^0 = L_ss^-T D_ss^-1 L_ss^-1``: a second
-elimination takes the place of a back-substitution for every node of the surface.
+stiffness condensed to the surface (the Schur complement), and ``C^0 = L_ss^-T D_ss^-1 L_ss^-1``: no
+back-substitution is needed for any node of the surface.
+
+Elimination needs no pivoting, not even for ``ratio = 0``, where pressures have no diagonal of their own: each
+is eliminated behind the displacements around it, which then give it one. Nodes further out on the surface
+than those condensed to are among the body. Were all of them held until the last, the volume could not leave
+it, and one pressure would find none.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -43,12 +49,6 @@ _BLOCK = 256
 """Rows and columns that are symmetrised at a time; bounds the memory that takes."""
 _SYMMETRIC = {"SymmetricMode": True}
 """Options of SuperLU for a symmetric matrix that needs no pivoting."""
-_LEAST_RATIO = 1e-7
-"""Least ``G/K`` of the factorised mixed system.
-
-It keeps elimination without pivoting stable; smaller ratios, zero among them, are reached from there by one
-step of iterative refinement, or by extrapolation from it and its double (error about its square).
-"""
 
 
 class HalfSpace:
@@ -122,40 +122,82 @@ class HalfSpace:
             [[self.deviatoric, -self.divergence.T], [-self.divergence, -ratio * self.mass]], format="csc"
         )
 
-    def factorise(self, ratio: float) -> Factorisation:
-        """Factorise the constrained system."""
-        rows = self.matrix(ratio)[self.free]
-        exact = rows[:, self.free].tocsc()
-        near = exact
-        refined = self.mixed and ratio < 10.0 * _LEAST_RATIO
-        if refined:
-            near = self.matrix(ratio + _LEAST_RATIO)[self.free][:, self.free].tocsc()
-        factor = splu(near, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=_SYMMETRIC)
+    def factorise(self, ratio: float, count: int) -> Factorisation:
+        """Factorise the constrained system.
+
+        Parameters
+        ----------
+        ratio : float
+            ``G/K``.
+        count : int
+            Number of surface nodes, from the axis, to which the stiffness is condensed; not all of them.
+
+        Returns
+        -------
+        Factorisation
+        """
+        ranks = self._ranks.copy()
+        ranks[self.surface_dofs[:count]] = self.unknowns + np.arange(count)
+        order = self.free[np.argsort(ranks[self.free], kind="stable")]
+        rows = self.matrix(ratio)[order]
+        factor = splu(rows[:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=_SYMMETRIC)
         lifted = np.stack([-(rows @ shape) for shape in self.far_shapes])
-        return Factorisation(self, ratio, factor, exact if refined else None, lifted)
+        return Factorisation(self, ratio, count, order, factor, lifted)
+
+    @cached_property
+    def _ranks(self) -> NDArray[np.int64]:
+        """Place of every unknown in the elimination, by minimum degree: nodes, each pressure behind those of
+        the edges that meet in its vertex; shape (unknowns,).
+        """
+        vertical = np.concatenate([self.basis.nodal_dofs[1], self.basis.facet_dofs[1]])
+        nodes, vertices = np.isin(vertical, self.free), self.mesh.p.shape[1]
+        graph = self.deviatoric[vertical[nodes]][:, vertical[nodes]]  # one unknown a node
+        rank = np.zeros(len(vertical), dtype=np.int64)
+        rank[nodes] = splu(
+            graph, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=_SYMMETRIC
+        ).perm_c
+        ranks = np.zeros(self.unknowns, dtype=np.int64)
+        ranks[self.basis.nodal_dofs], ranks[self.basis.facet_dofs] = rank[:vertices], rank[vertices:]
+        if self.mixed:
+            latest = rank[:vertices].copy()
+            for ends in self.mesh.facets:
+                np.maximum.at(latest, ends, rank[vertices:])
+            ranks[self.basis.N + self.pressure_basis.nodal_dofs[0]] = latest
+        return ranks
 
 
 @dataclass
 class Factorisation:
-    """Factors of the constrained system for one ratio of moduli."""
+    """Factors of the constrained system for one ratio of moduli.
+
+    Parameters
+    ----------
+    space : HalfSpace
+    ratio : float
+        ``G/K``.
+    count : int
+        Number of surface nodes, the last unknowns that are eliminated.
+    order : ndarray of int
+        Unknowns in the order of their elimination.
+    factor : SuperLU
+    lifted : ndarray, shape (2, len(order))
+        Forces on them per amplitude of the far shapes.
+    solves : int
+        Back-substitutions so far.
+    """
 
     space: HalfSpace
     ratio: float
+    count: int
+    order: NDArray[np.int64]
     factor: SuperLU
-    exact: sparse.csc_matrix | None
     lifted: Array
-    solves: int = field(default=0)
+    solves: int = 0
 
     @property
     def far_mix(self) -> Array:
         """Weights of the two far shapes for an elastic solid of unit shear modulus, shape (2,)."""
         return np.array([1.0, 3.0 * self.ratio / (3.0 + self.ratio)])
-
-    def _invert(self, right: Array) -> Array:
-        first = self.factor.solve(right)
-        if self.exact is None:
-            return first
-        return first + self.factor.solve(right - self.exact @ first)
 
     def solve(self, load: Array, far: Array) -> Array:
         """Displacement (and pressure) for a right-hand side and far-field amplitudes.
@@ -169,85 +211,56 @@ class Factorisation:
         """
         self.solves += 1
         result = far @ self.space.far_shapes
-        result[self.space.free] = self._invert(load[self.space.free] + far @ self.lifted)
+        result[self.order] = self.factor.solve(load[self.order] + far @ self.lifted)
         return result
 
-    def surface_response(self, count: int) -> tuple[Array, Array]:
-        """Displacements of the first ``count`` surface nodes for unit shear modulus.
+    def surface_response(self) -> tuple[Array, Array]:
+        """Displacements of the surface nodes for unit shear modulus.
 
         Returns
         -------
         clamped : ndarray, shape (count, count)
-            Per nodal force, with the far boundary held.
+            Per nodal force, with the far boundary held; in Fortran's order.
         far : ndarray, shape (count,)
             Per amplitude of the Boussinesq field of an elastic solid.
         """
-        rows = self._rows(count)
-        if self.exact is None:
-            clamped = self._condensed(self.ratio, rows)
-        else:
-            clamped = self._condensed(self.ratio + _LEAST_RATIO, rows)
-            clamped *= 2.0
-            clamped -= self._condensed(self.ratio + 2.0 * _LEAST_RATIO, rows)
-        return clamped, self._far_response(rows)
+        return self._condensed(), self._far_response()
 
-    def far_weights(self, count: int) -> Array:
+    def far_weights(self) -> Array:
         """Weights of the nodal forces in the far amplitude with which the compliance is symmetric.
-
-        Parameters
-        ----------
-        count : int
-            Number of surface nodes, from the axis.
 
         Returns
         -------
         ndarray, shape (count,)
         """
-        return self._weights_of(self._far_response(self._rows(count)))
+        return self._weights_of(self._far_response())
 
     def _weights_of(self, far: Array) -> Array:
         return far / far[0] if self.space.far_field else np.zeros(len(far))
 
-    def _far_response(self, rows: NDArray[np.integer]) -> Array:
-        """Displacement of unknowns per amplitude of the Boussinesq field of an elastic solid."""
+    def _far_response(self) -> Array:
+        """Displacement of the surface per amplitude of the Boussinesq field of an elastic solid."""
         self.solves += 1
-        return -self._invert(self.far_mix @ self.lifted)[rows]
+        return -self.factor.solve(self.far_mix @ self.lifted)[-self.count :]
 
-    def _rows(self, count: int) -> NDArray[np.integer]:
-        """Free unknowns that are displacements of the first surface nodes."""
-        space = self.space
-        position = np.full(space.unknowns, -1)
-        position[space.free] = np.arange(space.free.size)
-        return position[space.surface_dofs[:count]]
-
-    def _condensed(self, ratio: float, rows: NDArray[np.integer]) -> Array:
-        """Displacements of the given unknowns per force on them, at a ratio of moduli; in Fortran's order."""
-        free = self.space.free
-        place = self.factor.perm_c.astype(np.int64)
-        place[rows] = free.size + np.arange(rows.size)
-        order = np.argsort(place)
-        matrix = self.space.matrix(ratio)[free[order]][:, free[order]].tocsc()
-        factor = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options=_SYMMETRIC)
-        last = factor.perm_c[free.size - rows.size :]
-        lower = np.asfortranarray(factor.L[last][:, last].toarray())
-        pivots = factor.U.diagonal()[last]
-        del factor, matrix
+    def _condensed(self) -> Array:
+        """Displacements of the surface nodes per force on them, with the far boundary held."""
+        last = self.factor.perm_c[-self.count :]
+        lower = np.asfortranarray(self.factor.L[last][:, last].toarray())
         inverse = dtrtri(lower, lower=1, unitdiag=1, overwrite_c=1)[0]
-        inverse /= np.sqrt(pivots)[:, None]
+        inverse /= np.sqrt(self.factor.U.diagonal()[last])[:, None]
         whole = dlauum(inverse, lower=1, overwrite_c=1)[0]
-        for begin in range(0, rows.size, _BLOCK):
+        for begin in range(0, self.count, _BLOCK):
             part = slice(begin, begin + _BLOCK)
             whole[part, part] += np.tril(whole[part, part], -1).T
             whole[:begin, part] = whole[part, :begin].T
         return whole
 
-    def compliance(self, count: int, weights: Array | None = None) -> tuple[Array, Array]:
+    def compliance(self, weights: Array | None = None) -> tuple[Array, Array]:
         """Surface compliance with the far field of the load, and the weights of that far field.
 
         Parameters
         ----------
-        count : int
-            Number of surface nodes, from the axis.
         weights : ndarray, shape (count,), optional
             Weights ``v`` of the nodal forces in the far amplitude; default those that make it symmetric.
 
@@ -256,10 +269,10 @@ class Factorisation:
         compliance : ndarray, shape (count, count)
         weights : ndarray, shape (count,)
         """
-        whole, far = self.surface_response(count)
+        whole, far = self.surface_response()
         if weights is None:
             weights = self._weights_of(far)
-        for begin in range(0, count, _BLOCK):
+        for begin in range(0, self.count, _BLOCK):
             part = slice(begin, begin + _BLOCK)
             whole[:, part] += 0.5 * (np.outer(far, weights[part]) + np.outer(weights, far[part]))
         return whole, weights

@@ -169,10 +169,8 @@ class QuadratureHistory:
 
     def _operator(self, ratio: float) -> tuple[Factorisation, SurfaceOperator]:
         if ratio not in self._operators:
-            factor = self.space.factorise(ratio)
-            compliance, self.weights = factor.compliance(
-                self.count, self.weights if self.weights.size else None
-            )
+            factor = self.space.factorise(ratio, self.count)
+            compliance, self.weights = factor.compliance(self.weights if self.weights.size else None)
             self._operators[ratio] = factor, SurfaceOperator(compliance)
         return self._operators[ratio]
 

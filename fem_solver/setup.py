@@ -123,9 +123,9 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
     count = _node_count(space.radii, surface_margin(stress) * reach)
     history: CondensedHistory | QuadratureHistory
     if material.alike if options.path == "auto" else options.path == "condensed":
-        factor = space.factorise(material.ratio)
+        factor = space.factorise(material.ratio, count)
         stage_done()
-        compliance, weights = factor.compliance(count)
+        compliance, weights = factor.compliance()
         history = CondensedHistory(SurfaceOperator(compliance), material.shear)
         glassy = history.operator
     else:

@@ -75,8 +75,8 @@ class FollowingFields:
             space, count = self._setup.surfaces.half_space(place.level)
 
             def elastic(ratio: float) -> ElasticBody:
-                factor = space.factorise(ratio)
-                return ElasticBody(space, factor, factor.far_weights(count))
+                factor = space.factorise(ratio, count)
+                return ElasticBody(space, factor, factor.far_weights())
 
             body = elastic(self._setup.surfaces.ratio)
             whole = SeparateBody(elastic(0.0), body, self._material) if self._apart else body

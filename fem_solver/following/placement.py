@@ -244,7 +244,7 @@ class Surfaces:
 
     def _factorised(self, level: int) -> UnscaledSurface:
         space, count = self.half_space(level)
-        operator = SurfaceOperator(space.factorise(self.ratio).compliance(count)[0])
+        operator = SurfaceOperator(space.factorise(self.ratio, count).compliance()[0])
         fine, radii = self._meshes.mesh(level).parameters, space.radii[:count]
         strip = float(fine.fine_from), float(fine.fine_to)
         effective = operator.effective_radii(self._plane_modulus)

@@ -24,7 +24,7 @@ def surface(divisions, offset=0.0):
     mesh = structured_half_space(fit(0.0, 0.26, size, 1, margin=1.5 * divisions, grading=0.15))
     space = HalfSpace(mesh)
     count = int(np.searchsorted(space.radii, 1.2 * mesh.parameters.fine_to)) // 2 * 2 + 1
-    compliance, _ = space.factorise(1.5 * 0.4 / 1.3).compliance(count)
+    compliance, _ = space.factorise(1.5 * 0.4 / 1.3, count).compliance()
     operator, radii = SurfaceOperator(compliance), space.radii[:count]
     return operator, radii, mesh.parameters.fine_to
 

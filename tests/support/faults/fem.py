@@ -132,7 +132,7 @@ def _(true):
 
 @fault("incompressible taken as nu = 0.45", "halfspace:HalfSpace.factorise")
 def _(true):
-    return lambda self, ratio: true(self, max(ratio, 0.103))
+    return lambda self, ratio, count: true(self, max(ratio, 0.103), count)
 
 
 @fault("process zone measured from the wrong side", "process_zone:ZoneShift.__init__")
