@@ -1,4 +1,4 @@
-"""Axisymmetric strain and weak forms in scikit-fem, displacement and mixed.
+"""Axisymmetric strain and the matrices of the weak forms, displacement and mixed.
 
 Coordinates ``(r, z)``, the body in ``z <= 0``; displacement ``(u_r, u_z)``, no twist. Strains in the order
 ``(rr, zz, tt, rz)`` with the tensor shear strain ``e_rz = (u_r,z + u_z,r)/2`` and the hoop strain
@@ -19,12 +19,12 @@ and holds for ``1/K = 0``. Quadratic ``u`` with linear continuous ``p`` (Taylor-
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
-from skfem import BilinearForm
 
 Array = NDArray[np.float64]
 
@@ -82,32 +82,60 @@ def volume_weights(basis: Any) -> Array:
     return 2.0 * np.pi * basis.global_coordinates()[0] * basis.dx
 
 
-def _contract(first: Array, second: Array) -> Array:
-    return np.einsum("i,i...,i...->...", CONTRACTION, first, second)
-
-
-@BilinearForm
-def deviatoric_stiffness(u: Any, v: Any, w: Any) -> Array:
+def deviatoric_stiffness(basis: Any) -> sparse.csc_matrix:
     """``2 int dev e(u) : e(v)``, the stiffness of unit shear modulus."""
-    r = w.x[0]
-    return 4.0 * np.pi * r * _contract(deviator(strain(u, r)), strain(v, r))
+    strains = _of_shapes(basis, strain)
+    deviators = deviator(strains.swapaxes(0, 1)).swapaxes(0, 1)
+    duals = 2.0 * CONTRACTION[:, None, None] * volume_weights(basis) * deviators
+    return _assembled(basis, duals, basis, strains)
 
 
-@BilinearForm
-def volumetric_stiffness(u: Any, v: Any, w: Any) -> Array:
+def volumetric_stiffness(basis: Any) -> sparse.csc_matrix:
     """``int div u div v``, the stiffness of unit bulk modulus."""
-    r = w.x[0]
-    return 2.0 * np.pi * r * dilatation(u, r) * dilatation(v, r)
+    dilatations = _of_shapes(basis, dilatation)
+    return _assembled(basis, volume_weights(basis) * dilatations, basis, dilatations)
 
 
-@BilinearForm
-def divergence(u: Any, q: Any, w: Any) -> Array:
-    """``int q div u``."""
-    r = w.x[0]
-    return 2.0 * np.pi * r * q * dilatation(u, r)
+def divergence(basis: Any, pressure_basis: Any) -> sparse.csc_matrix:
+    """``int q div u``, a row per pressure."""
+    dilatations = volume_weights(basis) * _of_shapes(basis, dilatation)
+    return _assembled(pressure_basis, _of_shapes(pressure_basis, _value), basis, dilatations)
 
 
-@BilinearForm
-def pressure_mass(p: Any, q: Any, w: Any) -> Array:
+def pressure_mass(pressure_basis: Any) -> sparse.csc_matrix:
     """``int p q``."""
-    return 2.0 * np.pi * w.x[0] * p * q
+    values = _of_shapes(pressure_basis, _value)
+    return _assembled(pressure_basis, volume_weights(pressure_basis) * values, pressure_basis, values)
+
+
+def _value(field: Any, radius: Array) -> Array:
+    return np.broadcast_to(np.asarray(field), radius.shape)
+
+
+def _of_shapes(basis: Any, quantity: Callable[[Any, Array], Array]) -> Array:
+    """A quantity of every local shape function; shape (shapes, ..., elements, points)."""
+    radius = basis.global_coordinates()[0]
+    return np.stack([quantity(fields[0], radius) for fields in basis.basis])
+
+
+def _assembled(rows: Any, first: Array, columns: Any, second: Array) -> sparse.csc_matrix:
+    """Matrix of the products of two quantities of shape functions, summed over components and points.
+
+    Parameters
+    ----------
+    rows, columns : Basis
+    first, second : ndarray, shape (shapes, ..., elements, points)
+        Of the shape functions of ``rows`` and ``columns``, one with the weights of the points.
+
+    Returns
+    -------
+    csc_matrix, shape (rows.N, columns.N)
+    """
+    one, other = (
+        np.moveaxis(values, -2, 0).reshape(values.shape[-2], len(values), -1) for values in (first, second)
+    )
+    entries = one @ other.swapaxes(1, 2)
+    i = np.broadcast_to(rows.element_dofs.T[:, :, None], entries.shape)
+    j = np.broadcast_to(columns.element_dofs.T[:, None, :], entries.shape)
+    triplets = entries.ravel(), (i.ravel(), j.ravel())
+    return sparse.coo_matrix(triplets, shape=(rows.N, columns.N)).tocsc()

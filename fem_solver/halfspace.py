@@ -69,15 +69,15 @@ class HalfSpace:
         self.mixed, self.far_field = mixed, far_field
         self.mesh = MeshTri(np.ascontiguousarray(mesh.points), np.ascontiguousarray(mesh.triangles))
         self.basis = Basis(self.mesh, ElementVector(ElementTriP2()), intorder=_QUADRATURE_ORDER)
-        self.deviatoric = forms.deviatoric_stiffness.assemble(self.basis).tocsc()
+        self.deviatoric = forms.deviatoric_stiffness(self.basis)
         self.unknowns = self.basis.N
         if mixed:
             self.pressure_basis = Basis(self.mesh, ElementTriP1(), quadrature=self.basis.quadrature)
-            self.divergence = forms.divergence.assemble(self.basis, self.pressure_basis).tocsc()
-            self.mass = forms.pressure_mass.assemble(self.pressure_basis).tocsc()
+            self.divergence = forms.divergence(self.basis, self.pressure_basis)
+            self.mass = forms.pressure_mass(self.pressure_basis)
             self.unknowns += self.pressure_basis.N
         else:
-            self.volumetric = forms.volumetric_stiffness.assemble(self.basis).tocsc()
+            self.volumetric = forms.volumetric_stiffness(self.basis)
         facets = {name: self._facets(pairs) for name, pairs in mesh.boundaries.items()}
         self._order_surface(facets["surface"])
         self._constrain(facets["axis"], facets["far"], far_field)
