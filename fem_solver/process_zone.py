@@ -74,27 +74,28 @@ class ZoneShift:
         first = max(int(self.first[last]), 1)
         return first, int(self.high[first : top + 1].max()) + 1
 
-    def closure(self, first: int, forces: Array, gap: Array) -> float:
+    def closure(self, first: int, forces: Array, gap: Array) -> Array | float:
         """Closure integral: half of what the nodal forces do over the gaps one zone further out, per area.
 
         Parameters
         ----------
         first : int
-        forces : ndarray, shape (m,)
+        forces : ndarray, shape (m,) or (i, m)
             Compressive forces of the nodes from ``first`` on, up to the last with a force.
-        gap : ndarray, shape (k,)
+        gap : ndarray, shape (k,) or (j, k)
             Of the nodes from that last one on; zero before it.
 
         Returns
         -------
-        float
-            An energy per area.
+        float or ndarray, shape (i, j)
+            Energies per area, of every set of forces with every set of gaps.
         """
-        top = first + len(forces) - 1
-        inside, known = slice(first, top + 1), np.concatenate([np.zeros(top - first), gap])
+        top = first + forces.shape[-1] - 1
+        inside = slice(first, top + 1)
+        known = np.concatenate([np.zeros((*gap.shape[:-1], top - first)), gap], axis=-1)
         low, high, share = self.low[inside] - first, self.high[inside] - first, self.share[inside]
-        shifted = (1.0 - share) * known[low] + share * known[high]
-        return float(np.sum(-forces / self.radii[inside] * shifted) / (4.0 * np.pi * self.zone))
+        shifted = (1.0 - share) * known[..., low] + share * known[..., high]
+        return (-forces / self.radii[inside]) @ shifted.T / (4.0 * np.pi * self.zone)
 
 
 def zone_of_stress(

@@ -20,6 +20,9 @@ of two, and ripple from node to node.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,6 +32,30 @@ from fem_solver.partial_release import PartialContact
 from fem_solver.process_zone import ZoneShift, zone_of_stress
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ClosureWithinNode:
+    """Closure integral with the edge between two nodes: a quadratic form.
+
+    Forces and gaps are linear in the penetration and in the ``y`` of the node next to the edge.
+
+    Parameters
+    ----------
+    penetration : float
+        From which changes of it are counted.
+    products : list of list of float, shape (3, 3)
+        Coefficients of the products of 1, the change of the penetration and ``y``, in the upper triangle.
+    """
+
+    penetration: float
+    products: list[list[float]]
+
+    def at(self, penetration: float, y: float) -> float:
+        """An energy per area; ``y`` per modulus."""
+        x = penetration - self.penetration
+        (constant, by_x, by_y), (_, by_xx, by_xy), (_, _, by_yy) = self.products
+        return constant + x * (by_x + x * by_xx) + y * (by_y + x * by_xy + y * by_yy)
 
 
 class ContactProblem:
@@ -72,6 +99,7 @@ class ContactProblem:
         self._base = -height - response.free
         self._base_y = self.operator.transform(self._base)
         self._base_force = np.cumsum(self.operator.unit * self._base_y)
+        self._closures: dict[int, ClosureWithinNode] = {}
         self.evaluations = 0
 
     def penetration(self, s: float) -> float:
@@ -119,7 +147,10 @@ class ContactProblem:
 
     def intensity(self, node: int, s: float) -> float:
         """Indentation of the flat punch up to ``node`` with the same edge singularity; tension < 0."""
-        return self.penetration(s) + float(self._base_y[node] / self.operator.unit[node])
+        return self._intensity(node, self.penetration(s))
+
+    def _intensity(self, node: int, penetration: float) -> float:
+        return penetration + float(self._base_y[node] / self.operator.unit[node])
 
     def singular_force(self, s: float) -> float:
         """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
@@ -130,10 +161,15 @@ class ContactProblem:
 
     def transformed(self, s: float) -> Array:
         """``L^-1`` of the displacement imposed inside, cut at the edge; shape (floor(s) + 2,)."""
-        m = int(np.floor(s))
-        y = self.penetration(s) * self.operator.unit[: m + 2] + self._base_y[: m + 2]
-        y[m + 1] = self.penetration(s) * self.operator.unit[m + 1] * (s - m) + self._bearing(m + 1, s - m)
+        m, penetration = math.floor(s), self.penetration(s)
+        y = penetration * self.operator.unit[: m + 2] + self._base_y[: m + 2]
+        y[m + 1] = self._at_edge(s, penetration)
         return y
+
+    def _at_edge(self, s: float, penetration: float) -> float:
+        """``y`` of the node next to the edge, in contact in part, per modulus."""
+        node, share = math.floor(s) + 1, s - math.floor(s)
+        return penetration * float(self.operator.unit[node]) * share + self._bearing(node, share)
 
     def forces(self, s: float) -> Array:
         """All nodal forces, compressive positive; shape (n,)."""
@@ -148,16 +184,43 @@ class ContactProblem:
         Pressure at the edge would make the surface outside penetrate the indenter.
         """
         self.evaluations += 1
-        m = int(np.floor(s))
-        top = m + 1
-        if self.intensity(top, s) > 0.0:
-            return -np.inf
-        y = self.transformed(s)
-        shift = self._shift(s, y)
+        m, penetration = math.floor(s), self.penetration(s)
+        if self._intensity(m + 1, penetration) > 0.0:
+            return -math.inf
+        at_edge = self._at_edge(s, penetration)
+        if self.geometry.stress is not None:
+            return self._closure_within(m, penetration, self._shift_of_stress(s)).at(penetration, at_edge)
+        if m not in self._closures:
+            self._closures[m] = self._closure_within(m, penetration, self._shift)
+        return self._closures[m].at(penetration, at_edge)
+
+    def _closure_within(self, m: int, penetration: float, shift: ZoneShift) -> ClosureWithinNode:
+        """The closure integral with the edge between the nodes ``m`` and ``m + 1``.
+
+        Parameters
+        ----------
+        m : int
+        penetration : float
+            At which it is most accurate.
+        shift : ZoneShift
+
+        Returns
+        -------
+        ClosureWithinNode
+        """
+        operator, top = self.operator, m + 1
         first, end = shift.nodes(m, top)
-        forces = self.response.modulus * self.operator.last_forces(y, first)
-        imposed = self.penetration(s) + self._base[top:end]
-        return shift.closure(first, forces, self.operator.displacement_beyond(y, end) - imposed)
+        # at this penetration, by a change of it, and by the node next to the edge
+        y = np.zeros((top + 1, 3))
+        y[:top, 1] = operator.unit[:top]
+        y[:top, 0] = penetration * y[:top, 1] + self._base_y[:top]
+        y[top, 2] = 1.0
+        gaps = operator.displacement_beyond(y, end)
+        gaps[:, 0] -= penetration + self._base[top:end]
+        gaps[:, 1] -= 1.0
+        forces = self.response.modulus * operator.last_forces(y, first)
+        products = np.asarray(shift.closure(first, forces.T, gaps.T))
+        return ClosureWithinNode(penetration, (np.triu(products) + np.tril(products, -1).T).tolist())
 
     def zone(self, s: float) -> float:
         """Length of the process zone; at fixed stress at most the radius, without contact that at rest."""
@@ -166,13 +229,15 @@ class ContactProblem:
             return geometry.zone or 0.0
         return self._zone(s, self.transformed(s), geometry.stress, geometry.shortest)
 
-    def _shift(self, s: float, y: Array) -> ZoneShift:
-        geometry = self.geometry
-        if geometry.shift is None or geometry.shortest is None:
+    @property
+    def _shift(self) -> ZoneShift:
+        """By the length of the zone, where that is given."""
+        if self.geometry.shift is None:
             raise AssertionError("no closure without adhesion")
-        if geometry.stress is None:
-            return geometry.shift
-        return ZoneShift(geometry.radii, self._zone(s, y, geometry.stress, geometry.shortest))
+        return self.geometry.shift
+
+    def _shift_of_stress(self, s: float) -> ZoneShift:
+        return ZoneShift(self.geometry.radii, self.zone(s))
 
     def _zone(self, s: float, y: Array, stress: float, at_rest: float) -> float:
         def forces(first: int) -> Array:

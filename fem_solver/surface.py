@@ -61,16 +61,16 @@ class SurfaceOperator:
         return dtrtrs(self._matrix, y, lower=1, trans=1)[0]
 
     def last_forces(self, y: Array, first: int) -> Array:
-        """``L^-T y`` for the entries ``first..len(y)-1`` of a vector that ends there."""
+        """``L^-T y`` for the entries ``first..len(y)-1`` of a vector, or of columns, that end there."""
         block = self._matrix[first : len(y), first : len(y)]
         return dtrtrs(block, y[first:], lower=1, trans=1)[0]
 
     def displacement_beyond(self, y: Array, end: int) -> Array:
-        """``L y`` for the entries ``len(y)-1..end-1``: the displacement at the last node and beyond it."""
-        last = len(y) - 1
-        result = self._matrix[last:end, :last] @ y[:last]
-        result += self._matrix[last:end, last] * y[last]
-        return result
+        """``L y`` for the entries ``len(y)-1..end-1``: the displacement at the last node and beyond it.
+
+        ``y`` is a vector or has several columns.
+        """
+        return self._matrix[len(y) - 1 : end, : len(y)] @ y
 
     def component(self, forces: Array, node: int) -> float:
         """``(L^T f)_node``."""

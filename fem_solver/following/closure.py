@@ -49,7 +49,8 @@ def closure_integral(
         return -np.inf
     gap = placement.displacement_of(v, top, end) + (placement.height[top:end] - penetration)
     lower, upper = placement.closure_scale[m : m + 2]
-    return shift.closure(first, placement.forces(y, first), gap) / float(lower + (s - m) * (upper - lower))
+    work = float(shift.closure(first, placement.forces(y, first), gap))
+    return work / float(lower + (s - m) * (upper - lower))
 
 
 def zone_at(placement: Placement, solid: Components, s: float, v: Array, b: Array) -> float:

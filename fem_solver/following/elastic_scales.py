@@ -84,7 +84,8 @@ def _closure(operator: SurfaceOperator, shift: ZoneShift, last: int) -> float:
     """Closure integral at unit shear modulus and unit penetration, pulled, of contact up to a node."""
     first, end = shift.nodes(last, last)
     y = operator.unit[: last + 1]
-    return shift.closure(first, -operator.last_forces(y, first), 1.0 - operator.displacement_beyond(y, end))
+    gap = 1.0 - operator.displacement_beyond(y, end)
+    return float(shift.closure(first, -operator.last_forces(y, first), gap))
 
 
 def height_stretch(radii: Array, effective: Array, positions: Array, strip: tuple[float, float]) -> float:
