@@ -9,7 +9,7 @@ node by node. Outside the contact ``f = 0`` gives ``w`` without a solve; any fie
 ``w`` and ``b_k`` by one back-substitution. Clapeyron's theorem turns volume integrals into surface sums:
 stored energy ``1/2 G_0 w^T C w + sum_k b_k^T C b_k/(2 G_k)``, exterior of the mesh included. The forms
 ``b_k^T C b_k`` follow the branches in the same recursion, ``b_k <- e_k b_k + g_k dw``: whatever the number of
-branches, a step costs one product with ``C`` for ``dw``.
+branches, a step costs one product with ``C`` for what the past leaves, and one for the forces.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from fem_solver.partial_release import (
     partly_held,
 )
 from fem_solver.prony import Increment, Prony
-from fem_solver.series_modulus import SeriesModulus
+from fem_solver.series_modulus import SeriesModulus, SeriesStep
 from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
@@ -78,6 +78,25 @@ class CondensedState:
     partly: PartlyHeld | None = None
 
 
+@dataclass(frozen=True)
+class StepCoefficients:
+    """What a step of one length does to any state; ``loss_weights`` vanish in no time and in a relaxation."""
+
+    dt: float
+    increment: Increment
+    loss_weights: Array
+    strips: SeriesStep
+
+
+@dataclass(frozen=True)
+class PastAtEnd:
+    """What the past leaves at the end of a step: forces at no displacement, displacement at no force."""
+
+    dt: float
+    memory: Array
+    free: Array
+
+
 class CondensedHistory:
     """Relaxation form on surface vectors; ``state`` is replaced by every accepted step.
 
@@ -97,6 +116,9 @@ class CondensedHistory:
         )
         self.volume_solves = 0
         self.factorisations = 1
+        self._strips = SeriesModulus((shear,))
+        self._coefficients: StepCoefficients | None = None
+        self._past: PastAtEnd | None = None
 
     @property
     def instantaneous(self) -> SurfaceOperator:
@@ -105,12 +127,26 @@ class CondensedHistory:
 
     def respond(self, dt: float) -> Response:
         """Response to forces at the end of a step; changes nothing."""
-        step = self.shear.increment(dt)
-        memory = step.memory(self.state.branches, self.state.image)
-        free = -self.operator.displacement(memory) / step.modulus
-        partly = self.state.partly
-        released = None if partly is None else partly.released(dt, self.operator.unit)
-        return Response(self.operator, step.modulus, free, released)
+        step, partly = self._step(dt), self.state.partly
+        released = None if partly is None else partly.released(step.strips, self.operator.unit)
+        return Response(self.operator, step.increment.modulus, self._left(dt).free, released)
+
+    def _step(self, dt: float) -> StepCoefficients:
+        """Most steps are as long as the one before."""
+        if self._coefficients is None or self._coefficients.dt != dt:
+            shear = self.shear
+            loses = 0.0 < dt < np.inf
+            weights = shear.loss_weights(dt) if loses else np.zeros((3, len(shear.times)))
+            self._coefficients = StepCoefficients(dt, shear.increment(dt), weights, self._strips.step(dt))
+        return self._coefficients
+
+    def _left(self, dt: float) -> PastAtEnd:
+        """What the past leaves, for the trial and again when it is accepted."""
+        if self._past is None or self._past.dt != dt:
+            step = self._step(dt).increment
+            memory = step.memory(self.state.branches, self.state.image)
+            self._past = PastAtEnd(dt, memory, -self.operator.displacement(memory) / step.modulus)
+        return self._past
 
     def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:
         """Accept the step that ends with these surface forces, and with an adhesive edge there.
@@ -124,23 +160,22 @@ class CondensedHistory:
         contact : PartialContact, optional
             The node next to the edge then.
         """
-        step: Increment = self.shear.increment(dt)
-        old = self.state
-        image = (forces - step.memory(old.branches, old.image)) / step.modulus
-        change = image - old.image
-        moved = self.operator.displacement(change)
+        step, past, old = self._step(dt).increment, self._left(dt), self.state
+        image = (forces - past.memory) / step.modulus
+        displacement = past.free + self.operator.displacement(forces) / step.modulus
+        change, moved = image - old.image, displacement - old.displacement
         mixed, squared = old.branches @ moved, float(change @ moved)
-        loss = self._loss(dt, mixed, squared) if 0.0 < dt < np.inf else 0.0
         forms = step.decay**2 * old.forms + 2.0 * step.decay * step.gain * mixed + step.gain**2 * squared
         self.state = CondensedState(
             image,
             step.advance(old.branches, change),
-            self.operator.displacement(image),
+            displacement,
             np.maximum(forms, 0.0),
-            old.dissipated + loss,
+            old.dissipated + self._loss(dt, mixed, squared),
             old.updates + 1,
-            partly_held(old.partly, SeriesModulus((self.shear,)), dt, contact),
+            partly_held(old.partly, self._step(dt).strips, contact),
         )
+        self._past = None
 
     def snapshot(self) -> CondensedState:
         """Serialisable state."""
@@ -148,11 +183,11 @@ class CondensedHistory:
 
     def restore(self, state: CondensedState) -> None:
         """Continue from a state."""
-        self.state = state
+        self.state, self._past = state, None
 
     def take_back(self, state: CondensedState) -> None:
         """Return to the state before the last step."""
-        self.state = state
+        self.state, self._past = state, None
 
     def interface_energy(self, forces: Array, gap: Array) -> float:
         """Energy of the node next to the edge beyond that of its mean; shapes (n,)."""
@@ -160,7 +195,7 @@ class CondensedHistory:
 
     def _loss(self, dt: float, mixed: Array, squared: float) -> float:
         """Energy dissipated over a step; ``mixed`` is ``b_k^T C dw`` and ``squared`` ``dw^T C dw``."""
-        first, second, third = self.shear.loss_weights(dt)
+        first, second, third = self._step(dt).loss_weights
         moduli = self.shear.moduli
         return float(np.sum(first * self.state.forms / moduli + second * mixed + third * moduli * squared))
 

@@ -59,8 +59,7 @@ class Strips:
 
     def of(self, node: int) -> slice:
         """The strips of a node."""
-        first, end = np.searchsorted(self.nodes, (node, node + 1))
-        return slice(int(first), int(end))
+        return slice(int(self.nodes.searchsorted(node)), int(self.nodes.searchsorted(node + 1)))
 
     def within(self, node: int, share: float) -> Mask:
         """Which strips lie within a place: in nodes before it, or in the inner share of its node."""
@@ -79,7 +78,7 @@ class Strips:
         if not 0.0 < inner < self.shares[own][cut]:
             return self
         cut += own.start
-        twice = self._chosen(np.insert(np.arange(len(self.shares)), cut, cut))
+        twice = self._with_another(cut)
         twice.shares[cut : cut + 2] = inner, self.shares[cut] - inner
         return twice
 
@@ -107,13 +106,20 @@ class Strips:
     def _chosen(self, index: NDArray[np.int64]) -> Strips:
         return Strips(self.nodes[index], self.shares[index], tuple(part.chosen(index) for part in self.parts))
 
+    def _with_another(self, at: int) -> Strips:
+        """One more strip, like that in its place, or like the last."""
+        index = np.arange(len(self.shares) + 1)
+        index[at + 1 :] -= 1
+        index[-1] = len(self.shares) - 1
+        return self._chosen(index)
+
     def _with_undeformed(self, at: int, node: int) -> Strips:
         """A node more, as a single strip."""
-        parts = tuple(
-            RelaxingField(part.modulus, np.insert(part.x, at, 0.0), np.insert(part.branches, at, 0.0, axis=1))
-            for part in self.parts
-        )
-        return Strips(np.insert(self.nodes, at, node), np.insert(self.shares, at, 1.0), parts)
+        more = self._with_another(at)
+        more.nodes[at], more.shares[at] = node, 1.0
+        for part in more.parts:
+            part.x[at] = part.branches[:, at] = 0.0
+        return more
 
     def _most_alike(self, side: NDArray[np.int64]) -> int:
         """The first of the two neighbours that differ least among strips side by side."""

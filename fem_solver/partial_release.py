@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.node_strips import Strips
-from fem_solver.series_modulus import SeriesModulus
+from fem_solver.series_modulus import SeriesModulus, SeriesStep
 
 Array = NDArray[np.float64]
 
@@ -129,9 +129,9 @@ class PartlyHeld:
         closing = contact.depth - self.modulus.depths(self.strips.parts)[own][first_free]
         return float(stresses[max(first_free - 1, 0)]), float(stresses[first_free] + modulus * closing)
 
-    def released(self, dt: float, unit: Array) -> StripsInStep:
+    def released(self, step: SeriesStep, unit: Array) -> StripsInStep:
         """The strips in a step; ``unit`` (n,) is ``e`` of the surface then."""
-        memory = self.modulus.step(dt).memory_depth(self.strips.parts)
+        memory = step.memory_depth(self.strips.parts)
         return StripsInStep(self.strips, unit[self.strips.nodes] * memory)
 
     def energy(self, unit: Array) -> float:
@@ -140,7 +140,7 @@ class PartlyHeld:
 
 
 def partly_held(
-    before: PartlyHeld | None, modulus: SeriesModulus, dt: float, contact: PartialContact | None
+    before: PartlyHeld | None, step: SeriesStep, contact: PartialContact | None
 ) -> PartlyHeld | None:
     """The node next to an adhesive edge at the end of a step.
 
@@ -148,9 +148,7 @@ def partly_held(
     ----------
     before : PartlyHeld or None
         At its begin.
-    modulus : SeriesModulus
-    dt : float
-        Length of the step.
+    step : SeriesStep
     contact : PartialContact or None
         At its end.
 
@@ -160,7 +158,7 @@ def partly_held(
     """
     if contact is None:
         return None
-    node, share, step = contact.node, contact.share, modulus.step(dt)
+    node, share, modulus = contact.node, contact.share, step.series
     strips = Strips.undeformed(node, modulus) if before is None else before.strips
     strips = strips.divided(node, share).joined(node, share)
     memory, within = step.memory_depth(strips.parts), strips.within(node, share)

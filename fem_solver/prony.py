@@ -49,9 +49,9 @@ class Increment:
     def memory(self, branches: Array, x: Array | float) -> Array:
         """Part of the new stress that the old state determines: ``sum_k decay_k b_k - gain_k x``.
 
-        ``branches`` has shape (branches, ...), ``x`` the shape of one of them.
+        ``branches`` has shape (branches,) or (branches, m), ``x`` the shape of one of them.
         """
-        return np.tensordot(self.decay, branches, axes=1) - self.gain.sum() * np.asarray(x)
+        return self.decay @ branches - self.gain.sum() * np.asarray(x)
 
     def advance(self, branches: Array, dx: Array | float) -> Array:
         """Branch variables at the end of the step."""

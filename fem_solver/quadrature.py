@@ -112,7 +112,7 @@ class QuadratureHistory:
         factor, operator = self._operator(past.ratio)
         free = factor.solve(past.load, past.far_memory)
         surface, partly = -free[self.space.surface_dofs[: self.count]], self.state.partly
-        released = None if partly is None else partly.released(dt, operator.unit)
+        released = None if partly is None else partly.released(self._surface_modulus.step(dt), operator.unit)
         return Response(operator, past.modulus, surface, released)
 
     def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:
@@ -142,7 +142,7 @@ class QuadratureHistory:
             dissipated += self._loss(dt, old.shear, shear, self._shear_form)
             dissipated += self._loss(dt, old.volume, volume, self._volume_form)
         far = old.far[0].advanced(dt, amplitudes[:1]), old.far[1].advanced(dt, amplitudes[1:])
-        partly = partly_held(old.partly, self._surface_modulus, dt, contact)
+        partly = partly_held(old.partly, self._surface_modulus.step(dt), contact)
         self.state = QuadratureState(unknowns, shear, volume, far, dissipated, old.updates + 1, partly)
         self._past = None
 

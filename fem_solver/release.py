@@ -44,18 +44,29 @@ class ClosureWithinNode:
     ----------
     penetration : float
         From which changes of it are counted.
-    products : list of list of float, shape (3, 3)
-        Coefficients of the products of 1, the change of the penetration and ``y``, in the upper triangle.
+    constant, by_x, by_y, by_xx, by_xy, by_yy : float
+        Coefficients of the products of 1, the change ``x`` of the penetration, and ``y``.
     """
 
     penetration: float
-    products: list[list[float]]
+    constant: float
+    by_x: float
+    by_y: float
+    by_xx: float
+    by_xy: float
+    by_yy: float
+
+    @classmethod
+    def of(cls, penetration: float, products: Array) -> ClosureWithinNode:
+        """From what the forces of 1, ``x`` and ``y`` do over their gaps, shape (3, 3)."""
+        (constant, ax, ay), (bx, by_xx, axy), (by, bxy, by_yy) = products.tolist()
+        return cls(penetration, constant, ax + bx, ay + by, by_xx, axy + bxy, by_yy)
 
     def at(self, penetration: float, y: float) -> float:
         """An energy per area; ``y`` per modulus."""
         x = penetration - self.penetration
-        (constant, by_x, by_y), (_, by_xx, by_xy), (_, _, by_yy) = self.products
-        return constant + x * (by_x + x * by_xx) + y * (by_y + x * by_xy + y * by_yy)
+        by_x, by_y = self.by_x + x * self.by_xx, self.by_y + x * self.by_xy + y * self.by_yy
+        return self.constant + x * by_x + y * by_y
 
 
 class ContactProblem:
@@ -219,8 +230,7 @@ class ContactProblem:
         gaps[:, 0] -= penetration + self._base[top:end]
         gaps[:, 1] -= 1.0
         forces = self.response.modulus * operator.last_forces(y, first)
-        products = np.asarray(shift.closure(first, forces.T, gaps.T))
-        return ClosureWithinNode(penetration, (np.triu(products) + np.tril(products, -1).T).tolist())
+        return ClosureWithinNode.of(penetration, np.asarray(shift.closure(first, forces.T, gaps.T)))
 
     def zone(self, s: float) -> float:
         """Length of the process zone; at fixed stress at most the radius, without contact that at rest."""
