@@ -41,6 +41,8 @@ class Components:
         self._root = np.sqrt(self._moduli * self._times)
         matrix = np.diag(modulus.moduli) - np.outer(modulus.moduli, modulus.moduli) / modulus.glassy
         self._rates, self._modes = np.linalg.eigh(matrix / (self._root * self._root.T))
+        # what a jump of the force adds to each mode
+        self._pull = self._modes.T @ (self._moduli / (self.modulus.glassy * self._root))
 
     def linear(self, v: Array, b: Array, dt: Array | float, reached: Array) -> Array:
         """Branch variables after a time in which ``v`` goes linearly to ``reached``.
@@ -84,8 +86,8 @@ class Components:
         after = self._root * (self._modes @ amplitudes)
         return -after.sum(axis=0) / self.modulus.relaxed, after
 
-    def crept(self, v: Array, b: Array, dt: Array, force: Array) -> tuple[Array, Array, Array]:
-        """``v`` and ``b`` after a time in which the force goes linearly to ``force``, exactly, and its work.
+    def crept(self, v: Array, b: Array, dt: Array, force: Array) -> tuple[Array, Array]:
+        """``v`` and ``b`` after a time in which the force goes linearly to ``force``, exactly.
 
         Parameters
         ----------
@@ -97,20 +99,29 @@ class Components:
         -------
         v : ndarray, shape (m,)
         b : ndarray, shape (branches, m)
-        work : ndarray, shape (m,)
+        """
+        y, change = self._rates[:, None] * dt, force - self.force(v, b)
+        after = self._root * (self._modes @ (np.exp(-y) * self._amplitudes(b) + phi(y) * self._pull * change))
+        return (force - after.sum(axis=0)) / self.modulus.relaxed, after
+
+    def work_of_creep(self, v: Array, b: Array, dt: Array, force: Array, reached: Array) -> Array:
+        """Work of the force on the way of :meth:`crept`; shape (m,).
+
+        Parameters
+        ----------
+        v, b, dt, force
+            As there.
+        reached : ndarray, shape (m,)
+            ``v`` at the end.
         """
         before, relaxed = self.force(v, b), self.modulus.relaxed
-        y = self._rates[:, None] * dt
-        one, change = phi(y), force - before
-        start = self._modes.T @ (b / self._root)
-        pull = self._modes.T @ (self._moduli / (self.modulus.glassy * self._root))
-        after = self._root * (self._modes @ (np.exp(-y) * start + one * pull * change))
-        reached = (force - after.sum(axis=0)) / relaxed
+        y, change = self._rates[:, None] * dt, force - before
         # mean of v over the time: the work is what it does not lose while the force changes
-        double = mean_phi(y)
-        mean = self._root * (self._modes @ (one * start + double * pull * change))
-        work = force * reached - before * v - change * (0.5 * (before + force) - mean.sum(axis=0)) / relaxed
-        return reached, after, work
+        amplitudes = phi(y) * self._amplitudes(b) + mean_phi(y) * self._pull * change
+        mean = self._root * (self._modes @ amplitudes)
+        return np.asarray(
+            force * reached - before * v - change * (0.5 * (before + force) - mean.sum(axis=0)) / relaxed
+        )
 
     def lost_by_release(
         self, dt: Array, shares: tuple[Array, Array], contact: VariablesOfParts, reached: Array, free: Array
@@ -189,8 +200,7 @@ class Components:
 
     def _once_released(self, v: Array, b: Array) -> Array:
         """Amplitudes of components in contact right after their release."""
-        pull = self._modes.T @ (self._moduli / (self.modulus.glassy * self._root))
-        return self._amplitudes(b) - pull * self.force(v, b)
+        return self._amplitudes(b) - self._pull * self.force(v, b)
 
     def _once_covered(self, free: Array, dt: Array | float, imposed: Array) -> Array:
         """Branch variables of components right after they have been covered, after a time without force."""

@@ -107,8 +107,9 @@ class NodePassage:
 
     def creep(self, dt: Array, force: Array) -> None:
         """The force goes linearly to ``force``."""
-        v, b, work = self.solid.crept(self.v, self.b, dt, force)
+        v, b = self.solid.crept(self.v, self.b, dt, force)
         if self.accounts:
+            work = self.solid.work_of_creep(self.v, self.b, dt, force, v)
             change = self.solid.stored(v, b) - self.solid.stored(self.v, self.b)
             self.received += float(np.sum(work))
             self.dissipated += float(np.sum(work - change))
@@ -152,8 +153,8 @@ class NodePassage:
         before : float
             Its share then.
         """
-        self.linear(first * dt, np.where(first > 0.0, imposed(first), self.v))
-        length, reached = (last - first) * dt, imposed(last)
+        begun, reached, length = imposed(first), imposed(last), (last - first) * dt
+        self.linear(first * dt, np.where(first > 0.0, begun, self.v))
         contact = self.b.copy()  # of the radii in contact
         if partly < len(first):
             contact[:, partly] = self.held
@@ -163,11 +164,10 @@ class NodePassage:
             remaining[0] = share
             if partly < len(first):
                 shares[partly] = before
-                free[:, partly] = self._free_radii(partly, before, imposed(first))
-            parts = imposed(first), contact
-            lost = self.solid.lost_by_release(length, (shares, remaining), parts, reached, free)
+                free[:, partly] = self._free_radii(partly, before, begun)
+            lost = self.solid.lost_by_release(length, (shares, remaining), (begun, contact), reached, free)
         # the node that remains in part, as if it had stayed in contact
-        self.held = self.solid.linear(imposed(first)[:1], contact[:, :1], length[:1], reached[:1])
+        self.held = self.solid.linear(begun[:1], contact[:, :1], length[:1], reached[:1])
         force, dissipated = np.zeros(len(first)), self.dissipated
         force[0] = share * self.solid.force(reached[:1], self.held)[0]
         self.creep(length, force)

@@ -99,11 +99,12 @@ class EdgePolynomial:
     def _improved(self, share: Array, way: Array) -> Array:
         """Roots of the cubic, from those of the parabola: Newton's method within brackets that shrink."""
         low, high = np.zeros_like(way), np.ones_like(way)
-        bend, twist, earlier = self.bend, self.twist, self.earlier
+        # p in powers of the share
+        cubic, square = self.twist, self.bend + self.twist * (self.earlier - 1.0)
+        line = 1.0 - self.bend - self.twist * self.earlier
         for _ in range(_ITERATIONS):
-            product, slope = share * (share - 1.0), 2.0 * share - 1.0
-            excess = share + product * (bend + twist * (share + earlier)) - way
-            rate = 1.0 + bend * slope + twist * (slope * (share + earlier) + product)
+            excess = share * (line + share * (square + share * cubic)) - way
+            rate = line + share * (2.0 * square + share * (3.0 * cubic))
             low, high = np.where(excess <= 0.0, share, low), np.where(excess >= 0.0, share, high)
             ahead = share - np.divide(excess, rate, out=np.zeros_like(rate), where=rate > 0.0)
             inside = (ahead >= low) & (ahead <= high) & (rate > 0.0)

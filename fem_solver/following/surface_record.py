@@ -114,18 +114,21 @@ class SurfaceRecord:
         """
         known = self._with_points(nodes, step.edge)
         x, b, profile = known.positions, known.intensity, known.profile
-        held, holds = np.arange(len(x)) < known.edge, x < step.edge
         first, last = (penetration - profile for penetration in step.penetrations)
-        share = np.where(held == holds, np.where(held, 1.0, 0.0), step.moments(x))
-        passed, left = first + share * (last - first), (1.0 - share) * step.dt
-        until = np.where(held, solid.linear(first, b, share * step.dt, passed), 0.0)
-        free = np.where(held, 0.0, b)
-        v, free = solid.recovered(free, share * step.dt)
-        covered = solid.linear(passed, solid.linear(v, free, 0.0, passed), left, last)
-        released = solid.linear(passed, until, 0.0, solid.relieved(passed, until, 0.0))
-        still_free = solid.recovered(np.where(held, released, b), np.where(held, left, step.dt))[1]
-        intensity = np.where(holds, np.where(held, until, covered), still_free)
-        return SurfaceRecord(x, intensity, profile, int(np.count_nonzero(holds)))
+        before, after = known.edge, int(np.searchsorted(x, step.edge))
+        low, high = sorted((before, after))
+        held = solid.linear(first[:low], b[:, :low], step.dt, last[:low])
+        free = solid.recovered(b[:, high:], step.dt)[1]
+        share, at_pass = step.moments(x[low:high]), slice(low, high)
+        passed, left = first[at_pass] + share * (last - first)[at_pass], (1.0 - share) * step.dt
+        if after < before:
+            until = solid.linear(first[at_pass], b[:, at_pass], share * step.dt, passed)
+            released = solid.linear(passed, until, 0.0, solid.relieved(passed, until, 0.0))
+            changed = solid.recovered(released, left)[1]
+        else:
+            v, until = solid.recovered(b[:, at_pass], share * step.dt)
+            changed = solid.linear(passed, solid.linear(v, until, 0.0, passed), left, last[at_pass])
+        return SurfaceRecord(x, np.hstack([held, changed, free]), profile, after)
 
     def _with_points(self, nodes: SurfaceRecord, edge: float) -> SurfaceRecord:
         """Without the node that is released in part, and with the nodes that the edge passes on its way."""
@@ -238,12 +241,14 @@ def _needed(x: Array, values: Array, count: int) -> NDArray[np.bool_]:
     dropped = middle[(np.abs(values[:, middle] - line) <= allowed).all(axis=0)]
     at = 0.5 * np.stack([x[dropped - 1] + x[dropped], 2.0 * x[dropped], x[dropped] + x[dropped + 1]])
     known = interpolated(x, values, at.ravel()).reshape(len(values), *at.shape)
-    while dropped.size:
-        kept[dropped] = False
-        left = interpolated(x[kept], values[:, kept], at.ravel()).reshape(known.shape)
-        needed = (np.abs(left - known) > allowed[:, None]).any(axis=(0, 1))
+    kept[dropped] = False
+    asked = np.arange(len(dropped))
+    while asked.size:
+        places = at[:, asked]
+        left = interpolated(x[kept], values[:, kept], places.ravel()).reshape(len(values), *places.shape)
+        needed = asked[(np.abs(left - known[:, :, asked]) > allowed[:, None]).any(axis=(0, 1))]
         kept[dropped[needed]] = True
-        if not needed.any():
-            break
-        dropped, at, known = dropped[~needed], at[:, ~needed], known[:, :, ~needed]
+        # of those left out, a point that comes back changes the cubics at its next neighbours only
+        beside = np.isin(dropped, np.concatenate([dropped[needed] - 2, dropped[needed] + 2]))
+        asked = np.flatnonzero(beside & ~kept[dropped])
     return kept

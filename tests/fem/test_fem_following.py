@@ -62,7 +62,8 @@ def test_a_component_under_a_linear_force_creeps_as_in_many_small_steps():
     solid, (v, b) = Components(SHEAR), components()
     before, after = solid.force(v, b), np.array([0.0, 2.0, -1.0])
     time = np.array([1e-3, 1.0, 100.0])
-    reached, branches, work = solid.crept(v, b, time, after)
+    reached, branches = solid.crept(v, b, time, after)
+    work = solid.work_of_creep(v, b, time, after, reached)
     now, inner, done = v, b, np.zeros(3)
     for step in range(1, STEPS + 1):
         force = before + step / STEPS * (after - before)
@@ -98,7 +99,7 @@ def test_radii_released_one_by_one_lose_what_each_stores_after_its_jump(time, st
     """From equilibrium, in one step or in several: each jumps by itself, and nothing else is lost."""
     solid, contact = Components(SHEAR), np.array([-2.0 / SHEAR.relaxed])
     v, b = contact, np.zeros((3, 1))
-    jumped = solid.stored(*solid.crept(v, b, np.zeros(1), np.zeros(1))[:2])
+    jumped = solid.stored(*solid.crept(v, b, np.zeros(1), np.zeros(1)))
     passage = NodePassage(solid, v, b, b[:, 0], True)
     first, last, shares = np.zeros(1), np.ones(1), np.linspace(1.0, 0.0, steps + 1)
     for before, after in pairwise(shares):
