@@ -105,13 +105,17 @@ class AdhesiveEdge:
         A root below one process zone is returned as well: the caller names it in its error.
         """
         last = self.geometry.last
-        if self._excess(problem, last) <= 0.0:
+        beyond = self._excess(problem, last)
+        if beyond <= 0.0:
             if self.geometry.capped:
                 return EdgePosition(EdgeMotion.RESTING, float(last))
             return EdgePosition(EdgeMotion.ADVANCING, float(last))
         for node in range(last - 1, 0, -1):
-            if self._excess(problem, node) < 0.0:
-                return EdgePosition(EdgeMotion.RESTING, self._root(problem, float(node), node + 1.0))
+            excess = self._excess(problem, node)
+            if excess < 0.0:
+                ends = {float(node): excess, node + 1.0: beyond}
+                return EdgePosition(EdgeMotion.RESTING, self._root(problem, ends))
+            beyond = excess
         if problem.penetration(1.0) >= 0.0:  # in compression, but smaller than the mesh resolves
             return EdgePosition(EdgeMotion.RESTING, 1.0)
         return EdgePosition(EdgeMotion.RECEDING, self.lowest)
@@ -151,16 +155,19 @@ class AdhesiveEdge:
                 ahead = limit
             beyond = self._excess(problem, ahead)
             if beyond * way >= 0.0:
-                return EdgePosition(
-                    EdgeMotion.RESTING, self._root(problem, min(here, ahead), max(here, ahead))
-                )
-            here, stride = ahead, min(2.0 * stride, self.widest)
+                return EdgePosition(EdgeMotion.RESTING, self._root(problem, {here: excess, ahead: beyond}))
+            here, excess, stride = ahead, beyond, min(2.0 * stride, self.widest)
         if way > 0.0 and self.geometry.capped and limit == self.geometry.last:
             return EdgePosition(EdgeMotion.RESTING, limit)
         return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
 
-    def _root(self, problem: ContactProblem, low: float, high: float) -> float:
-        return float(brentq(lambda s: self._excess(problem, s), low, high, xtol=_NODE_TOLERANCE, rtol=1e-15))
+    def _root(self, problem: ContactProblem, ends: dict[float, float]) -> float:
+        """The root between two positions, given with their excess."""
+
+        def excess(s: float) -> float:
+            return ends[s] if s in ends else self._excess(problem, s)
+
+        return float(brentq(excess, min(ends), max(ends), xtol=_NODE_TOLERANCE, rtol=1e-15))
 
     def radius(self, problem: ContactProblem, s: float) -> float:
         """Effective radius of the partly released set."""

@@ -79,6 +79,7 @@ class FollowingProblem:
         self.compliance = compliance
         self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0
         self.evaluations = 0
+        self._arrival: tuple[float, Array, Array] | None = None  # that asked for last
         self._partly = int(np.floor(state.edge)) + 1 if state.edge >= 0.0 else None
         step = solid.modulus.increment(dt)
         self.modulus, start = step.modulus, -placement.profile - state.components
@@ -119,7 +120,13 @@ class FollowingProblem:
 
     def force(self, s: float) -> float:
         """Total force."""
-        return self.value if self.control == "force" else self._force_at(s, self.penetration(s))
+        if self.control == "force":
+            return self.value
+        if s < 0.0:
+            return 0.0
+        v, b = self.arrival(s)
+        loaded = slice(math.floor(s) + 2)
+        return float(self.placement.unit[loaded] @ self.solid.force(v[loaded], b[:, loaded]))
 
     def singular_force(self, s: float) -> float:
         """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
@@ -188,8 +195,9 @@ class FollowingProblem:
 
     def arrival(self, s: float) -> tuple[Array, Array]:
         """Components and branch variables at the end of the step; shapes (n,) and (branches, n)."""
-        v, b, _ = self._arrived(s, False)
-        return v, b
+        if self._arrival is None or self._arrival[0] != s:
+            self._arrival = s, *self._arrived(s, False)[:2]
+        return self._arrival[1:]
 
     def _arrived(self, s: float, accounts: bool) -> tuple[Array, Array, NodePassage]:
         here, penetration = self.placement, self.penetration(s)
