@@ -97,13 +97,16 @@ class Strips:
         """At the end of a step, with these depths; shape (strips,)."""
         return Strips(self.nodes, self.shares, step.advanced(self.parts, depths))
 
-    def bearing(self, modulus: SeriesModulus, node: int) -> Strips:
-        """Without the nodes that bear next to nothing any more, but with this one."""
-        energies = np.bincount(self.nodes, self.energies(modulus))[self.nodes]
-        kept = (energies > _FADED * energies.max()) | (self.nodes == node)
-        return self if kept.all() else self._chosen(np.flatnonzero(kept))
+    def bearing(self, energies: Array, node: int) -> Mask:
+        """All strips but those of nodes that bear next to nothing any more, other than this one.
 
-    def _chosen(self, index: NDArray[np.int64]) -> Strips:
+        ``energies`` (strips,) are those of :meth:`energies`.
+        """
+        of_nodes = np.bincount(self.nodes, energies)[self.nodes]
+        return (of_nodes > _FADED * of_nodes.max()) | (self.nodes == node)
+
+    def chosen(self, index: NDArray[np.int64] | Mask | slice) -> Strips:
+        """Some strips, or some of them twice; copies but for a slice."""
         return Strips(self.nodes[index], self.shares[index], tuple(part.chosen(index) for part in self.parts))
 
     def _with_another(self, at: int) -> Strips:
@@ -111,7 +114,7 @@ class Strips:
         index = np.arange(len(self.shares) + 1)
         index[at + 1 :] -= 1
         index[-1] = len(self.shares) - 1
-        return self._chosen(index)
+        return self.chosen(index)
 
     def _with_undeformed(self, at: int, node: int) -> Strips:
         """A node more, as a single strip."""
@@ -131,7 +134,7 @@ class Strips:
         """One strip in place of a strip and the next."""
         one, next_one = self.shares[at : at + 2]
         weights = np.array([one, next_one]) / (one + next_one)
-        kept = self._chosen(np.delete(np.arange(len(self.shares)), at + 1))
+        kept = self.chosen(np.delete(np.arange(len(self.shares)), at + 1))
         kept.shares[at] = one + next_one
         for part, former in zip(kept.parts, self.parts, strict=True):
             part.x[at] = former.x[at : at + 2] @ weights

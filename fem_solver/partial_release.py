@@ -105,11 +105,14 @@ class PartlyHeld:
     contact : PartialContact
     modulus : SeriesModulus
     strips : Strips
+    energies : ndarray, shape (strips,)
+        Of each strip, per square of ``e``.
     """
 
     contact: PartialContact
     modulus: SeriesModulus
     strips: Strips
+    energies: Array
 
     def stresses_of_tip(self, modulus: float) -> tuple[float, float]:
         """``y/e``, beyond the mean, of what opens first, and of what closes first, once in contact.
@@ -123,10 +126,10 @@ class PartlyHeld:
         -------
         tuple of float
         """
-        contact, own = self.contact, self.strips.of(self.contact.node)
-        first_free = int(np.count_nonzero(self.strips.within(contact.node, contact.share)[own]))
-        stresses = self.strips.stresses[own]
-        closing = contact.depth - self.modulus.depths(self.strips.parts)[own][first_free]
+        contact, own = self.contact, self.strips.chosen(self.strips.of(self.contact.node))
+        first_free = int(np.count_nonzero(own.within(contact.node, contact.share)))
+        stresses = own.stresses
+        closing = contact.depth - self.modulus.depths(own.parts)[first_free]
         return float(stresses[max(first_free - 1, 0)]), float(stresses[first_free] + modulus * closing)
 
     def released(self, step: SeriesStep, unit: Array) -> StripsInStep:
@@ -136,7 +139,7 @@ class PartlyHeld:
 
     def energy(self, unit: Array) -> float:
         """Energy of all strips beyond that of the means; ``unit`` (n,) is ``e`` of the glassy surface."""
-        return float(np.sum(self.strips.energies(self.modulus) * unit[self.strips.nodes] ** 2))
+        return float(self.energies @ unit[self.strips.nodes] ** 2)
 
 
 def partly_held(
@@ -166,7 +169,12 @@ def partly_held(
     held = within[own]
     borne = float(strips.shares[own][held] @ (contact.depth + memory[own][held]))
     depths[own] = np.where(held, contact.depth, -memory[own] - borne / (1.0 - share))
-    return PartlyHeld(contact, modulus, strips.after(step, depths).bearing(modulus, node))
+    strips = strips.after(step, depths)
+    energies = strips.energies(modulus)
+    kept = strips.bearing(energies, node)
+    if not kept.all():
+        strips, energies = strips.chosen(kept), energies[kept]
+    return PartlyHeld(contact, modulus, strips, energies)
 
 
 def energy_at_edge(partly: PartlyHeld | None, unit: Array, forces: Array, gap: Array) -> float:

@@ -142,6 +142,6 @@ class RelaxingField:
         """State at the end of a step."""
         return RelaxingField(self.modulus, x, self.modulus.increment(dt).advance(self.branches, x - self.x))
 
-    def chosen(self, entries: NDArray[np.int64]) -> RelaxingField:
-        """Some entries, or some of them twice; copies."""
+    def chosen(self, entries: NDArray[np.int64] | NDArray[np.bool_] | slice) -> RelaxingField:
+        """Some entries, or some of them twice; copies but for a slice."""
         return RelaxingField(self.modulus, self.x[entries], self.branches[:, entries])

@@ -58,17 +58,14 @@ class TriedSteps(AcceptedStates):
         if not contact.in_equilibrium:
             return StepCandidate(contact, {}, math.inf)
         radius = self.solver.radius(contact)
+        force = contact.force
         quantities = {
-            "force": (
-                contact.force,
-                now.force,
-                self.force_scale(contact.force, contact.singular_force, radius),
-            ),
-            "penetration": (contact.penetration, now.penetration, self.recorder.depth_scale()),
+            "force": (force, now.force, self.force_scale(force, contact.singular_force, radius)),
             "radius": (radius, now.radius, _RADIUS_SCALE * radius),
         }
-        if segment.control == "penetration":
-            del quantities["penetration"]
+        if segment.control != "penetration":
+            scale = self.recorder.depth_scale()
+            quantities["penetration"] = contact.penetration, now.penetration, scale
         slopes = {name: (new - old) / dt for name, (new, old, _) in quantities.items()}
         scales = {name: scale for name, (_, _, scale) in quantities.items()}
         error = max(self.estimator.error(slopes, scales, dt), self._path_error(contact, radius))
