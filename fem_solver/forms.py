@@ -84,10 +84,9 @@ def volume_weights(basis: Any) -> Array:
 
 def deviatoric_stiffness(basis: Any) -> sparse.csc_matrix:
     """``2 int dev e(u) : e(v)``, the stiffness of unit shear modulus."""
-    strains = _of_shapes(basis, strain)
-    deviators = deviator(strains.swapaxes(0, 1)).swapaxes(0, 1)
-    duals = 2.0 * CONTRACTION[:, None, None] * volume_weights(basis) * deviators
-    return _assembled(basis, duals, basis, strains)
+    deviators = deviator(_of_shapes(basis, strain).swapaxes(0, 1)).swapaxes(0, 1)
+    roots = np.sqrt(2.0 * CONTRACTION[:, None, None] * volume_weights(basis)) * deviators
+    return _assembled(basis, roots, basis, roots)
 
 
 def volumetric_stiffness(basis: Any) -> sparse.csc_matrix:
@@ -118,6 +117,11 @@ def _of_shapes(basis: Any, quantity: Callable[[Any, Array], Array]) -> Array:
     return np.stack([quantity(fields[0], radius) for fields in basis.basis])
 
 
+def _by_element(values: Array) -> Array:
+    """The same with shape (elements, shapes, components and points)."""
+    return np.moveaxis(values, -2, 0).reshape(values.shape[-2], len(values), -1)
+
+
 def _assembled(rows: Any, first: Array, columns: Any, second: Array) -> sparse.csc_matrix:
     """Matrix of the products of two quantities of shape functions, summed over components and points.
 
@@ -125,15 +129,15 @@ def _assembled(rows: Any, first: Array, columns: Any, second: Array) -> sparse.c
     ----------
     rows, columns : Basis
     first, second : ndarray, shape (shapes, ..., elements, points)
-        Of the shape functions of ``rows`` and ``columns``, one with the weights of the points.
+        Of the shape functions of ``rows`` and ``columns``, one with the weights of the points, or both with
+        their roots.
 
     Returns
     -------
     csc_matrix, shape (rows.N, columns.N)
     """
-    one, other = (
-        np.moveaxis(values, -2, 0).reshape(values.shape[-2], len(values), -1) for values in (first, second)
-    )
+    one = _by_element(first)
+    other = one if second is first else _by_element(second)
     entries = one @ other.swapaxes(1, 2)
     i = np.broadcast_to(rows.element_dofs.T[:, :, None], entries.shape)
     j = np.broadcast_to(columns.element_dofs.T[:, None, :], entries.shape)
