@@ -92,6 +92,19 @@ def test_boussinesq_shapes_are_equilibrated_and_free_of_traction():
     assert np.abs(residual).max() < 1e-4 * np.abs(second).max()
 
 
+@pytest.mark.parametrize("nu", [0.3, 0.4999999, 0.5])
+def test_elimination_without_pivoting_is_as_good_as_a_refined_solution(nu):
+    factor = factors(nu)
+    matrix = factor.space.matrix(factor.ratio)[factor.order][:, factor.order]
+    load = np.random.default_rng(0).normal(size=len(factor.order))
+    found = factor.factor.solve(load)
+    missed = factor.factor.solve(load - matrix @ found)
+    assert np.abs(missed).max() < 1e-11 * np.abs(found).max()
+    clamped = factor.surface_response()[0]
+    unit = np.eye(1, len(load), len(load) - factor.count + 7)[0]
+    assert np.allclose(factor.factor.solve(unit)[-factor.count :], clamped[7], rtol=1e-9, atol=0.0)
+
+
 @pytest.mark.parametrize("nu", [0.3, 0.5])
 def test_surface_compliance_is_symmetric_and_positive(nu):
     factor = factors(nu)

@@ -63,6 +63,20 @@ def test_closure_matches_the_exact_integral_at_every_edge_position(offset, bound
     assert np.ptp(error) < 1e-3
 
 
+@pytest.mark.parametrize(("control", "value"), [("penetration", 0.032), ("force", 0.02)])
+def test_closure_between_two_nodes_is_the_work_of_the_forces_over_the_gaps(control, value):
+    """The first evaluation between two nodes sets up a form that the others use."""
+    geometry, contact = problem(5, value, offset=0.37, control=control)
+    shift, height = geometry.shift, contact.geometry.radii**2 / 2.0
+    first = float(int(geometry.position(0.24)))
+    for s in first + np.linspace(0.0, 1.9, 8):
+        forces, top = contact.forces(s), int(s) + 1
+        gap = height - contact.penetration(s) + contact.operator.displacement(forces)
+        start, end = shift.nodes(int(s), top)
+        direct = shift.closure(start, forces[start : top + 1], gap[top:end])
+        assert contact.closure(s) == pytest.approx(direct, rel=1e-8)
+
+
 def test_closure_rises_without_ripple_although_nodes_are_released_one_by_one():
     geometry, contact = problem(3, 0.032, offset=0.37)
     s = geometry.position(0.21) + np.linspace(0.0, 6.0, 61)
