@@ -16,7 +16,7 @@ from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.penetration_path import straight
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.surface import Body, Surface
-from validation.reference.tracking.surface_step import after_step, field_update
+from validation.reference.tracking.surface_step import field_update, surface_step
 
 BODY = Body(rheology(ONE), transform(Sphere(1.0)))
 EDGE = 0.2
@@ -75,7 +75,8 @@ def test_an_edge_that_has_rested_leaves_what_lies_beyond_as_it_was(apart: float)
     duration = 1e-6
     update = field_update(rested, BODY, straight(duration, 0.0, 0.0, 0.0))
     assert update.was_at_rest
-    after = after_step(rested, BODY, update, ParabolicPath(EDGE, -1e-3, 0.0), np.array([0.5, 0.9]))
+    path = ParabolicPath(EDGE, -1e-3, 0.0)
+    after = surface_step(rested, BODY, update, path, np.array([0.5, 0.9]))(update)
     assert (np.diff(after.outside) > 0.0).all()
     assert after.outside[-1] == EDGE
     assert after.units[-1, 0] == 0.0

@@ -17,7 +17,7 @@ from validation.reference.tracking.closure import EdgeFields, closure_integral
 from validation.reference.tracking.control import freedom
 from validation.reference.tracking.edge_path import ParabolicPath, PolynomialPath, path_family
 from validation.reference.tracking.estimate import estimated_errors
-from validation.reference.tracking.penetration_path import cubic, phi
+from validation.reference.tracking.penetration_path import BranchGain, cubic, phi
 from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.root import bracketed, rising_root
 from validation.reference.tracking.row_extrapolation import RowExtrapolation
@@ -96,7 +96,7 @@ def test_memory_of_a_cubic_penetration() -> None:
     depth = cubic(2.0, 0.1, 0.4, 0.3, -0.2)
     times = np.array([1e-3, 0.7, 1e5])
     begin, until = np.array([0.0, 0.5]), np.array([2.0, 1.7])
-    got = depth.memory(begin, until, times)
+    got = BranchGain(begin, until, times).under(depth)
     c1, c2, c3 = depth.rates
     for i in range(2):
         for k, tau in enumerate(times):

@@ -13,7 +13,7 @@ from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import PenetrationPath, cubic, straight
 from validation.reference.tracking.row_extrapolation import RowExtrapolation
 from validation.reference.tracking.surface import Body, Surface
-from validation.reference.tracking.surface_step import after_step, field_update
+from validation.reference.tracking.surface_step import FieldUpdate, surface_step
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def balanced(
     body: Body,
     segment: Segment,
     target: float,
-    duration: float,
+    by: FieldUpdate,
     depths: RowExtrapolation,
     path: EdgePath,
     fractions: Array,
@@ -81,7 +81,8 @@ def balanced(
         Load step under force or stage control.
     target : float
         Force, or stage, at the end of the step.
-    duration : float
+    by : FieldUpdate
+        Of the step if it ends at the penetration at which it starts.
     depths : RowExtrapolation
         Penetration at the rows before, for the curvature of its path.
     path : EdgePath
@@ -97,32 +98,35 @@ def balanced(
     -------
     Surface
     """
+    duration, start = by.depth.duration, surface.penetration
+    step = surface_step(surface, body, by, path, fractions)
 
     def measure(state: Surface) -> float:
         return _balanced_quantity(state, body, segment)
 
-    def trial(end: float, with_tip_energy: bool = False) -> Surface:
-        depth = _through_rows(duration, surface.penetration, end, depths, over_zones)
-        return after_step(surface, body, field_update(surface, body, depth), path, fractions, with_tip_energy)
+    def ending(end: float, with_tip_energy: bool = False) -> Surface:
+        depth = through_rows(duration, start, end, depths, over_zones)
+        return step(by.under(depth, body), with_tip_energy)
 
     wanted = target if path.start + path.travel > 0.0 or segment.control != "force" else 0.0
-    one = trial(surface.penetration)
-    lacking = wanted - measure(one)
+    one = step(by)
+    at_one = measure(one)
+    lacking = wanted - at_one
     if lacking == 0.0:
         return one
     difference = math.copysign(max(abs(lacking), TRIAL_SEPARATION * abs(wanted)), lacking)
-    two = trial(surface.penetration + difference / _slope(segment, body, duration, path))
-    gained = measure(two) - measure(one)
+    two = ending(start + difference / _slope(segment, body, duration, path))
+    gained = measure(two) - at_one
     if gained == 0.0:  # a force too small for its own round-off
         return two
-    share = lacking / gained
-    mixed = _between(one, two, share)
+    apart = (two.penetration - start) / gained
+    mixed = ending(start + lacking * apart, with_tip_energy)
     if not with_tip_energy:
         return mixed
     missed = wanted - measure(mixed)
     if abs(missed) <= UNBALANCED * abs(wanted):
-        return replace(mixed, tip_energy=trial(mixed.penetration, True).tip_energy)
-    return trial(mixed.penetration + missed / gained * (two.penetration - one.penetration), True)
+        return mixed
+    return ending(mixed.penetration + missed * apart, True)
 
 
 def _balanced_quantity(state: Surface, body: Body, segment: Segment) -> float:
@@ -133,18 +137,6 @@ def _balanced_quantity(state: Surface, body: Body, segment: Segment) -> float:
     if segment.control == "force" and state.radius == 0.0:
         return state.edge_stress(body)
     return segment.present(state.penetration, state.force(body))
-
-
-def _between(one: Surface, two: Surface, share: float) -> Surface:
-    """The state at a share of the way from one penetration to another, the fields being affine in it."""
-    return Surface(
-        one.penetration + share * (two.penetration - one.penetration),
-        one.inside,
-        one.branches + share * (two.branches - one.branches),
-        one.outside,
-        one.units + share * (two.units - one.units),
-        0.0,
-    )
 
 
 def freedom(segment: Segment, body: Body, radius: float) -> float:
@@ -183,7 +175,7 @@ def _stiffness(body: Body, duration: float, path: EdgePath) -> float:
     return 2.0 * radius * (body.rheology.relaxed + float((body.rheology.moduli * shared).sum()))
 
 
-def _through_rows(
+def through_rows(
     duration: float, start: float, end: float, depths: RowExtrapolation, over_zones: bool
 ) -> PenetrationPath:
     """Penetration to ``end`` with the curvature of the rows before, or the cubic through two of them.

@@ -63,7 +63,8 @@ class Griffith:
     def closure(self, surface: Surface, body: Body) -> float:
         """The closure integral at an edge that has just moved to its present radius."""
         zone = self.zone_at(surface, body)
-        edge = surface.near(surface.radius - zone, surface.radius + zone).edge_fields()
+        within = surface.nodes_between(surface.radius - zone, surface.radius + zone)
+        edge = surface.part(*within).edge_fields()
         return closure_integral(edge, zone, body.rheology.relaxed, body.transform)
 
     def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:

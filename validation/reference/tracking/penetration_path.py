@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,32 +68,46 @@ class PenetrationPath:
         """``D`` at the end of the step."""
         return float(self.penetration(self.duration))
 
-    def memory(self, begin: Array, until: Array, times: Array) -> Array:
-        """What branches gain, per unit of their moduli: ``int exp(-(until - s)/tau_k) D'(s) ds``.
 
-        Parameters
-        ----------
-        begin, until : ndarray, shape (m,)
-            Limits of the integral, times from the start of the step.
-        times : ndarray, shape (n,)
-            Relaxation times ``tau_k``.
+@dataclass(frozen=True)
+class BranchGain:
+    """What branches in contact gain, per unit of their moduli: ``int exp(-(until - s)/tau_k) D'(s) ds``.
 
-        Returns
-        -------
-        ndarray, shape (m, n)
-            Lengths.
-        """
-        c1, c2, c3 = self.rates
-        h = (until - begin)[:, None]
-        y = h / times
+    Linear in the rates of the penetration; what belongs to each is the same for all that are tried in a step.
+
+    Parameters
+    ----------
+    begin, until : ndarray, shape (m,)
+        Limits of the integral, times from the start of the step.
+    times : ndarray, shape (n,)
+        Relaxation times ``tau_k``.
+    """
+
+    begin: Array
+    until: Array
+    times: Array
+
+    def under(self, depth: PenetrationPath) -> Array:
+        """Under a penetration: lengths, shape (m, n)."""
+        c1, c2, c3 = depth.rates
         if c2 == 0.0 and c3 == 0.0:
-            small = np.where(y > 0.0, y, 1.0)
-            return c1 * h * np.where(y > 0.0, -np.expm1(-small) / small, 1.0)
-        b = begin[:, None]
-        one, two, three = phi(y)
-        first = c1 + b * (2.0 * c2 + 3.0 * c3 * b)
-        second = 2.0 * c2 + 6.0 * c3 * b
-        return h * (first * one + h * (second * two + h * 6.0 * c3 * three))
+            return c1 * self._of_ramp
+        first, second, third = self._of_powers
+        gained = c1 * first + c2 * second
+        return gained if c3 == 0.0 else gained + c3 * third
+
+    @cached_property
+    def _of_ramp(self) -> Array:
+        """Of ``D = s``."""
+        return -self.times * np.expm1((self.begin - self.until)[:, None] / self.times)
+
+    @cached_property
+    def _of_powers(self) -> tuple[Array, Array, Array]:
+        """Of ``D = s``, ``s^2`` and ``s^3``."""
+        b, h = self.begin[:, None], (self.until - self.begin)[:, None]
+        one, two, three = phi(h / self.times)
+        one, two = h * one, h * h * two
+        return one, 2.0 * (b * one + two), 3.0 * b * (b * one + 2.0 * two) + 6.0 * h**3 * three
 
 
 def straight(duration: float, start: float, jump: float, end: float) -> PenetrationPath:

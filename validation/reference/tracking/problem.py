@@ -70,7 +70,7 @@ class FrontProblem:
     @property
     def shortest_time(self) -> float:
         """Shortest relaxation time; infinite if nothing relaxes."""
-        return float(self.body.rheology.times.min(initial=math.inf))
+        return self.body.rheology.shortest
 
     @property
     def elastic(self) -> bool:

@@ -14,7 +14,9 @@ and releasing it (``q`` jumps) are changes of representation. Moduli are plane m
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,10 +42,15 @@ class Rheology:
     branches_of_units: Array
     units_of_branches: Array
 
-    @property
+    @cached_property
     def glassy(self) -> float:
         """``Einf*``."""
         return self.relaxed + float(self.moduli.sum())
+
+    @cached_property
+    def shortest(self) -> float:
+        """Shortest relaxation time; infinite if nothing relaxes."""
+        return float(self.times.min(initial=math.inf))
 
     def cover(self, units: Array, strain: Array) -> Array:
         """Branch forces just after free points (m, n) have been brought to ``w = strain`` (m,)."""

@@ -7,6 +7,7 @@ unit strains ``e``, since ``q = 0`` there. The outermost node is untouched: beyo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,17 +50,38 @@ class Surface:
         """Contact radius."""
         return float(self.inside[-1])
 
+    @cached_property
+    def memory(self) -> Array:
+        """``sum_k b_k`` (m,)."""
+        return self.branches.sum(axis=1)
+
+    @cached_property
+    def branch_slopes(self) -> Array:
+        """Slopes of the branch forces at the nodes (m, n)."""
+        return hermite.slopes(self.inside, self.branches)
+
+    @cached_property
+    def unit_slopes(self) -> Array:
+        """Slopes of the unit strains at the nodes (l, n)."""
+        return hermite.slopes(self.outside, self.units)
+
+    def branches_at(self, x: Array) -> Array:
+        """Branch forces (p, n) at points inside (p,)."""
+        return hermite.evaluate(self.inside, self.branches, self.branch_slopes, x)
+
+    def units_at(self, x: Array) -> Array:
+        """Unit strains (p, n) at points outside (p,)."""
+        return hermite.evaluate(self.outside, self.units, self.unit_slopes, x)
+
     def edge_fields(self) -> EdgeFields:
         """The fields in the closure integral."""
-        return EdgeFields(
-            self.inside, self.branches.sum(axis=1), self.outside, self.units.sum(axis=1), self.penetration
-        )
+        return EdgeFields(self.inside, self.memory, self.outside, self.units.sum(axis=1), self.penetration)
 
     def force(self, body: Body) -> float:
         """``F = 2 int_0^a q dx``."""
         a = self.radius
         elastic = body.rheology.relaxed * (self.penetration * a - body.transform.integral(a))
-        return 2.0 * (elastic + float(hermite.integral(self.inside, self.branches.sum(axis=1))))
+        return 2.0 * (elastic + float(hermite.integral(self.inside, self.memory)))
 
     def edge_stress(self, body: Body) -> float:
         """``q(a-)``."""
@@ -101,17 +123,15 @@ class Surface:
             units = np.concatenate((units[:1], units))
         return Surface(self.penetration, inside, branches, outside, units)
 
-    def near(self, low: float, high: float) -> Surface:
-        """The part between two radii, with a few nodes beyond on either side."""
-        first = max(int(self.inside.searchsorted(low)) - 4, 0)
-        last = int(self.outside.searchsorted(high)) + 4
-        return Surface(
-            self.penetration,
-            self.inside[first:],
-            self.branches[first:],
-            self.outside[:last],
-            self.units[:last],
-        )
+    def nodes_between(self, low: float, high: float) -> tuple[int, int]:
+        """First node inside and last one outside between two radii, with a few beyond on either side."""
+        first, last = int(self.inside.searchsorted(low)) - 4, int(self.outside.searchsorted(high)) + 4
+        return max(first, 0), min(last, len(self.outside))
+
+    def part(self, first: int, last: int) -> Surface:
+        """The part from one node inside up to one outside."""
+        inside, branches = self.inside[first:], self.branches[first:]
+        return Surface(self.penetration, inside, branches, self.outside[:last], self.units[:last])
 
 
 def shift_last_inwards(x: Array) -> None:

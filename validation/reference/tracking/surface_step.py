@@ -6,15 +6,15 @@ passes them*, and every node is then carried to the end of the step exactly.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.tracking import hermite
 from validation.reference.tracking.edge_path import EdgePath
-from validation.reference.tracking.penetration_path import PenetrationPath
+from validation.reference.tracking.penetration_path import BranchGain, PenetrationPath
 from validation.reference.tracking.rheology import Rheology
 from validation.reference.tracking.surface import COINCIDENT, Body, Surface, distinct, shift_last_inwards
 
@@ -30,6 +30,7 @@ class FieldUpdate:
 
     ``b -> decay b + gain`` in contact, ``e -> recovery e`` outside. ``was_at_rest``: the edge has been at
     rest, and the states on its two sides are no longer one state in two representations.
+    ``of_step``: what branches gain over the whole of the step.
     """
 
     depth: PenetrationPath
@@ -37,6 +38,12 @@ class FieldUpdate:
     gain: Array
     recovery: Array
     was_at_rest: bool
+    of_step: BranchGain
+
+    def under(self, depth: PenetrationPath, body: Body) -> FieldUpdate:
+        """The same under another penetration during a step of the same duration."""
+        gain = self.of_step.under(depth)[0] + self.decay * depth.jump
+        return replace(self, depth=depth, gain=gain * body.rheology.moduli)
 
 
 def field_update(surface: Surface, body: Body, depth: PenetrationPath) -> FieldUpdate:
@@ -55,21 +62,36 @@ def field_update(surface: Surface, body: Body, depth: PenetrationPath) -> FieldU
     FieldUpdate
     """
     rheology, h = body.rheology, depth.duration
-    decay = np.exp(-h / rheology.times)
-    memory = depth.memory(np.zeros(1), np.array([h]), rheology.times)[0]
-    gain = (memory + decay * depth.jump) * rheology.moduli
-    return FieldUpdate(depth, decay, gain, np.exp(-h / rheology.retardation), _sides_differ(surface, body))
+    decay, recovery = np.exp(-h / rheology.times), np.exp(-h / rheology.retardation)
+    of_step = BranchGain(np.zeros(1), np.array([h]), rheology.times)
+    at_rest = _sides_differ(surface, body)
+    return FieldUpdate(depth, decay, np.zeros_like(decay), recovery, at_rest, of_step).under(depth, body)
 
 
-def after_step(
-    surface: Surface,
-    body: Body,
-    by: FieldUpdate,
-    path: EdgePath,
-    fractions: Array,
-    with_tip_energy: bool = False,
-) -> Surface:
-    """The surface at the end of a step.
+class SurfaceStep(Protocol):
+    """Step of a surface along a path of its edge, under any penetration."""
+
+    def __call__(self, by: FieldUpdate, with_tip_energy: bool = False) -> Surface:
+        """The surface at the end of the step.
+
+        Parameters
+        ----------
+        by : FieldUpdate
+            Update of the points that the edge does not pass.
+        with_tip_energy : bool
+            Whether to compute the energy that the edge releases in a step that takes time.
+
+        Returns
+        -------
+        Surface
+        """
+        ...
+
+
+def surface_step(
+    surface: Surface, body: Body, by: FieldUpdate, path: EdgePath, fractions: Array
+) -> SurfaceStep:
+    """A step along a path.
 
     Parameters
     ----------
@@ -77,46 +99,89 @@ def after_step(
         State at the start.
     body : Body
     by : FieldUpdate
-        Update of the points that the edge does not pass.
+        Of a step of that duration, under any penetration.
     path : EdgePath
         Edge radius during the step.
     fractions : ndarray, shape (m,)
         Further moments at which nodes are left, as fractions of the step; rising, within (0, 1).
-    with_tip_energy : bool
-        Whether to compute the energy that the edge releases in a step that takes time; costs a fifth more.
 
     Returns
     -------
-    Surface
+    SurfaceStep
     """
-    passes = with_tip_energy and by.depth.duration > 0.0
     if path.travel > 0.0:
-        return _advanced(surface, body, by, path, fractions, passes)
+        return _advancing(surface, body, by, path, fractions)
     if path.travel < 0.0:
-        return _receded(surface, body, by, path, fractions, passes)
-    return Surface(
-        by.depth.end,
-        surface.inside,
-        surface.branches * by.decay + by.gain,
-        surface.outside,
-        surface.units * by.recovery,
-    )
+        return _receding(surface, body, by, path, fractions)
+    return _EdgeAtRest(surface)
 
 
-def _advanced(
-    surface: Surface, body: Body, by: FieldUpdate, path: EdgePath, fractions: Array, with_tip_energy: bool
-) -> Surface:
-    rheology, depth, h = body.rheology, by.depth, by.depth.duration
+@dataclass(frozen=True)
+class _EdgeAtRest:
+    """Step of an edge that rests."""
+
+    surface: Surface
+
+    def __call__(self, by: FieldUpdate, with_tip_energy: bool = False) -> Surface:
+        start = self.surface
+        branches, units = start.branches * by.decay + by.gain, start.units * by.recovery
+        return Surface(by.depth.end, start.inside, branches, start.outside, units)
+
+
+@dataclass(frozen=True)
+class _AdvancingEdge:
+    """Step of an edge that covers points ``x`` (m,), the last of them the new edge, at times ``at`` (m,).
+
+    ``units`` (m, n) are the strains with which it meets them, ``fading`` (m, n) what is left of their branch
+    forces at the end, ``profile`` (m,) the transform of the indenter. ``branches`` are those of the points
+    inside all the time, ``outside`` and ``free`` the nodes outside and their strains at the end.
+    """
+
+    body: Body
+    surface: Surface
+    x: Array
+    at: Array
+    units: Array
+    fading: Array
+    profile: Array
+    gain: BranchGain
+    inside: Array
+    branches: Array
+    outside: Array
+    free: Array
+
+    def __call__(self, by: FieldUpdate, with_tip_energy: bool = False) -> Surface:
+        rheology, depth = self.body.rheology, by.depth
+        strain = depth.penetration(self.at) - self.profile
+        covered = rheology.cover(self.units, strain)
+        tip = self._released(depth, covered, strain) if with_tip_energy and depth.duration > 0.0 else 0.0
+        covered = covered * self.fading + self.gain.under(depth) * rheology.moduli
+        branches = np.concatenate((self.branches + by.gain, covered))
+        return Surface(depth.end, self.inside, branches, self.outside, self.free, tip)
+
+    def _released(self, depth: PenetrationPath, covered: Array, strain: Array) -> float:
+        """Tip energy."""
+        rheology, start = self.body.rheology, self.surface.radius
+        stress = rheology.stress(covered, strain)
+        if start == 0.0:
+            return _tip_energy(self.x, stress, rheology.glassy)
+        first = rheology.glassy * (self.surface.edge_overlap(self.body) + depth.jump)
+        stress = np.concatenate(([first], stress))
+        return _tip_energy(np.concatenate(([start], self.x)), stress, rheology.glassy)
+
+
+def _advancing(
+    surface: Surface, body: Body, by: FieldUpdate, path: EdgePath, fractions: Array
+) -> _AdvancingEdge:
+    rheology, h = body.rheology, by.depth.duration
     radius = path.start + path.travel
     beyond = int(surface.outside.searchsorted(radius, side="right"))
     old = surface.outside[1:beyond]
-    old = old[old < radius]
     x = np.array([radius])
     if len(fractions) or len(old):
-        x = np.unique(np.concatenate((path(fractions), old, x)))
+        x = _rising(np.concatenate((path(fractions), old, x)))
         x = x[x > path.start]
-    near, free = surface.outside[: beyond + 3], surface.units[: beyond + 3]
-    units = hermite.evaluate(near, free, hermite.slopes(near, free), x)
+    units = surface.units_at(x)
     begins = path.start == 0.0  # nothing was in contact, not even the centre: it is covered now
     beside = 0.0 if begins else path.start + min(COINCIDENT * radius, 0.5 * (float(x[0]) - path.start))
     if begins or (by.was_at_rest and path.start < beside < x[0]):  # so is the free side of an edge at rest
@@ -124,62 +189,102 @@ def _advanced(
         units = np.concatenate((surface.units[:1], units))
     kept = slice(0 if begins else None)
     at = _passed(path, x, h, rheology)
-    strain = depth.penetration(at) - body.transform(x)
-    covered = rheology.cover(units * np.exp(-at[:, None] / rheology.retardation), strain)
-    tip = 0.0
-    if with_tip_energy:
-        first = surface.edge_overlap(body) + depth.jump
-        stress = np.concatenate(([rheology.glassy * first], rheology.stress(covered, strain)))
-        swept = slice(1 if begins else 0, None)
-        tip = _tip_energy(np.concatenate(([path.start], x))[swept], stress[swept], rheology.glassy)
     left = np.full_like(at, h)
-    covered = covered * np.exp(-(left - at)[:, None] / rheology.times)
-    covered = covered + depth.memory(at, left, rheology.times) * rheology.moduli
-    return Surface(
-        depth.end,
+    return _AdvancingEdge(
+        body,
+        surface,
+        x,
+        at,
+        units * np.exp(-at[:, None] / rheology.retardation),
+        np.exp(-(left - at)[:, None] / rheology.times),
+        body.transform(x),
+        BranchGain(at, left, rheology.times),
         np.concatenate((surface.inside[kept], x)),
-        np.concatenate((surface.branches[kept] * by.decay + by.gain, covered)),
+        surface.branches[kept] * by.decay,
         np.concatenate(([radius], surface.outside[beyond:])),
         np.concatenate((units[-1:], surface.units[beyond:])) * by.recovery,
-        tip,
     )
 
 
-def _receded(
-    surface: Surface, body: Body, by: FieldUpdate, path: EdgePath, fractions: Array, with_tip_energy: bool
-) -> Surface:
-    rheology, depth, h = body.rheology, by.depth, by.depth.duration
+@dataclass(frozen=True)
+class _RecedingEdge:
+    """Step of an edge that releases points ``x`` (m,), the first of them the new edge, at times ``at`` (m,).
+
+    ``start`` (m, n) are their branch forces at the start of the step, ``fading`` and ``recovering`` (m, n)
+    what is left of them at the release, and of the strains since then, ``profile`` (m,) the transform of the
+    indenter. ``branches`` are those of the points inside all the time, ``outside`` the nodes outside, in
+    part ``kept``, with ``free``, the strains of those that were outside before.
+    """
+
+    body: Body
+    x: Array
+    at: Array
+    start: Array
+    fading: Array
+    recovering: Array
+    profile: Array
+    gain: BranchGain
+    inside: Array
+    branches: Array
+    outside: Array
+    free: Array
+
+    def __call__(self, by: FieldUpdate, with_tip_energy: bool = False) -> Surface:
+        rheology, depth = self.body.rheology, by.depth
+        start = self.start if depth.jump == 0.0 else self.start + depth.jump * rheology.moduli
+        branches = start * self.fading + self.gain.under(depth) * rheology.moduli
+        strain = depth.penetration(self.at) - self.profile
+        tip = 0.0
+        if with_tip_energy and depth.duration > 0.0:
+            tip = -_tip_energy(self.x, rheology.stress(branches, strain), rheology.glassy)
+        units = rheology.release(branches, strain) * self.recovering
+        return Surface(
+            depth.end,
+            self.inside,
+            np.concatenate((self.branches + by.gain, branches[:1])),
+            *distinct(self.outside, np.concatenate((units, self.free))),
+            tip,
+        )
+
+
+def _receding(
+    surface: Surface, body: Body, by: FieldUpdate, path: EdgePath, fractions: Array
+) -> _RecedingEdge:
+    rheology, h = body.rheology, by.depth.duration
     radius = path.start + path.travel
     kept = int(surface.inside.searchsorted(radius, side="left"))
     passed = int(surface.inside.searchsorted(radius, side="right"))
     x = np.concatenate(([radius], path(fractions), surface.inside[passed:]))
     if len(fractions):
-        x = np.unique(x)
-    first = max(kept - 3, 0)
-    near = surface.inside[first:]
-    slope = hermite.slopes(near, surface.branches[first:])
-    start = hermite.evaluate(near, surface.branches[first:], slope, x) + depth.jump * rheology.moduli
+        x = _rising(x)
     at = _passed(path, x, h, rheology)
     at[0] = h
-    branches = start * np.exp(-at[:, None] / rheology.times)
-    branches = branches + depth.memory(np.zeros_like(at), at, rheology.times) * rheology.moduli
-    strain = depth.penetration(at) - body.transform(x)
-    tip = -_tip_energy(x, rheology.stress(branches, strain), rheology.glassy) if with_tip_energy else 0.0
-    units = rheology.release(branches, strain)
-    units = units * np.exp(-(h - at)[:, None] / rheology.retardation)
-    outside = surface.units * by.recovery
+    rest = 1  # of the nodes outside: the edge itself is released now
+    beside = x
     if by.was_at_rest:  # the fields are discontinuous there
-        shift_last_inwards(x)
-        rest = 0
-    else:
-        rest = 1
-    return Surface(
-        depth.end,
-        np.concatenate((surface.inside[:kept], [radius])),
-        np.concatenate((surface.branches[:kept] * by.decay + by.gain, branches[:1])),
-        *distinct(np.concatenate((x, surface.outside[rest:])), np.concatenate((units, outside[rest:]))),
-        tip,
+        rest, beside = 0, x.copy()
+        shift_last_inwards(beside)
+    return _RecedingEdge(
+        body,
+        x,
+        at,
+        surface.branches_at(x),
+        np.exp(-at[:, None] / rheology.times),
+        np.exp(-(h - at)[:, None] / rheology.retardation),
+        body.transform(x),
+        BranchGain(np.zeros_like(at), at, rheology.times),
+        np.concatenate((surface.inside[:kept], x[:1])),
+        surface.branches[:kept] * by.decay,
+        np.concatenate((beside, surface.outside[rest:])),
+        surface.units[rest:] * by.recovery,
     )
+
+
+def _rising(x: Array) -> Array:
+    """The points in order, each once."""
+    x.sort()
+    apart = x[1:] > x[:-1]
+    return x if apart.all() else x[np.concatenate((apart, [True]))]
 
 
 def _passed(path: EdgePath, x: Array, duration: float, rheology: Rheology) -> Array:
@@ -188,7 +293,7 @@ def _passed(path: EdgePath, x: Array, duration: float, rheology: Rheology) -> Ar
     A trial beyond a limit point passes some of them after its end, and looks back on them: over many times of
     a fast branch what it would see is beyond floating point.
     """
-    return np.minimum(duration * path.passing(x), duration + rheology.times.min(initial=math.inf))
+    return np.minimum(duration * path.passing(x), duration + rheology.shortest)
 
 
 def _tip_energy(x: Array, stress: Array, glassy: float) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Counters, Segment
-from validation.reference.tracking.control import balanced, prescribed_penetration
+from validation.reference.tracking.control import balanced, prescribed_penetration, through_rows
 from validation.reference.tracking.edge_path import (
     EdgePath,
     PathFamily,
@@ -18,11 +18,10 @@ from validation.reference.tracking.edge_path import (
 )
 from validation.reference.tracking.law import EdgeCondition
 from validation.reference.tracking.node_placement import NodePlacement
-from validation.reference.tracking.penetration_path import PenetrationPath
 from validation.reference.tracking.root import bracketed, rising_root
 from validation.reference.tracking.row_extrapolation import RowExtrapolation
 from validation.reference.tracking.surface import Body, Surface
-from validation.reference.tracking.surface_step import FieldUpdate, after_step, field_update
+from validation.reference.tracking.surface_step import FieldUpdate, field_update, surface_step
 from validation.reference.tracking.zone_from_turn import RootExtrapolation
 
 Array = NDArray[np.float64]
@@ -93,6 +92,7 @@ class Trial:
     arrivals: RowExtrapolation | None = None
     _updates: dict[float, FieldUpdate] = field(default_factory=dict)
     _paths: dict[float, PathFamily] = field(default_factory=dict)
+    _parts: dict[tuple[int, int], Surface] = field(default_factory=dict)
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
         """The surface at the end of a step.
@@ -115,29 +115,42 @@ class Trial:
 
     def _surface_along(self, path: EdgePath, duration: float, whole: bool) -> Surface:
         start, radius = self.surface, path.start + path.travel
-        fractions = self._node_fractions(duration, path.travel)
+        fractions, update = self._node_fractions(duration, path.travel), self._update(duration)
         if self.segment.control != "penetration":
-            target = self.segment.value(self.time + duration)
             return balanced(
                 start,
                 self.body,
                 self.segment,
-                target,
-                duration,
+                self.segment.value(self.time + duration),
+                update,
                 self.depths,
                 path,
                 fractions,
                 over_zones=self.over_zones,
                 with_tip_energy=whole,
             )
-        update = self._updates.get(duration)
-        if update is None:
-            depth: PenetrationPath = prescribed_penetration(self.segment, self.time, duration, start)
-            update = self._updates[duration] = field_update(start, self.body, depth)
         if not whole:
             reach = self.condition.reach
-            start = start.near(min(radius, start.radius) - reach, max(radius, start.radius) + reach)
-        return after_step(start, self.body, update, path, fractions, whole)
+            start = self._part(min(radius, start.radius) - reach, max(radius, start.radius) + reach)
+        return surface_step(start, self.body, update, path, fractions)(update, whole)
+
+    def _update(self, duration: float) -> FieldUpdate:
+        """Update of the fields; under a force or a stage that of a step which keeps the penetration."""
+        if duration not in self._updates:
+            depth, start = self.surface.penetration, self.surface
+            if self.segment.control == "penetration":
+                way = prescribed_penetration(self.segment, self.time, duration, start)
+            else:
+                way = through_rows(duration, depth, depth, self.depths, self.over_zones)
+            self._updates[duration] = field_update(start, self.body, way)
+        return self._updates[duration]
+
+    def _part(self, low: float, high: float) -> Surface:
+        """The surface at the start between two radii; trials that are near each other share it."""
+        within = self.surface.nodes_between(low, high)
+        if within not in self._parts:
+            self._parts[within] = self.surface.part(*within)
+        return self._parts[within]
 
     def _edge_path(self, duration: float, radius: float) -> EdgePath:
         if self.arrivals is not None:
