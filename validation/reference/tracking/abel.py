@@ -52,40 +52,38 @@ class PowerTransform:
 
 @dataclass(frozen=True)
 class PiecewiseTransform:
-    """Transform of a slope ``c0 + c1 r + c2 r^2`` between any two of the knots, from 0 to infinity.
+    """Transform of a slope ``c0 + c1 r + c2 r^2``, whose coefficients change at each of the knots.
 
-    ``knots`` has shape (m + 1,), ``coefficients`` (3, m).
+    ``knots`` has shape (m,) and rises from 0, ``changes`` (3, m). Both transforms are sums over the knots
+    within ``x`` of what a change from there on contributes.
     """
 
     knots: Array
-    coefficients: Array
+    changes: Array
 
     def __call__(self, x: Array) -> Array:
         at = np.asarray(x, float)
         safe = np.where(at > 0.0, at, 1.0)
-        angle, root, product = self._between(safe[..., None])
-        c0, c1, c2 = self.coefficients[:, : angle.shape[-1]]
-        total = angle @ c0 - root @ c1 + 0.5 * (safe**2 * (angle @ c2) - product @ c2)
+        within = int(np.searchsorted(self.knots, safe.max(initial=0.0)))
+        knots, (c0, c1, c2) = self.knots[:within], self.changes[:, :within]
+        r = np.minimum(knots, safe[..., None])
+        angle, root = self._beyond(r, safe[..., None])
+        total = angle @ c0 + root @ (c1 + 0.5 * c2 * knots) + 0.5 * safe**2 * (angle @ c2)
         return np.where(at > 0.0, at * total, 0.0)
 
     def integral(self, x: float) -> float:
         if x <= 0.0:
             return 0.0
         r = np.minimum(self.knots, x)
-        root, angle = np.sqrt((x - r) * (x + r)), np.arcsin(r / x)
-        c0, c1, c2 = self.coefficients
-        parts = (
-            0.5 * c0 * np.diff(r * root + x * x * angle),
-            -c1 * np.diff(root**3) / 3.0,
-            0.125 * c2 * np.diff(r * (2.0 * r * r - x * x) * root + x**4 * angle),
-        )
-        return float(sum(part.sum() for part in parts))
+        angle, root = self._beyond(r, x)
+        c0, c1, c2 = self.changes
+        total = 0.5 * c0 @ (x * x * angle - r * root) + c1 @ root**3 / 3.0
+        return float(total + 0.125 * c2 @ (x**4 * angle - r * (2.0 * r * r - x * x) * root))
 
-    def _between(self, x: Array) -> tuple[Array, Array, Array]:
-        """Changes of ``arcsin(r/x)``, of ``sqrt(x^2 - r^2)`` and of r times it over the intervals up to x."""
-        r = np.minimum(self.knots[: int(np.searchsorted(self.knots, x.max())) + 1], x)
-        root = np.sqrt((x - r) * (x + r))
-        return np.diff(np.arcsin(r / x)), np.diff(root), np.diff(r * root)
+    @staticmethod
+    def _beyond(r: Array, x: Array | float) -> tuple[Array, Array]:
+        """Integrals of ``1/sqrt(x^2 - r^2)`` and of r times it from ``r`` to ``x``."""
+        return np.arccos(r / x), np.sqrt((x - r) * (x + r))
 
 
 def transform(indenter: Indenter) -> Transform:
@@ -119,4 +117,5 @@ def _tabulated(indenter: TabulatedProfile) -> PiecewiseTransform:
         [first - c1 * left + c2 * left * right, c1 - c2 * (left + right), c2]
     )  # Newton's form about left and right, in powers of r
     beyond = np.array([[float(indenter.slope(right[-1]))], [0.0], [0.0]])
-    return PiecewiseTransform(np.array([*indenter.radii, np.inf]), np.hstack((parabola, beyond)))
+    before = np.hstack((np.zeros((3, 1)), parabola))
+    return PiecewiseTransform(np.array(indenter.radii), np.hstack((parabola, beyond)) - before)

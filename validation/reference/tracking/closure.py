@@ -11,6 +11,7 @@ kernel is smooth, so it is expanded in powers of ``(x - a + da)/da`` from Gauss-
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,7 +59,7 @@ def kernel_slope(start: float, zone: float) -> Array:
     """
     a = start + zone
     argument = min(2.0 * zone / (a * LONGEST) - 1.0, 1.0)
-    series = np.cos(_ORDERS * np.arccos(argument))
+    series = np.cos(_ORDERS * math.acos(argument))
     return (series @ _TABLE).reshape(_DEGREE, _DEGREE) / (a * a)
 
 
@@ -104,7 +105,7 @@ def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: T
     """
     radius = float(edge.inside[-1])
     start = radius - zone
-    x, memory, y, strain = _near(edge, zone)
+    x, memory, y, strain = edge.inside, edge.memory, edge.outside, edge.strain
     memory_slopes, strain_slopes = hermite.slopes(x, memory), hermite.slopes(y, strain)
 
     def stress(at: Array) -> Array:
@@ -133,17 +134,15 @@ def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: T
     main = 0.5 * np.pi * float(np.vdot(weighted, q / np.sqrt(ahead * behind)))
 
     powers = np.empty((_DEGREE, *s.shape))
-    powers[0], powers[1] = 1.0, s / zone
-    for degree in range(2, _DEGREE):
-        np.multiply(powers[degree - 1], powers[1], out=powers[degree])
+    powers[0], powers[1:] = 1.0, s / zone
+    np.multiply.accumulate(powers, axis=0, out=powers)
     moments = loads * powers
     before = (moments[:, 0] + moments[:, 1]).cumsum(axis=1)
     inner = _REST_SHARES @ moments
     inner += (before[:, -1:] - before)[:, None]
     pairs = inner.reshape(_DEGREE, -1) @ (weighted * powers).reshape(_DEGREE, -1).T
     total = main + float(np.vdot(kernel_slope(start, zone), pairs))
-
-    return _signed(total, float(loads.sum()), float(weighted.sum()), zone)
+    return _signed(total, float(before[0, -1]), float(weighted.sum()), zone)
 
 
 def _signed(total: float, load: float, openings: float, zone: float) -> float:
@@ -153,11 +152,3 @@ def _signed(total: float, load: float, openings: float, zone: float) -> float:
     """
     value = -total / (np.pi**2 * zone)
     return -abs(value) if load > 0.0 and openings < 0.0 else value
-
-
-def _near(edge: EdgeFields, zone: float) -> tuple[Array, Array, Array, Array]:
-    """The nodes within the zone and three beyond, on either side."""
-    radius = edge.inside[-1]
-    first = max(int(edge.inside.searchsorted(radius - zone)) - 3, 0)
-    last = int(edge.outside.searchsorted(radius + zone)) + 3
-    return edge.inside[first:], edge.memory[first:], edge.outside[:last], edge.strain[:last]

@@ -6,6 +6,8 @@ enough for them are too few to interpolate their squares.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ from validation.reference.tracking import hermite
 from validation.reference.tracking.surface import Body, Surface
 
 Array = NDArray[np.float64]
+Density = Callable[[Array, Array], Array]
 
 
 def stored_energy(surface: Surface, body: Body) -> float:
@@ -22,11 +25,10 @@ def stored_energy(surface: Surface, body: Body) -> float:
     def in_contact(branches: Array, x: Array) -> Array:
         return rheology.stored_in_contact(branches, surface.penetration - body.transform(x))
 
-    contact = hermite.integral_of(surface.inside, surface.branches, in_contact)
-    free = hermite.integral_of(
-        surface.outside, surface.units, lambda units, _: rheology.stored_outside(units)
-    )
-    return 2.0 * (contact + free)
+    def outside(units: Array, _: Array) -> Array:
+        return rheology.stored_outside(units)
+
+    return _over_both_sides(surface, in_contact, outside)
 
 
 def branch_power(surface: Surface, body: Body) -> float:
@@ -35,11 +37,15 @@ def branch_power(surface: Surface, body: Body) -> float:
     viscosity = rheology.moduli * rheology.times
 
     def in_contact(branches: Array, _: Array) -> Array:
-        return np.asarray((branches**2 / viscosity).sum(axis=1))
+        return branches**2 @ (1.0 / viscosity)
 
     def outside(units: Array, x: Array) -> Array:
         return in_contact(units @ rheology.branches_of_units, x)
 
-    contact = hermite.integral_of(surface.inside, surface.branches, in_contact)
-    free = hermite.integral_of(surface.outside, surface.units, outside)
-    return 2.0 * (contact + free)
+    return _over_both_sides(surface, in_contact, outside)
+
+
+def _over_both_sides(surface: Surface, in_contact: Density, outside: Density) -> float:
+    """Twice the integral of a density over the contact, of branch forces, and over the rest, of strains."""
+    contact = hermite.integral_of(surface.inside, surface.branches, in_contact, surface.branch_slopes)
+    return 2.0 * (contact + hermite.integral_of(surface.outside, surface.units, outside, surface.unit_slopes))

@@ -19,6 +19,14 @@ Array = NDArray[np.float64]
 
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(4)  # exact for the square of a cubic
 _GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
+_GAUSS_SHAPES = np.array(
+    (
+        (1.0 - _GAUSS) ** 2 * (1.0 + 2.0 * _GAUSS),
+        _GAUSS**2 * (3.0 - 2.0 * _GAUSS),
+        _GAUSS * (1.0 - _GAUSS) ** 2,
+        -(_GAUSS**2) * (1.0 - _GAUSS),
+    )
+).T  # (point, end): cubics of unit value or slope at one end of their interval
 _ENDS, _NEXT = np.array([0, -1]), np.array([1, -2])  # the outer nodes and intervals, and the ones behind
 
 
@@ -147,7 +155,7 @@ def integral(x: Array, y: Array) -> Array:
     return (h * (0.5 * (y[1:] + y[:-1]) + h * (slope[:-1] - slope[1:]) / 12.0)).sum(axis=0)
 
 
-def integral_of(x: Array, y: Array, density: Callable[[Array, Array], Array]) -> float:
+def integral_of(x: Array, y: Array, density: Callable[[Array, Array], Array], slope: Array) -> float:
     """Integral of ``density(y(x), x)`` along the cubic, from the first node to the last; exact for squares.
 
     Parameters
@@ -158,6 +166,8 @@ def integral_of(x: Array, y: Array, density: Callable[[Array, Array], Array]) ->
         Values at the nodes.
     density : callable(ndarray, shape (l,) or (l, n), ndarray, shape (l,)) -> ndarray, shape (l,)
         Integrand, of values of the cubic and where they are.
+    slope : ndarray, shape of y
+        Slopes at the nodes.
 
     Returns
     -------
@@ -166,15 +176,14 @@ def integral_of(x: Array, y: Array, density: Callable[[Array, Array], Array]) ->
     if len(x) == 1:
         return 0.0
     h = x[1:] - x[:-1]
-    slope, wide = slopes(x, y), h if y.ndim == 1 else h[:, None]
-    shares = _GAUSS.reshape(-1, *(1,) * y.ndim)
-    values = _cubic(y[:-1], y[1:], wide * slope[:-1], wide * slope[1:], shares)
+    wide = h if y.ndim == 1 else h[:, None]
+    ends = np.array((y[:-1], y[1:], wide * slope[:-1], wide * slope[1:]))
     at = (x[:-1] + _GAUSS[:, None] * h).ravel()
-    weighted = (_WEIGHT[:, None] * h).ravel()
-    return float((weighted * density(values.reshape(len(at), *y.shape[1:]), at)).sum())
+    values = (_GAUSS_SHAPES @ ends.reshape(4, ends[0].size)).reshape(len(at), *y.shape[1:])
+    return float((_WEIGHT[:, None] * h).ravel() @ density(values, at))
 
 
-def _cubic(first: Array, last: Array, rise: Array, end: Array, u: Array | float) -> Array:
+def _cubic(first: Array, last: Array, rise: Array, end: Array, u: Array) -> Array:
     """Cubics at fractions ``u`` of their intervals, from values and slopes times lengths at both ends."""
     step = last - first
     return first + u * (rise + u * (3.0 * step - 2.0 * rise - end + u * (rise + end - 2.0 * step)))

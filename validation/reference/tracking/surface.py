@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import Transform
 from validation.reference.tracking.closure import EdgeFields
-from validation.reference.tracking.rheology import Rheology
+from validation.reference.tracking.rheology import Rheology, total
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class Surface:
     @cached_property
     def memory(self) -> Array:
         """``sum_k b_k`` (m,)."""
-        return self.branches.sum(axis=1)
+        return total(self.branches)
 
     @cached_property
     def branch_slopes(self) -> Array:
@@ -75,7 +75,7 @@ class Surface:
 
     def edge_fields(self) -> EdgeFields:
         """The fields in the closure integral."""
-        return EdgeFields(self.inside, self.memory, self.outside, self.units.sum(axis=1), self.penetration)
+        return EdgeFields(self.inside, self.memory, self.outside, total(self.units), self.penetration)
 
     def force(self, body: Body) -> float:
         """``F = 2 int_0^a q dx``."""

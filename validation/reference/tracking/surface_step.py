@@ -301,7 +301,7 @@ def _tip_energy(x: Array, stress: Array, glassy: float) -> float:
 
     A field with a sharp edge releases it there and then, before any dashpot has moved.
     """
-    return float(hermite.integral_of(x, stress, lambda q, _: q**2)) / glassy
+    return hermite.integral_of(x, stress, lambda q, _: q * q, hermite.slopes(x, stress)) / glassy
 
 
 def _sides_differ(surface: Surface, body: Body) -> bool:

@@ -92,6 +92,7 @@ class Trial:
     arrivals: RowExtrapolation | None = None
     _updates: dict[float, FieldUpdate] = field(default_factory=dict)
     _paths: dict[float, PathFamily] = field(default_factory=dict)
+    _fractions: dict[float, Array] = field(default_factory=dict)
     _parts: dict[tuple[int, int], Surface] = field(default_factory=dict)
 
     def surface_at(self, duration: float, radius: float, whole: bool = True) -> Surface:
@@ -162,7 +163,11 @@ class Trial:
         return family.polynomial(radius) if follows_speed else family.parabola(radius)
 
     def _node_fractions(self, duration: float, travel: float) -> Array:
-        fractions = self.nodes.fractions(duration) if travel != 0.0 else np.empty(0)
+        if travel == 0.0:
+            return np.empty(0)
+        if duration not in self._fractions:
+            self._fractions[duration] = self.nodes.fractions(duration)
+        fractions = self._fractions[duration]
         if self.surface.radius == 0.0 < travel:  # centre and edge alone do not resolve a new contact
             fractions = np.union1d(fractions, FIRST_CONTACT_NODES)
         if abs(travel) > 2.0 * self.spacing:  # an unstable edge leaves nodes all along its travel
