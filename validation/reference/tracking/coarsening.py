@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.tracking import hermite
+from validation.reference.tracking.rheology import total
 from validation.reference.tracking.surface import Surface
 
-PROTECTED = 2
-"""Nodes on either side of a discontinuity of the fields that are never dropped."""
+_PROTECTED = np.arange(-2, 3)
+"""Nodes about a discontinuity of the fields, counted from it, that are never dropped."""
 WIDEST = 0.03
 """Widest interval that coarsening may make, relative to the range of the nodes."""
 
@@ -42,11 +43,11 @@ def _needed(x: Array, y: Array, deviation: float) -> NDArray[np.intp]:
     candidate = np.zeros(count, bool)
     candidate[2:-2:2] = x[3:-1:2] - x[1:-3:2] < WIDEST * (x[-1] - x[0])
     steps = hermite.beside_steps(np.diff(x))
-    for beside in range(-PROTECTED, PROTECTED + 1):  # the discontinuity and the slopes beside it
-        candidate[np.clip(steps + beside, 0, count - 1)] = False
+    beside = steps[:, None] + _PROTECTED  # the discontinuity and the slopes beside it
+    candidate[np.minimum(np.maximum(beside, 0), count - 1)] = False
     kept = np.flatnonzero(~candidate)
     dropped = np.flatnonzero(candidate)
     guess = hermite.evaluate(x[kept], y[kept], hermite.slopes(x[kept], y[kept]), x[dropped])
-    scale = np.abs(y).sum(axis=1).max()
-    candidate[dropped] = np.abs(guess - y[dropped]).sum(axis=1) <= deviation * scale
+    scale = total(np.abs(y)).max()
+    candidate[dropped] = total(np.abs(guess - y[dropped])) <= deviation * scale
     return np.flatnonzero(~candidate)

@@ -36,6 +36,7 @@ from validation.reference.tracking.recorder import EXTRA_COLUMNS, RADIUS_OF_ROW
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step import RowTolerances
 from validation.reference.tracking.stepping import NAME, FrontStepper, beyond_floating_point
+from validation.reference.tracking.surface import Surface
 
 Array = NDArray[np.float64]
 
@@ -102,7 +103,7 @@ def solve(
     errors: dict[str, float] = {}
     if options.estimate_errors and result.outcome.finished:
         stops = replace(options, stop_times=options.stop_times + options.profile_times, profile_times=())
-        coarser = _run(scene, stops, fineness.coarser(), DENSE_ROW_TOLERANCES)
+        coarser = _run(scene, stops, fineness.coarser(), DENSE_ROW_TOLERANCES, start=result.start)
         kinds = {result.outcome.kind, coarser.outcome.kind}
         detached = kinds == {OutcomeKind.DETACHED}
         errors = estimated_errors(result.columns, coarser.columns, detached, result.over_zones)
@@ -121,7 +122,11 @@ def solve(
 
 @dataclass(frozen=True)
 class _Result:
-    """What a run has computed; ``over_zones``: whether its last steps in contact may pass over zones."""
+    """What a run has computed.
+
+    ``over_zones``: whether its last steps in contact may pass over zones. ``start``: the surface it has
+    started from, unless it was continued.
+    """
 
     columns: dict[str, Array]
     outcome: Outcome
@@ -129,6 +134,7 @@ class _Result:
     events: list[Event] = field(default_factory=list)
     profiles: list[SurfaceProfile] = field(default_factory=list)
     over_zones: bool = False
+    start: Surface | None = None
 
 
 def _run(
@@ -138,15 +144,18 @@ def _run(
     row_tolerances: RowTolerances,
     progress: Callable[[float], None] | None = None,
     monitor: RunMonitor | None = None,
+    start: Surface | None = None,
 ) -> _Result:
+    """A run; ``start`` is the surface it starts from, if it is known."""
     with np.errstate(over="raise", invalid="raise", divide="raise"):
         try:
             problem = front_problem(scene, fineness)
-            stepper = _stepper(problem, options, row_tolerances, progress, monitor)
+            stepper = _stepper(problem, options, row_tolerances, progress, monitor, start)
         except ArithmeticError as error:
             return _Result(_no_rows(), beyond_floating_point(error, 0.0))
         if isinstance(stepper, Outcome):
             return _Result(_no_rows(), stepper)
+        begun = stepper.state.surface if stepper.cursor.at_start else None
         outcome = stepper.run()
     interrupted = outcome.kind is OutcomeKind.INTERRUPTED
     with np.errstate(all="ignore"):
@@ -159,7 +168,7 @@ def _run(
         outcome = replace(outcome, time=float(columns["time"][-1]))
     radii, state = columns["contact_radius"], stepper.state
     over_zones = stepper.problem.over_zones(float(radii[radii > 0.0][-1])) if radii.any() else False
-    return _Result(columns, outcome, state.counters, state.events, state.profiles, over_zones)
+    return _Result(columns, outcome, state.counters, state.events, state.profiles, over_zones, begun)
 
 
 def _stepper(
@@ -168,6 +177,7 @@ def _stepper(
     row_tolerances: RowTolerances,
     progress: Callable[[float], None] | None,
     monitor: RunMonitor | None,
+    start: Surface | None,
 ) -> FrontStepper | Outcome:
     """A run at its start, or where it was kept; its outcome if there is no state to start from."""
     kept = kept_state(monitor, NAME)
@@ -176,7 +186,7 @@ def _stepper(
         problem = with_elastic_travel(problem, state.recorded.rows[0][RADIUS_OF_ROW])
         return FrontStepper(problem, options, row_tolerances, state, kept.cursor, progress, monitor)
     scene = problem.scene
-    surface = start_surface(scene, problem.body, problem.condition)
+    surface = start or start_surface(scene, problem.body, problem.condition)
     if surface is None:
         return Outcome(OutcomeKind.NO_EQUILIBRIUM, scene.loading.without_start, 0.0)
     problem = with_elastic_travel(problem, surface.radius)
