@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from fem_solver.following.components import Components
 from fem_solver.following.placement import Placement, Surfaces
 from fem_solver.following.problem import FollowingProblem
-from fem_solver.following.state import FollowingState, transferred, undeformed
+from fem_solver.following.state import FollowingState, interface_energy, transferred, undeformed
 
 Array = NDArray[np.float64]
 
@@ -60,11 +60,12 @@ class FollowingHistory:
         """Energy of the springs."""
         state = self.state
         held = float(np.sum(self.solid.stored(state.components, state.branches)))
-        return held + float(np.sum(state.unresolved) + np.sum(state.uneven))
+        finer = float(np.sum(state.unresolved) + np.sum(state.uneven))
+        return held + finer + state.borders.stored(self.solid)
 
     def interface_energy(self, forces: Array, gap: Array) -> float:
-        """Energy of the interface, which holds the partly released node as a spring; shapes (n,)."""
-        return -0.5 * float(forces @ gap)
+        """Energy of the partly released node beyond that of its mean; forces and gaps do not tell it."""
+        return interface_energy(self.state, self.placement, self.solid)
 
     def snapshot(self) -> FollowingState:
         """Serialisable state."""

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_solver.following.components import Components
+from fem_solver.following.components import Components, VariablesOfParts
+from fem_solver.following.partial_contact import PartialContact
 
 Array = NDArray[np.float64]
 
 _LEAST_SHARE = 1e-6
 """Share of a node's contact below which what it would have in full contact is that of one just covered."""
-_TOLD = 1e-3
-"""Share of a node that is free below which its mean does not tell what the free radii have been through: mean
-and radii in contact agree to the second order of a step, which is divided by this share."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +34,9 @@ class NodePassage:
     """Components of a range of nodes on their way through a step; sums up energies if asked to.
 
     ``held`` are the branch variables of the partly released node if it were in contact: (branches,) those at
-    the begin of the step, (branches, 1) those at its end.
+    the begin of the step, (branches, 1) those at its end. ``apart`` is what a load jump makes
+    differ between the radii of that node that the edge has passed and those on their side before (see
+    ``borders``).
     """
 
     solid: Components
@@ -46,6 +46,7 @@ class NodePassage:
     accounts: bool
     dissipated: float = 0.0
     received: float = 0.0
+    apart: VariablesOfParts | None = None
 
     def linear(self, dt: Array, reached: Array) -> None:
         """``v`` goes linearly to ``reached``."""
@@ -80,6 +81,10 @@ class NodePassage:
         if partly is not None:
             at = partly.at
             reached[at] = self._reached_in_part(partly, float(share[at]), float(imposed[at]))
+            if self.accounts:
+                contact = self._in_part(at, partly.share, np.array([partly.contact]))
+                self.apart = contact.jumped(float(imposed[at]), float(share[at]))
+                self.received += float(np.sum(self.solid.stored(*self.apart)))
             if at == top and share[at] > partly.share:
                 stays_free = (1.0 - share[at]) * self._free_by_mean(at, partly.share)
             elif at == top:
@@ -179,14 +184,13 @@ class NodePassage:
         return np.asarray((self.b[:, node] - share * self.held) / (1.0 - share))
 
     def _free_radii(self, node: int, share: float, imposed: Array) -> Array:
-        """``b`` of the free radii of a node in contact in part, shape (branches,), to count what they hold.
+        """``b`` of the free radii of a node in contact in part, to count what they hold: (branches,)."""
+        return self._in_part(node, share, imposed[node : node + 1]).free[1][:, 0]
 
-        Where they are too few for the mean to tell, that of radii that are released now.
-        """
-        if 1.0 - share >= _TOLD:
-            return self._free_by_mean(node, share)
-        v, b = imposed[node : node + 1], self.held[:, None]
-        return self.solid.linear(v, b, 0.0, self.solid.relieved(v, b, 0.0))[:, 0]
+    def _in_part(self, node: int, share: float, imposed: Array) -> PartialContact:
+        """A node in contact in part at the begin of the step; ``imposed`` of shape (1,)."""
+        mean = self.v[node : node + 1], self.b[:, node : node + 1]
+        return PartialContact(self.solid, share, mean, (imposed, self.held[:, None]))
 
     def _lose(self, lost: Array, before: float) -> None:
         """Count what the parts of the nodes lose instead of what their means have lost.

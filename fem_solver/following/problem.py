@@ -17,6 +17,7 @@ both are the means over them of what a continuous edge leaves there. The times f
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,6 +186,10 @@ class FollowingProblem:
         state = self.state
         return EdgePolynomial.through(state.radius, self.geometry.radius(s), self.dt, state.before)
 
+    def _moments(self, s: float) -> Callable[[Array], Array]:
+        """Shares of the step at which the edge, on its way to ``s``, is at radii."""
+        return np.ones_like if self.at_once else self._path(s).passed
+
     def _released_in_part(self, low: int, high: int) -> PartlyReleased | None:
         """The node in contact in part at the begin, if it is one of ``low..high-1``."""
         node, state = self._partly, self.state
@@ -225,20 +230,27 @@ class FollowingProblem:
         unresolved = self.solid.remaining(state.unresolved, self.dt)
         uneven = self.solid.remaining_in_contact(state.uneven, self.dt)
         relaxed = float(np.sum(state.unresolved - unresolved) + np.sum(state.uneven - uneven))
+        edge = state.radius, self.geometry.radius(s)
+        borders, lost, passed = state.borders.after(self.solid, self.dt, edge, self._moments(s))
+        if passage.apart is not None:
+            known = borders.with_border(state.radius, passage.apart)
+            borders = known.most_energetic(self.solid)
+            lost += known.stored(self.solid) - borders.stored(self.solid)
         return FollowingState(
             place=self.placement.place,
             components=v,
             branches=b,
             held=passage.held[:, 0],
             penetration=self.penetration(s),
-            radius=self.geometry.radius(s),
+            radius=edge[1],
             edge=s,
             before=() if self.at_once else state.rows_and_this(self.dt),
-            dissipated=state.dissipated + passage.dissipated + relaxed,
-            received=state.received + passage.received,
+            dissipated=state.dissipated + passage.dissipated + relaxed + lost,
+            received=state.received + passage.received + passed,
             updates=state.updates + 1,
             unresolved=unresolved,
             uneven=uneven,
+            borders=borders,
             record=self._recorded(s, b),
         )
 
@@ -251,13 +263,10 @@ class FollowingProblem:
         ends, sites = here.geometry.effective[nodes.edge - 1 :], here.positions[nodes.edge :]
         # components sit aside of the middle of their radii by an error of the stiffness: the same all around
         sited = 2.0 * (sites[0] + sites[1]) / (ends[0] + 2.0 * ends[1] + ends[2])
-        path = None if self.at_once else self._path(s)
-
-        def moments(x: Array) -> Array:
-            return np.ones(len(x)) if path is None else path.passed(x / sited)
-
+        moments = self._moments(s)
         penetrations = state.penetration, self.penetration(s)
-        step = EdgePassage(self.dt, penetrations, sited * self.geometry.radius(s), moments)
+        edge = sited * self.geometry.radius(s)
+        step = EdgePassage(self.dt, penetrations, edge, lambda x: moments(x / sited))
         fine = slice(int(here.lowest), self.geometry.last + 1)
         return state.record.after(self.solid, step, nodes).renewed(nodes, fine)
 

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.edge_geometry import EdgeOrigin
+from fem_solver.following.borders import NodeBorders
 from fem_solver.following.components import Components
+from fem_solver.following.partial_contact import PartialContact
 from fem_solver.following.path import Row
 from fem_solver.following.placement import Placement
 from fem_solver.following.surface_record import SurfaceRecord, averaged, interpolated
@@ -47,6 +49,8 @@ class FollowingState:
         Energy of the surface outside, by modes, that is finer than the elements there hold.
     uneven : ndarray, shape (branches,)
         Energy of each branch in contact that is finer than the elements there hold.
+    borders : NodeBorders
+        What load jumps have left within nodes.
     record : SurfaceRecord, optional
         The surface where earlier meshes were finer.
     """
@@ -64,6 +68,7 @@ class FollowingState:
     updates: int = 0
     unresolved: Array = field(default_factory=lambda: np.zeros(0))
     uneven: Array = field(default_factory=lambda: np.zeros(0))
+    borders: NodeBorders = field(default_factory=lambda: NodeBorders.none(0))
     record: SurfaceRecord | None = None
 
     @property
@@ -92,6 +97,7 @@ def undeformed(placement: Placement, branches: int) -> FollowingState:
         held=np.zeros(branches),
         unresolved=np.zeros(branches),
         uneven=np.zeros(branches),
+        borders=NodeBorders.none(branches),
     )
 
 
@@ -189,7 +195,7 @@ def _stored(state: FollowingState, solid: Components) -> float:
 
 
 def interface_energy(state: FollowingState, placement: Placement, solid: Components) -> float:
-    """Energy of the interface, which holds the partly released node as a spring.
+    """Energy that the radii of the partly released node hold beyond their mean.
 
     Parameters
     ----------
@@ -205,6 +211,7 @@ def interface_energy(state: FollowingState, placement: Placement, solid: Compone
     if state.edge < 0.0:
         return 0.0
     node = int(np.floor(state.edge)) + 1
-    force = float(solid.force(state.components[node], state.branches[:, node]))
     imposed = state.penetration * placement.unit[node] - placement.profile[node]
-    return -0.5 * force * float(state.components[node] - imposed)
+    mean = state.components[node : node + 1], state.branches[:, node : node + 1]
+    contact = np.array([imposed]), state.held[:, None]
+    return PartialContact(solid, state.edge - np.floor(state.edge), mean, contact).energy_beyond_mean
