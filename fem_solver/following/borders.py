@@ -1,8 +1,9 @@
-"""Places where load jumps began: radii of a node on both sides of one have been through different things.
+"""Places where steps began: radii of a node have been through different things, before them and beyond.
 
 A node of the mesh follows the mean of its radii. What they hold beyond it is what one more component holds
 that has no profile: in contact its ``v`` is zero, outside it bears no force, and the edge releases and covers
-it as it passes the place.
+it as it passes the place. It is much where an edge that has rested sets off or jumps by less than a node, and
+little where it goes on.
 """
 
 from __future__ import annotations
@@ -18,12 +19,13 @@ from fem_solver.following.components import Components, VariablesOfParts
 Array = NDArray[np.float64]
 
 _MOST = 64
-"""Borders that are kept. The energy of those that hold least counts as dissipated."""
+"""Borders that are kept: an edge that has rested, or jumped, leaves a few that hold much, one that goes on
+leaves one in each step. The energy of those that hold least counts as dissipated."""
 
 
 @dataclass(frozen=True)
 class NodeBorders:
-    """Differences within nodes, each at the contact radius at which a load jump began.
+    """What radii hold beyond the means of their nodes, each at the contact radius at which a step began.
 
     Parameters
     ----------
@@ -37,7 +39,7 @@ class NodeBorders:
 
     @classmethod
     def none(cls, branches: int) -> NodeBorders:
-        """No jump so far."""
+        """No step so far."""
         return cls(np.zeros(0), np.zeros(0), np.zeros((branches, 0)))
 
     def stored(self, solid: Components) -> float:

@@ -124,18 +124,23 @@ class Components:
         )
 
     def lost_by_release(
-        self, dt: Array, shares: tuple[Array, Array], contact: VariablesOfParts, reached: Array, free: Array
-    ) -> Array:
+        self,
+        dt: tuple[Array, Array],
+        shares: tuple[Array, Array],
+        contact: VariablesOfParts,
+        reached: Array,
+        free: Array,
+    ) -> tuple[Array, VariablesOfParts]:
         """What the radii of nodes dissipate, each of which is released all at once in its turn.
 
         The radii in contact follow ``v`` linearly, they are released one after the other, evenly over the
-        time, and creep from the jump of their own release. What the free radii of a node then hold beyond
-        their mean counts as lost: it decays whatever the edge does next.
+        time, and creep from the jump of their own release. What the free radii hold beyond the mean of their
+        node goes on creeping.
 
         Parameters
         ----------
-        dt : ndarray, shape (m,)
-            Time of the release.
+        dt : tuple of ndarray, shape (m,)
+            Time of the release, and time in the step after it.
         shares : tuple of ndarray, shape (m,)
             Share of each node in contact at its begin, and at its end.
         contact : tuple of ndarray
@@ -147,27 +152,39 @@ class Components:
 
         Returns
         -------
-        ndarray, shape (m,)
+        lost : ndarray, shape (m,)
             Energies.
+        beyond : tuple of ndarray
+            ``v`` (1,) and ``b`` (branches, 1) of a component that holds at the end of the step what the free
+            radii of all nodes hold beyond the means.
         """
-        before, after = shares
-        y, left = self._rates[:, None] * dt, before - after
-        end = self.linear(*contact, dt, reached)
+        (time, later), (before, after) = dt, shares
+        y, left = self._rates[:, None] * time, before - after
+        end = self.linear(*contact, time, reached)
         jump = 0.5 * (self._once_released(*contact) + self._once_released(reached, end))
         earlier = self._amplitudes(free)
-        apart = _shared(1.0 - before, left) * (phi(y) * jump - np.exp(-y) * earlier) ** 2
-        decayed = left * (1.0 - phi(y) ** 2) * jump**2 + (1.0 - before) * -np.expm1(-2.0 * y) * earlier**2
-        held = after * self.loss(*contact, dt, reached) + left * self.mean_loss(*contact, dt, reached)
-        return np.asarray(held + ((decayed + apart) / (2.0 * self._rates[:, None])).sum(axis=0))
+        apart = np.sqrt(_shared(1.0 - before, left)) * (phi(y) * jump - np.exp(-y) * earlier)
+        uneven = np.sqrt(left * _variance_of_decay(y)) * jump
+        decayed = left * (1.0 - phi(2.0 * y)) * jump**2 + (1.0 - before) * -np.expm1(-2.0 * y) * earlier**2
+        decayed += -np.expm1(-2.0 * self._rates[:, None] * later) * (apart**2 + uneven**2)
+        held = after * self.loss(*contact, time, reached) + left * self.mean_loss(*contact, time, reached)
+        lost = held + (decayed / (2.0 * self._rates[:, None])).sum(axis=0)
+        kept = _as_one(np.exp(-self._rates[:, None] * later), apart, uneven)
+        return np.asarray(lost), self.recovered(self._root * (self._modes @ kept), 0.0)
 
     def lost_by_cover(
-        self, dt: Array, shares: tuple[Array, Array], contact: VariablesOfParts, reached: Array, free: Array
-    ) -> Array:
+        self,
+        dt: tuple[Array, Array],
+        shares: tuple[Array, Array],
+        contact: VariablesOfParts,
+        reached: Array,
+        free: Array,
+    ) -> tuple[Array, VariablesOfParts]:
         """What the radii of nodes dissipate, each of which is covered all at once in its turn.
 
         The reverse of :meth:`lost_by_release`: the free radii recover, are covered one after the other and
-        relax from the jump of their own covering. What the radii of a node in contact then hold beyond their
-        mean counts as lost.
+        relax from the jump of their own covering. What the radii in contact hold beyond the mean of their
+        node goes on relaxing.
 
         Parameters
         ----------
@@ -176,23 +193,25 @@ class Components:
 
         Returns
         -------
-        ndarray, shape (m,)
+        lost : ndarray, shape (m,)
             Energies.
+        beyond : tuple of ndarray
+            As of :meth:`lost_by_release`, of the radii in contact.
         """
-        before, after = shares
-        y, z, covered = dt / self._times, self._rates[:, None] * dt, after - before
-        jump = 0.5 * (self._once_covered(free, 0.0, contact[0]) + self._once_covered(free, dt, reached))
+        (time, later), (before, after) = dt, shares
+        y, z, covered = time / self._times, self._rates[:, None] * time, after - before
+        jump = 0.5 * (self._once_covered(free, 0.0, contact[0]) + self._once_covered(free, time, reached))
         drift = self._moduli * (reached - contact[0])
-        earlier = self.linear(*contact, dt, reached)
-        apart = _shared(before, covered) * (phi(y) * jump + mean_phi(y) * drift - earlier) ** 2
-        uneven = covered * (phi(2.0 * y) - phi(y) ** 2) * jump**2
-        held = before * self.loss(*contact, dt, reached)
-        held += covered * self.mean_loss(contact[0], jump, dt, reached)
+        earlier = self.linear(*contact, time, reached)
+        apart = np.sqrt(_shared(before, covered)) * (phi(y) * jump + mean_phi(y) * drift - earlier)
+        uneven = np.sqrt(covered * _variance_of_decay(y)) * jump
+        relaxed = -np.expm1(-2.0 * later / self._times) * (apart**2 + uneven**2) / (2.0 * self._moduli)
+        held = before * self.loss(*contact, time, reached)
+        held += covered * self.mean_loss(contact[0], jump, time, reached)
         decayed = (1.0 - after) * -np.expm1(-2.0 * z) + covered * (1.0 - phi(2.0 * z))
         recovered = decayed * self._amplitudes(free) ** 2 / (2.0 * self._rates[:, None])
-        return np.asarray(
-            held + recovered.sum(axis=0) + ((uneven + apart) / (2.0 * self._moduli)).sum(axis=0)
-        )
+        lost = held + (recovered + relaxed).sum(axis=0)
+        return np.asarray(lost), (np.zeros(1), _as_one(np.exp(-later / self._times), apart, uneven))
 
     def _amplitudes(self, b: Array) -> Array:
         """Modes of what creeps under a constant force; the sum of their squares is the dissipation."""
@@ -277,6 +296,17 @@ class Components:
     def _weighted_loss(self, weights: Array, b: Array, change: Array) -> Array:
         parts = weights[0] * b**2 / self._moduli + weights[1] * b * change
         return np.asarray((parts + weights[2] * self._moduli * change**2).sum(axis=0))
+
+
+def _variance_of_decay(y: Array) -> Array:
+    """Variance of ``exp(-x)`` with x evenly distributed from 0 to y."""
+    return np.maximum(phi(2.0 * y) - phi(y) ** 2, 0.0)
+
+
+def _as_one(decay: Array, apart: Array, uneven: Array) -> Array:
+    """Amplitudes (branches, m) of parts of many components as those of one with all their energy."""
+    signs = np.where((decay * (apart + uneven)).sum(axis=1) < 0.0, -1.0, 1.0)
+    return np.asarray((signs * np.sqrt((decay**2 * (apart**2 + uneven**2)).sum(axis=1)))[:, None])
 
 
 def _shared(one: Array, other: Array) -> Array:

@@ -34,9 +34,8 @@ class NodePassage:
     """Components of a range of nodes on their way through a step; sums up energies if asked to.
 
     ``held`` are the branch variables of the partly released node if it were in contact: (branches,) those at
-    the begin of the step, (branches, 1) those at its end. ``apart`` is what a load jump makes
-    differ between the radii of that node that the edge has passed and those on their side before (see
-    ``borders``).
+    the begin of the step, (branches, 1) those at its end. ``beyond`` is what radii that the edge has passed
+    in the step, and those of the same node on their side before, hold beyond the means (see ``borders``).
     """
 
     solid: Components
@@ -46,7 +45,7 @@ class NodePassage:
     accounts: bool
     dissipated: float = 0.0
     received: float = 0.0
-    apart: VariablesOfParts | None = None
+    beyond: VariablesOfParts | None = None
 
     def linear(self, dt: Array, reached: Array) -> None:
         """``v`` goes linearly to ``reached``."""
@@ -83,8 +82,7 @@ class NodePassage:
             reached[at] = self._reached_in_part(partly, float(share[at]), float(imposed[at]))
             if self.accounts:
                 contact = self._in_part(at, partly.share, np.array([partly.contact]))
-                self.apart = contact.jumped(float(imposed[at]), float(share[at]))
-                self.received += float(np.sum(self.solid.stored(*self.apart)))
+                self._keep(contact.jumped(float(imposed[at]), float(share[at])))
             if at == top and share[at] > partly.share:
                 stays_free = (1.0 - share[at]) * self._free_by_mean(at, partly.share)
             elif at == top:
@@ -163,20 +161,22 @@ class NodePassage:
         contact = self.b.copy()  # of the radii in contact
         if partly < len(first):
             contact[:, partly] = self.held
-        lost = np.zeros(0)
+        lost, beyond = np.zeros(0), None
         if self.accounts:
             shares, remaining, free = np.ones(len(first)), np.zeros(len(first)), np.zeros_like(contact)
             remaining[0] = share
             if partly < len(first):
                 shares[partly] = before
                 free[:, partly] = self._free_radii(partly, before, begun)
-            lost = self.solid.lost_by_release(length, (shares, remaining), (begun, contact), reached, free)
+            times, parts = (length, (1.0 - last) * dt), (begun, contact)
+            lost, beyond = self.solid.lost_by_release(times, (shares, remaining), parts, reached, free)
         # the node that remains in part, as if it had stayed in contact
         self.held = self.solid.linear(begun[:1], contact[:, :1], length[:1], reached[:1])
         force, dissipated = np.zeros(len(first)), self.dissipated
         force[0] = share * self.solid.force(reached[:1], self.held)[0]
         self.creep(length, force)
         self._lose(lost, dissipated)
+        self._keep(beyond)
         self.recover((1.0 - last) * dt)
 
     def _free_by_mean(self, node: int, share: float) -> Array:
@@ -191,6 +191,12 @@ class NodePassage:
         """A node in contact in part at the begin of the step; ``imposed`` of shape (1,)."""
         mean = self.v[node : node + 1], self.b[:, node : node + 1]
         return PartialContact(self.solid, share, mean, (imposed, self.held[:, None]))
+
+    def _keep(self, beyond: VariablesOfParts | None) -> None:
+        """Keep what radii hold beyond the means, which the surface has received beside what these have."""
+        if beyond is not None:
+            self.received += float(np.sum(self.solid.stored(*beyond)))
+            self.beyond = beyond
 
     def _lose(self, lost: Array, before: float) -> None:
         """Count what the parts of the nodes lose instead of what their means have lost.
@@ -236,16 +242,18 @@ class NodePassage:
         self.recover(first * dt)
         length, free, reached = (last - first) * dt, self.b.copy(), imposed(last)
         free[:, 0] = self._free_by_mean(0, before)
-        lost, dissipated = np.zeros(0), self.dissipated
+        lost, beyond, dissipated = np.zeros(0), None, self.dissipated
         if self.accounts:
             shares, contact, counted = np.zeros(len(first)), np.zeros_like(free), free.copy()
             shares[0], contact[:, 0] = before, self.held
             counted[:, 0] = self._free_radii(0, before, imposed(first))
             parts = imposed(first), contact
-            lost = self.solid.lost_by_cover(length, (shares, share), parts, reached, counted)
+            times = length, (1.0 - last) * dt
+            lost, beyond = self.solid.lost_by_cover(times, (shares, share), parts, reached, counted)
         v, free = self.solid.recovered(free, length)
         self.linear(length, share * reached + (1.0 - share) * v)
         self._lose(lost, dissipated)
+        self._keep(beyond)
         if share[-1] > _LEAST_SHARE:
             self.held = (self.b[:, -1:] - (1.0 - share[-1]) * free[:, -1:]) / share[-1]
         else:

@@ -232,8 +232,8 @@ class FollowingProblem:
         relaxed = float(np.sum(state.unresolved - unresolved) + np.sum(state.uneven - uneven))
         edge = state.radius, self.geometry.radius(s)
         borders, lost, passed = state.borders.after(self.solid, self.dt, edge, self._moments(s))
-        if passage.apart is not None:
-            known = borders.with_border(state.radius, passage.apart)
+        if passage.beyond is not None and edge[0] != edge[1]:
+            known = borders.with_border(state.radius, passage.beyond)
             borders = known.most_energetic(self.solid)
             lost += known.stored(self.solid) - borders.stored(self.solid)
         return FollowingState(

@@ -50,7 +50,7 @@ class FollowingState:
     uneven : ndarray, shape (branches,)
         Energy of each branch in contact that is finer than the elements there hold.
     borders : NodeBorders
-        What load jumps have left within nodes.
+        What steps have left within nodes.
     record : SurfaceRecord, optional
         The surface where earlier meshes were finer.
     """
