@@ -7,7 +7,6 @@ from pathlib import Path
 
 from validation.cases import Case
 from validation.claims.all import checks as claim_checks
-from validation.compare.suite import SceneComparison
 from validation.drawing import export
 from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
@@ -94,28 +93,21 @@ def write(
         Called with the share of the scenes that are drawn, 0 to 1.
     """
     (folder / "index.html").unlink(missing_ok=True)  # if it is there, the set is complete
-    for one in report.scenes:
-        for solver, run in one.runs.items():
-            write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
-    write_whole(folder / REPORT, to_json(json_data.of_report(report)))
-    checks = junit.text(f"crosscontact {report.suite}", suites(report), report.wall_seconds)
-    write_whole(folder / "junit.xml", checks)
-    write_whole(folder / "summary.md", markdown.text(summary(report)))
-    _write_page(page(report, _scene_sections(report.scenes, workers, progress)), folder)
-
-
-def _scene_sections(
-    scenes: Sequence[SceneComparison], workers: int, progress: Callable[[float], None] | None
-) -> list[Section]:
-    """Sections of the scenes: drawing their curves is most of the work of a page."""
-    with processes(min(workers, len(scenes))) as executor:
-        drawn = (map if executor is None else executor.map)(scene.section, scenes)
+    with processes(min(workers, len(report.scenes))) as executor:
+        drawn = (map if executor is None else executor.map)(scene.section, report.scenes)
+        for one in report.scenes:  # while the others draw
+            for solver, run in one.runs.items():
+                write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
+        write_whole(folder / REPORT, to_json(json_data.of_report(report)))
+        checks = junit.text(f"crosscontact {report.suite}", suites(report), report.wall_seconds)
+        write_whole(folder / "junit.xml", checks)
+        write_whole(folder / "summary.md", markdown.text(summary(report)))
         sections = []
         for section in drawn:
             sections.append(section)
             if progress is not None:
-                progress(len(sections) / len(scenes))
-    return sections
+                progress(len(sections) / len(report.scenes))
+    _write_page(page(report, sections), folder)
 
 
 def write_study(result: Study, folder: Path) -> None:
