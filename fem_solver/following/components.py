@@ -159,7 +159,7 @@ class Components:
             radii of all nodes hold beyond the means.
         """
         (time, later), (before, after) = dt, shares
-        y, left = self._rates[:, None] * time, before - after
+        y, left = self._rates[:, None] * time, _excess(before, after)
         end = self.linear(*contact, time, reached)
         jump = 0.5 * (self._once_released(*contact) + self._once_released(reached, end))
         earlier = self._amplitudes(free)
@@ -199,7 +199,7 @@ class Components:
             As of :meth:`lost_by_release`, of the radii in contact.
         """
         (time, later), (before, after) = dt, shares
-        y, z, covered = time / self._times, self._rates[:, None] * time, after - before
+        y, z, covered = time / self._times, self._rates[:, None] * time, _excess(after, before)
         jump = 0.5 * (self._once_covered(free, 0.0, contact[0]) + self._once_covered(free, time, reached))
         drift = self._moduli * (reached - contact[0])
         earlier = self.linear(*contact, time, reached)
@@ -307,6 +307,11 @@ def _as_one(decay: Array, apart: Array, uneven: Array) -> Array:
     """Amplitudes (branches, m) of parts of many components as those of one with all their energy."""
     signs = np.where((decay * (apart + uneven)).sum(axis=1) < 0.0, -1.0, 1.0)
     return np.asarray((signs * np.sqrt((decay**2 * (apart**2 + uneven**2)).sum(axis=1)))[:, None])
+
+
+def _excess(larger: Array, smaller: Array) -> Array:
+    """What one share is beyond another: none below zero, where an edge rests and they differ by rounding."""
+    return np.maximum(larger - smaller, 0.0)
 
 
 def _shared(one: Array, other: Array) -> Array:

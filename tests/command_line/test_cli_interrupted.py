@@ -222,7 +222,7 @@ def test_a_report_is_not_written_beside_a_foreign_trace(capsys, tmp_path, scene_
     assert foreign.read_text() == "mine"
 
 
-def write_runs(report, folder):
+def write_runs(report, folder, workers, progress):
     """A report without its pages."""
     for one in report.scenes:
         for solver, run in one.runs.items():
