@@ -64,7 +64,8 @@ def of_trace(trace: Trace, scene: Scene) -> RunCurves:
 def with_differences(curves: list[RunCurves], base: str) -> list[RunCurves]:
     """The same curves; those that are not ``base`` also carry ``F(t) - F_base(t)`` over its largest force.
 
-    Both are straight between rows, so a spike one row wide, at a jump, belongs to the rows.
+    Both are straight between rows. Where they jump, what is before is compared with what is before, and what
+    is after with what is after; rows amid a jump have no counterpart.
     """
     found = [curve for curve in curves if curve.style == base and curve.columns["time"].size > 1]
     if not found:
@@ -76,9 +77,12 @@ def with_differences(curves: list[RunCurves], base: str) -> list[RunCurves]:
         if not curve.style or curve.style == base or curve.columns["time"].size < 2:
             carried.append(curve)
             continue
-        shared = curve.columns["time"] <= time[-1]
-        apart = (curve.columns["force"] - np.interp(curve.columns["time"], time, force)) / scale
-        columns = curve.columns | {"shared_time": curve.columns["time"][shared], "difference": apart[shared]}
+        at = curve.columns["time"]
+        begins, ends = np.diff(at, prepend=-np.inf) > 0.0, np.diff(at, append=np.inf) > 0.0
+        before, after = np.interp(-at, -time[::-1], force[::-1]), np.interp(at, time, force)
+        shared = (begins | ends) & (at <= time[-1])
+        apart = (curve.columns["force"] - np.where(ends, after, before)) / scale
+        columns = curve.columns | {"shared_time": at[shared], "difference": apart[shared]}
         carried.append(replace(curve, columns=columns))
     return carried
 
