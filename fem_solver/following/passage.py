@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.following.components import Components, VariablesOfParts
-from fem_solver.following.partial_contact import PartialContact
+from fem_solver.following.node_parts import NodeParts
 
 Array = NDArray[np.float64]
 
@@ -187,10 +187,10 @@ class NodePassage:
         """``b`` of the free radii of a node in contact in part, to count what they hold: (branches,)."""
         return self._in_part(node, share, imposed[node : node + 1]).free[1][:, 0]
 
-    def _in_part(self, node: int, share: float, imposed: Array) -> PartialContact:
+    def _in_part(self, node: int, share: float, imposed: Array) -> NodeParts:
         """A node in contact in part at the begin of the step; ``imposed`` of shape (1,)."""
         mean = self.v[node : node + 1], self.b[:, node : node + 1]
-        return PartialContact(self.solid, share, mean, (imposed, self.held[:, None]))
+        return NodeParts(self.solid, share, mean, (imposed, self.held[:, None]))
 
     def _keep(self, beyond: VariablesOfParts | None) -> None:
         """Keep what radii hold beyond the means, which the surface has received beside what these have."""

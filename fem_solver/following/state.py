@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fem_solver.edge_geometry import EdgeOrigin
 from fem_solver.following.borders import NodeBorders
 from fem_solver.following.components import Components
-from fem_solver.following.partial_contact import PartialContact
+from fem_solver.following.node_parts import NodeParts
 from fem_solver.following.path import Row
 from fem_solver.following.placement import Placement
 from fem_solver.following.surface_record import SurfaceRecord, averaged, interpolated
@@ -214,4 +214,4 @@ def interface_energy(state: FollowingState, placement: Placement, solid: Compone
     imposed = state.penetration * placement.unit[node] - placement.profile[node]
     mean = state.components[node : node + 1], state.branches[:, node : node + 1]
     contact = np.array([imposed]), state.held[:, None]
-    return PartialContact(solid, state.edge - np.floor(state.edge), mean, contact).energy_beyond_mean
+    return NodeParts(solid, state.edge - np.floor(state.edge), mean, contact).energy_beyond_mean

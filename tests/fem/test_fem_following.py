@@ -29,7 +29,7 @@ from contact_scene import (
 from fem_solver.following import history, state
 from fem_solver.following.borders import NodeBorders
 from fem_solver.following.components import Components
-from fem_solver.following.partial_contact import PartialContact
+from fem_solver.following.node_parts import NodeParts
 from fem_solver.following.passage import NodePassage, PartlyReleased
 from fem_solver.following.path import EdgePolynomial, missed_by_extrapolation
 from fem_solver.following.problem import FollowingProblem
@@ -167,7 +167,7 @@ def test_a_jump_within_a_node_leaves_its_radii_where_each_of_them_jumps_to(after
     known, mean = solid.stored(*passage.beyond), (passage.v, passage.b)
     if after < 1.0:
         assert_allclose(passage.held, in_contact, rtol=1e-12)
-        known += PartialContact(solid, after, mean, (imposed, passage.held)).energy_beyond_mean
+        known += NodeParts(solid, after, mean, (imposed, passage.held)).energy_beyond_mean
     whole = sum(share * solid.stored(v, b) for share, v, b in parts)
     assert_allclose(known + solid.stored(*mean), whole, rtol=1e-12)
 

@@ -19,14 +19,6 @@ Array = NDArray[np.float64]
 
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(4)  # exact for the square of a cubic
 _GAUSS, _WEIGHT = 0.5 * (_GAUSS + 1.0), 0.5 * _WEIGHT
-_GAUSS_SHAPES = np.array(
-    (
-        (1.0 - _GAUSS) ** 2 * (1.0 + 2.0 * _GAUSS),
-        _GAUSS**2 * (3.0 - 2.0 * _GAUSS),
-        _GAUSS * (1.0 - _GAUSS) ** 2,
-        -(_GAUSS**2) * (1.0 - _GAUSS),
-    )
-).T  # (point, end): cubics of unit value or slope at one end of their interval
 _ENDS, _NEXT = np.array([0, -1]), np.array([1, -2])  # the outer nodes and intervals, and the ones behind
 
 
@@ -187,3 +179,8 @@ def _cubic(first: Array, last: Array, rise: Array, end: Array, u: Array) -> Arra
     """Cubics at fractions ``u`` of their intervals, from values and slopes times lengths at both ends."""
     step = last - first
     return first + u * (rise + u * (3.0 * step - 2.0 * rise - end + u * (rise + end - 2.0 * step)))
+
+
+_UNIT = np.eye(4)[:, :, None]
+_GAUSS_SHAPES = _cubic(_UNIT[0], _UNIT[1], _UNIT[2], _UNIT[3], _GAUSS).T
+"""Cubics of unit value or slope at one end of their interval, at the points of the rule: (point, end)."""

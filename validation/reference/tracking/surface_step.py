@@ -128,20 +128,18 @@ class _EdgeAtRest:
         return Surface(by.depth.end, start.inside, branches, start.outside, units)
 
 
-@dataclass(frozen=True)
-class _AdvancingEdge:
-    """Step of an edge that covers points ``x`` (m,), the last of them the new edge, at times ``at`` (m,).
+@dataclass(frozen=True, kw_only=True)
+class _MovingEdge:
+    """Step of an edge that passes points ``x`` (m,), the new edge among them, at times ``at`` (m,).
 
-    ``units`` (m, n) are the strains with which it meets them, ``fading`` (m, n) what is left of their branch
-    forces at the end, ``profile`` (m,) the transform of the indenter. ``branches`` are those of the points
-    inside all the time, ``outside`` and ``free`` the nodes outside and their strains at the end.
+    ``fading`` (m, n) is what is left of the branch forces of these points, ``gain`` what they gain while they
+    are in contact, ``profile`` (m,) the transform of the indenter. ``inside`` and ``outside`` are the nodes
+    at the end of the step, ``branches`` and ``free`` the part of their state that no penetration changes.
     """
 
     body: Body
-    surface: Surface
     x: Array
     at: Array
-    units: Array
     fading: Array
     profile: Array
     gain: BranchGain
@@ -149,6 +147,17 @@ class _AdvancingEdge:
     branches: Array
     outside: Array
     free: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class _AdvancingEdge(_MovingEdge):
+    """Covers points, the last of them the new edge.
+
+    ``units`` (m, n) are the strains with which the edge meets them; their forces fade from then to the end.
+    """
+
+    surface: Surface
+    units: Array
 
     def __call__(self, by: FieldUpdate, with_tip_energy: bool = False) -> Surface:
         rheology, depth = self.body.rheology, by.depth
@@ -191,43 +200,31 @@ def _advancing(
     at = _passed(path, x, h, rheology)
     left = np.full_like(at, h)
     return _AdvancingEdge(
-        body,
-        surface,
-        x,
-        at,
-        units * np.exp(-at[:, None] / rheology.retardation),
-        np.exp(-(left - at)[:, None] / rheology.times),
-        body.transform(x),
-        BranchGain(at, left, rheology.times),
-        np.concatenate((surface.inside[kept], x)),
-        surface.branches[kept] * by.decay,
-        np.concatenate(([radius], surface.outside[beyond:])),
-        np.concatenate((units[-1:], surface.units[beyond:])) * by.recovery,
+        body=body,
+        surface=surface,
+        x=x,
+        at=at,
+        units=units * np.exp(-at[:, None] / rheology.retardation),
+        fading=np.exp(-(left - at)[:, None] / rheology.times),
+        profile=body.transform(x),
+        gain=BranchGain(at, left, rheology.times),
+        inside=np.concatenate((surface.inside[kept], x)),
+        branches=surface.branches[kept] * by.decay,
+        outside=np.concatenate(([radius], surface.outside[beyond:])),
+        free=np.concatenate((units[-1:], surface.units[beyond:])) * by.recovery,
     )
 
 
-@dataclass(frozen=True)
-class _RecedingEdge:
-    """Step of an edge that releases points ``x`` (m,), the first of them the new edge, at times ``at`` (m,).
+@dataclass(frozen=True, kw_only=True)
+class _RecedingEdge(_MovingEdge):
+    """Releases points, the first of them the new edge.
 
-    ``start`` (m, n) are their branch forces at the start of the step, ``fading`` and ``recovering`` (m, n)
-    what is left of them at the release, and of the strains since then, ``profile`` (m,) the transform of the
-    indenter. ``branches`` are those of the points inside all the time, ``outside`` the nodes outside, in
-    part ``kept``, with ``free``, the strains of those that were outside before.
+    ``start`` (m, n) are their branch forces at the start of the step, which fade until the release, and
+    ``recovering`` (m, n) is what is left of their strains since then.
     """
 
-    body: Body
-    x: Array
-    at: Array
     start: Array
-    fading: Array
     recovering: Array
-    profile: Array
-    gain: BranchGain
-    inside: Array
-    branches: Array
-    outside: Array
-    free: Array
 
     def __call__(self, by: FieldUpdate, with_tip_energy: bool = False) -> Surface:
         rheology, depth = self.body.rheology, by.depth
@@ -265,18 +262,18 @@ def _receding(
         rest, beside = 0, x.copy()
         shift_last_inwards(beside)
     return _RecedingEdge(
-        body,
-        x,
-        at,
-        surface.branches_at(x),
-        np.exp(-at[:, None] / rheology.times),
-        np.exp(-(h - at)[:, None] / rheology.retardation),
-        body.transform(x),
-        BranchGain(np.zeros_like(at), at, rheology.times),
-        np.concatenate((surface.inside[:kept], x[:1])),
-        surface.branches[:kept] * by.decay,
-        np.concatenate((beside, surface.outside[rest:])),
-        surface.units[rest:] * by.recovery,
+        body=body,
+        x=x,
+        at=at,
+        start=surface.branches_at(x),
+        fading=np.exp(-at[:, None] / rheology.times),
+        recovering=np.exp(-(h - at)[:, None] / rheology.retardation),
+        profile=body.transform(x),
+        gain=BranchGain(np.zeros_like(at), at, rheology.times),
+        inside=np.concatenate((surface.inside[:kept], x[:1])),
+        branches=surface.branches[:kept] * by.decay,
+        outside=np.concatenate((beside, surface.outside[rest:])),
+        free=surface.units[rest:] * by.recovery,
     )
 
 

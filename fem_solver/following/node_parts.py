@@ -14,7 +14,7 @@ and radii in contact agree to the second order of a step, which is divided by th
 
 
 @dataclass(frozen=True)
-class PartialContact:
+class NodeParts:
     """A node in contact in part; each pair is ``v`` of shape (1,) and ``b`` of shape (branches, 1).
 
     Parameters
@@ -82,6 +82,6 @@ class PartialContact:
         if share > before:
             weight = np.sqrt(before * (share - before) / share)
             return np.zeros(1), weight * (self.solid.linear(v, b, 0.0, to) - held)
-        left, released = PartialContact(self.solid, before, self.mean, (to, held)).released
+        left, released = NodeParts(self.solid, before, self.mean, (to, held)).released
         weight = np.sqrt((1.0 - before) * (before - share) / (1.0 - share))
         return weight * (left - v), weight * (released - b)
