@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NoReturn, cast
 
 import numpy as np
@@ -90,7 +91,8 @@ class AcceptedStates:
             following = FollowingContactSolver(self.setup, self.counters)
             self.solver = following  # type: ignore[assignment] # another class with the same methods
         else:
-            self.solver = ContactSolver(self.setup, self.counters, self._edge_origin)
+            origin = partial(_edge_origin, self.recorder, self.estimator)  # a run that held itself would stay
+            self.solver = ContactSolver(self.setup, self.counters, origin)
 
     @property
     def state(self) -> SurfaceState:
@@ -102,14 +104,6 @@ class AcceptedStates:
         """Whether the energy that an opening edge takes up follows its speed."""
         law = self.setup.law
         return isinstance(law, IrreversibleEdge) and law.adhesion.rate is not None
-
-    def _edge_origin(self) -> EdgeOrigin | None:
-        """Edge of the last accepted state; the step to it counts unless rates jump there."""
-        last = self.recorder.content.last
-        if last is None:
-            return None
-        smooth = "radius" in self.estimator.slopes
-        return EdgeOrigin(last.edge, last.radius, last.rate, last.duration if smooth else 0.0)
 
     def _check_budget(self) -> None:
         outcome = budget_outcome(self.counters, self.max_steps, self.time)
@@ -245,3 +239,12 @@ class AcceptedStates:
 
     def _end(self, kind: OutcomeKind, reason: str) -> NoReturn:
         raise RunEnded(Outcome(kind, reason, self.time))
+
+
+def _edge_origin(recorder: SurfaceRecorder, estimator: SlopeErrorEstimator) -> EdgeOrigin | None:
+    """Edge of the last accepted state; the step to it counts unless rates jump there."""
+    last = recorder.content.last
+    if last is None:
+        return None
+    smooth = "radius" in estimator.slopes
+    return EdgeOrigin(last.edge, last.radius, last.rate, last.duration if smooth else 0.0)

@@ -164,10 +164,13 @@ class AdhesiveEdge:
     def _root(self, problem: ContactProblem, ends: dict[float, float]) -> float:
         """The root between two positions, given with their excess."""
 
-        def excess(s: float) -> float:
-            return ends[s] if s in ends else self._excess(problem, s)
+        known = problem, ends  # as arguments: what the function itself holds stays in a reference cycle of scipy
+        return float(
+            brentq(self._known_excess, min(ends), max(ends), known, xtol=_NODE_TOLERANCE, rtol=1e-15)
+        )
 
-        return float(brentq(excess, min(ends), max(ends), xtol=_NODE_TOLERANCE, rtol=1e-15))
+    def _known_excess(self, s: float, problem: ContactProblem, ends: dict[float, float]) -> float:
+        return ends[s] if s in ends else self._excess(problem, s)
 
     def radius(self, problem: ContactProblem, s: float) -> float:
         """Effective radius of the partly released set."""
