@@ -14,6 +14,7 @@ from validation import cases, scenes
 from validation.compare import regression
 from validation.compare.suite import SceneComparison
 from validation.execution.files import output_folder
+from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.fields import cycle_fields
@@ -70,19 +71,22 @@ def run(
     if not fresh:
         check_report_unused(folder, REPORT, loaded)
     store, claims = Store(folder, fresh), suite != "quick"
-    with telling_what_is_kept(folder, store):
-        progress = Progress("report")
-        progress.phase("runs")
-        result = build(suite, loaded, jobs, progress, estimate=estimate, claims=claims, store=store)
-        if suite == "full":
-            result = replace(result, stability=stability.compute(jobs, store))
-        if fields:
-            result = replace(result, fields=_fields(result.scenes))
-    if baseline is not None and old is not None:
-        result = replace(result, baseline=regression.compare(baseline, old, of_report(result), loaded))
-    with Progress("report") as writing:
-        writing.phase("drawing and writing")
-        write(result, folder, jobs, writing)
+    with processes(jobs) as executor:
+        with telling_what_is_kept(folder, store):
+            progress = Progress("report")
+            progress.phase("runs")
+            result = build(
+                suite, loaded, executor, progress, estimate=estimate, claims=claims, store=store
+            )
+            if suite == "full":
+                result = replace(result, stability=stability.compute(jobs, store))
+            if fields:
+                result = replace(result, fields=_fields(result.scenes))
+        if baseline is not None and old is not None:
+            result = replace(result, baseline=regression.compare(baseline, old, of_report(result), loaded))
+        with Progress("report") as writing:
+            writing.phase("drawing and writing")
+            write(result, folder, executor, writing)
     store.clear()
     print(f"{counted(len(result.checks), 'check')}, {len(result.failures)} failed: {folder / 'index.html'}")
     code = exit_code(result.failures)

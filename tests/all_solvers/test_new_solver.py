@@ -47,7 +47,7 @@ def registered(monkeypatch):
 def test_a_whole_report(registered, tmp_path):
     scene = tmp_path / "small.toml"
     scene.write_text(SCENE)
-    report = build("quick", [load(str(scene))], 1, Progress("test"))
+    report = build("quick", [load(str(scene))], None, Progress("test"))
     with without_layout():
         write(report, tmp_path / "out")
     (entry,) = json.loads((tmp_path / "out" / "report.json").read_text())["scenes"]

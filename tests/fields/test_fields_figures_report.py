@@ -122,7 +122,7 @@ def test_section_fits_a_phone(section, monkeypatch, tmp_path):
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
     own = tmp_path / "small.toml"
     own.write_text(SMALL)
-    made = build("quick", [load(str(own))], 1, Progress("test"), estimate=False)
+    made = build("quick", [load(str(own))], None, Progress("test"), estimate=False)
     write(dataclasses.replace(made, fields=section), tmp_path)
     text = (tmp_path / "index.html").read_text()
     assert len(section.images) == 7

@@ -17,6 +17,7 @@ from crosscontact import registry
 from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
+from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_all
@@ -37,7 +38,7 @@ def built(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         for name in registry.names():
             patch.setitem(solvers.SOLVERS, name, named(name, fake(1.0 if name == "reference" else 1.1)))
-        report = build("quick", [load(str(own)), load("cycle-v0.1")], 1, Progress("test"))
+        report = build("quick", [load(str(own)), load("cycle-v0.1")], None, Progress("test"))
     with without_layout():
         write(report, folder / "out")
     return report, folder / "out"
@@ -63,7 +64,8 @@ def test_pages_drawn_by_two_processes_are_the_same(built, tmp_path):
     shares: list[float] = []
     for name, workers in (("here", 1), ("there", 2)):
         (tmp_path / name).mkdir()
-        write(report, tmp_path / name, workers, shares.append)
+        with processes(workers) as executor:
+            write(report, tmp_path / name, executor, shares.append)
     assert (tmp_path / "there/index.html").read_text() == (tmp_path / "here/index.html").read_text()
     assert shares == [0.5, 1.0] * 2
 
@@ -164,7 +166,7 @@ def test_a_run_without_an_answer_is_shown(tmp_path, monkeypatch):
     monkeypatch.setitem(solvers.SOLVERS, "bem", FunctionSolver(refuse))
     monkeypatch.setitem(solvers.SOLVERS, "fem", named("fem", fake(1.1)))
     monkeypatch.setitem(solvers.SOLVERS, "reference", named("reference", fake(kind=OutcomeKind.STEP_BUDGET)))
-    report = build("quick", [load("cycle-v0.1")], 1, Progress("test"))
+    report = build("quick", [load("cycle-v0.1")], None, Progress("test"))
     with without_layout():
         write(report, tmp_path)
     text = (tmp_path / "index.html").read_text()
@@ -180,7 +182,7 @@ def test_a_run_without_an_answer_is_shown(tmp_path, monkeypatch):
 def test_no_curve_at_all(tmp_path, monkeypatch):
     for name in registry.names():
         monkeypatch.setitem(solvers.SOLVERS, name, FunctionSolver(refuse, name))
-    report = build("quick", [load("cycle-v0.1")], 1, Progress("test"))
+    report = build("quick", [load("cycle-v0.1")], None, Progress("test"))
     write(report, tmp_path)
     assert "No run gave a curve" in (tmp_path / "index.html").read_text()
 
@@ -206,7 +208,7 @@ def test_estimates_stand_beside_differences_unless_left_out(tmp_path, monkeypatc
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake(1.001 if name == "bem" else 1.0)))
     found = {}
     for estimate in (True, False):
-        report = build("quick", [load("cycle-v0.1")], 1, Progress("test"), estimate=estimate)
+        report = build("quick", [load("cycle-v0.1")], None, Progress("test"), estimate=estimate)
         (found[estimate],) = [c for c in report.checks if (c.solver, c.quantity) == ("bem", "loop_energy")
                               and c.source == "front tracking"]  # fmt: skip
     assert (found[True].passed, found[True].estimate, found[True].base_estimate) == (False, 0.0, 0.0)

@@ -29,7 +29,7 @@ def page(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         for name in registry.names():
             patch.setitem(solvers.SOLVERS, name, named(name, fake(1.0 if name == "reference" else 1.1)))
-        write(build("quick", [load("cycle-v0.1")], 1, Progress("test")), folder)
+        write(build("quick", [load("cycle-v0.1")], None, Progress("test")), folder)
     return (folder / "index.html").read_text()
 
 

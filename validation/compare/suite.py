@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 from validation.cases import Case
 from validation.compare.against_reference import check_case
-from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_all
@@ -32,7 +32,7 @@ class SceneComparison:
 
 def compare_scenes(
     cases: Sequence[Case],
-    workers: int,
+    executor: Executor | None,
     progress: Progress,
     *,
     estimate: bool = True,
@@ -46,8 +46,8 @@ def compare_scenes(
     Parameters
     ----------
     cases : sequence of Case
-    workers : int
-        Processes; 1: this one.
+    executor : Executor or None
+        ``None``: in this process.
     progress : Progress
         Closed at the end.
     estimate : bool
@@ -70,8 +70,7 @@ def compare_scenes(
     pairs = [*all_pairs(cases, solvers), *further]
     estimated = [case.name for case in cases] if estimate else []
     try:
-        with processes(min(workers, len(pairs))) as executor:
-            runs = run_all(pairs, executor, store, progress, estimated, max_steps)
+        runs = run_all(pairs, executor, store, progress, estimated, max_steps)
     finally:
         progress.close()
     comparisons = []

@@ -17,9 +17,12 @@ from validation.drawing.curves import Labels, RunCurves
 from validation.drawing.styles import CLOSED_FORM, INK, curve_style
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 WIDE = 3.0  # points; a wider line gets a larger mark at its largest tension
+BELOW, ABOVE, BESIDE = 36.0, 15.0, 14.0  # points: numbers and name; a power of ten; half a number
+PADDING = 4.0  # points
 MANY = 6000  # points beyond which a line is drawn as pixels inside the SVG
 
 
@@ -72,9 +75,19 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
     axes.locator_params(axis="x", nbins=6)  # more would run into each other where numbers are long
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, labelcolor=INK, fontsize="small", handlelength=2.6)
-    figure.tight_layout(pad=0.4)
-    figure.set_layout_engine(None)  # once is enough for one pair of axes; an engine draws everything twice
+    _lay_out(figure, axes)
     return figure
+
+
+def _lay_out(figure: Figure, axes: Axes) -> None:
+    """Margins alike in every figure but for the left one, which follows the numbers there.
+
+    An engine of matplotlib measures all text of a figure, which takes as long as drawing it.
+    """
+    width, height = 72.0 * figure.get_size_inches()
+    figure.subplots_adjust(bottom=BELOW / height, top=1.0 - ABOVE / height, right=1.0 - BESIDE / width)
+    taken = axes.bbox.x0 - axes.yaxis.get_tightbbox().x0
+    figure.subplots_adjust(left=taken / figure.bbox.width + PADDING / width)
 
 
 def _width(curve: RunCurves) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 
 from validation.cases import Case
 from validation.claims import evidence
@@ -17,7 +18,7 @@ from validation.report.report import Claims, Report
 def build(
     suite: str,
     loaded: list[Case],
-    workers: int,
+    executor: Executor | None,
     progress: Progress,
     *,
     estimate: bool = True,
@@ -33,7 +34,7 @@ def build(
     suite : str
         Name, for the title.
     loaded : list of Case
-    workers, progress, estimate, store, max_steps
+    executor, progress, estimate, store, max_steps
         As of :func:`~validation.compare.suite.compare_scenes`.
     claims : bool
         Whether the paper's statements are judged too, on these runs and those they need beside them; a run
@@ -50,7 +51,7 @@ def build(
     further = evidence.missing_runs(pairs) if claims else []
     pages, runs = compare_scenes(
         loaded,
-        workers,
+        executor,
         progress,
         estimate=estimate,
         store=store,

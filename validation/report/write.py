@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 
 from validation.cases import Case
@@ -10,7 +11,6 @@ from validation.claims.all import checks as claim_checks
 from validation.drawing import export
 from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
-from validation.execution.processes import processes
 from validation.execution.run_folder import write_run
 from validation.report import html, json_data, junit, markdown
 from validation.report.document import Document, Section, figures_of
@@ -76,7 +76,10 @@ def suites(report: Report) -> list[junit.CheckSuite]:
 
 
 def write(
-    report: Report, folder: Path, workers: int = 1, progress: Callable[[float], None] | None = None
+    report: Report,
+    folder: Path,
+    executor: Executor | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> None:
     """Write ``index.html``, ``summary.md``, ``report.json``, ``junit.xml``, ``runs/SCENE/SOLVER/``.
 
@@ -87,26 +90,25 @@ def write(
     ----------
     report : Report
     folder : Path
-    workers : int
-        Processes that draw; 1: this one.
+    executor : Executor or None
+        Draws; ``None``: this process.
     progress : callable or None
         Called with the share of the scenes that are drawn, 0 to 1.
     """
     (folder / "index.html").unlink(missing_ok=True)  # if it is there, the set is complete
-    with processes(min(workers, len(report.scenes))) as executor:
-        drawn = (map if executor is None else executor.map)(scene.section, report.scenes)
-        for one in report.scenes:  # while the others draw
-            for solver, run in one.runs.items():
-                write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
-        write_whole(folder / REPORT, to_json(json_data.of_report(report)))
-        checks = junit.text(f"crosscontact {report.suite}", suites(report), report.wall_seconds)
-        write_whole(folder / "junit.xml", checks)
-        write_whole(folder / "summary.md", markdown.text(summary(report)))
-        sections = []
-        for section in drawn:
-            sections.append(section)
-            if progress is not None:
-                progress(len(sections) / len(report.scenes))
+    drawn = (map if executor is None else executor.map)(scene.section, report.scenes)
+    for one in report.scenes:  # while the others draw
+        for solver, run in one.runs.items():
+            write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
+    write_whole(folder / REPORT, to_json(json_data.of_report(report)))
+    checks = junit.text(f"crosscontact {report.suite}", suites(report), report.wall_seconds)
+    write_whole(folder / "junit.xml", checks)
+    write_whole(folder / "summary.md", markdown.text(summary(report)))
+    sections = []
+    for section in drawn:
+        sections.append(section)
+        if progress is not None:
+            progress(len(sections) / len(report.scenes))
     _write_page(page(report, sections), folder)
 
 
