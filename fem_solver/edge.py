@@ -164,7 +164,10 @@ class AdhesiveEdge:
     def _root(self, problem: ContactProblem, ends: dict[float, float]) -> float:
         """The root between two positions, given with their excess."""
 
-        known = problem, ends  # as arguments: what the function itself holds stays in a reference cycle of scipy
+        known = (
+            problem,
+            ends,
+        )  # as arguments: what the function itself holds stays in a reference cycle of scipy
         return float(
             brentq(self._known_excess, min(ends), max(ends), known, xtol=_NODE_TOLERANCE, rtol=1e-15)
         )

@@ -11,6 +11,7 @@ from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import load_taken
 from validation.compare.suite import all_pairs
 from validation.execution.files import output_folder
+from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.report import terminal
@@ -63,25 +64,29 @@ def run(
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, REPORT, loaded)
-    say_short_runs(max_steps, forecasts(all_pairs(loaded, solvers)))
+    pairs = all_pairs(loaded, solvers)
+    say_short_runs(max_steps, forecasts(pairs))
     store = Store(folder, fresh)
-    with telling_what_is_kept(folder, store):
-        progress = Progress("compare")
-        progress.phase("runs")
-        result = build("compare", loaded, jobs, progress, store=store, solvers=solvers, max_steps=max_steps)
-    refused = [scene for scene in result.scenes if all(run.refused for run in scene.runs.values())]
-    for scene in refused:
-        reason = next(iter(scene.runs.values())).failure
-        print(f"crosscontact: error: {scene.case.name}: {reason}", file=sys.stderr)
-    if len(refused) == len(result.scenes):
-        return 2
-    for scene in result.scenes:
-        print(terminal.text(verdicts(scene)))
-    if folder is not None:
-        with Progress("compare") as writing:
-            writing.phase("drawing and writing")
-            write(result, folder, jobs, writing)
-        store.clear()
-        print(f"written to {folder / 'index.html'}")
+    with processes(min(jobs, len(pairs))) as executor:
+        with telling_what_is_kept(folder, store):
+            progress = Progress("compare")
+            progress.phase("runs")
+            result = build(
+                "compare", loaded, executor, progress, store=store, solvers=solvers, max_steps=max_steps
+            )
+        refused = [scene for scene in result.scenes if all(run.refused for run in scene.runs.values())]
+        for scene in refused:
+            reason = next(iter(scene.runs.values())).failure
+            print(f"crosscontact: error: {scene.case.name}: {reason}", file=sys.stderr)
+        if len(refused) == len(result.scenes):
+            return 2
+        for scene in result.scenes:
+            print(terminal.text(verdicts(scene)))
+        if folder is not None:
+            with Progress("compare") as writing:
+                writing.phase("drawing and writing")
+                write(result, folder, executor, writing)
+            store.clear()
+            print(f"written to {folder / 'index.html'}")
     code = exit_code(result.failures)
     return 2 if refused else code

@@ -12,7 +12,7 @@ from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.tables import cell
 from validation import cases, scenes
 from validation.compare import regression
-from validation.compare.suite import SceneComparison
+from validation.compare.suite import SceneComparison, all_pairs
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
@@ -71,13 +71,11 @@ def run(
     if not fresh:
         check_report_unused(folder, REPORT, loaded)
     store, claims = Store(folder, fresh), suite != "quick"
-    with processes(jobs) as executor:
+    with processes(min(jobs, len(all_pairs(loaded)))) as executor:
         with telling_what_is_kept(folder, store):
             progress = Progress("report")
             progress.phase("runs")
-            result = build(
-                suite, loaded, executor, progress, estimate=estimate, claims=claims, store=store
-            )
+            result = build(suite, loaded, executor, progress, estimate=estimate, claims=claims, store=store)
             if suite == "full":
                 result = replace(result, stability=stability.compute(jobs, store))
             if fields:

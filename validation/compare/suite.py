@@ -40,6 +40,7 @@ def compare_scenes(
     further: Sequence[tuple[Case, str]] = (),
     solvers: Sequence[str] | None = None,
     max_steps: int | None = None,
+    quick: bool = False,
 ) -> tuple[list[SceneComparison], dict[tuple[str, str], Run]]:
     """Run every solver on every scene and check the runs.
 
@@ -60,6 +61,8 @@ def compare_scenes(
         Names; ``None``: all for which the scene does not take too long.
     max_steps : int or None
         Of every run; ``None``: by its forecast.
+    quick : bool
+        Whether runs have the resolution of the quick suite, not each solver's default.
 
     Returns
     -------
@@ -70,7 +73,7 @@ def compare_scenes(
     pairs = [*all_pairs(cases, solvers), *further]
     estimated = [case.name for case in cases] if estimate else []
     try:
-        runs = run_all(pairs, executor, store, progress, estimated, max_steps)
+        runs = run_all(pairs, executor, store, progress, estimated, max_steps, quick)
     finally:
         progress.close()
     comparisons = []

@@ -86,7 +86,9 @@ def _lay_out(figure: Figure, axes: Axes) -> None:
     """
     width, height = 72.0 * figure.get_size_inches()
     figure.subplots_adjust(bottom=BELOW / height, top=1.0 - ABOVE / height, right=1.0 - BESIDE / width)
-    taken = axes.bbox.x0 - axes.yaxis.get_tightbbox().x0
+    numbers_and_name = axes.yaxis.get_tightbbox()
+    assert numbers_and_name is not None
+    taken = axes.bbox.x0 - numbers_and_name.x0
     figure.subplots_adjust(left=taken / figure.bbox.width + PADDING / width)
 
 

@@ -137,6 +137,12 @@ def run_of(result: TaskResult) -> Run:
     return replace(result.value, scene=case.name)  # a stored one may come from a scene of another name
 
 
+def quick_resolution(case: Case, solver: str) -> int | None:
+    """Resolution in the quick suite; ``None`` for a solver that is not known here."""
+    method = solvers.SOLVERS.get(solver)
+    return None if method is None else method.quick_resolution(case.scene)
+
+
 def run_all(
     pairs: Iterable[tuple[Case, str]],
     executor: Executor | None = None,
@@ -144,6 +150,7 @@ def run_all(
     progress: TellProgress | None = None,
     estimated: Collection[str] = (),
     max_steps: int | None = None,
+    quick: bool = False,
 ) -> dict[tuple[str, str], Run]:
     """Run pairs of case and solver, here or through an executor.
 
@@ -156,6 +163,8 @@ def run_all(
         Names of the scenes whose errors are estimated.
     max_steps : int or None
         Of every run; ``None``: by its forecast.
+    quick : bool
+        Whether they have the resolution of the quick suite, not each solver's default.
 
     Returns
     -------
@@ -163,7 +172,10 @@ def run_all(
         By scene and solver, in the order of ``pairs``.
     """
     tasks = [
-        run_task(case, solver, estimate=case.name in estimated, max_steps=max_steps) for case, solver in pairs
+        run_task(
+            case, name, quick_resolution(case, name) if quick else None, case.name in estimated, max_steps
+        )
+        for case, name in pairs
     ]
     runs = map(run_of, run_tasks(tasks, executor, store, progress))
     return {(result.scene, result.solver): result for result in runs}

@@ -32,7 +32,7 @@ def build(
     Parameters
     ----------
     suite : str
-        Name, for the title.
+        Name, for the title; ``quick`` has a resolution of its own (``Solver.quick_resolution``).
     loaded : list of Case
     executor, progress, estimate, store, max_steps
         As of :func:`~validation.compare.suite.compare_scenes`.
@@ -58,6 +58,7 @@ def build(
         further=further,
         solvers=solvers,
         max_steps=max_steps,
+        quick=suite == "quick",
     )
     judged = None
     if claims:

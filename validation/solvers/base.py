@@ -20,6 +20,9 @@ SKIPPED_WORK: Mapping[str, str] = {
 }
 """Work counter of any solver: what its remaining at zero means."""
 
+QUICK_DIVISIONS = 8
+"""Most divisions per process zone in the quick suite."""
+
 
 @dataclass(frozen=True)
 class ComparisonRun:
@@ -165,6 +168,10 @@ class Solver(ABC):
     def default_resolution(self, scene: Scene) -> int:
         """Divisions per process zone where none are specified."""
         return 8
+
+    def quick_resolution(self, scene: Scene) -> int:
+        """Divisions in the quick suite: its checks ask for no more, and the default takes longer."""
+        return min(QUICK_DIVISIONS, self.default_resolution(scene))
 
     def coarse_resolution(self, adhesive: bool) -> int:
         """The fewest divisions per process zone that still meet :attr:`coarse_tolerance`."""

@@ -231,6 +231,10 @@ class FiniteElements(Solver):
         """Elements per process zone, or nodes per hundredth of the largest contact radius."""
         return DIVISIONS if scene.is_adhesive else ADHESIONLESS_DIVISIONS
 
+    def quick_resolution(self, scene: Scene) -> int:
+        """As of every solver; the default where the mesh follows the edge: fewer are hardly cheaper."""
+        return self.default_resolution(scene) if self.follows_edge(scene) else super().quick_resolution(scene)
+
     def coarse_resolution(self, adhesive: bool) -> int:
         """Four; without adhesion two."""
         return 4 if adhesive else 2

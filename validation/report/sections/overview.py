@@ -25,12 +25,19 @@ from validation.report.report import Report
 from validation.report.sections import checks
 from validation.report.sections.scene import anchor, skipped_work
 from validation.solvers import SOLVERS
+from validation.solvers.base import QUICK_DIVISIONS
 
 EXPLAINED = (
     "Differences are relative; each stands beside the error estimates of solver and reference and beside the "
     "scene's tolerance. Two runs agree where they differ by no more than both estimates together, at most by "
     "the tolerance; where an estimate is missing, by the tolerance. A coarse or failed run stays in the "
     "tables and figures."
+)
+
+
+QUICK = (
+    f"The quick suite is solved at {QUICK_DIVISIONS} divisions of the process zone at most, where that is "
+    "cheaper than a solver's default; its checks ask for no more."
 )
 
 
@@ -61,7 +68,8 @@ def section(report: Report) -> Section:
         }
         for scene in report.scenes
     )
-    parts: tuple[Part, ...] = (DataTable.of(rows), Paragraph(EXPLAINED), *solvers(report))
+    resolution = (Paragraph(QUICK),) if report.suite == "quick" else ()
+    parts: tuple[Part, ...] = (DataTable.of(rows), Paragraph(EXPLAINED), *resolution, *solvers(report))
     if report.failures:
         parts = (Section("Not passed", (_failures(report),), "not-passed"), *parts)
     return Section("Overview", parts, "overview")
