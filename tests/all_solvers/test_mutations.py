@@ -29,6 +29,7 @@ from validation import cases, scenes, solvers
 from validation.compare.against_reference import check_case
 from validation.compare.checks import check_run
 from validation.execution.runs import Run, run
+from validation.execution.solver_tasks import quick_resolution
 from validation.measure.error_estimate import ENERGIES
 from validation.measure.norms import distance
 from validation.measure.scaling import column_of, scale
@@ -38,8 +39,6 @@ FAULTS += [*altered_scenes.FAULTS, *altered_answers.FAULTS, *shared.FAULTS]
 SCENES = ("relaxed-equilibrium", "elastic-relaxed", "cycle-v0.02", "adhesionless-cycle", "three-branches")
 NOTICEABLE = 0.01
 CHEAP = "punch-programme"
-RESOLUTION = {"bem": 6}
-"""Of solvers that meet the check values of the cheapest scene at less than their default resolution."""
 TABLES = [*altered_scenes.FAULTS, *altered_answers.FAULTS]
 CHEAP_TABLES = [fault for fault in TABLES if fault.scenes == (CHEAP,)][::3]
 CHEAP_SHARED = [fault for fault in shared.FAULTS if fault.scenes == (CHEAP,)]
@@ -134,13 +133,18 @@ def beside(fault: Fault) -> set[str]:
     return {fault.solver, solvers.REFERENCE, *({"bem"} if fault.solver == solvers.REFERENCE else ())}
 
 
+def as_in_the_suite(case: cases.Case, solver: str, estimate: bool = False) -> Run:
+    """A run as the quick suite has it."""
+    return run(case, solver, quick_resolution(case, solver), estimate=estimate)
+
+
 @cache
 def unharmed(name: str, solver: str, estimate: bool, kept: str) -> Run:
     """The true solver on a scene, with or without error estimates; kept for other processes."""
     file = Path(kept) / f"{name}-{solver}{'-estimated' if estimate else ''}.pickle"
     if not file.exists():
         written = file.with_suffix(f".{os.getpid()}")
-        written.write_bytes(pickle.dumps(run(cases.load(name), solver, estimate=estimate)))
+        written.write_bytes(pickle.dumps(as_in_the_suite(cases.load(name), solver, estimate)))
         written.replace(file)
     return pickle.loads(file.read_bytes())
 
@@ -202,7 +206,7 @@ def examine(fault: Fault, kept: str) -> Detection:
         limit = max(LEAST_LIMIT, TIME_FACTOR * (before.cpu_seconds + before.estimate_seconds))
         with seeded(fault) as calls, time_limit(limit):
             case = cases.load(name)
-            wrong = run(case, fault.solver, estimate=estimate)
+            wrong = as_in_the_suite(case, fault.solver, estimate)
             runs = {fault.solver: wrong} if fault.shared else {**clean, fault.solver: wrong}
             checks = check_case(case, runs)
         called += calls.count
@@ -250,7 +254,7 @@ def test_the_scenes_belong_to_the_quick_suite():
 @pytest.mark.parametrize("solver", solvers.SOLVERS)
 def test_check_values_hold_without_a_fault(solver):
     case = cases.load(CHEAP)
-    found = run(case, solver, RESOLUTION.get(solver))
+    found = as_in_the_suite(case, solver)
     assert [check for check in check_run(case, found) if not check.passed] == []
 
 
@@ -259,7 +263,7 @@ def test_check_values_catch_a_fault(fault):
     """Those of one scene, which pass through no solver."""
     with seeded(fault) as calls, time_limit(LEAST_LIMIT), np.errstate(all="ignore"):
         case = cases.load(CHEAP)
-        found = run(case, fault.solver, RESOLUTION.get(fault.solver))
+        found = as_in_the_suite(case, fault.solver)
         failed = [check for check in check_run(case, found) if not check.passed]
     assert calls.count
     assert failed

@@ -7,8 +7,9 @@ from contextlib import contextmanager
 
 import pytest
 from matplotlib import rc_context
-from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from validation.drawing import run_figures
 
 BARE_AXES = {
     f"{axis}tick.{what}": False
@@ -22,5 +23,5 @@ def without_layout() -> Iterator[None]:
     """Figures made inside keep the margins that Matplotlib starts with, and number no ticks."""
     with pytest.MonkeyPatch.context() as patch, rc_context(BARE_AXES):
         patch.setattr(ConstrainedLayoutEngine, "execute", lambda engine, figure: None)
-        patch.setattr(Figure, "tight_layout", lambda figure, **options: None)
+        patch.setattr(run_figures, "_lay_out", lambda figure, axes: None)
         yield

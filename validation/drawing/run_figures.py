@@ -18,11 +18,14 @@ from validation.drawing.styles import CLOSED_FORM, INK, curve_style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from matplotlib.transforms import Bbox
 
 WIDE = 3.0  # points; a wider line gets a larger mark at its largest tension
 BELOW, ABOVE, BESIDE = 36.0, 15.0, 14.0  # points: numbers and name; a power of ten; half a number
 PADDING = 4.0  # points
+SHORT = 6  # characters of a number, half of which ends within the margin
 MANY = 6000  # points beyond which a line is drawn as pixels inside the SVG
 
 
@@ -72,7 +75,7 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
             limit(*span)
     axes.set(xlabel=labels[panel.across], ylabel=labels[panel.up])
     format_axes(axes)
-    axes.locator_params(axis="x", nbins=6)  # more would run into each other where numbers are long
+    axes.locator_params(axis="x", nbins=6)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, labelcolor=INK, fontsize="small", handlelength=2.6)
     _lay_out(figure, axes)
@@ -80,16 +83,33 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
 
 
 def _lay_out(figure: Figure, axes: Axes) -> None:
-    """Margins alike in every figure but for the left one, which follows the numbers there.
+    """Margins alike in every figure, but for what longer numbers ask on the left and on the right.
 
     An engine of matplotlib measures all text of a figure, which takes as long as drawing it.
     """
     width, height = 72.0 * figure.get_size_inches()
     figure.subplots_adjust(bottom=BELOW / height, top=1.0 - ABOVE / height, right=1.0 - BESIDE / width)
-    numbers_and_name = axes.yaxis.get_tightbbox()
-    assert numbers_and_name is not None
-    taken = axes.bbox.x0 - numbers_and_name.x0
-    figure.subplots_adjust(left=taken / figure.bbox.width + PADDING / width)
+    pixels = figure.bbox.width
+    if _longest_number(axes.xaxis) > SHORT:
+        axes.locator_params(axis="x", nbins=3)
+        over = _extent(axes.xaxis).x1 - axes.bbox.x1
+        figure.subplots_adjust(right=1.0 - max(over / pixels + PADDING / width, BESIDE / width))
+    taken = axes.bbox.x0 - _extent(axes.yaxis).x0
+    figure.subplots_adjust(left=taken / pixels + PADDING / width)
+
+
+def _longest_number(axis: Axis) -> int:
+    """Characters of the longest number at an axis."""
+    return max(
+        map(len, axis.get_major_formatter().format_ticks(axis.get_majorticklocs().tolist())), default=0
+    )
+
+
+def _extent(axis: Axis) -> Bbox:
+    """Around name and numbers of an axis, in pixels."""
+    extent = axis.get_tightbbox()
+    assert extent is not None  # an axis that is shown
+    return extent
 
 
 def _width(curve: RunCurves) -> float:
