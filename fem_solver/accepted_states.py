@@ -91,7 +91,8 @@ class AcceptedStates:
             following = FollowingContactSolver(self.setup, self.counters)
             self.solver = following  # type: ignore[assignment] # another class with the same methods
         else:
-            origin = partial(_edge_origin, self.recorder, self.estimator)  # a run that held itself would stay
+            # not a method of its own: a run that holds itself stays until the garbage collection
+            origin = partial(_edge_origin, self.recorder, self.estimator)
             self.solver = ContactSolver(self.setup, self.counters, origin)
 
     @property

@@ -162,15 +162,13 @@ class AdhesiveEdge:
         return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
 
     def _root(self, problem: ContactProblem, ends: dict[float, float]) -> float:
-        """The root between two positions, given with their excess."""
+        """The root between two positions, given with their excess.
 
-        known = (
-            problem,
-            ends,
-        )  # as arguments: what the function itself holds stays in a reference cycle of scipy
-        return float(
-            brentq(self._known_excess, min(ends), max(ends), known, xtol=_NODE_TOLERANCE, rtol=1e-15)
-        )
+        Arguments are not kept, as what a function holds would be in a reference cycle of scipy's.
+        """
+        known = problem, ends
+        root = brentq(self._known_excess, min(ends), max(ends), known, xtol=_NODE_TOLERANCE, rtol=1e-15)
+        return float(root)
 
     def _known_excess(self, s: float, problem: ContactProblem, ends: dict[float, float]) -> float:
         return ends[s] if s in ends else self._excess(problem, s)

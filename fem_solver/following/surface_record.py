@@ -25,7 +25,7 @@ _STRAIGHT = 1e-5
 intensity of the branch: a tenth of what the path of an edge may miss in a step, relative to its radius, so
 that an edge that comes back does not have to make steps for points that are gone."""
 _WORTHWHILE = 0.1
-"""Share of the points below which none is dropped: what is left is then at most so much longer."""
+"""Share of the points below which none is dropped: to see which may go takes longer than to keep them."""
 
 
 @dataclass(frozen=True)
