@@ -67,13 +67,12 @@ def run(
     pairs = all_pairs(loaded, solvers)
     say_short_runs(max_steps, forecasts(pairs))
     store = Store(folder, fresh)
-    with processes(min(jobs, len(pairs))) as executor:
-        with telling_what_is_kept(folder, store):
-            progress = Progress("compare")
-            progress.phase("runs")
-            result = build(
-                "compare", loaded, executor, progress, store=store, solvers=solvers, max_steps=max_steps
-            )
+    with telling_what_is_kept(folder, store), processes(min(jobs, len(pairs))) as executor:
+        progress = Progress("compare")
+        progress.phase("runs")
+        result = build(
+            "compare", loaded, executor, progress, store=store, solvers=solvers, max_steps=max_steps
+        )
         refused = [scene for scene in result.scenes if all(run.refused for run in scene.runs.values())]
         for scene in refused:
             reason = next(iter(scene.runs.values())).failure

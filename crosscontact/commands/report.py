@@ -71,15 +71,14 @@ def run(
     if not fresh:
         check_report_unused(folder, REPORT, loaded)
     store, claims = Store(folder, fresh), suite != "quick"
-    with processes(min(jobs, len(all_pairs(loaded)))) as executor:
-        with telling_what_is_kept(folder, store):
-            progress = Progress("report")
-            progress.phase("runs")
-            result = build(suite, loaded, executor, progress, estimate=estimate, claims=claims, store=store)
-            if suite == "full":
-                result = replace(result, stability=stability.compute(jobs, store))
-            if fields:
-                result = replace(result, fields=_fields(result.scenes))
+    with telling_what_is_kept(folder, store), processes(min(jobs, len(all_pairs(loaded)))) as executor:
+        progress = Progress("report")
+        progress.phase("runs")
+        result = build(suite, loaded, executor, progress, estimate=estimate, claims=claims, store=store)
+        if suite == "full":
+            result = replace(result, stability=stability.compute(jobs, store))
+        if fields:
+            result = replace(result, fields=_fields(result.scenes))
         if baseline is not None and old is not None:
             result = replace(result, baseline=regression.compare(baseline, old, of_report(result), loaded))
         with Progress("report") as writing:

@@ -40,6 +40,25 @@ def test_what_is_kept_is_said(capsys, tmp_path, monkeypatch, command, done):
     assert said[-2:] == [f"crosscontact: {words}", "crosscontact: interrupted"]
 
 
+@pytest.mark.parametrize("command", ["compare SCENE", "report"])
+def test_what_is_kept_is_said_while_figures_are_drawn(capsys, tmp_path, monkeypatch, command):
+    scene, out = small_scene(tmp_path), tmp_path / "out"
+    for name in solvers.SOLVERS:
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
+
+    def stopped(*given, **more):
+        raise KeyboardInterrupt
+
+    name = command.split()[0]
+    monkeypatch.setattr(f"crosscontact.commands.{name}.write", stopped)
+    loaded = [cases.load(scene)]
+    monkeypatch.setattr(cases, "load_all", lambda names: loaded)
+    assert main([*command.replace("SCENE", scene).split(), "--jobs", "1", "--out", str(out)]) == 1
+    said = capsys.readouterr().err.splitlines()
+    kept = f"crosscontact: {out} holds what is done: the same command goes on with it"
+    assert said[-2:] == [kept, "crosscontact: interrupted"]
+
+
 @pytest.mark.parametrize(
     ("action", "work", "words"),
     [
