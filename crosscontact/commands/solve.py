@@ -98,8 +98,8 @@ def run(
             _write(folder, case, result, writer)
     finally:  # numbers that a full disk does not take are printed all the same
         _print(case, result, _without_errors(writer, estimate))
-    if not said:
-        warn(result.warnings)
+    known = solvers.trace_warnings(case.scene, result.trace) if said and result.trace is not None else ()
+    warn([one for one in result.warnings if one not in known])
     if drawn is not None and result.trace is not None:
         _draw(Result(case.scene, result), drawn)
     if folder is not None:

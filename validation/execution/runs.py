@@ -19,6 +19,7 @@ from validation.execution.task_execution import one_line
 from validation.measure import error_estimate
 from validation.measure.cycles import cycle_times
 from validation.measure.scalars import measure
+from validation.measure.small_swings import swing_warnings
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Run:
     errors : dict
         Relative error estimates by observable and column (see ``error_estimate``); empty if not estimated.
     warnings : tuple of str
-        Where the model comes to its limits in this run, one line each.
+        Where the model, or the resolution, comes to its limits in this run, one line each.
     """
 
     scene: str
@@ -213,6 +214,7 @@ def run_or_raise(
     _refuse_not_finite(trace)
     measures = measure(trace, case.scene, wall)
     warnings = solvers.trace_warnings(case.scene, trace) or solvers.scene_warnings(case.scene)
+    warnings += swing_warnings(trace, case.scene.loading, method.edge_spacing(case.scene, resolution))
     result = Run(
         case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures, warnings=warnings
     )

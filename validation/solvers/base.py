@@ -177,6 +177,10 @@ class Solver(ABC):
         """The fewest divisions per process zone that still meet :attr:`coarse_tolerance`."""
         return 4
 
+    def edge_spacing(self, scene: Scene, resolution: int | None = None) -> float:
+        """Spacing of the only radii at which the history of an edge is known; 0: it is everywhere."""
+        return 0.0
+
     def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
         """The run from whose difference errors are estimated: at half the resolution, or at twice.
 

@@ -239,6 +239,13 @@ class FiniteElements(Solver):
         """Four; without adhesion two."""
         return 4 if adhesive else 2
 
+    def edge_spacing(self, scene: Scene, resolution: int | None = None) -> float:
+        """Of nodes, whole ones of which are in contact without adhesion; an elastic solid has no history."""
+        relaxes = scene.material.branches or getattr(scene.material.bulk, "branches", ())
+        if scene.is_adhesive or not relaxes:
+            return 0.0
+        return 0.01 * largest_contact_radius(scene) / (resolution or ADHESIONLESS_DIVISIONS)
+
     def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
         """Half the resolution, twice the grading, four times the step tolerance; or the reverse."""
         from fem_solver.options import DEFAULT_TOLERANCE
