@@ -102,7 +102,8 @@ class LoadControl:
             return motion, self._surface(motion)
         # everything is affine in the new penetration
         start = self.state.penetration
-        step = max(abs(start), 1e-3 * motion.new_edge)
+        highest = float(self.points.height.max(initial=0.0))  # a shorter step would be lost in its force
+        step = max(abs(start), 1e-3 * motion.new_edge, 1e-6 * highest)
         first = replace(motion, new_penetration=start)
         one, two = self._surface(first), self._surface(replace(first, new_penetration=start + step))
         lacking, gained = self.value - one.force, two.force - one.force

@@ -5,6 +5,7 @@ Nothing is committed here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
@@ -12,7 +13,7 @@ from functools import cache
 from bem_solver.kinks import speed_jump_between
 from bem_solver.resting_edge import in_full_contact, pinned
 from bem_solver.root_search import RootSearchResult, rising_root
-from bem_solver.step_error import least_bent_travel, step_error
+from bem_solver.step_error import error_in_the_middle, least_bent_travel, step_error
 from bem_solver.step_result import Candidate, FailedStep
 from bem_solver.step_trials import StepTrials
 from bem_solver.travel_limit import to_travel_limit
@@ -68,6 +69,23 @@ class TrialStep(StepTrials):
     def _ending(self, trial: TrialContact, slope: float = 0.0) -> Candidate:
         """The candidate of the whole step."""
         return Candidate(self.end, trial, step_error(self, trial, self.step, slope), slope)
+
+    def checked_in_the_middle(self, candidate: Candidate) -> Candidate:
+        """A candidate with the error that shows there, of a step before which no rate is known.
+
+        Only if a branch relaxes in it: over less a load has no time to turn.
+        """
+        state = self.state
+        shortest = self.problem.chain.relaxation.min(initial=math.inf)
+        told = len(state.accepted.rows) > 1 or candidate.trial.motion.duration <= shortest
+        if told or candidate.error > 1.0:
+            return candidate
+        taken = candidate.parameter - state.parameter
+        half = replace(self, step=0.5 * taken).result()
+        if isinstance(half, FailedStep):
+            return candidate
+        error = error_in_the_middle(self, candidate.trial, half.trial, taken)
+        return replace(candidate, error=max(candidate.error, error))
 
     def to_speed_jump(self, candidate: Candidate) -> Candidate | None:
         """A shorter step than a candidate's, to the first radius on its way at which its speed may jump.

@@ -106,6 +106,28 @@ def load_error(start: StepStart, trial: TrialContact, step: float) -> float:
     return _LOAD_WEIGHT * _departures(start, trial, step, rates)[1] / start.settings.tolerance
 
 
+def error_in_the_middle(start: StepStart, trial: TrialContact, middle: TrialContact, step: float) -> float:
+    """Departure of the load from a straight line where it is known in the middle of a step, in tolerances.
+
+    After a kink no rate is known. A load that goes on as before and then turns may end near where it began.
+
+    Parameters
+    ----------
+    start : StepStart
+    trial, middle : TrialContact
+        At the end of the step, and of half of it.
+    step : float
+
+    Returns
+    -------
+    float
+    """
+    before, after = free_load(start.interval, start.state.contact), free_load_of(start.interval, trial)
+    missed = abs(free_load_of(start.interval, middle) - 0.5 * (before + after))
+    scale = _load_scale(start, trial.surface, step)
+    return _LOAD_WEIGHT * missed / scale / start.settings.tolerance if scale > 0.0 else 0.0
+
+
 def error_at_limit(
     start: StepStart, trial: TrialContact, step: float, at_rest: Callable[[], TrialContact]
 ) -> float:

@@ -117,6 +117,7 @@ class GradedRun:
         if isinstance(result, FailedStep):
             problem.counters.rejected_steps += 1
             return self._after_failure(result, step, committer)
+        result = trial_step.checked_in_the_middle(result)
         travel = abs(result.trial.motion.new_edge - state.contact.edge)
         taken = result.parameter - state.parameter
         if zone_fills_contact(start, result, taken):

@@ -108,11 +108,15 @@ POINTS = {
     "blunt": scene(BLUNT, PRESSED, Hold(1.0), RELEASED, start=5e-5),
     "force": scene(Cone(75.0), Force(1e-3, 3.0), ForceRamp(0.0, 1e-3), start=-1e-5),
     "force on a ball": scene(BALL, ForceRamp(1e-3, 1e-3), ForceRamp(-1e-3, 1e-3), start=-1e-5),
+    "force back to zero": scene(PowerLaw(4.0, 1e5), ForceRamp(3e-3, 0.05), ForceRamp(0.0, 7e-3)),
 }
 
 
+DEFAULT_POINTS = "blunt", "force back to zero"
+
+
 @solvers("bem", "reference")
-@pytest.mark.parametrize("name", ["blunt", *(slow(name) for name in POINTS if name != "blunt")])
+@pytest.mark.parametrize("name", [name if name in DEFAULT_POINTS else slow(name) for name in POINTS])
 def test_any_other_contact_ends_in_a_point(solver, name):
     asked = POINTS[name]
     trace, exact = solver.solve(asked), SOLVERS["reference"].solve(asked)
@@ -202,6 +206,16 @@ def test_boundary_elements_lose_a_blunt_tip_on_a_soft_rubber_in_a_point(resoluti
     (event,) = trace.events
     assert (event.contact_radius, event.force) == (0.0, 0.0)
     assert event.penetration == pytest.approx(1.3917e-6, rel=1e-3)  # by front tracking
+
+
+@every_solver
+def test_a_force_on_a_tip_that_rises_steeply(solver):
+    """Boundary elements divided by the change of a force that was lost in it, far outside of the contact."""
+    ramps = ForceRamp(1.0, 0.5), ForceRamp(0.0, 0.5)
+    trace = solver.solve(scene(PowerLaw(8.0, 1e20), *ramps, material=Material(5e5, 0.5)))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == pytest.approx(4.0, rel=1e-6)
+    assert trace.force.max() == pytest.approx(1.0, rel=1e-9)
 
 
 def test_the_tips_that_are_plane():

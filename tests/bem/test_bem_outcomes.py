@@ -308,24 +308,36 @@ def test_corner_of_the_force_is_not_stepped_over():
 
 
 @pytest.mark.parametrize(
-    ("start", "steps", "kind"),
-    [
-        (("relaxed", 8e-7), (Force(-1e20, 1.0),), OutcomeKind.NO_EQUILIBRIUM),
-        (("relaxed", 8e-7), (Oscillate(1e-7, 10.0, 1.0, 1e45),), OutcomeKind.DETACHED),
-    ],
-    ids=["force", "drift"],
+    "step", [Force(-1e20, 1.0), Oscillate(1e-7, 10.0, 1.0, 1e45)], ids=["force", "drift"]
 )
-def test_numbers_beyond_floating_point_end_a_run_with_a_reason(start, steps, kind):
-    question = Scene(
-        Material(2.2e4, 0.42, (Branch(6e4, 0.03),)),
-        Sphere(3.7e-5),
-        Loading(*start, steps),
-        Adhesion(0.03, 4e-7),
-    )
-    trace = solve(question, Options(resolution=6))
-    assert trace.outcome.kind is kind
-    assert trace.outcome.finished or "floating point" in trace.outcome.reason
+def test_a_pull_beyond_all_measure_detaches(step):
+    trace = solve(of_small_sphere(step), Options(resolution=6))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
     assert all(np.isfinite(column).all() for column in trace.columns().values())
+
+
+@pytest.mark.parametrize(
+    ("where", "error", "kind"),
+    [
+        ("start", ZeroDivisionError, OutcomeKind.NO_EQUILIBRIUM),
+        ("step_trials", OverflowError, OutcomeKind.OUT_OF_RANGE),
+    ],
+)
+def test_numbers_beyond_floating_point_end_a_run_with_a_reason(monkeypatch, where, error, kind):
+    def beyond(*given):
+        raise error("as told")
+
+    monkeypatch.setattr(f"bem_solver.{where}.evaluate", beyond)
+    trace = solve(of_small_sphere(Ramp(0.0, 1e-7)), Options(resolution=6))
+    assert trace.outcome.kind is kind
+    assert trace.outcome.reason == "a number is beyond the range of floating point (as told)"
+    assert all(np.isfinite(column).all() for column in trace.columns().values())
+
+
+def of_small_sphere(step):
+    """Relaxed on a soft gel, then one load step."""
+    material, loading = Material(2.2e4, 0.42, (Branch(6e4, 0.03),)), Loading("relaxed", 8e-7, (step,))
+    return Scene(material, Sphere(3.7e-5), loading, Adhesion(0.03, 4e-7))
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,7 @@ from contact_scene import (
     Sweep,
     Table,
 )
+from validation.solvers import solver
 
 COARSE, COARSEST = Options(resolution=6), Options(resolution=4)
 
@@ -265,3 +266,14 @@ def test_what_rounding_has_made_of_a_step_is_gone_from_it():
     assert _rounded(step * (1.0 + 1e-9)) == rounded
     assert _rounded(step * 2.0**-70) == rounded * 2.0**-70
     assert _rounded(0.0) == 0.0
+
+
+@pytest.mark.parametrize("resolution", [8, 12])
+def test_a_penetration_that_turns_within_the_first_step_after_a_corner_of_the_force(resolution):
+    """It creeps on while the force falls, and would be back at the end of a long step: no change is seen."""
+    moduli = (3.5, 1.8, 0.9, 0.45, 0.22, 0.11)
+    branches = tuple(Branch(5.6e5 * moduli[k], 0.02 * 10.0**k) for k in range(6))
+    steps = ForceRamp(to=0.02, rate=0.002), ForceRamp(to=0.018, rate=0.002)
+    scene = Scene(Material(5.6e5, 0.5, branches), Sphere(1e-3), Loading("relaxed", 0.0, steps))
+    deepest = bem(scene, resolution=resolution).penetration.max()
+    assert deepest == pytest.approx(solver("reference").solve(scene).penetration.max(), rel=3e-4)

@@ -11,7 +11,7 @@ import math
 from dataclasses import replace
 
 from contact_scene import Event, Segment
-from validation.reference.tracking.instantaneous import unstable_edge
+from validation.reference.tracking.instantaneous import is_over, unstable_edge
 from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.limit_point_search import LimitPointSearch, Point, expected_limit_point
 from validation.reference.tracking.problem import FrontProblem
@@ -268,6 +268,9 @@ def approach_zero_radius(
     trial = problem.trial(state, segment)
     a0, least = state.surface.radius, problem.scene.bare_plane_tip
     if a0 - state.travel > least:
-        return prescribed_travel(problem, state, trial, a0 - state.travel, h, allowed)
+        outcome = prescribed_travel(problem, state, trial, a0 - state.travel, h, allowed)
+        latest = state.time + h - 4.0 * math.ulp(state.time)  # then the force is zero, but for rounding
+        if not any(one.time >= latest or is_over(problem, state, one) for one in outcome.candidates):
+            return outcome
     end = problem.candidate(state.time + h, trial.surface_at(h, min(a0, least)))
     return StepOutcome(h, (end,), detachment=NO_STABLE_CONTACT)
