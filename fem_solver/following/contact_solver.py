@@ -86,10 +86,15 @@ class FollowingContactSolver:
         search = self._search(dt, control, value)
         if not self.setup.adhesion.reversible:
             return search.leaving(SearchRange(radius, low, high))
+        starts = [radius]
         if not self.setup.has_history:  # each state is an equilibrium by itself
-            radius = search.sharp_radius(state.radius) or radius
-        radii = SearchRange(radius, low, high).clipped()
-        return search.followed(radii, abs(radii.expected - state.radius))
+            starts.insert(0, search.sharp_radius(state.radius) or radius)
+        for start_radius in dict.fromkeys(starts):
+            radii = SearchRange(start_radius, low, high).clipped()
+            found = search.followed(radii, abs(radii.expected - state.radius))
+            if found.in_equilibrium:
+                break
+        return found
 
     def held(self, dt: float, control: Control, value: float, radius: float) -> ContactCandidate:
         """State at the end of a step with the edge at a given radius, in equilibrium or not.
