@@ -21,6 +21,8 @@ PACKAGES = {
     "meshes": set(),
     "validation": {"contact_scene", "bem_solver", "fem_solver", "meshes"},
     "crosscontact": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation"},
+    # What only the authors run; nothing imports it but its tests, and it is not installed.
+    "benchmarks": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation", "crosscontact"},
 }
 # Inside ``validation``, upwards only: exact solutions, scenes and solvers; measuring, and carrying out runs,
 # which measures each at its end; drawing; six kinds of evidence beside each other, fits of measured curves
@@ -196,6 +198,7 @@ def made_up(**texts: str) -> ImportGraph:
         "importlib.import_module('validation.cases')",
         "importlib.import_module(name)",
         "from support import browser",
+        "from benchmarks import what_differs",
     ],
 )
 def test_a_solver_that_imports_too_much_is_seen(line):

@@ -99,7 +99,7 @@ def test_wheel_holds_code_data_and_types(built):
     sources = [path for package in packages for path in (ROOT / package).rglob("*") if path.is_file()]
     data = [path.relative_to(ROOT).as_posix() for path in sources if path.suffix not in (".pyc", "")]
     assert sorted(set(data) - set(names)) == []
-    assert not any(name.startswith(("tests/", "docs/")) for name in names)
+    assert not any(name.startswith(("tests/", "docs/", "benchmarks/")) for name in names)
 
 
 def test_source_distribution_holds_tests_and_documentation(built):
