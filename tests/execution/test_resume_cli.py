@@ -251,7 +251,7 @@ def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, monkeypatch, c
     with folder_lock.locked_folder(tmp_path):
         assert main([command, *given, "--out", str(tmp_path)]) == 2
         (line,) = capsys.readouterr().err.splitlines()
-        assert f"in use by another crosscontact (process {os.getpid()})" in line
+        assert f"in use by another crosscontact (process {os.getpid()} on " in line
         assert [file.name for file in tmp_path.iterdir()] == [folder_lock.LOCK_FILE]
 
 

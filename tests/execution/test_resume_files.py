@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import json
 import os
 import pickle
@@ -181,7 +182,7 @@ def test_a_folder_is_held_once(tmp_path):
     folder = tmp_path / "out"
     with folder_lock.locked_folder(folder) as held:
         assert held == folder
-        with pytest.raises(SceneError, match=f"in use by another crosscontact \\(process {os.getpid()}\\)"):
+        with pytest.raises(SceneError, match=f"in use by another crosscontact \\(process {os.getpid()} on "):
             folder_lock.locked_folder(folder).__enter__()
         (folder / "result").write_text("")
     assert [file.name for file in folder.iterdir()] == ["result"]
@@ -213,6 +214,41 @@ def test_a_lock_goes_with_its_holder(tmp_path):
     with folder_lock.locked_folder(tmp_path):
         pass
     assert not (tmp_path / folder_lock.LOCK_FILE).exists()
+
+
+@pytest.mark.parametrize("left", ["", "garbage", "4242\nanother-host\n"])
+def test_what_a_lock_file_says_locks_nothing(tmp_path, left):
+    (tmp_path / folder_lock.LOCK_FILE).write_text(left)
+    with folder_lock.locked_folder(tmp_path), pytest.raises(SceneError, match=f"process {os.getpid()} on "):
+        folder_lock.locked_folder(tmp_path).__enter__()
+
+
+@pytest.mark.parametrize(
+    ("left", "named"),
+    [
+        ("", "another crosscontact; "),
+        ("4242\nanother-host\n", "process 4242 on another-host"),
+        pytest.param("garbage", None, marks=pytest.mark.slow),
+    ],
+)
+def test_without_locks_of_the_kernel_the_file_is_the_lock(tmp_path, monkeypatch, left, named):
+    """A damaged one is taken over; of another host, or of a program that wrote nothing, it stands."""
+
+    def flock(descriptor, operation):
+        raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
+
+    monkeypatch.setattr("fcntl.flock", flock)
+    with folder_lock.locked_folder(tmp_path):
+        pass
+    file = tmp_path / folder_lock.LOCK_FILE
+    file.write_text(left)
+    if named is None:
+        folder_lock.locked_folder(tmp_path).__enter__()
+        return
+    monkeypatch.setattr(folder_lock, "MARKER_WAIT", 0.1)
+    with pytest.raises(SceneError, match=f"{named}.*remove {file}"):
+        folder_lock.locked_folder(tmp_path).__enter__()
+    assert file.read_text() == left
 
 
 def run_of(stiffness: float) -> Run:
