@@ -15,7 +15,7 @@ import json
 import math
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -90,6 +90,7 @@ def of_columns(old: Mapping[str, list[Any]], new: Mapping[str, list[Any]], beyon
 
 def differences(before: Path, after: Path, beyond: float) -> Iterator[str]:
     """Every difference of two folders, file by file."""
+    kinds: dict[str, tuple[Callable[..., Any], Callable[..., Iterator[str]]]]
     kinds = {".json": (json.loads, of_data), ".csv": (columns, of_columns)}
     files = [
         {p.relative_to(f): p for p in sorted(f.rglob("*")) if p.suffix in kinds} for f in (before, after)
