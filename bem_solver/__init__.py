@@ -1,4 +1,4 @@
-"""The paper's axisymmetric boundary-element solver: any Prony material, any loading, Griffith closure."""
+"""The paper's axisymmetric boundary-element solver, of crosscontact: any Prony material, loading, closure."""
 
 from bem_solver.options import Options
 from bem_solver.solver import refusal, solve

@@ -1,4 +1,4 @@
-"""Scene, form of the results and control of a run, shared by all solvers; no method of solving it."""
+"""Scene, form of results and control of a run, shared by the solvers of crosscontact; no way of solving."""
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach import Approach

@@ -15,10 +15,24 @@ import numpy as np
 
 from contact_scene.errors import SceneError
 from contact_scene.material import Branch, BulkRelaxation, Material
-from contact_scene.value_checks import A_COLUMN, LARGEST, SMALLEST, as_tuple, finite, of_class, positive
+from contact_scene.value_checks import (
+    A_COLUMN,
+    LARGEST,
+    SMALLEST,
+    as_tuple,
+    finite,
+    number,
+    of_class,
+    positive,
+)
 
 GAS_CONSTANT = 8.31446261815324
 """J/(mol K), exact in the SI of 2019."""
+LOWEST_KELVIN = 150.0
+"""Below every glass transition of an elastomer, above every Celsius temperature at which one is used: a lower
+number is a temperature in Celsius."""
+MOST_DECADES = 30.0
+"""Of a shift: master curves span 20, from the glass to the melt."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +81,7 @@ class Arrhenius:
     activation_energy : float
         J/mol, > 0.
     reference_temperature : float
-        Kelvin, > 0; the scene's ``temperature`` is in kelvin too.
+        Kelvin, at least ``LOWEST_KELVIN``; the scene's ``temperature`` is in kelvin too.
     """
 
     model: ClassVar[str] = "Arrhenius"
@@ -75,13 +89,19 @@ class Arrhenius:
     reference_temperature: float
 
     def __post_init__(self) -> None:
-        for name in ("activation_energy", "reference_temperature"):
-            object.__setattr__(self, name, positive(getattr(self, name), name))
+        object.__setattr__(self, "activation_energy", positive(self.activation_energy, "activation_energy"))
+        kelvins = _kelvins(self.reference_temperature, "reference_temperature")
+        object.__setattr__(self, "reference_temperature", kelvins)
 
     def log_factor(self, temperature: float) -> float:
         """``ln a_T``."""
-        inverse = 1.0 / positive(temperature, "temperature") - 1.0 / self.reference_temperature
+        inverse = 1.0 / _kelvins(temperature, "temperature") - 1.0 / self.reference_temperature
         return self.activation_energy / GAS_CONSTANT * inverse
+
+
+def _kelvins(temperature: float, key: str) -> float:
+    """A temperature in kelvin, which one in Celsius is told from."""
+    return number(temperature, key, f"kelvin, at least {LOWEST_KELVIN:g}", low=LOWEST_KELVIN)
 
 
 @dataclass(frozen=True)
@@ -153,13 +173,18 @@ def at_temperature(material: Material, shift: Shift, temperature: float) -> Mate
     Raises
     ------
     SceneError
-        If ``temperature`` is outside what the shift covers, or a time leaves what a scene may hold.
+        If ``temperature`` is outside what the shift covers, or shifts by more than ``MOST_DECADES``, or a
+        time leaves what a scene may hold.
     """
     of_class(material, "material", Material, "a Material")
     of_class(
         shift, "shift", Shift, "WLF, Arrhenius, or a ShiftTable as read_shift_factors reads one from a file"
     )
     log_factor = shift.log_factor(temperature)
+    decades = log_factor / math.log(10.0)
+    if abs(decades) > MOST_DECADES:
+        problem = f"{temperature:g} shifts relaxation times by {decades:.3g} decades"
+        raise SceneError("temperature", problem, f"at most {MOST_DECADES:g} decades")
     bulk = material.bulk
     if isinstance(bulk, BulkRelaxation):
         bulk = replace(bulk, branches=_shifted(bulk.branches, log_factor))
@@ -169,13 +194,8 @@ def at_temperature(material: Material, shift: Shift, temperature: float) -> Mate
 def _shifted(branches: tuple[Branch, ...], log_factor: float) -> tuple[Branch, ...]:
     for branch in branches:
         if not math.log(SMALLEST) <= math.log(branch.time) + log_factor <= math.log(LARGEST):
-            decades = log_factor / math.log(10.0)
-            raise SceneError(
-                "temperature",
-                f"shifts the relaxation time {branch.time:g} by {decades:.3g} decades",
-                f"times from {SMALLEST:g} to {LARGEST:g}",
+            problem = (
+                f"shifts the relaxation time {branch.time:g} to {branch.time * math.exp(log_factor):.3g}"
             )
-    if not branches:
-        return branches
-    root = math.exp(0.5 * log_factor)  # a_T itself may be as large as 1e120, the shifted times are not
-    return tuple(Branch(branch.modulus, branch.time * root * root) for branch in branches)
+            raise SceneError("temperature", problem, f"times from {SMALLEST:g} to {LARGEST:g}")
+    return tuple(Branch(branch.modulus, branch.time * math.exp(log_factor)) for branch in branches)

@@ -15,9 +15,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from crosscontact.shadowing import check_packages
+from crosscontact.shadowing import check_packages, started_as_command
 
-check_packages()
+try:
+    check_packages()
+except ImportError as error:
+    if started_as_command():
+        raise SystemExit(str(error)) from None  # on the command line the message alone, exit code 1
+    raise
 
 if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and SciPy unloaded
     from contact_scene import (

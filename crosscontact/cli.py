@@ -24,6 +24,7 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     _prepare_streams()
+    os.environ["MPLBACKEND"] = "agg"  # figures are files; a notebook's backend may be missing here
     try:  # around the imports, too: an interruption in them is told as any other
         from crosscontact.arguments import parser
         from validation.execution.signals import interrupting

@@ -168,7 +168,8 @@ class Result:
         axes : two Axes, on a spring two or three, optional
             Where to draw, e.g. what another result's ``plot`` returned; by default a new figure.
         **line
-            Line properties of Matplotlib, e.g. ``color``.
+            Line properties of Matplotlib, e.g. ``color``; ``label`` is by default the solver's name, behind
+            the scene's where the axes hold another run of that solver.
 
         Returns
         -------
@@ -179,7 +180,8 @@ class Result:
         if axes is None:
             axes = run_figure.new_axes(with_stage)
         panels = run_figure.checked_axes(axes, with_stage)
-        run_figure.draw(panels, self.trace, self.scene, curve_style(self.solver) | line)
+        label = run_figure.free_label(panels[0], self.solver, self.name)
+        run_figure.draw(panels, self.trace, self.scene, {"label": label} | curve_style(self.solver) | line)
         return panels
 
     def figure(self) -> Figure:

@@ -6,6 +6,7 @@ Spheres are drawn in the paper's dimensionless quantities, other shapes in units
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from itertools import chain, count
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -93,7 +94,7 @@ def draw(axes: Sequence[Axes], trace: Trace, scene: Scene, line: dict[str, Any])
     trace : Trace
     scene : Scene
     line : dict
-        Line properties of Matplotlib; a marker is that of a run of a single row.
+        Line properties of Matplotlib, the label among them; a marker is that of a run of a single row.
     """
     curve, names = of_trace(trace, scene), labels(scene)
     columns, spring = curve.columns, has_stage(trace)
@@ -105,7 +106,7 @@ def draw(axes: Sequence[Axes], trace: Trace, scene: Scene, line: dict[str, Any])
     shown_panels = WITH_STAGE if len(axes) == 3 else WITHOUT_STAGE
     for panel, (across, up, offset) in zip(axes, shown_panels, strict=True):
         x, y = columns[across], columns[up]
-        panel.plot(x, y, label=trace.solver, **(line | {"marker": marker}))
+        panel.plot(x, y, **(line | {"marker": marker}))
         if curve.pull_off is not None and curve.pull_off < len(x):
             _mark_pull_off(panel, (x[curve.pull_off], y[curve.pull_off]), offset, line["color"])
         if spring:
@@ -117,6 +118,13 @@ def draw(axes: Sequence[Axes], trace: Trace, scene: Scene, line: dict[str, Any])
         panel.locator_params(axis="x", nbins=5)  # more labels run into each other
         panel.ticklabel_format(style="sci", scilimits=(-3, 4), useOffset=False)
     axes[0].legend(frameon=False, fontsize="small")
+
+
+def free_label(panel: Axes, solver: str, scene: str) -> str:
+    """The solver's name; where lines of the panel have it, behind the scene's, and numbered if need be."""
+    taken = {line.get_label() for line in panel.lines}
+    longer = (f"{scene}, {solver}" + (f" ({number})" if number > 1 else "") for number in count(1))
+    return next(label for label in chain((solver,), longer) if label not in taken)
 
 
 def _mark_pull_off(panel: Axes, at: tuple[float, float], offset: tuple[float, float], color: Any) -> None:

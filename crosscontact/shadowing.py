@@ -1,4 +1,7 @@
-"""Finds a user's file or folder that hides one of the packages of this distribution."""
+"""Finds what hides or replaces one of our packages: a user's file, another distribution.
+
+The Python package index has a distribution ``validation``, whose files pip writes over ours.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,8 @@ import sys
 from pathlib import Path
 
 PACKAGES = ("contact_scene", "bem_solver", "fem_solver", "meshes", "validation")
+_INSTALLED = frozenset(("site-packages", "dist-packages"))
+"""Folders that distributions are installed into."""
 
 
 def check_packages() -> None:
@@ -15,17 +20,35 @@ def check_packages() -> None:
     Raises
     ------
     ImportError
-        One line: which file hides which package, and what to do.
+        One line: which file hides or replaces which package, and what to do.
     """
     root = Path(__file__).resolve().parents[1]
     for name in PACKAGES:
         location = _location(name)
         if location is None:
             raise ImportError(f"crosscontact: its package {name} is missing: install crosscontact again")
-        if location.resolve().parent != root / name:
+        in_place = location.resolve().parent == root / name
+        if in_place and _is_ours(location):
+            continue
+        if in_place or location.is_dir() or not _INSTALLED.isdisjoint(location.parts):
             raise ImportError(
-                f"crosscontact: {location} hides its package {name}: rename it, or start Python elsewhere"
+                f"crosscontact: the installation is damaged: {location} is not the package {name} of "
+                f"crosscontact: `pip uninstall {name}`, if another distribution brought it, then "
+                f"`pip install --force-reinstall --no-deps crosscontact`"
             )
+        raise ImportError(
+            f"crosscontact: {location} hides its package {name}: rename it, or start Python elsewhere"
+        )
+
+
+def started_as_command() -> bool:
+    """Whether this process is the command line: the script ``crosscontact`` or ``python -m``."""
+    return Path(sys.argv[0] if sys.argv else "").stem in ("crosscontact", "-m")
+
+
+def _is_ours(file: Path) -> bool:
+    """Whether the first file of a package says that it is part of crosscontact, as ours do."""
+    return b"crosscontact" in file.read_bytes()
 
 
 def _location(name: str) -> Path | None:

@@ -1,4 +1,4 @@
-"""Meshes of an axisymmetric half-space, fitted to the path of a contact edge.
+"""Meshes of crosscontact: an axisymmetric half-space, fitted to the path of a contact edge.
 
 `fit` chooses mesh parameters for a contact problem, `half_space` meshes them (with gmsh or, where that is
 missing, the structured family), `cached` does so once.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import re
 import subprocess
 import sys
@@ -309,6 +310,15 @@ def test_quick_questions_load_nothing_heavy():
     )
     said = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
     assert said.stdout.splitlines()[-1] == "[]"
+
+
+def test_figures_are_files_whatever_backend_a_notebook_has_set():
+    probe = (
+        "from crosscontact.cli import main; main(['scenes']); import matplotlib as m; print(m.get_backend())"
+    )
+    environment = os.environ | {"MPLBACKEND": "of-a-notebook"}  # unknown here, as one that is not installed
+    said = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, env=environment)
+    assert said.stdout.splitlines()[-1] == "agg", said.stderr
 
 
 def test_reader_that_leaves_early_is_no_error():

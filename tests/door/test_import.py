@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import subprocess
 import sys
 import time
@@ -73,6 +75,32 @@ def test_a_folder_that_hides_a_package_is_named(tmp_path):
     (tmp_path / "validation" / "__init__.py").write_text("")
     ended = python("import crosscontact", tmp_path)
     assert str(tmp_path / "validation" / "__init__.py") in ended.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize("in_place", [True, False])
+@pytest.mark.parametrize("command", [["-m", "crosscontact", "scenes"], ["-c", "import crosscontact"]])
+def test_a_distribution_that_replaces_a_package_is_told_as_damage(tmp_path, in_place, command):
+    """As ``pip install validation`` does: over our files, or beside an editable installation."""
+    ours, other = tmp_path / "ours", tmp_path / "site-packages"
+    for package in ("crosscontact", *PACKAGES):
+        shutil.copytree(ROOT / package, ours / package, ignore=shutil.ignore_patterns("[!_]*", "__pycache__"))
+    shutil.copy(ROOT / "crosscontact" / "shadowing.py", ours / "crosscontact")
+    replaced = (ours if in_place else other) / "validation" / "__init__.py"
+    replaced.parent.mkdir(parents=True, exist_ok=True)
+    replaced.write_text("raise SystemExit('imported')")
+    path = os.pathsep.join(map(str, (other, ours)))
+    ended = subprocess.run(
+        [sys.executable, *command],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": path},
+    )
+    *before, last = ended.stderr.splitlines()
+    assert ended.returncode == 1
+    assert f"crosscontact: the installation is damaged: {replaced} " in last
+    assert "pip uninstall validation" in last
+    assert bool(before) == (command[0] == "-c")  # Python's own traceback; none on the command line
 
 
 @pytest.mark.benchmark

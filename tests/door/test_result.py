@@ -260,6 +260,16 @@ def test_axes_in_axes_out(result, axes_free):
     assert [text.get_text() for text in given[0].get_legend().get_texts()] == ["reference", "bem"]
 
 
+def test_runs_in_one_figure_have_labels_of_their_own(result, axes_free):
+    axes = result.plot(label="1 um/s")
+    for _ in range(3):
+        result.plot(axes)
+    named = "a <short> cycle, reference"
+    for panel in axes:
+        labels = [line.get_label() for line in panel.lines if not line.get_label().startswith("_")]
+        assert labels == ["1 um/s", "reference", named, f"{named} (2)"]
+
+
 @pytest.mark.parametrize("many", [1, 3, (2, 2)])
 def test_other_than_two_axes_are_refused_in_one_line(result, axes_free, many):
     from matplotlib.figure import Figure
