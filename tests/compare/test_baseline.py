@@ -171,10 +171,15 @@ def test_a_lost_value_counts_a_new_one_does_not(data):
     assert not moved(new, data)["bem", "pull_off_force"].beyond
 
 
-def test_the_reference_has_a_tolerance_of_its_own(data):
+@pytest.mark.parametrize("solver", ["bem", "reference"])
+@pytest.mark.parametrize(("share", "beyond"), [(-2.0, True), (-0.5, False), (0.5, False), (2.0, True)])
+def test_a_value_that_falls_counts_like_one_that_rises(data, solver, share, beyond):
     new = copy.deepcopy(data)
-    run_of(new, "reference")["pull_off_force"] *= 1.0 + 2.0 * solvers.solver("reference").tolerance
-    assert moved(data, new)["reference", "pull_off_force"].beyond
+    move = share * load(NAME).tolerance(solver, "pull_off_force")
+    run_of(new, solver)["pull_off_force"] *= 1.0 + move
+    found = moved(data, new)[solver, "pull_off_force"]
+    assert found.change == pytest.approx(move)
+    assert found.beyond is beyond
 
 
 def test_another_ending_counts(data):

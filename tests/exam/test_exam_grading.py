@@ -81,6 +81,15 @@ def test_what_stops_early_or_never_lets_go_fails():
     assert not held.passed
 
 
+@pytest.mark.parametrize(("late", "passes"), [(0.3, False), (0.003, True)])
+def test_what_starts_late_fails(late, passes):
+    columns = hertz(4000)
+    there = columns["time"] >= 6.0 * late
+    found = graded({name: columns[name][there] for name in ("time", "force")})
+    assert found.error("time covered") == pytest.approx(late, abs=1e-3)
+    assert found.passed is passes
+
+
 def test_energies_that_do_not_close_fail():
     columns = hertz(400)
     columns["dissipated_energy"] = 0.03 * columns["stored_energy"].max() * columns["time"] / 6.0
@@ -116,6 +125,8 @@ def test_decades():
     assert decade([Difference("force", 0.9e-3), Difference("loop_energy", -0.9e-4)], exact) == 3
     assert decade([Difference("pull_off_radius", 0.03)], exact) == 3
     assert decade([Difference("force", 0.9e-3, known_to=1e-3)], exact) == 6
+    assert decade([Difference("force", 1.1e-3, known_to=1e-3)], exact) == 2  # counts in full from there on
+    assert decade([Difference("force", -2e-2, known_to=1e-3)], exact) == 1
     assert decade([Difference("force", 0.0)], replace(BASE, errors={"force": 0.5e-4})) == 4
     assert decade([Difference("force", np.inf)], exact) == decade([], exact) == 0
 

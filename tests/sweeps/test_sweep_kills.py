@@ -125,7 +125,7 @@ def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan, whole):
     assert there.identical(whole[1])
 
 
-@pytest.mark.exhaustive
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="no process groups here")
 def test_an_interrupted_dask_sweep_says_two_lines_and_goes_on(plan, whole, tmp_path):
     """Ctrl-C on a terminal reaches the workers, too."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
@@ -138,7 +139,16 @@ def test_any_executor_gives_the_same(scene_file, calls, kind):
         swept(scene_file, executor=[])
 
 
-def test_a_batch_that_ends_its_process_is_run_again_one_by_one(tmp_path, scene_file, calls, monkeypatch):
+def speeds_plan(scene_file, tmp_path, rates):
+    rate = {"name": "rate", "key": "loading.steps.0.rate", "values": rates}
+    asked = {"scene": scene_file, "solver": "bem", "estimate": False, "coordinates": [rate]}
+    return plan_from_dict(asked, tmp_path)
+
+
+@pytest.mark.parametrize("largest", [4, 2])
+def test_a_batch_that_ends_its_process_is_run_again_one_by_one(
+    tmp_path, scene_file, calls, monkeypatch, largest
+):
     sizes = []
 
     def dying(scenes, *arguments):
@@ -148,25 +158,38 @@ def test_a_batch_that_ends_its_process_is_run_again_one_by_one(tmp_path, scene_f
         return run_batch(scenes, *arguments)
 
     monkeypatch.setattr(run_plan, "run_batch", dying)
-    plan = plan_from_dict(
-        {
-            "scene": scene_file,
-            "solver": "bem",
-            "estimate": False,
-            "coordinates": [
-                {"name": "rate", "key": "loading.steps.0.rate", "values": [0.01, 0.02, 0.03, 0.06]}
-            ],
-        },
-        tmp_path,
-    )
+    monkeypatch.setattr(run_plan._Batches, "_size", lambda batches, left: batches._largest or largest)
+    plan = speeds_plan(scene_file, tmp_path, [0.01, 0.03, 0.06, 0.02])
     with ThreadPoolExecutor(1) as executor, RunTable() as table:
-        runs = run_plan.carry_out(plan, table, Engine(executor, 1, batch_seconds=1e6))
+        runs = run_plan.carry_out(plan, table, Engine(executor, 1))
         data = to_dataset(plan, runs)
-        assert data.outcome.values.tolist() == ["detached", "failed", "detached", "detached"]
-        assert data.reason.values[1] == "MemoryError: killed"
-        assert sizes == [4, 1, 1, 1, 1]
+        assert data.outcome.values.tolist() == ["detached", "detached", "detached", "failed"]
+        assert data.reason.values[3] == "MemoryError: killed"
+        assert sizes == {4: [4, 1, 1, 1, 1], 2: [2, 2, 1, 1]}[largest]
+        assert sorted(rate for rate, _ in calls) == [0.01, 0.03, 0.06]
         again = run_plan.missing_runs(plan, table)[1]
         assert len(again) == 1  # another attempt may end otherwise
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no processes that begin in the middle here")
+def test_a_killed_sweep_goes_on_where_it_was(tmp_path, scene_file, calls, monkeypatch):
+    monkeypatch.setattr(run_plan._Batches, "_size", lambda batches, left: 2)
+    plan = speeds_plan(scene_file, tmp_path, [0.01 * rate for rate in range(10, 18)])
+    with RunTable() as table:
+        whole = to_dataset(plan, run_plan.carry_out(plan, table))
+    calls.clear()
+    child = os.fork()
+    if child == 0:
+        try:
+            table = RunTable(tmp_path)
+            run_plan.carry_out(plan, table, progress=lambda share, _: share > 0.4 and os._exit(7))
+        finally:
+            os._exit(1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    with RunTable(tmp_path) as table:
+        assert len(run_plan.missing_runs(plan, table)[1]) == 4
+        assert to_dataset(plan, run_plan.carry_out(plan, table)).identical(whole)
+    assert len(calls) == 4
 
 
 def test_a_worker_with_other_sources_is_refused(monkeypatch):
