@@ -10,11 +10,10 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
-os.environ.setdefault("MPLBACKEND", "agg")
+os.environ.pop("MPLBACKEND", None)  # a notebook then shows its figures by itself
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH")]))
 
 import site_pages  # noqa: E402 - found by the path above
-from jupyter_client import AsyncKernelManager  # noqa: E402
 from nbclient import NotebookClient  # noqa: E402
 
 import crosscontact  # noqa: E402
@@ -46,7 +45,6 @@ nb_execution_in_temp = True
 nb_execution_timeout = 120
 
 NotebookClient.startup_timeout.default_value = 300  # seconds, on a busy machine
-AsyncKernelManager.transport.default_value = "ipc"  # no open port for the notebook, and no warning of one
 
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"

@@ -128,7 +128,7 @@ def test_examples_run(page, tmp_path, monkeypatch, capsys):
         elif kind == "python":
             exec(body, names)
             done += 1
-    assert done >= 2
+    assert done >= 1
     assert "Traceback" not in capsys.readouterr().err
 
 
