@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from contact_scene.errors import SceneError, shown
-from contact_scene.separators import check_head, check_row, is_number
+from contact_scene.separators import check_head, check_row, is_name, is_number, names_in_words
 from contact_scene.units import bracketed, check_units
 from contact_scene.value_checks import of_class
 
@@ -146,10 +146,17 @@ def remove_partial(target: Path) -> None:
 
 
 def read_rows(text: str, file: str) -> list[tuple[int, list[str]]]:
-    """Rows of a CSV as (line number, stripped cells); blank lines and comments (#) are left out."""
-    rows = []
+    """Rows of a CSV as (line number, stripped cells); blank lines and comments (#) are left out.
+
+    Where numbers stand in the first row, a comment above it of as many names is the header, and comes first.
+    """
+    rows: list[tuple[int, list[str]]] = []
+    comments: list[tuple[int, list[str]]] = []
     for line, content in enumerate(text.split("\n"), 1):
-        if content.strip() and not content.lstrip().startswith("#"):
+        if content.lstrip().startswith("#"):
+            if not rows:
+                comments.append((line, [cell.strip() for cell in content.lstrip().lstrip("#").split(",")]))
+        elif content.strip():
             try:
                 cells = next(csv.reader([content], strict=True))
             except csv.Error as error:
@@ -157,6 +164,9 @@ def read_rows(text: str, file: str) -> list[tuple[int, list[str]]]:
             rows.append((line, [cell.strip() for cell in cells]))
     if not rows:
         raise SceneError("", "the file is empty", "a CSV table", file)
+    if all(map(is_number, first := rows[0][1])):
+        named = (one for one in comments if len(one[1]) == len(first) and all(map(is_name, one[1])))
+        rows[:0] = [one for one in (next(named, None),) if one is not None]
     return rows
 
 
@@ -191,12 +201,13 @@ def read_pairs(
 
 
 def _check_header(text: str, names: tuple[str, str], others: Sequence[str], file: str) -> None:
-    """Refuse a header, or a comment of such names above it, that says of a column what it is not."""
+    """Refuse a header, or a comment of two names above it, that says of a column what it is not."""
     for number, line in enumerate(text.split("\n", _COMMENTS)[:_COMMENTS], 1):
         comment = line.lstrip().startswith("#")
         cells = line.lstrip().lstrip("#").split(",")
         words = [(re.findall(r"[^\W\d_]+", cell) or [""])[0].lower() for cell in cells]
-        remark = comment and (len(cells) != 2 or not set(words) <= {*names, *others})
+        named = set(words) <= {*names, *others} or names_in_words([cell.strip() for cell in cells])
+        remark = comment and (len(cells) != 2 or not named)
         if remark or not line.strip():
             continue
         swapped = words[0] == names[1] or (words[0] != names[0] and names[0] in words)

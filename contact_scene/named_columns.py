@@ -1,7 +1,9 @@
 """Plain tables of material data: text to named columns of numbers, each error with its line.
 
 Cells are parted by commas, semicolons, tabs or blanks. Lines without a number before the first row are
-headers, and ``#`` starts a comment; the first of them with known names names the columns, all of them.
+headers, and ``#`` (``%``, ``!``, ``//``, ``**``) starts a comment; the first of them with known names names
+the columns, all of them. A comment of as many names as there are columns is a header too: unknown names in it
+are refused like any other.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contact_scene.errors import SceneError, shown
-from contact_scene.separators import ANY_SIGN, check_row, is_number
+from contact_scene.separators import ANY_SIGN, check_row, is_name, is_number, names_in_words
 from contact_scene.units import bracketed, without_unit
 
 KINDS = {
@@ -34,6 +36,7 @@ _ABSCISSAS = {"time", "relaxation time", "frequency", "angular frequency", "temp
 
 KNOWN_NAMES = "tau, E | t, E | f, E', E'' (f per unit time) | w, E', E'' (angular), with G for shear moduli"
 
+_COMMENT = re.compile(r"\s*(#|%|!|//|\*\*)[#%!/*]*")
 _NAME_AND_UNIT = re.compile(r"[^\s\[(]+(?: *[\[(][^\])]*[\])])*|\S+")
 
 
@@ -53,16 +56,14 @@ def named_columns(text: str, file: str) -> NamedColumns:
     lines: list[int] = []
     rows: list[tuple[float, ...]] = []
     for line, content in enumerate(text.split("\n"), 1):
-        comment = content.lstrip().startswith("#")
-        if comment and rows:
+        mark = _COMMENT.match(content)
+        if mark and rows:
             continue
-        cells = cells_of_line(
-            content.lstrip().lstrip("#") if comment else content, line, file, strict=not comment
-        )
+        cells = cells_of_line(content[mark.end() :] if mark else content, line, file, strict=not mark)
         if not cells:
             continue
-        if comment or (not rows and not any(is_number(cell) for cell in cells)):
-            headers.append(_Header(line, content, comment, cells))
+        if mark or (not rows and not any(is_number(cell) for cell in cells)):
+            headers.append(_Header(line, content, bool(mark), cells))
             continue
         rows.append(tuple(number_in_line(cell, line, file) for cell in cells))
         lines.append(line)
@@ -72,8 +73,8 @@ def named_columns(text: str, file: str) -> NamedColumns:
     if not rows:
         reason = "no rows of numbers" if headers else "the file is empty"
         raise SceneError("", reason, f"a table of numbers ({ANY_SIGN}): {KNOWN_NAMES}", file)
-    width = len(rows[0])
-    names, units = _names_and_units([header for header in headers if len(header.cells) == width], width)
+    width, sign = len(rows[0]), _sign(text.split("\n")[lines[0] - 1])
+    names, units = _names_and_units([one for one in headers if len(one.cells) == width], width, sign)
     if not any(names):
         _check_width(headers, width, file)
     return NamedColumns(names, units, tuple(lines), tuple(rows))
@@ -93,21 +94,36 @@ class _Header:
         """What columns of these names hold; "" where that is not known."""
         return [kind_of(_split(cell)[0]) for cell in self.cells]
 
+    def names_columns(self, sign: str) -> bool:
+        """Whether it names columns whose cells ``sign`` parts; parameters and words of a remark do not."""
+        if not self.comment:
+            return "=" not in self.content
+        listed = _sign(self.content) in (",", ";", sign) or not _ABSCISSAS.isdisjoint(self.kinds)
+        return listed and all(map(is_name, self.cells)) and (any(self.kinds) or names_in_words(self.cells))
 
-def _names_and_units(headers: Sequence[_Header], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names and units of ``width`` columns, from headers of as many cells.
 
-    The first line with a known name counts (of a comment all must be known), else the first that is neither a
-    comment nor a list of parameters (``Mw = 1000; T = 20``): unknown names are for the caller to refuse.
+def _sign(content: str) -> str:
+    """What parts the cells of a line: a semicolon, else a comma, else blanks."""
+    return next((sign for sign in ";," if sign in content), " ")
+
+
+def _names_and_units(
+    headers: Sequence[_Header], width: int, sign: str
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names and units of ``width`` columns that ``sign`` parts, from headers of as many cells.
+
+    The first line with a known name counts (of a comment all must be known), else the first that names
+    columns at all, comments last: unknown names are for the caller to refuse.
     """
     known = (i for i, one in enumerate(headers) if (all if one.comment else any)(one.kinds))
-    plain = (i for i, one in enumerate(headers) if not one.comment and "=" not in "".join(one.cells))
-    index = next(known, next(plain, None))
+    named = [i for i, one in enumerate(headers) if one.names_columns(sign)]
+    index = next(known, min(named, key=lambda i: headers[i].comment, default=None))
     if index is None:
         return ("",) * width, ("",) * width
     names, units = zip(*map(_split, headers[index].cells), strict=True)
-    if not any(units) and index + 1 < len(headers) and not headers[index + 1].comment:
-        units = tuple(cell.strip() for cell in headers[index + 1].cells)
+    below = headers[index + 1 : index + 2]
+    if not any(units) and below and below[0].comment == headers[index].comment:
+        units = tuple(cell.strip() for cell in below[0].cells)
     return names, units
 
 

@@ -7,12 +7,13 @@ from dataclasses import replace
 
 from contact_scene.errors import SceneError, shown
 from contact_scene.material import Branch
-from contact_scene.named_columns import NamedColumns, cells_of_line, checked_in_line, number_in_line
+from contact_scene.named_columns import NamedColumns, cells_of_line, checked_in_line, kind_of, number_in_line
 from contact_scene.value_checks import not_negative, positive
 
 
 def reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
     """Rows of number, time and modulus after their count, which files written by hand may leave out."""
+    _check_order(text, file)
     rows = [
         (line, cells)
         for line, content in enumerate(text.split("\n"), 1)
@@ -47,6 +48,16 @@ def reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
             "number of modes", f"is {announced}, but there are {len(branches)} rows", "as many rows", file
         )
     return tuple(branches)
+
+
+def _check_order(text: str, file: str) -> None:
+    """Refuse a comment that names the columns in another order."""
+    for line, content in enumerate(text.split("\n"), 1):
+        if content.lstrip().startswith("#"):
+            cells = cells_of_line(content.lstrip().lstrip("#"), line, file, strict=False)
+            _, second, third = map(kind_of, cells) if len(cells) == 3 else ("", "", "")
+            if second == "modulus" or third == "relaxation time":
+                raise SceneError(f"line {line}", f"got {shown(','.join(cells))}", "i, tau_i, G_i", file)
 
 
 def shear_moduli(table: NamedColumns, text: str, file: str) -> NamedColumns:

@@ -29,6 +29,17 @@ def is_number(cell: str) -> bool:
     return "_" not in cell
 
 
+def is_name(cell: str) -> bool:
+    """Whether a cell may name a column: it begins with a letter and states no value."""
+    return bool(re.fullmatch(r"[^\W\d_][^=:]*", cell)) and not is_number(cell)
+
+
+def names_in_words(cells: Sequence[str]) -> bool:
+    """Whether cells of a comment are names, of two words at most before the unit, and no sentence."""
+    words = (without_unit(cell).partition("/")[0].split() for cell in cells)
+    return all(map(is_name, cells)) and all(len(name) <= 2 for name in words)
+
+
 def check_head(line: int, head: Sequence[str], names: Collection[str], file: str) -> None:
     """Refuse the head of a table that is one cell in which other signs than commas separate the columns.
 

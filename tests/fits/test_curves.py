@@ -41,12 +41,14 @@ def test_a_curve_comes_back_from_csv_bit_for_bit(tmp_path):
             assert np.array_equal(getattr(back, column), getattr(one, column))
 
 
-def test_units_in_the_header_and_other_columns_are_passed_over(tmp_path):
+@pytest.mark.parametrize("mark", ["", "# "])  # the latter as numpy.savetxt writes it
+def test_units_in_the_header_and_other_columns_are_passed_over(tmp_path, mark):
     rows = "\n".join(f"{k},{2 * k},9,{3 * k}" for k in range(30))
     (tmp_path / "a.csv").write_text(
-        f"# noise: 0.5\nTime [s],Force (nN),temperature,Penetration [nm]\n{rows}\n"
+        f"# noise: 0.5\n{mark}Time [s],Force (nN),temperature,Penetration [nm]\n{rows}\n"
     )
     curve = read_csv(tmp_path / "a.csv")
+    assert curve.time.size == 30
     assert curve.force[3] == 6.0
     assert curve.motion[3] == 9.0
     assert curve.noise == 0.5

@@ -70,6 +70,8 @@ REFUSED = [
     (profile, "radius,height (s)", RISING, "height in s; allowed: a unit of length, or none"),
     (profile, "# radius [mm],height [um]", RISING, "height in um, but radius in mm"),
     (profile, "# height, radius", RISING, "allowed: the columns radius, height"),
+    (table("penetration"), "# load, time", RISING, "allowed: the columns time, penetration"),
+    (table("penetration"), "# t (s), force", RISING, "allowed: the columns time, penetration"),
     (profile, "# of a tip\nr [MPa],h", RISING, "radius in MPa; allowed: a unit of length, or none"),
     (table("penetration"), "time [mm],penetration", RISING, "time in mm; allowed: a unit of time"),
     (table("penetration"), "t (s),depth (mN)", RISING, "penetration in mN; allowed: a unit of length"),

@@ -7,7 +7,8 @@
     time,stage,force
     0.0,-1e-6,2e-12
 
-Columns are found by name; a unit in brackets behind a name is a label, other columns are ignored.
+Columns are found by name; a unit in brackets behind a name is a label, other columns are ignored. The header
+may be a comment.
 """
 
 from __future__ import annotations
@@ -45,7 +46,9 @@ def read_csv(path: Path) -> MeasuredCurve:
     """
     text, file = read_text(path, LARGEST_FILE), str(path)
     head, body = _head_and_body(text)
-    (line, header), *_ = read_rows(head, file)
+    (line, header), *first = read_rows(head, file)
+    if first:  # the header is a comment, and the first row of numbers ends the head
+        body = head.splitlines()[-1] + "\n" + body
     check_head(line, header, COLUMNS, file)
     names = [re.sub(r"[\[(].*", "", cell).strip().lower().replace(" ", "_") for cell in header]
     for needed in ("time", "force"):
@@ -78,7 +81,7 @@ def write_csv(curve: MeasuredCurve, path: Path) -> None:
 
 
 def _head_and_body(text: str) -> tuple[str, str]:
-    """Text up to the header, which is the first line that is no comment, and what follows."""
+    """Text up to the first line that is no comment: the header, or the first row; and what follows."""
     end = 0
     for line in text.split("\n", MOST_REMARKS):
         end += len(line) + 1
