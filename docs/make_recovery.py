@@ -1,6 +1,6 @@
-"""Copies what ``python -m validation.fits.recovery`` found into ``docs/how-to/fit.md``.
+"""Copies what ``python -m benchmarks.fit_recovery`` found into ``docs/how-to/fit.md``.
 
-Run ``python docs/make_recovery.py out/recovery/recovery.json``: keeps the numbers in
+Run ``PYTHONPATH=. python docs/make_recovery.py out/recovery/recovery.json``: keeps the numbers in
 ``docs/data/recovery.json``, writes the table between two marks of the page, and draws the figure. Without a
 file the numbers that are kept are used.
 """
@@ -11,9 +11,9 @@ import json
 import sys
 from pathlib import Path
 
+from benchmarks.fit_recovery import RecoveredMaterial, draw, report
 from validation.drawing.export import png
 from validation.execution.files import write_whole
-from validation.fits.recovery import RecoveredMaterial, draw, report
 
 DOCS = Path(__file__).parent
 PAGE, FIGURE, KEPT = (

@@ -45,13 +45,6 @@ ROOMS = {
     "exam": BELOW_EVIDENCE,
     "report": BELOW_EVIDENCE | EVIDENCE | {"exam"},
 }
-# What one kind of evidence may use of another, module by module: the accuracy of fields is a study of them,
-# random scenes are judged as a user would see them compared.
-BESIDE = {
-    ("validation.studies.fields_accuracy", "validation.fields.balance"),
-    ("validation.studies.fields_accuracy", "validation.fields.request"),
-    ("validation.stability.random_compared", "validation.compare.against_reference"),
-}
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.
 HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
@@ -106,7 +99,7 @@ def against_the_layers(graph: ImportGraph) -> list[str]:
         if not one.module.startswith("validation") or not one.importer.startswith("validation"):
             continue
         importer, target = room(one.importer), room(one.module)
-        if target in {"", importer} or (one.importer, one.module) in BESIDE:
+        if target in {"", importer}:
             continue
         if target not in ROOMS.get(importer, set()):
             found.append(str(one))
@@ -142,10 +135,10 @@ def test_imports_inside_validation_run_upwards():
     assert not found, report(found)
 
 
-def test_every_layer_and_every_import_allowed_by_name_exists():
+def test_every_layer_and_every_deferred_import_exists():
     assert {room(module) for module in project().modules} - {""} == set(ROOMS)
     seen = {(one.importer, one.module) for one in project().imports}
-    assert seen >= BESIDE | DEFERRED
+    assert seen >= DEFERRED
     assert project().modules >= LOADED_AT_FIRST_USE
 
 
@@ -230,7 +223,6 @@ def test_imports_upwards_are_no_violation():
     graph = made_up(
         validation__report__html="from validation.claims import force\nfrom ..drawing import figures",
         validation__claims__force="from validation import cases\nfrom ..measure.norms import distance",
-        validation__studies__fields_accuracy="from validation.fields.balance import balance",
     )
     assert not against_the_layers(graph)
 

@@ -19,7 +19,7 @@ IMPRACTICAL = 1e5
 INTRODUCTION = f"""# Cost over the process zone
 
 The scene `{SCENE}` with shorter and shorter zones, at each solver's default resolution. Forecasts by the
-constants of `python -m validation.solvers.cost_benchmark`, to a factor of three: accepted steps, processor
+constants of `python -m benchmarks.cost_forecast`, to a factor of three: accepted steps, processor
 time on one core, memory of the run. `crosscontact study SCENE --zones` measures the same.
 """
 

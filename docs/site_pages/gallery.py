@@ -13,13 +13,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from shutil import copyfile
 
+from benchmarks import saved_report as saved
 from site_pages import gallery_index
 from site_pages.report_parts import note, raw
 from validation.cases import Case, load
 from validation.claims.all import CLAIMS
 from validation.claims.claim import Finding
 from validation.compare.suite import SceneComparison
-from validation.report import saved
 from validation.report.document import DataTable, Fold, Part, Section, number, plain
 from validation.report.figures.paper_figures import FIGURES
 from validation.report.report import Report

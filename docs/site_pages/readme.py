@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from statistics import median
 
+from benchmarks import saved_report as saved
 from validation.execution.runs import Run
-from validation.report import saved
 from validation.report.report import Report
 from validation.solvers import REFERENCE, SOLVERS
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from support.invariants.coarse_solvers import SOLVERS, CoarseSolver
-from support.invariants.random_scenes import in_units
 from support.invariants.table import INVARIANTS
 
+from benchmarks.strategies import in_units
 from contact_scene import (
     Adhesion,
     Branch,

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from support.invariants.checks import differences_in_units
 from support.invariants.coarse_solvers import SOLVERS
-from support.invariants.random_scenes import in_units
 from support.resumable_runs import bem, fem, front
 from support.stopped_runs import assert_same, in_parts
 
 import bem_solver
+from benchmarks.strategies import in_units
 from contact_scene import (
     Adhesion,
     Approach,

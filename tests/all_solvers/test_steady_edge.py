@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose
 from support.faults.injection import Fault, found_wrong, stale
 
 import bem_solver
+from benchmarks.steady_edge import relaxed_contact, steady_edge, steady_rows
 from contact_scene import (
     Adhesion,
     Hold,
@@ -31,7 +32,6 @@ from validation.measure.observables import observe
 from validation.reference import fixed_stress, steady_crack
 from validation.reference.rated_edge import RatedEdge
 from validation.solvers import SOLVERS
-from validation.studies.steady_edge import main, relaxed_contact, steady_edge, steady_rows
 
 TRACKING = "validation.reference.tracking"
 RATED, STRESS = ("steady-rate-si",), ("steady-stress-si",)
@@ -139,16 +139,6 @@ def test_a_rated_edge_that_collapses_within_the_rounding_of_time_ends_the_run():
     assert trace.outcome.kind is OutcomeKind.BELOW_ZONE
     assert np.all(np.diff(trace.contact_radius)[-50:] < 0.0)
     assert trace.contact_radius[-1] == pytest.approx(adhesion.zone)
-
-
-def test_the_study_prints_how_closely_every_row_follows_the_law(capsys):
-    main(["--scene", *RATED, "--solver", "reference", "--resolution", "6"])
-    scene, solver, resolution, largest, mean, rows, _ = (
-        capsys.readouterr().out.splitlines()[-1].split("|")[1:-1]
-    )
-    assert (scene.strip(), solver.strip(), int(resolution)) == (*RATED, "reference", 6)
-    assert 0.0 < float(mean) < float(largest) < ACCURACY["reference"]
-    assert int(rows) > 100
 
 
 def times(factor):

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import crosscontact as cc
+from benchmarks import saved_report as saved
 from contact_scene import COLUMNS
 from contact_scene.load_steps import STEPS
 from crosscontact.commands import __path__ as command_files
@@ -21,7 +22,6 @@ from validation.claims.all import CLAIMS
 from validation.claims.claim import Finding, Part, Verdict
 from validation.fits.statistics import Estimate
 from validation.reference.tracking.recorder import EXTRA_COLUMNS
-from validation.report import saved
 from validation.solvers import SOLVERS
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell, CellVerdict

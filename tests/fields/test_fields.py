@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from support.paper_scenes import STICKY as ADHESION
 
+from benchmarks import fields_accuracy
 from contact_scene import COLUMNS, Branch, Force, Hold, Loading, Material, Ramp, Scene, Sphere
 from fem_solver import Options, field_states, record, solve
 from meshes import fit, structured_half_space
 from validation.fields.balance import balance
 from validation.reference import subsurface
-from validation.studies import fields_accuracy
 
 TWO = (Branch(2.0, 0.3), Branch(3.0, 5.0))
 STEPS = (Ramp(0.02, 0.05), Hold(0.3), Ramp(0.004, 0.05))

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import LinearNDInterpolator
 from support.paper_scenes import WORK
 
+from benchmarks import fields_accuracy
 from contact_scene import (
     Adhesion,
     Branch,
@@ -32,7 +33,6 @@ from validation.fields import request
 from validation.fields.balance import balance
 from validation.fields.request import FieldRequest, record_fields
 from validation.solvers.fitted_meshes import edge_meshes, mesh_for
-from validation.studies import fields_accuracy
 
 TWO = Material(0.75, 0.4, (Branch(2.0, 0.3), Branch(4.0, 0.05)))
 PULLED = Loading("relaxed", 0.02, (Ramp(0.019, 0.02),))

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.fit_recovery import ENOUGH, VARIED, RecoveredMaterial, random_scenes, report
 from contact_scene.scene_values import value_at
-from validation.fits.recovery import ENOUGH, LABELS, VARIED, RecoveredMaterial, draw, random_scenes, report
 
 DOCS = Path(__file__).parents[2] / "docs"
 FACTOR = np.exp(0.4)
@@ -46,14 +46,6 @@ def test_coverage_is_judged_from_enough_materials_on():
     assert ": pass" in report(sound, [])
     assert ": FAIL" in report([material(n, 1.1 if n % 5 == 0 else 0.8) for n in range(ENOUGH)], [])
     assert "judged from" in report(sound[:10], [])
-
-
-def test_every_parameter_is_drawn_beside_what_a_normal_distribution_expects():
-    found = [material(n, 0.8) for n in range(4)]
-    (axes,) = draw(found).axes
-    lines = {line.get_label(): line for line in axes.lines}
-    assert all(len(lines[label].get_xdata()) == len(found) for label in LABELS)
-    assert lines[LABELS[0]].get_linestyle() == "None"
 
 
 def test_the_documentation_states_what_the_kept_numbers_give():

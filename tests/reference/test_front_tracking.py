@@ -10,6 +10,7 @@ import pytest
 from support.paper_scenes import ONE, STICKY, WORK, ZONE
 from support.paper_scenes import PULL as F_JKR
 
+from benchmarks.reference_accuracy import COLUMNS, cycle, levels, order
 from contact_scene import (
     Adhesion,
     Branch,
@@ -32,7 +33,6 @@ from validation.reference.tracking.energy import branch_power
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.recorder import Recorder
 from validation.reference.tracking.rheology import Rheology
-from validation.studies.reference_accuracy import COLUMNS, cycle, levels, order
 
 
 @cache

@@ -7,21 +7,24 @@ from support.paper_scenes import ELASTIC, ONE, STICKY, WORK
 from contact_scene import (
     Adhesion,
     Branch,
+    FlatPunch,
     Force,
     Hold,
     Loading,
     Material,
     OutcomeKind,
     PowerLaw,
+    PowerRate,
     Ramp,
+    RateTable,
     Scene,
     Sphere,
     Step,
+    Table,
 )
 from contact_scene.errors import SceneError
 from validation.reference import Options, solve
 from validation.reference.finite_zone import FiniteZone
-from validation.stability.random_scenes import random_scene
 
 COARSE = Options(resolution=4)
 
@@ -76,9 +79,9 @@ def test_what_overflows_is_out_of_range() -> None:
 @pytest.mark.slow
 def test_collapse_of_a_rated_edge_within_the_rounding_of_time() -> None:
     """An unlimited law of a small power: the speed is the ninth power of the drive, too fast for any step."""
-    question = random_scene(3369).scene
-    assert question.adhesion is not None
-    assert question.adhesion.rate is not None
+    loading = Loading("relaxed", 5.584e-7, (Ramp(3.068e-6, 0.2583), Hold(1.091e-5), Ramp(-1.227e-5, 0.234)))
+    adhesion = Adhesion(0.004124, 4.449e-9, 7.299e-4, PowerRate(1.3404e-4, 0.114))
+    question = Scene(Material(105000.0, 0.49), FlatPunch(1.60631e-05), loading, adhesion)
     trace = solve(question)
     assert trace.outcome.kind is OutcomeKind.BELOW_ZONE, trace.outcome
     at_once = np.flatnonzero(np.diff(trace.time) == 0.0)
@@ -90,12 +93,16 @@ def test_collapse_of_a_rated_edge_within_the_rounding_of_time() -> None:
 @pytest.mark.slow
 def test_a_limited_law_has_limit_points() -> None:
     """Beyond its bound no speed balances the edge: contact is lost at fixed time, as by the others."""
-    question = random_scene(6056).scene
-    assert question.adhesion is not None
-    assert question.adhesion.rate is not None
-    assert np.isfinite(question.adhesion.opening(np.inf))
+    moduli = ((1.41, 0.00772), (13.2, 1.31), (3.36, 546.0), (13.5, 0.00503), (3.74, 0.184), (1.25, 0.0529))
+    depths = (0.0232544, 0.0648284, 0.009802, 0.0643552, 0.0616512)
+    loading = Loading("relaxed", depths[0], (Table((0.0, 0.692, 0.7403, 1.1613, 1.1918), depths),))
+    rate = RateTable((16.149, 1614.9), (7.4326e-5, 1.87793e-4))
+    adhesion = Adhesion(3.95353e-5, 0.004186, rate=rate)
+    material = Material(1.0, 0.5, tuple(Branch(*one) for one in moduli))
+    question = Scene(material, Sphere(1.0), loading, adhesion)
+    assert np.isfinite(adhesion.opening(np.inf))
     trace = solve(question, Options(resolution=8))
     assert trace.outcome.kind is OutcomeKind.DETACHED, trace.outcome
     assert trace.events[-1].kind == "pull-off"
     assert trace.events[-1].contact_radius == pytest.approx(0.05622, rel=5e-3)  # 13 zones: bem has the same
-    assert trace.events[-1].contact_radius > 10.0 * question.adhesion.zone
+    assert trace.events[-1].contact_radius > 10.0 * adhesion.zone

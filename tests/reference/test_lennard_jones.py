@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.lennard_jones import WORK, compared
 from contact_scene import Material
 from validation.reference.lennard_jones import LennardJonesSphere, UniformRings
-from validation.studies import lennard_jones
-from validation.studies.lennard_jones import WORK, PullOffComparison, compared, table
 
 ELASTIC = Material(0.75, 0.5)
 
@@ -52,15 +51,3 @@ def test_a_zone_of_fixed_stress_follows_lennard_jones_and_one_of_fixed_length_do
     stress, length = found.differences
     assert abs(stress) < 0.15
     assert length > 0.25
-
-
-def test_the_table_tells_differences_and_their_mean(monkeypatch, capsys):
-    rows = [PullOffComparison(3.0, 0.1, 10.0, 9.0, 15.0), PullOffComparison(3.0, 0.2, 10.0, 11.0, 13.0)]
-    lines = list(table(rows))
-    assert "-10.0 %" in lines[2]
-    assert "+50.0 %" in lines[2]
-    assert "fixed stress 10 % (sd 0 %)" in lines[-2]
-    assert "fixed length 40 % (sd 10 %)" in lines[-1]
-    monkeypatch.setattr(lennard_jones, "compared", lambda mu, v, ratio, resolution: rows[0])
-    assert lennard_jones.main(["--tabor", "3", "--speed", "0.1"]) == 0
-    assert "| 3 | 0.1 | 10.000 | 9.000 |" in capsys.readouterr().out

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from support.table_rows import sampled
 
+from benchmarks.cost_forecast import SCENES
 from contact_scene import (
     Adhesion,
     Branch,
@@ -31,7 +32,6 @@ from validation.execution.solver_tasks import expected_seconds
 from validation.scenes import suite
 from validation.solvers import SOLVERS, Cost
 from validation.solvers.cost import CostModel, forecast
-from validation.solvers.cost_benchmark import SCENES
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.fitted_meshes import mesh_for
 from validation.solvers.scene_work import scene_work

@@ -9,6 +9,7 @@ from support.recorded import hertz_curve
 from support.spring_solver import FunctionSolver, StudiedSolver, fake, named, small_scene, spring
 
 import crosscontact as cc
+from benchmarks.cost_forecast import SCENES
 from contact_scene import Branch, Loading, Material, Oscillate, Scene, Sphere, Table
 from contact_scene.run_control.options import MAX_STEPS
 from crosscontact.cli import main
@@ -16,7 +17,6 @@ from validation import solvers
 from validation.execution.run_tasks import run_tasks
 from validation.fields import request
 from validation.solvers import SOLVERS, Cost
-from validation.solvers.cost_benchmark import SCENES
 from validation.studies import schemes, study, zones
 from validation.studies.ladders import Ladder, Level
 from validation.studies.schemes import Settings

@@ -8,12 +8,12 @@ import types
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, named, spring
 
+from benchmarks.sweep_price import plan_of
 from contact_scene.run_control import blas_threads
 from contact_scene.run_control.blas_threads import single_threaded
 from validation import solvers
 from validation.execution.run_table import RunTable
 from validation.sweeps.batch import SweepOptions
-from validation.sweeps.benchmark import plan_of
 from validation.sweeps.forecast import forecast
 from validation.sweeps.plan import plan_from_dict
 from validation.sweeps.run_plan import carry_out

@@ -68,7 +68,7 @@ class Solver(ABC):
     estimates_errors : bool
         Whether ``solve`` can estimate the errors of a run itself (``Trace.errors``).
     cost_model : CostModel
-        What a run costs, measured (``python -m validation.solvers.cost_benchmark``).
+        What a run costs, measured (``python -m benchmarks.cost_forecast``).
     skipped_work : mapping of str to str
         Work counter: what its remaining at zero means.
     curve_style : mapping

@@ -10,7 +10,7 @@ Steps are counted
 
 How many of these a scene asks for is its :class:`~validation.solvers.scene_work.SceneWork`; how many steps a
 solver takes for each, and what a step costs, is its :class:`CostModel`, measured by
-``python -m validation.solvers.cost_benchmark``. A forecast is meant within a factor of three.
+``python -m benchmarks.cost_forecast``. A forecast is meant within a factor of three.
 """
 
 from __future__ import annotations

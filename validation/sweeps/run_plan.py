@@ -1,7 +1,7 @@
 """Carrying out a plan: only what is not stored, in batches, and each batch is stored when it is there.
 
 A batch is as long as its overhead allows, so that a kill loses little: runs of some length travel alone. The
-overhead of a task, of the processes and of Dask, is measured by ``python -m validation.sweeps.benchmark``.
+overhead of a task, of the processes and of Dask, is measured by ``python -m benchmarks.sweep_price``.
 Without an executor a batch spares the writing of each run by itself.
 """
 

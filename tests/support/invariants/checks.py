@@ -16,6 +16,14 @@ from dataclasses import replace
 import numpy as np
 from support.invariants.coarse_solvers import CoarseSolver
 
+from benchmarks.trace_invariants import (
+    CLEAR,
+    ROUND_OFF,
+    broken,
+    effort,
+    energy_gained,
+    in_contact,
+)
 from contact_scene import (
     Adhesion,
     Branch,
@@ -29,14 +37,6 @@ from contact_scene import (
     SceneError,
     Table,
     Trace,
-)
-from validation.stability.trace_invariants import (
-    CLEAR,
-    ROUND_OFF,
-    broken,
-    effort,
-    energy_gained,
-    in_contact,
 )
 
 ROOTS = 0.01

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from hypothesis import strategies as st
 from support.invariants import checks
-from support.invariants.random_scenes import (
+
+from benchmarks.strategies import (
     DEPTH,
     adhesions,
     decades,
@@ -22,7 +23,6 @@ from support.invariants.random_scenes import (
     smooth_indenters,
     spectra,
 )
-
 from contact_scene import FlatPunch, Loading, PowerLaw, Scene, Table
 
 

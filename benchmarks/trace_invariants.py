@@ -25,18 +25,7 @@ CLEAR = (
 
 
 def broken(scene: Scene, trace: Trace) -> list[str]:
-    """Every statement about the form of an answer that does not hold: what is finite, ordered, reached.
-
-    Parameters
-    ----------
-    scene : Scene
-    trace : Trace
-
-    Returns
-    -------
-    list of str
-        In words; empty for a proper answer.
-    """
+    """Every statement about the form of an answer that does not hold: what is finite, ordered, reached."""
     columns = trace.columns()
     found = [f"{name} is not finite" for name, column in columns.items() if not np.isfinite(column).all()]
     found += [
@@ -108,20 +97,7 @@ def _not_reached(scene: Scene, trace: Trace) -> list[str]:
 
 
 def energy_gained(scene: Scene, trace: Trace, accuracy: float) -> list[str]:
-    """Branches only dissipate; no stored energy is negative; without adhesion nothing is gained.
-
-    Parameters
-    ----------
-    scene : Scene
-    trace : Trace
-    accuracy : float
-        What the solver holds a step to, relative to :func:`effort`.
-
-    Returns
-    -------
-    list of str
-        In words; empty if nothing is gained.
-    """
+    """Branches only dissipate; no stored energy is negative; without adhesion nothing is gained."""
     if len(trace) == 0:
         return []
     energy = effort(scene, trace)

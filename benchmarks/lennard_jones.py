@@ -1,6 +1,6 @@
 """A process zone of fixed stress against Lennard-Jones tractions: pull-off force over speed, ``python -m``.
 
-``python -m validation.studies.lennard_jones`` withdraws a sphere from rest on a standard linear solid, by
+``python -m benchmarks.lennard_jones`` withdraws a sphere from rest on a standard linear solid, by
 Lennard-Jones tractions (:mod:`validation.reference.lennard_jones`), by the reference with ``stress = s``, the
 largest tension of that law, and by the reference with a zone of the fixed length it has at rest. The process
 zone is a model of the traction: the differences are of the models.
@@ -58,25 +58,7 @@ def material(ratio: float = RATIO) -> Material:
 def compared(
     tabor: float, speed: float, ratio: float = RATIO, resolution: int | None = None, divisions: int = 4
 ) -> PullOffComparison:
-    """One withdrawal by all three.
-
-    Parameters
-    ----------
-    tabor : float
-        Tabor's parameter of the relaxed contact.
-    speed : float
-        Radii per relaxation time.
-    ratio : float
-        Glassy over relaxed modulus.
-    resolution : int or None
-        Of the reference.
-    divisions : int
-        Annuli of the Lennard-Jones sphere in a zone at rest.
-
-    Returns
-    -------
-    PullOffComparison
-    """
+    """One withdrawal by all three."""
     law = LennardJonesSphere(material(ratio), 1.0, WORK, math.cbrt(WORK**2) / tabor)
     unit = math.pi * WORK
 

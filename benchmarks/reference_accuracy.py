@@ -1,4 +1,4 @@
-"""Cost and convergence of the front tracking: ``python -m validation.studies.reference_accuracy``.
+"""Cost and convergence of the front tracking: ``python -m benchmarks.reference_accuracy``.
 
 One table a case: resolution, steps, processor time, errors against a run at ``FINEST``, the order that a
 straight line through the logarithms of all errors has, and the run's own estimates. Force and contact radius
@@ -38,19 +38,7 @@ USUAL = 16
 
 
 def spectrum(count: int, low: float, high: float) -> tuple[Branch, ...]:
-    """Branches of equal modulus, nine times E0 in all, at times evenly spread over decades.
-
-    Parameters
-    ----------
-    count : int
-        Of branches.
-    low, high : float
-        Decadic logarithms of the shortest and the longest relaxation time.
-
-    Returns
-    -------
-    tuple of Branch
-    """
+    """Branches of equal modulus, nine times E0 in all, at times evenly spread over decades."""
     return tuple(Branch(6.75 / count, float(t)) for t in np.logspace(low, high, count))
 
 
@@ -132,23 +120,7 @@ def measured(trace: Trace, moments: tuple[float, ...]) -> dict[str, NDArray[np.f
 def levels(
     scene: Scene, resolutions: tuple[int, ...] = RESOLUTIONS, finest: int = FINEST, usual: int = USUAL
 ) -> list[AccuracyLevel]:
-    """Runs at several resolutions and their errors, relative to the largest value of the finest run.
-
-    Parameters
-    ----------
-    scene : Scene
-    resolutions : tuple of int
-        Steps per process zone.
-    finest : int
-        Resolution of the run that errors are measured against.
-    usual : int
-        Resolution of the run that also estimates its own errors.
-
-    Returns
-    -------
-    list of AccuracyLevel
-        In the order of ``resolutions``.
-    """
+    """Runs at several resolutions and their errors, relative to the largest value of the finest run."""
     end = solve(scene, Options(resolutions[0])).time[-1]
     moments = tuple(float(moment) for moment in MOMENTS * end)
     exact = measured(solve(scene, Options(finest, profile_times=moments)), moments)
@@ -171,20 +143,7 @@ def order(accuracies: list[AccuracyLevel], name: str, finest: int = FINEST) -> f
     """Order in the step: slope of the straight line through the logarithms of the errors of all levels.
 
     A value may be right by chance, but not be known to be: errors count as no less than what the ``finest``
-    run leaves open, that is the worst error of the last level reduced by second order.
-
-    Parameters
-    ----------
-    accuracies : list of AccuracyLevel
-    name : str
-        Of ``COLUMNS``.
-    finest : int
-        Resolution of the run that errors are measured against.
-
-    Returns
-    -------
-    float
-    """
+    run leaves open, that is the worst error of the last level reduced by second order."""
     steps = [1.0 / level.resolution for level in accuracies]
     last = accuracies[-1]
     unknown = last.worst * (last.resolution / finest) ** 2
@@ -207,9 +166,7 @@ def table(name: str, accuracies: list[AccuracyLevel]) -> list[str]:
 
 def main() -> None:
     """Print the tables."""
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.studies.reference_accuracy", description=__doc__
-    )
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.reference_accuracy", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="two cases only")
     quick = parser.parse_args().quick
     for name in QUICK if quick else CASES:

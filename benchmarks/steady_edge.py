@@ -1,6 +1,6 @@
 """A short zone that opens steadily: how closely every row follows the closed law, by solver and resolution.
 
-``python -m validation.studies.steady_edge`` runs the scenes ``steady-rate-si`` and ``steady-stress-si``. The
+``python -m benchmarks.steady_edge`` runs the scenes ``steady-rate-si`` and ``steady-stress-si``. The
 energy release rate at a row is that of the relaxed contact without a zone at the row's force and radius; the
 speed of the edge is the slope of the radius there. Against it stands the law of
 :mod:`validation.reference.steady_edge` at that speed.
@@ -66,19 +66,7 @@ class SteadyRows:
 
 
 def steady_rows(scene: Scene, trace: Trace) -> SteadyRows:
-    """The rows of a retraction between setting out and the last row, at which a slope is one-sided.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a short process zone, retracted slowly.
-    trace : Trace
-        Of that scene, in its units.
-
-    Returns
-    -------
-    SteadyRows
-    """
+    """The rows of a retraction between setting out and the last row, at which a slope is one-sided."""
     radius, edge = trace.contact_radius, steady_edge(scene)
     chosen = radius < _SET_OUT * radius[0]
     chosen[-1] = False
@@ -103,20 +91,7 @@ class SteadyRun:
 
 
 def steady_run(name: str, solver: str, resolution: int) -> SteadyRun:
-    """Run a built-in scene.
-
-    Parameters
-    ----------
-    name : str
-        Of the scene.
-    solver : str
-    resolution : int
-        Divisions in a process zone.
-
-    Returns
-    -------
-    SteadyRun
-    """
+    """Run a built-in scene."""
     scene = load(name).scene
     began = time.process_time()
     trace = SOLVERS[solver].solve(scene, resolution)

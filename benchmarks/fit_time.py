@@ -2,9 +2,9 @@
 
 ::
 
-    python -m validation.fits.benchmark --jobs 2
+    python -m benchmarks.fit_time --jobs 2
 
-The curves are those of a random material of :mod:`validation.fits.recovery`, at three speeds, with a noise of
+The curves are those of a random material of :mod:`benchmarks.fit_recovery`, at three speeds, with a noise of
 1 % of the pull-off force; work of adhesion and one branch are fitted, and each curve's baseline. Curves are
 made before the clock starts. On a machine that does other work besides, processor seconds tell more.
 """
@@ -17,11 +17,11 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from benchmarks.fit_recovery import VARIED, random_scenes, recorded
 from validation.execution.processes import processes
 from validation.fits.fit import fit_curves
 from validation.fits.fit_result import FitResult
 from validation.fits.fit_settings import FitSettings
-from validation.fits.recovery import VARIED, random_scenes, recorded
 
 LIMIT = 120.0
 """Wall seconds that such a fit may take on two cores."""
@@ -56,21 +56,7 @@ class FitTime:
 
 
 def timed_fit(material: int, jobs: int, check_solver: str | None = "bem") -> FitTime:
-    """Fit the three curves of a random material.
-
-    Parameters
-    ----------
-    material : int
-        Number of the material.
-    jobs : int
-        Processes.
-    check_solver : str or None
-        The second solver.
-
-    Returns
-    -------
-    FitTime
-    """
+    """Fit the three curves of a random material."""
     scenes, guess = random_scenes(material)
     curves = recorded(material, scenes)
     settings = FitSettings(vary=VARIED, free=("baseline",), check_solver=check_solver)
@@ -88,7 +74,7 @@ def _processor_seconds() -> float:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line of this module; 1 if the fit took longer than it may."""
-    parser = argparse.ArgumentParser(prog="python -m validation.fits.benchmark")
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fit_time")
     parser.add_argument("--material", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args(arguments)

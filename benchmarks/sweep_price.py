@@ -1,4 +1,4 @@
-"""What a sweep costs beside its runs: ``python -m validation.sweeps.benchmark [--runs N] [--dask]``.
+"""What a sweep costs beside its runs: ``python -m benchmarks.sweep_price [--runs N] [--dask]``.
 
 An elastic sphere is pressed in without adhesion, by default deep enough for a run to take as many steps as
 one with adhesion at resolution 4; with ``--depth 0.0101`` runs are about as short as there are, and the
@@ -56,23 +56,7 @@ class Spent:
 
 
 def plan_of(runs: int, folder: Path, depth: float = DEPTH, first: float = 1.0) -> SweepPlan:
-    """A plan of runs over the radius of the sphere.
-
-    Parameters
-    ----------
-    runs : int
-        How many.
-    folder : Path
-        For tables of the scene.
-    depth : float
-        Largest penetration.
-    first : float
-        Smallest radius; plans with other ones share no run.
-
-    Returns
-    -------
-    SweepPlan
-    """
+    """A plan of runs over the radius of the sphere."""
     loading = Loading("relaxed", START, (Ramp(depth, START),))
     scene = Scene(Material(1.0, 0.5), Sphere(1.0), loading)
     radii = {"name": "radius", "key": "indenter.radius", "linspace": [first, 2.0 * first, runs]}
@@ -81,19 +65,7 @@ def plan_of(runs: int, folder: Path, depth: float = DEPTH, first: float = 1.0) -
 
 
 def bare(plan: SweepPlan, pool: Pool, processes: int) -> Spent:
-    """The bare solver on the scenes of a plan, shared out over the plain processes of a pool.
-
-    Parameters
-    ----------
-    plan : SweepPlan
-    pool : Pool
-    processes : int
-        Of the pool.
-
-    Returns
-    -------
-    Spent
-    """
+    """The bare solver on the scenes of a plan, shared out over the plain processes of a pool."""
     scenes = [plan.scene(rows) for rows in plan.rows()]
     return spent_in(
         lambda: pool.map(_solve_all, [scenes[part::processes] for part in range(processes)], chunksize=1),
@@ -115,41 +87,12 @@ def swept(
     table: RunTable,
     progress: Callable[[float, str], None] | None = None,
 ) -> Spent:
-    """A sweep.
-
-    Parameters
-    ----------
-    plan : SweepPlan
-    processes : int
-        That work on it.
-    engine : Engine
-    table : RunTable
-        Receives the runs.
-    progress : callable, optional
-        As of :func:`~validation.sweeps.run_plan.carry_out`.
-
-    Returns
-    -------
-    Spent
-    """
+    """A sweep."""
     return spent_in(lambda: carry_out(plan, table, engine, progress), processes, plan.count)
 
 
 def spent_in(work: Callable[[], object], processes: int, runs: int) -> Spent:
-    """What some work takes, each run of it.
-
-    Parameters
-    ----------
-    work : callable
-    processes : int
-        That work on it.
-    runs : int
-        That it consists of.
-
-    Returns
-    -------
-    Spent
-    """
+    """What some work takes, each run of it."""
     before, here, began = processor_seconds(), time.process_time(), time.perf_counter()
     work()
     wall, here = time.perf_counter() - began, time.process_time() - here

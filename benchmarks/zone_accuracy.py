@@ -1,6 +1,6 @@
 """How accurate a solver is with zones of every length under every kind of loading.
 
-``python -m validation.studies.zone_accuracy SOLVER [SCENE ...]`` runs built-in scenes with process zones of
+``python -m benchmarks.zone_accuracy SOLVER [SCENE ...]`` runs built-in scenes with process zones of
 given ratios to their contact radius and prints the errors against the reference at twice its default
 resolution. The reference itself is measured so against a finer run of its own.
 """
@@ -56,28 +56,7 @@ class ZoneAccuracy:
 def accuracies(
     name: str, chosen: Sequence[Case], ratios: Sequence[float] = RATIOS, times: int = 1
 ) -> Iterator[ZoneAccuracy]:
-    """Errors of a solver, scene by scene, the longest zone first.
-
-    Parameters
-    ----------
-    name : str
-        Of the solver.
-    chosen : sequence of Case
-        With adhesion of a given zone.
-    ratios : sequence of float
-        Zones over the largest contact radius that each scene reaches with its own zone.
-    times : int
-        The solver's default resolution is multiplied by this.
-
-    Yields
-    ------
-    ZoneAccuracy
-
-    Raises
-    ------
-    SceneError
-        A scene without adhesion has no zone, and one that the reference does not answer no radius.
-    """
+    """Errors of a solver, scene by scene, the longest zone first."""
     for case in chosen:
         adhesion = case.scene.adhesion
         if adhesion is None:
@@ -125,7 +104,7 @@ def _errors(answer: Run, exact: Run) -> dict[str, float]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print a line for every scene and zone, then the largest errors; exit code 2 for what cannot be run."""
     parser = argparse.ArgumentParser(
-        prog="python -m validation.studies.zone_accuracy", description=__doc__.partition("\n")[0]
+        prog="python -m benchmarks.zone_accuracy", description=__doc__.partition("\n")[0]
     )
     parser.add_argument("solver", choices=[*SOLVERS])
     parser.add_argument("scenes", nargs="*", default=SCENES, help="built-in names or TOML files")

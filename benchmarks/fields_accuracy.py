@@ -1,4 +1,4 @@
-"""How far the finite elements' fields can be trusted: ``python -m validation.studies.fields_accuracy``.
+"""How far the finite elements' fields can be trusted: ``python -m benchmarks.fields_accuracy``.
 
 Static contacts are compared with closed forms at all nodes within ``REACH`` contact radii of the centre, but
 those nearer than ``EDGE`` contact radii to the edge (the stress is infinite there, or its slope is); errors
@@ -62,22 +62,7 @@ class Deviation:
 
 
 def static(name: str, poisson: float, resolution: int | None = None) -> tuple[FieldState, Deviation]:
-    """Field of a static contact by name, and its errors.
-
-    Parameters
-    ----------
-    name : str
-        Of ``CONTACTS``.
-    poisson : float
-        Poisson's ratio.
-    resolution : int, optional
-        Divisions per process zone.
-
-    Returns
-    -------
-    state : FieldState
-    deviation : Deviation
-    """
+    """Field of a static contact by name, and its errors."""
     indenter, adhesion = CONTACTS[name]
     scene = Scene(Material(1.0, poisson), indenter, Loading("relaxed", 0.01), adhesion)
     (state,) = record_fields(scene, FieldRequest((0.0,)), resolution).states()

@@ -2,7 +2,7 @@
 
 ::
 
-    python -m validation.fits.recovery --out out/recovery --count 50 --jobs 2
+    python -m benchmarks.fit_recovery --out out/recovery --count 50 --jobs 2
 
 Each material has one branch, adhesion, and three curves at speeds from slow to fast, with a noise of 1 % of
 the pull-off force. The fit starts within a factor of 1.5 of the truth and knows the zone, Poisson's ratio and
@@ -200,7 +200,7 @@ def draw(found: Sequence[RecoveredMaterial]) -> Figure:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line of this module; 1 if coverage is out of bounds or a fit failed."""
-    parser = argparse.ArgumentParser(prog="python -m validation.fits.recovery")
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fit_recovery")
     parser.add_argument("--out", default="out/recovery")
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=50)

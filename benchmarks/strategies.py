@@ -1,4 +1,4 @@
-"""Random scenes for the invariants: every indenter, step, start and spectrum a scene file can say.
+"""Strategies of hypothesis for scenes: every indenter, step, start and spectrum a scene file can say.
 
 Lengths come from a contact of radius ``WIDTH`` pressed in by ``DEPTH``, forces and the work of adhesion from
 the elastic contact of that size, times from decades about 1. The half-space is linear: heights, penetrations
@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from contact_scene import (
     WLF,
     Adhesion,
+    Approach,
     Branch,
     Cone,
     FlatPunch,
@@ -154,12 +155,12 @@ RESTS = st.one_of(st.just(0.0), decades(-6.0, 6.0))
 SWINGS = decades(-3.0, -0.3).map(lambda x: x * DEPTH)
 
 
-def _oscillation(swing: float, period: float, cycles: float, drift: float) -> Oscillate:
+def oscillation(swing: float, period: float, cycles: float, drift: float) -> Oscillate:
     frequency = 2.0 * math.pi / period
     return Oscillate(swing, frequency, cycles * period, drift * DEPTH / (cycles * period))
 
 
-def _sweep(swing: float, duration: float, cycles: float) -> Sweep:
+def swept(swing: float, duration: float, cycles: float) -> Sweep:
     return Sweep(swing, 4.0 * math.pi * cycles / duration**2, duration)
 
 
@@ -173,8 +174,8 @@ STEPS: dict[str, st.SearchStrategy] = {
     "hold": st.builds(Hold, RESTS),
     "force": st.builds(Force, FORCES, RESTS),
     "force-ramp": st.builds(lambda to, span: ForceRamp(to, LOAD / span), FORCES, SPANS),
-    "oscillate": st.builds(_oscillation, SWINGS, SPANS, shares(0.1, 3.0), shares(-0.5, 0.5)),
-    "sweep": st.builds(_sweep, SWINGS, SPANS, shares(0.1, 3.0)),
+    "oscillate": st.builds(oscillation, SWINGS, SPANS, shares(0.1, 3.0), shares(-0.5, 0.5)),
+    "sweep": st.builds(swept, SWINGS, SPANS, shares(0.1, 3.0)),
     "table": st.builds(
         _table, st.lists(SPANS, min_size=2, max_size=6), st.lists(DEPTHS, min_size=2, max_size=6)
     ),
@@ -245,6 +246,12 @@ def in_units(scene: Scene, length: float, modulus: float, time: float) -> tuple[
                 return Ramp(to * length, rate * length / time, *levels)
             case Hold(duration, until_force):
                 return Hold(duration * time, scaled_level(until_force, force))
+            case Approach(rate, until, to, dwell, retract, away):
+                bounds = {"to": scaled_level(to, length), "away": scaled_level(away, length)}
+                back = scaled_level(retract, length / time)
+                return Approach(
+                    rate * length / time, until * force, dwell=dwell * time, retract=back, **bounds
+                )
             case Force(value, duration, until_penetration):
                 return Force(value * force, duration * time, scaled_level(until_penetration, length))
             case ForceRamp(to, rate):

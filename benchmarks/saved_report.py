@@ -1,7 +1,7 @@
 """A report read back from its folder, and packed small enough to be kept beside the code.
 
 The folder is what ``crosscontact report --out`` wrote, or a ZIP archive of it made by
-``python -m validation.report.saved out/report docs/data/report.zip``. Nothing is run.
+``python -m benchmarks.saved_report out/report docs/data/report.zip``. Nothing is run.
 """
 
 from __future__ import annotations
@@ -37,13 +37,7 @@ DOCUMENTS = ("report.json", "stability.json", "study.md")
 
 
 def read(source: Path) -> Report:
-    """A report from its folder or archive, as far as its pages need it.
-
-    Raises
-    ------
-    SceneError
-        One line, if a file is missing or damaged.
-    """
+    """A report from its folder or archive, as far as its pages need it."""
     if source.is_dir():
         return _report(source)
     with tempfile.TemporaryDirectory() as folder:
@@ -52,12 +46,7 @@ def read(source: Path) -> Report:
 
 
 def unpack(archive: Path, folder: Path) -> None:
-    """Unpack an archive that :func:`pack` made.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Unpack an archive that :func:`pack` made."""
     try:
         with zipfile.ZipFile(archive) as packed:
             packed.extractall(folder)
@@ -92,16 +81,7 @@ def matrix(data: dict[str, Any]) -> StabilityMatrix:
 
 
 def pack(folder: Path, archive: Path) -> None:
-    """Pack a report: every number, the scenes, the runs with the columns that are drawn, its figures.
-
-    Parameters
-    ----------
-    folder : Path
-        Written by ``crosscontact report --out``; ``study.md`` of ``crosscontact study``, ``stability.json``
-        of ``crosscontact stability`` and their ``figures`` may have been copied into it.
-    archive : Path
-        A ZIP file; replaced.
-    """
+    """Pack a report: every number, the scenes, the runs with the columns that are drawn, its figures."""
     with tempfile.TemporaryDirectory() as stage:
         packed = Path(stage) / "packed.zip"
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_LZMA) as target:

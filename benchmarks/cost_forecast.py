@@ -1,4 +1,4 @@
-"""Forecast and measurement side by side: ``python -m validation.solvers.cost_benchmark [SOLVER ...]``.
+"""Forecast and measurement side by side: ``python -m benchmarks.cost_forecast [SOLVER ...]``.
 
 Prints, for scenes that differ in the length of the process zone, the branches, the cycles and the adhesion,
 the steps, the processor time and the growth of the memory of a run, each with its forecast, from which the
