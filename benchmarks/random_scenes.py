@@ -11,7 +11,7 @@ import math
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -46,6 +46,7 @@ from contact_scene import (
     Machine,
     Material,
     Ramp,
+    RateTable,
     Scene,
     SceneError,
     Step,
@@ -94,7 +95,8 @@ def random_scene(family: str, seed: int) -> RandomScene | None:
         drawn.append(RandomScene(seed, kind, scene, times))
 
     try:
-        keep.hypothesis.fuzz_one_input(random.Random(f"{family} {seed}").randbytes(BYTES))
+        fuzz = keep.hypothesis.fuzz_one_input  # type: ignore[attr-defined]
+        fuzz(random.Random(f"{family} {seed}").randbytes(BYTES))
     except SceneError:
         return None
     return drawn[0] if drawn else None
@@ -159,7 +161,7 @@ def with_rates(plain: Drawn[Any]) -> Drawn[Any]:
             return adhesion
         scale = adhesion.work / law.work
         rate = law.rate
-        if rate is not None and hasattr(rate, "works"):
+        if isinstance(rate, RateTable):
             rate = dataclasses.replace(rate, works=tuple(scale * work for work in rate.works))
         return Adhesion(adhesion.work, adhesion.zone, (law.work_closing or law.work) * scale, rate)
 
@@ -279,7 +281,7 @@ def _recorded(rows: int, cycles: float, begin: float, swing: float, span: float,
     """A smooth record of stage or force by many rows, read as cubics."""
     unit, moments = LOAD if of_force else DEPTH, [row / (rows - 1) for row in range(rows)]
     values = tuple(unit * (begin + swing * math.sin(2.0 * math.pi * cycles * t)) for t in moments)
-    quantity = "force" if of_force else "penetration"
+    quantity: Literal["force", "penetration"] = "force" if of_force else "penetration"
     return (Table(tuple(span * t for t in moments), values, quantity=quantity, interpolation="cubic"),)
 
 

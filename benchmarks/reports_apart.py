@@ -66,10 +66,10 @@ TOLERANCES: dict[str, Callable[[Run, Run, str], float | None]] = {
 
 def worst(folder: Path, other: Path, within: str) -> tuple[float, str]:
     """Largest share of the tolerance that lies between two runs, and of which quantity."""
-    runs = [read_run(one)[1] if (one / "trace.csv").exists() else None for one in (folder, other)]
-    if runs[0] is None or runs[1] is None:
-        return (0.0, "refused by both") if runs[0] is runs[1] else (math.inf, "run")
-    first, second = runs
+    there = [(one / "trace.csv").exists() for one in (folder, other)]
+    if not all(there):
+        return (math.inf, "run") if any(there) else (0.0, "refused by both")
+    first, second = read_run(folder)[1], read_run(other)[1]
     if first.ending != second.ending:
         return math.inf, f"outcome: {first.ending}, {second.ending}"
     found = [(0.0, "nothing")]
@@ -95,7 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     try:
         found = [
-            (*worst(*(f / "runs" / name for f in (chosen.old, chosen.new)), chosen.within), name)
+            (*worst(chosen.old / "runs" / name, chosen.new / "runs" / name, chosen.within), name)
             for name in names
         ]
     except SceneError as error:

@@ -11,10 +11,11 @@ from pathlib import Path
 import pytest
 from support.unlaid_figures import without_layout
 
+from benchmarks import saved_report as saved
 from contact_scene import SceneError
 from validation.claims.all import checks as claim_checks
 from validation.claims.claim import Finding, Part, Verdict
-from validation.report import json_data, saved
+from validation.report import json_data
 from validation.report.sections import scene as scene_section
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell, CellVerdict

@@ -15,7 +15,7 @@ from support.import_graph import Import, ImportGraph, imports, source_at
 
 ROOT = Path(__file__).parents[2]
 MAP = ROOT / "tests" / "MAP.md"
-PACKAGES = ("contact_scene", "bem_solver", "fem_solver", "meshes", "validation", "crosscontact")
+PACKAGES = ("contact_scene", "bem_solver", "fem_solver", "meshes", "validation", "crosscontact", "benchmarks")
 GROUPS = {"contact_scene": "scene", "bem_solver": "bem", "fem_solver": "fem", "meshes": "mesh"}
 MOST = 3  # tests named in a line
 HEAD = """# Where each module is tested
@@ -31,11 +31,14 @@ class Reach:
 
     def __init__(self, root: Path = ROOT, packages: Iterable[str] = PACKAGES) -> None:
         self.graph = ImportGraph.of(root, tuple(packages))
-        # a package that says nothing but what it is, and what only starts the command line, have no tests
+        # a package that says nothing but what it is, what only starts the command line, and what only the
+        # authors run, have no tests
         self.modules = {
             name
             for name, source in self.graph.sources.items()
-            if not name.endswith("__main__") and len(source.tree.body) > 1
+            if not name.endswith("__main__")
+            and not name.startswith("benchmarks")
+            and len(source.tree.body) > 1
         }
         self.tests = {path.relative_to(root).as_posix(): path for path in (root / "tests").rglob("test_*.py")}
         support = {
