@@ -6,10 +6,19 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from scipy.optimize import brentq
 from support.paper_scenes import ONE
 
-from contact_scene import Branch, Material
-from validation.reference import greenwood, persson_brener, prony_integrals, schapery, steady_crack
+from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
+from validation.reference import (
+    greenwood,
+    persson_brener,
+    prony_integrals,
+    schapery,
+    solve,
+    starting_edge,
+    steady_crack,
+)
 from validation.reference.creep_compliance import creep_compliance
 
 THREE = Material(1.2, 0.3, (Branch(3.0, 0.05), Branch(2.0, 1.0), Branch(4.0, 8.0)))
@@ -164,3 +173,59 @@ def test_greenwood_weight_comes_from_the_dugdale_opening():
         limit=200,
     )[0]
     assert_allclose(greenwood.enhancement(ONE, ZONE, 0.02), 1 / (ONE.modulus * mean), rtol=1e-7)
+
+
+@pytest.mark.parametrize("law", [starting_edge.closing, starting_edge.opening])
+@pytest.mark.parametrize(("ratio", "travel"), [(2.0, 1.0), (10.0, 0.3), (10.0, 1.5), (100.0, 1.0)])
+def test_an_edge_that_sets_off_by_direct_integration(law, ratio, travel):
+    """Stress and gap of the moved edge into the closure, what its field takes up into the balance.
+
+    The relaxed modulus, the zone and K at rest are 1, the work of adhesion is 1/2. The closure pairs, on one
+    side, the field of the moved edge with, on the other, that and what was left where the edge was at rest.
+    """
+    closes = law is starting_edge.closing
+
+    def paired(x):
+        """``int_x^1 (s - x)^(-1/2) (1 - s)^(1/2) ds``, 4/(2 pi) of which is what sigma and g amount to."""
+        return sines(lambda s: 1.0 - x - s, 1.0 - x)
+
+    def taken_up(x):
+        left = (ratio - 1.0) * (paired(x) if x < 1.0 else 0.0) * (-1.0 if closes else 1.0)
+
+        def excess(moved):
+            return (moved**2 * paired(0.0) + moved * left) / (np.pi * ratio) - 0.5
+
+        moved = brentq(excess, 1e-9, 2.0 * ratio, xtol=1e-13)
+        return moved**2 / (2.0 * ratio)
+
+    gained = quad(lambda x: taken_up(x) - 0.5, 0.0, travel, points=[min(travel, 1.0)], epsabs=1e-10)[0]
+    assert_allclose(0.5 * law(ratio, travel), gained if closes else -gained, rtol=1e-9)
+
+
+def test_an_edge_that_sets_off_over_a_stiff_and_a_soft_material():
+    for law, soft in ((starting_edge.closing, 1e8 / 3.0), (starting_edge.opening, 1.0)):
+        assert_allclose(law(1.0 + 1e-4, 1.0), 0.5e-4, rtol=1e-3)  # of either sign
+        assert_allclose(law(1e8, 1.0), soft, rtol=3e-4)
+        assert_allclose(law(10.0, [0.0, 1.0, 50.0]), law(10.0) * np.array([0.0, 1.0, 1.0]), atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("law", "ratio", "to"),
+    [
+        (starting_edge.closing, 10.0, 0.01),
+        (starting_edge.closing, 1000.0, 0.014),
+        (starting_edge.opening, 2.0, -0.003),
+        (starting_edge.opening, 10.0, -0.003),
+    ],
+)
+def test_the_loss_of_a_contact_pressed_or_pulled_at_once_falls_by_that(law, ratio, to):
+    zone, work = 1e-4, 3.652e-4
+    relaxed = Loading("relaxed", 0.0, (Ramp(to, 1e6),))
+    material = Material(1.0, 0.5, (Branch(ratio - 1.0, 1.0),))
+    trace = solve(Scene(material, Sphere(1.0), relaxed, Adhesion(work, zone)))
+    radius = trace.contact_radius
+    travel = np.abs(radius - radius[0]) / zone
+    rows = (travel > 0.0) & (travel < 1.0) & (radius > 0.0)
+    fall = -trace.dissipated_energy[rows] / (work * 2.0 * np.pi * radius[0] * zone)
+    assert rows.sum() > 5
+    assert_allclose(fall, law(ratio, travel[rows]), atol=5e-3 * law(ratio))
