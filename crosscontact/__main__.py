@@ -2,6 +2,6 @@
 
 import sys
 
-from crosscontact.cli import main
+from crosscontact.cli import program
 
-sys.exit(main())
+sys.exit(program())

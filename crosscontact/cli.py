@@ -21,6 +21,22 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
 
+def program() -> int:
+    """Run the command line as a process, and return the exit code, which no further signal changes.
+
+    An interruption ends the command once; one that comes while the process ends, ends it at once.
+    """
+    try:
+        from validation.execution.signals import handle_outside
+
+        handle_outside()
+        code = main()
+    except KeyboardInterrupt:
+        code = _interrupted()
+    handle_outside(code)
+    return code
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     _prepare_streams()
@@ -38,11 +54,7 @@ def main(arguments: list[str] | None = None) -> int:
             sys.stdout.flush()
             return code
     except KeyboardInterrupt:
-        # Python ends by the signal, not by our code, if the last text run by exec was interrupted, as it may
-        # be where dataclasses are made: run another.
-        exec("")
-        print("crosscontact: interrupted", file=sys.stderr)
-        return 1
+        return _interrupted()
     except BrokenPipeError:  # the reader of our output has gone, e.g. `| head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         return 0
@@ -56,6 +68,14 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"crosscontact: error: {' '.join(str(error).split())}", file=sys.stderr)
             return 1
         raise
+
+
+def _interrupted() -> int:
+    # Python ends by the signal, not by our code, if the last text run by exec was interrupted, as it may be
+    # where dataclasses are made: run another.
+    exec("")
+    print("crosscontact: interrupted", file=sys.stderr)
+    return 1
 
 
 def _prepare_streams() -> None:
@@ -91,4 +111,4 @@ def _available_cores() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(program())

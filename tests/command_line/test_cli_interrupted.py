@@ -68,6 +68,11 @@ def test_interrupted_without_a_folder_what_there_is_is_printed(capsys, scene_fil
     ]
 
 
+def path_of(folder) -> dict[str, str]:
+    """The environment of a process that imports from the folder too."""
+    return os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), *filter(None, sys.path)])}
+
+
 def test_interrupted_while_a_class_is_made_the_exit_code_is_1(tmp_path):
     """Its text is run by exec, as by dataclasses while a program is loaded."""
     text = """import sys
@@ -76,9 +81,24 @@ cli._run = lambda options: exec("raise KeyboardInterrupt")
 sys.exit(cli.main(["scenes"]))
 """
     (tmp_path / "program.py").write_text(text)
-    path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
     command = [sys.executable, "-m", "program"]
-    ended = subprocess.run(command, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True)
+    ended = subprocess.run(command, env=path_of(tmp_path), capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (1, "crosscontact: interrupted\n")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_second_signal_leaves_the_exit_code(tmp_path, number):
+    """It comes where the command has told its end, and the process is not yet over."""
+    text = f"""import atexit, os, signal, sys
+from crosscontact import cli
+kill = lambda *_: os.kill(os.getpid(), {int(number)})
+cli._run = kill
+atexit.register(kill)
+sys.argv = ["crosscontact", "scenes"]
+sys.exit(cli.program())
+"""
+    command = [sys.executable, "-c", text]
+    ended = subprocess.run(command, env=path_of(tmp_path), capture_output=True, text=True)
     assert (ended.returncode, ended.stderr) == (1, "crosscontact: interrupted\n")
 
 

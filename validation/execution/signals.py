@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -16,6 +17,15 @@ def interrupting() -> Iterator[None]:
     """Either signal raises ``KeyboardInterrupt``, whatever it has become by the end of the block."""
     with _handled(_interrupt):
         yield
+
+
+def handle_outside(code: int | None = None) -> None:
+    """In a process of our own: either signal interrupts, or, given an exit code, ends the process with it.
+
+    What stands before a command and after it, where the system would end the process by the signal.
+    """
+    for number in _not_ignored():
+        signal.signal(number, _interrupt if code is None else lambda *_: os._exit(code))
 
 
 @contextmanager
@@ -66,6 +76,10 @@ class GracefulStop:
             yield
 
 
+def _not_ignored() -> list[signal.Signals]:
+    return [number for number in _SIGNALS if signal.getsignal(number) not in (signal.SIG_IGN, None)]
+
+
 def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
@@ -85,8 +99,7 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
             interrupted = True
             raise
 
-    not_ignored = [number for number in _SIGNALS if signal.getsignal(number) not in (signal.SIG_IGN, None)]
-    before = {number: signal.signal(number, handle) for number in not_ignored}
+    before = {number: signal.signal(number, handle) for number in _not_ignored()}
     try:
         yield
     except Exception as error:
