@@ -73,7 +73,7 @@ def run(name: str, out: str | None, jobs: int, dask: str | None, dry_run: bool, 
             progress.phase("runs")
             try:
                 runs = carry_out(plan, table, engine, lambda share, text: progress(share, detail=text))
-            except KeyboardInterrupt:
+            except (KeyboardInterrupt, OSError):
                 print(f"crosscontact: kept in {folder}: the same command goes on", file=sys.stderr)
                 raise
         with Progress(f"sweep {Path(name).stem}") as progress:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import pytest
@@ -164,3 +164,21 @@ def test_a_process_is_replaced_after_its_tasks():
     with processes(1, isolated=True, tasks_per_process=1) as pool:
         one_each = {pool.submit(os.getpid).result() for _ in range(2)}
     assert len(one_each) == 2
+
+
+@pytest.mark.parametrize("gone", [Future.cancel, lambda future: future.set_exception(BrokenExecutor("died"))])
+def test_an_executor_that_gives_up_ends_the_work_and_what_is_done_is_stored(tmp_path, gone):
+    """As Dask's where its scheduler has gone: what it was given is no failed task, and no other is given."""
+
+    class Executor:
+        def submit(self, function, *arguments):
+            future = Future()
+            future.set_result(function(*arguments)) if not given else gone(future)
+            given.append(future)
+            return future
+
+    given, store = [], Store(tmp_path)
+    with pytest.raises(ConnectionError, match="given up"):
+        run_tasks([task(3.0, expected_seconds=9.0), task(2.0)], Executor(), store)
+    assert store.get("3") == 9.0
+    assert len(given) == 2

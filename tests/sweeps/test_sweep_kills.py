@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import sqlite3
@@ -80,15 +81,19 @@ def stored(file):
         return dict(connection.execute("SELECT fingerprint, seconds FROM runs").fetchall())
 
 
-@pytest.mark.slow
-def test_a_killed_sweep_goes_on_where_it_was(plan, whole, tmp_path):
-    out, (folder, _) = tmp_path / "out", whole
-    process = subprocess.Popen(command(plan, out), cwd=ROOT, stderr=subprocess.DEVNULL)
+def wait_for_runs(out, process):
     log, deadline = out / "runs.sqlite-wal", time.monotonic() + 120.0
     while not (log.exists() and log.stat().st_size > 30_000):
         assert process.poll() is None
         assert time.monotonic() < deadline
         time.sleep(0.002)
+
+
+@pytest.mark.slow
+def test_a_killed_sweep_goes_on_where_it_was(plan, whole, tmp_path):
+    out, (folder, _) = tmp_path / "out", whole
+    process = subprocess.Popen(command(plan, out), cwd=ROOT, stderr=subprocess.DEVNULL)
+    wait_for_runs(out, process)
     process.send_signal(signal.SIGKILL)
     process.wait()
     before = stored(out / "runs.sqlite")
@@ -126,6 +131,36 @@ def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan, whole):
 
 
 @pytest.mark.slow
+def test_a_scheduler_that_is_killed_ends_the_sweep_and_its_runs_are_kept(plan, tmp_path):
+    pytest.importorskip("distributed", reason="the optional extra `dask` is not installed")
+    out, file, begun = tmp_path / "out", tmp_path / "scheduler.json", []
+    for role in (["scheduler", "--port", "0", "--dashboard-address", ":0"], ["worker", "--nthreads", "1"]):
+        asked = [sys.executable, "-m", "dask", *role, "--scheduler-file", str(file)]
+        begun.append(subprocess.Popen(asked, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        deadline = time.monotonic() + 60.0
+        while not file.exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+    try:
+        address = json.loads(file.read_text())["address"]
+        asked = [*command(plan, out), "--dask", address]
+        sweep = subprocess.Popen(asked, cwd=ROOT, stderr=subprocess.PIPE, text=True)
+        wait_for_runs(out, sweep)
+        begun[0].kill()
+        _, said = sweep.communicate(timeout=60.0)
+    finally:
+        for process in begun:
+            process.kill()
+            process.wait()
+    assert sweep.returncode == 1
+    assert [line for line in said.splitlines() if not line.startswith("sweep ")] == [
+        f"crosscontact: kept in {out}: the same command goes on",
+        f"crosscontact: error: the scheduler at {address} is gone",
+    ]
+    assert 0 < len(stored(out / "runs.sqlite")) < 60
+
+
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="no process groups here")
 def test_an_interrupted_dask_sweep_says_two_lines_and_goes_on(plan, whole, tmp_path):
     """Ctrl-C on a terminal reaches the workers, too."""
@@ -133,11 +168,7 @@ def test_an_interrupted_dask_sweep_says_two_lines_and_goes_on(plan, whole, tmp_p
     out, (folder, _) = tmp_path / "out", whole
     asked = [*command(plan, out), "--dask", "local"]
     process = subprocess.Popen(asked, cwd=ROOT, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    log, deadline = out / "runs.sqlite-wal", time.monotonic() + 120.0
-    while not (log.exists() and log.stat().st_size > 30_000):
-        assert process.poll() is None
-        assert time.monotonic() < deadline
-        time.sleep(0.002)
+    wait_for_runs(out, process)
     os.killpg(process.pid, signal.SIGINT)
     _, said = process.communicate()
     assert process.returncode == 1

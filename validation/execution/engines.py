@@ -13,7 +13,7 @@ from contact_scene.errors import SceneError
 from validation.execution.polled_jobs import JobQueue, PolledJobs
 from validation.execution.processes import processes
 from validation.execution.signals import deferred, interrupts_blocked
-from validation.execution.task_execution import OUTSTANDING
+from validation.execution.task_execution import OUTSTANDING, ExecutorGone
 
 LOCAL_CLUSTER = "local"
 """In place of the address of a Dask scheduler: a cluster of this command's own, on this machine."""
@@ -80,6 +80,8 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
     ------
     SceneError
         If Dask is not installed or the address does not answer.
+    ConnectionError
+        If the scheduler ends while tasks are out.
     """
     if address is None:
         with processes(jobs) as pool:
@@ -91,7 +93,8 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
     except ImportError:
         allowed = "Dask.distributed: pip install 'crosscontact[dask]'"
         raise SceneError("--dask", "distributed is not installed", allowed) from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # a lost worker is no error: its runs go on
+    for logger in ("distributed", "distributed.client"):  # a lost worker is no error: its runs go on
+        logging.getLogger(logger).setLevel(logging.CRITICAL)
     with ExitStack() as opened:
         own = address == LOCAL_CLUSTER
         if own:
@@ -121,6 +124,8 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
             yield Engine(
                 executor, PER_WORKER * workers if own else max(PER_WORKER * workers, 64), DASK_SECONDS
             )
+        except ExecutorGone:
+            raise ConnectionError(f"the scheduler at {client.scheduler.address} is gone") from None
         except BaseException:
             executor.shutdown(wait=False)  # cancels
             raise

@@ -11,7 +11,7 @@ import signal
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import Executor, Future
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -28,6 +28,10 @@ OUTSTANDING = 512
 its next one, and few enough that neither their arguments nor their futures count in memory."""
 SHARES_EVERY = 1.0
 """Seconds after which the shares of running tasks are looked at again."""
+
+
+class ExecutorGone(ConnectionError):
+    """An executor has given up tasks that it was given: it will carry out no other."""
 
 
 def completed_tasks(
@@ -54,6 +58,10 @@ def completed_tasks(
     Yields
     ------
     (int, TaskResult)
+
+    Raises
+    ------
+    ExecutorGone
     """
     if executor is None:
         for number, task in numbered:
@@ -156,6 +164,8 @@ def _collected(task: Task, future: Future[Any]) -> TaskResult:
     """The result of a task that an executor has done with; its process may have ended."""
     try:
         return TaskResult(task, *future.result())
+    except (CancelledError, BrokenExecutor) as error:
+        raise ExecutorGone(f"the executor has given up what it was given: {one_line(error)}") from None
     except Exception as error:
         exit_code = getattr(error, "exitcode", None)
         if isinstance(error, TimeoutError) or exit_code == -getattr(signal, "SIGPROF", 0):
