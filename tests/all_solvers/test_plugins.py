@@ -21,6 +21,7 @@ from crosscontact.cli import main
 from validation.cases import load
 from validation.compare.premises import of_case
 from validation.exam.grading import grade
+from validation.execution.runs import run
 from validation.solvers import PEERS, Solver, plugins, solvers
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.registry import SOLVERS, SolverRegistry
@@ -37,6 +38,23 @@ class PluginSpring(Solver):
 
     def _solve(self, scene, resolution, options):
         return FunctionSolver(spring(), self.name).solve(scene, resolution, **vars(options))
+
+
+class Exiting(Solver):
+    """A solver that ends the program it is called by."""
+
+    name = "exiting"
+    title = "a program of its own"
+
+    def _solve(self, scene, resolution, options):
+        sys.exit("no licence")
+
+
+class NotMade(Exiting):
+    """The same before it is asked anything."""
+
+    def __init__(self):
+        sys.exit(3)
 
 
 def entry(name: str, target: str) -> EntryPoint:
@@ -88,6 +106,17 @@ def test_a_broken_one_is_named_and_the_rest_goes_on(found, capsys):
         assert reason in line
     assert registry.usable() == ("bem", "fem", "reference", "plug-spring")
     assert capsys.readouterr().err == ""
+
+
+def test_one_that_ends_the_program_has_a_failed_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(SOLVERS._solvers, "exiting", Exiting())
+    scene, why = small_scene(tmp_path), "RuntimeError: the solver called sys.exit('no licence')"
+    assert run(load(scene), "exiting").failure == why
+    for command in ("compare --jobs 1 --solvers reference,exiting", "solve --solver exiting"):
+        assert main([*command.split(), scene]) == 1
+        assert why in "".join(capsys.readouterr())
+    with pytest.raises(plugins.UnusableSolver, match=r"sys\.exit"):
+        plugins.load(entry("exiting", f"{__name__}:NotMade"))
 
 
 def test_what_walks_the_registry_leaves_a_broken_one_out(found):

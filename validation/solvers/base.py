@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
 from contact_scene import COLUMNS, Scene, Trace, UnsupportedScene
+from contact_scene.errors import shown
 from validation.solvers.cost import Cost, CostModel, forecast
 from validation.solvers.model_range import out_of_range
 from validation.solvers.run_options import RunOptions
@@ -22,6 +24,15 @@ SKIPPED_WORK: Mapping[str, str] = {
 
 QUICK_DIVISIONS = 8
 """Most divisions per process zone in the quick suite."""
+
+
+@contextmanager
+def exit_is_an_error() -> Iterator[None]:
+    """A solver that would end this program, ends its run."""
+    try:
+        yield
+    except SystemExit as error:
+        raise RuntimeError(f"the solver called sys.exit({shown(error.code)})") from error
 
 
 @dataclass(frozen=True)
@@ -112,6 +123,7 @@ class Solver(ABC):
         """Maugis' transition parameter of a method whose attraction has a finite range; infinite: no zone."""
         return None
 
+    @exit_is_an_error()
     def solve(self, scene: Scene, resolution: int | None = None, **options: Any) -> Trace:
         """Solve a scene.
 
@@ -131,6 +143,8 @@ class Solver(ABC):
         ------
         SceneError
             If no solver can compute the scene, or this one does not take it or an option.
+        RuntimeError
+            If the solver calls ``sys.exit``.
         """
         self.check(scene, resolution)
         asked = RunOptions(**options)

@@ -10,7 +10,7 @@ from importlib.metadata import EntryPoint, entry_points
 
 from contact_scene import SceneError
 from contact_scene.errors import shown
-from validation.solvers.base import Solver
+from validation.solvers.base import Solver, exit_is_an_error
 
 GROUP = "crosscontact.solvers"
 _ALLOWED = f"an entry point of {GROUP} that names a Solver"
@@ -47,8 +47,9 @@ def load(entry: EntryPoint) -> Solver:
         If it cannot be imported, or is none; one line with its package.
     """
     try:
-        target = entry.load()
-        method = target() if isinstance(target, type) else target
+        with exit_is_an_error():
+            target = entry.load()
+            method = target() if isinstance(target, type) else target
     except Exception as error:
         raise _unusable(entry, f"{type(error).__name__}: {' '.join(str(error).split())}") from error
     if not isinstance(method, Solver):
