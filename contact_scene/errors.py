@@ -69,6 +69,11 @@ def shown(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def cell_shown(text: str) -> str:
+    """What a table holds in place of a number or name, no longer than that: a scene may name any file."""
+    return shown(text if len(text) <= 12 else text[:9] + "...")
+
+
 def _one_line(text: str) -> str:
     """Printable characters only, blanks joined, cut to ``_LONGEST_PART``."""
     printable = "".join(c if c.isprintable() else " " if c.isspace() else "?" for c in text)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, cell_shown
 from contact_scene.separators import check_head, check_row, is_name, is_number, names_in_words
 from contact_scene.units import bracketed, check_units
 from contact_scene.value_checks import of_class
@@ -194,7 +194,7 @@ def read_pairs(
         if len(cells) != 2 or not all(is_number(cell) for cell in cells):
             for number, _ in rows[index : max(index + 1, 2)]:  # a header may have other names
                 check_row(number, lines[number - 1], shown_file)
-            raise SceneError(f"line {line}", f"got {shown(','.join(cells))}", allowed, shown_file)
+            raise SceneError(f"line {line}", f"got {cell_shown(','.join(cells))}", allowed, shown_file)
         first.append(float(cells[0]))
         second.append(float(cells[1]))
     return tuple(first), tuple(second)
@@ -212,7 +212,9 @@ def _check_header(text: str, names: tuple[str, str], others: Sequence[str], file
             continue
         swapped = words[0] == names[1] or (words[0] != names[0] and names[0] in words)
         if swapped or any(word in others for word in words):
-            raise SceneError(f"line {number}", f"got {shown(line)}", f"the columns {', '.join(names)}", file)
+            raise SceneError(
+                f"line {number}", f"got {cell_shown(line)}", f"the columns {', '.join(names)}", file
+            )
         check_units(zip(names, map(bracketed, cells), strict=False), f"line {number}", file)
         if not comment:
             return

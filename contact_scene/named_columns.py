@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, cell_shown
 from contact_scene.separators import ANY_SIGN, check_row, is_name, is_number, names_in_words
 from contact_scene.units import bracketed, without_unit
 
@@ -133,7 +133,7 @@ def _check_width(headers: Sequence[_Header], width: int, file: str) -> None:
         kinds = set(header.kinds)
         prose = "" in kinds and (header.comment or not re.search("[;,\t]", header.content))
         if not prose and kinds & _ABSCISSAS and kinds - _ABSCISSAS - {""}:
-            problem = f"{len(header.cells)} names, {shown(','.join(header.cells))}, over {width} columns"
+            problem = f"{len(header.cells)} names, {cell_shown(','.join(header.cells))}, over {width} columns"
             allowed = "a name for each column, points in numbers"
             raise SceneError(f"line {header.line}", problem, allowed, file)
 
@@ -200,8 +200,9 @@ def modulus_letter(name: str) -> str:
 
 def unknown_columns(table: NamedColumns, file: str) -> SceneError:
     """The error of a table whose columns tell no known kind of data, with what is allowed."""
-    names = ",".join(table.names) if any(table.names) else f"{len(table.rows[0])} columns without names"
-    return SceneError("columns", f"got {shown(names)}", KNOWN_NAMES, file)
+    named = any(table.names)
+    found = cell_shown(",".join(table.names)) if named else f"{len(table.rows[0])} columns without names"
+    return SceneError("columns", f"got {found}", KNOWN_NAMES, file)
 
 
 def number_in_line(cell: str, line: int, file: str) -> float:
@@ -213,7 +214,7 @@ def number_in_line(cell: str, line: int, file: str) -> float:
         One line naming file and line, if there is none.
     """
     if not is_number(cell):
-        raise SceneError(f"line {line}", f"got {shown(cell)}", "a number, with a decimal point", file)
+        raise SceneError(f"line {line}", f"got {cell_shown(cell)}", "a number, with a decimal point", file)
     return float(cell)
 
 

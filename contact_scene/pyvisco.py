@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, cell_shown
 from contact_scene.files import read_rows
 from contact_scene.material import Branch
 from contact_scene.separators import check_head
@@ -112,12 +112,14 @@ def _table(text: str, file: str) -> tuple[list[float], list[float], tuple[str, f
     if "tau_i" not in names or not ("alpha_i" in names or {f"{letter}_0", f"{letter}_i"} <= set(names)):
         raise SceneError(
             "columns",
-            f"got {shown(','.join(header))}",
+            f"got {cell_shown(','.join(header))}",
             "tau_i and alpha_i, E_0, E_i (or G_0, G_i), as in a pyvisco coefficient file",
             file,
         )
     if len(set(header)) < len(header):
-        raise SceneError("columns", f"a name comes twice: {shown(','.join(header))}", "distinct names", file)
+        raise SceneError(
+            "columns", f"a name comes twice: {cell_shown(','.join(header))}", "distinct names", file
+        )
     if rows and _is_units(rows[0][1]):
         units = dict(zip(header, rows[0][1], strict=False))
         held = {"tau_i": "relaxation time", f"{letter}_0": "modulus", f"{letter}_i": "modulus"}
@@ -167,7 +169,7 @@ def _cell(cell: str, name: str, line: int, file: str) -> float:
     try:
         value = float(cell)
     except ValueError:
-        raise SceneError(where, f"got {shown(cell)}", "a number, with a decimal point", file) from None
+        raise SceneError(where, f"got {cell_shown(cell)}", "a number, with a decimal point", file) from None
     try:
         if name == "alpha_i":
             return number(value, where, "0 <= alpha_i <= 1", low=0.0, high=1.0)

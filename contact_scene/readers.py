@@ -31,7 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, cell_shown
 from contact_scene.files import as_path, read_text
 from contact_scene.material import Branch
 from contact_scene.measured_moduli import DynamicData, RelaxationData
@@ -183,7 +183,7 @@ def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
     logarithmic = "log shift factor" in kinds
     wanted = "log shift factor" if logarithmic else "shift factor"
     if "temperature" not in kinds or wanted not in kinds:
-        raise SceneError("columns", f"got {shown(','.join(table.names))}", "T, a_T | T, log_aT", file)
+        raise SceneError("columns", f"got {cell_shown(','.join(table.names))}", "T, a_T | T, log_aT", file)
     check_units(zip(kinds, table.units, strict=True), "columns", file)
     at, of = kinds.index("temperature"), kinds.index(wanted)
     temperatures, factors = [], []
@@ -217,7 +217,7 @@ def _columns(text: str, file: str, format: str) -> tuple[dict[str, NDArray[np.fl
     at = {kind: kinds.index(kind) for kind in wanted}
     letters = {letter for kind in wanted for letter in modulus_letter(table.names[at[kind]])}
     if len(letters) > 1:
-        raise SceneError("columns", f"got {shown(','.join(table.names))}", "either E or G", file)
+        raise SceneError("columns", f"got {cell_shown(','.join(table.names))}", "either E or G", file)
     for kind, contradiction in (("frequency", r"rad\W.*"), ("angular frequency", "hz")):
         unit = table.units[at[kind]] if kind in at else ""
         if re.fullmatch(contradiction, unit.lower()):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, cell_shown
 from contact_scene.material import Branch
 from contact_scene.named_columns import NamedColumns, cells_of_line, checked_in_line, kind_of, number_in_line
 from contact_scene.value_checks import not_negative, positive
@@ -25,7 +25,7 @@ def reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
     if len(rows[0][1]) == 1:
         line, (cell,) = rows.pop(0)
         if not cell.isdecimal() or len(cell) > 6:
-            raise SceneError(f"line {line}", f"got {shown(cell)}", "the number of modes", file)
+            raise SceneError(f"line {line}", f"got {cell_shown(cell)}", "the number of modes", file)
         announced = int(cell)
     branches = []
     for line, cells in rows:
@@ -33,7 +33,7 @@ def reptate_modes(text: str, file: str) -> tuple[Branch, ...]:
             raise SceneError(f"line {line}", f"{len(cells)} cells", "three: i, tau_i, G_i", file)
         if not cells[0].isdecimal():
             allowed = "the number i of the mode, then tau_i, G_i"
-            raise SceneError(f"line {line}", f"got {shown(cells[0])} first", allowed, file)
+            raise SceneError(f"line {line}", f"got {cell_shown(cells[0])} first", allowed, file)
         time, modulus = (number_in_line(cell, line, file) for cell in cells[1:])
         branches.append(
             Branch(
@@ -57,7 +57,7 @@ def _check_order(text: str, file: str) -> None:
             cells = cells_of_line(content.lstrip().lstrip("#"), line, file, strict=False)
             _, second, third = map(kind_of, cells) if len(cells) == 3 else ("", "", "")
             if second == "modulus" or third == "relaxation time":
-                raise SceneError(f"line {line}", f"got {shown(','.join(cells))}", "i, tau_i, G_i", file)
+                raise SceneError(f"line {line}", f"got {cell_shown(','.join(cells))}", "i, tau_i, G_i", file)
 
 
 def shear_moduli(table: NamedColumns, text: str, file: str) -> NamedColumns:

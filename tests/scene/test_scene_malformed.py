@@ -23,6 +23,7 @@ from contact_scene import (
 )
 from contact_scene.files import TOO_LARGE
 from contact_scene.prony import fit_prony
+from contact_scene.readers import FORMATS
 from contact_scene.temperature_shift import WLF, at_temperature
 from validation.fits.synthetic import synthetic
 
@@ -340,6 +341,38 @@ def test_files_named_in_a_scene_are_regular_and_end(tmp_path, key, file):
     assert said.startswith(str(tmp_path / file)) or said.startswith(file)
 
 
+SECRETS = [
+    "root:x:0:0:superuser of this machine:/root:/bin/bash",
+    "user,TheirPasswordIsLongEnough,their-other-secret",
+    "TheirPasswordIsLongEnough,their-other-secret-words",
+    "1,2;TheirPasswordIsLongEnough;their-other-secret",
+    "1 TheirPasswordIsLongEnough-and-more",
+    "TheirPasswordIsLongEnough",
+    "# a [TheirPasswordIsLongEnough]\nb [TheirPasswordIsLongEnough], tau_i",
+]
+BRANCHES = GOOD[GOOD.index("branches") : GOOD.index("[indenter]")]
+MEASURED = OTHER_FILES["material"].replace(BRANCHES, "").replace("[material]", "[material]\nFORMAT")
+TABLES = {
+    **{key: text for key, text in OTHER_FILES.items() if key != "material"},
+    "rate": GOOD + '[adhesion.rate]\nfile = "FILE"\n',
+    "shift": GOOD.replace("[indenter]", 'temperature = 300.0\nshift = { file = "FILE" }\n[indenter]'),
+    **{form: MEASURED.replace("FORMAT", f'format = "{form}"') for form in FORMATS},
+}
+
+
+@pytest.mark.parametrize("key", TABLES)
+@pytest.mark.parametrize("head", ["", "height,radius\n", "time,force\n1,2\n", "tau_i,alpha_i,E_0\n", "3\n1 "])
+def test_of_a_file_that_a_scene_names_no_more_is_quoted_than_a_number(tmp_path, key, head):
+    """Twelve characters: a scene may come from anywhere, and its errors go to whoever sent it."""
+    (tmp_path / "scene.toml").write_text(TABLES[key].replace("FILE", "secret"))
+    for secret in SECRETS:
+        (tmp_path / "secret").write_text(head + 3 * f"{secret}\n")
+        said = refuse(tmp_path / "scene.toml")
+        parts = {secret[at : at + 13] for at in range(len(secret) - 12)}
+        assert said.startswith(str(tmp_path / "secret")), said
+        assert not [part for part in parts if part in said], (secret, said)
+
+
 def test_no_permission(tmp_path, monkeypatch):
     path = tmp_path / "secret.toml"
     path.write_text(GOOD)
@@ -379,7 +412,7 @@ TABLE = swap(STEP, '[[loading.steps]]\nkind = "table"\nfile = "path.csv"\n')
         (b"0,0\n1_0,2\n", "line 2"),
         (b'0,0\n"1,2\n', "line 2"),
         (b"0,0\n\xff\xfe,2\n", "not a text file"),
-        (b"# of a rig\npenetration,time\n0,0\n1,1\n", "line 2: got 'penetration,time'"),
+        (b"# of a rig\npenetration,time\n0,0\n1,1\n", "line 2: got 'penetrati...'"),
         (b"t [s],time\n0,0\n1,1\n", "line 1"),
         (b"time,Force [N]\n0,0\n1,1\n", "line 1"),
         (None, "cannot be read"),

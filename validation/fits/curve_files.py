@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, cell_shown
 from contact_scene.files import read_rows, read_text, write_whole
 from contact_scene.separators import check_head
 from contact_scene.units import bracketed, check_units
@@ -133,7 +133,7 @@ def _number(cell: str, key: str, file: str) -> float:
     try:
         value = float(cell)
     except ValueError:
-        raise SceneError(key, f"got {shown(cell)}", "a finite number", file) from None
+        raise SceneError(key, f"got {cell_shown(cell)}", "a finite number", file) from None
     if not np.isfinite(value):
         raise SceneError(key, f"got {cell}", "a finite number", file)
     return value
