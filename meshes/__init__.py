@@ -1,14 +1,13 @@
 """Meshes of crosscontact: an axisymmetric half-space, fitted to the path of a contact edge.
 
 `fit` chooses mesh parameters for a contact problem, `half_space` meshes them (with gmsh or, where that is
-missing, the structured family), `cached` does so once.
+missing, the structured family), `cached` does so once in a process.
 Importing this package loads neither gmsh nor meshio.
 """
 
 from meshes.around_edge import EdgeMeshes
-from meshes.cache import cache_directory, cached
 from meshes.files import read, write
-from meshes.halfspace import half_space
+from meshes.halfspace import cached, half_space
 from meshes.mesh import BOUNDARIES, HalfSpaceMesh, Quality
 from meshes.parameters import FAMILIES, MeshParameters, fit
 from meshes.structured import structured_half_space
@@ -21,7 +20,6 @@ __all__ = [
     "HalfSpaceMesh",
     "MeshParameters",
     "Quality",
-    "cache_directory",
     "cached",
     "fit",
     "half_space",

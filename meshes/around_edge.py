@@ -11,8 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from meshes.cache import cached
-from meshes.halfspace import half_space
+from meshes.halfspace import cached, half_space
 from meshes.mesh import HalfSpaceMesh
 from meshes.parameters import MeshParameters
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from functools import lru_cache
 from itertools import pairwise
 from types import ModuleType
 
@@ -30,6 +31,12 @@ def half_space(parameters: MeshParameters) -> HalfSpaceMesh:
         return structured_half_space(parameters)
     points, triangles = _triangulate(gmsh, parameters)
     return assemble(*refine_edge(points, triangles, parameters), parameters)
+
+
+@lru_cache(maxsize=16)
+def cached(parameters: MeshParameters) -> HalfSpaceMesh:
+    """Return ``half_space(parameters)``, built once in a process while it is among the last asked for."""
+    return half_space(parameters)
 
 
 def _triangulate(gmsh: ModuleType, parameters: MeshParameters) -> tuple[Array, Indices]:
