@@ -22,10 +22,12 @@ project = "crosscontact"
 author = "the crosscontact authors"
 copyright = "2026, the crosscontact authors"
 version = release = crosscontact.__version__
-extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton", "site_pages.mathml"]
-exclude_patterns = ["data", "site_pages", "**/.ipynb_checkpoints"]
-exclude_patterns += ["generated/accuracy.md", "generated/costs.md"]  # shown inside other pages
-templates_path: list[str] = []
+extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton"]
+exclude_patterns = [
+    "data",
+    "**/.ipynb_checkpoints",
+    "generated/accuracy.md",
+]  # the last is shown inside other pages
 
 html_theme = "furo"
 html_title = "crosscontact"
@@ -54,5 +56,5 @@ copybutton_exclude = ".linenos, .gp, .go"
 
 def setup(app):
     """Write the generated pages before Sphinx looks for pages."""
-    report = Path(os.environ.get("CROSSCONTACT_REPORT", HERE / "data" / "report.zip"))
-    site_pages.write(HERE, report)
+    app.add_html_math_renderer("mathml", (site_pages.formula, None), (site_pages.displayed, None))
+    site_pages.write(Path(os.environ.get("CROSSCONTACT_REPORT", site_pages.ARCHIVE)))

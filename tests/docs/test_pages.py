@@ -73,8 +73,6 @@ def test_files_named_exist():
     made = ("docs/generated", "docs/data/report.zip")
     assert len(named) >= 8
     assert [name for name in named if not name.startswith(made) and not (ROOT / name).exists()] == []
-    for script in ("docs/make_figure.py", "docs/make_fields.py", "docs/make_first_scene.py"):
-        assert (ROOT / script).exists()
 
 
 def test_pictures_and_pages_linked_exist():
@@ -102,11 +100,12 @@ def test_every_outcome_is_explained():
 
 
 def test_readme_fits_a_screen_and_its_table_is_that_of_the_saved_report():
-    from site_pages.readme import accuracy, with_table
+    import site_pages
 
     text = TEXTS[README]
     assert len(text.splitlines()) < 100
-    assert with_table(text, accuracy(ROOT / "docs" / "data" / "report.zip")) == text
+    table = site_pages.accuracy(site_pages.saved_report.read(site_pages.ARCHIVE))
+    assert site_pages.with_table(text, table) == text
     assert "| `fem` |" in text
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import runpy
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -58,12 +58,14 @@ def test_tags():
 
 
 def test_the_page_of_results_has_a_scene_of_every_tag():
-    asked = runpy.run_path(str(SCRIPT.parents[1] / "make_exam.py"), run_name="make_exam")
-    answered = {tag for name in asked["SCENES"] for tag in tags(load(name).scene)}
+    text = SCRIPT.with_name("exam-results.md").read_text("utf-8")
+    shown = re.findall(r"^\| ([\w.-]+) \|", text.partition("## Verdicts")[2].partition("\n| code |")[0], re.M)
+    shown = [name for name in shown if name != "scene"]
+    assert len(shown) == 15
+    answered = {tag for name in shown for tag in tags(load(name).scene)}
     of_exams = {tag for name in suite("full") for tag in tags(load(name).scene)}
     assert of_exams - answered == {"sweep", "separate-bulk"}  # minutes long; not answered by the reference
     assert {"work-closing", "rate", "stress", "spring", "profile", "punch", "cone"} <= answered
-    assert all(len(sizes) > 1 for name, sizes in asked["RESOLUTIONS"].items() if name != "adhesion-jkr")
 
 
 def test_the_page_states_the_scene_in_words():

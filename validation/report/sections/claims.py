@@ -34,7 +34,7 @@ EXPLAINED = (
 def section(claims: Claims) -> Section:
     """Figures, and every statement."""
     figures = Figures(tuple(_figures(claims)))
-    table = DataTable.of(map(_cells, claims.findings))
+    table = DataTable.of(map(cells, claims.findings))
     return Section(
         TITLE, (Paragraph(in_words(claims.findings)), Paragraph(EXPLAINED), figures, table), "claims"
     )
@@ -43,7 +43,7 @@ def section(claims: Claims) -> Section:
 def summary(claims: Claims) -> Section:
     """The count, and whatever does not simply hold."""
     shown = (one for one in claims.findings if one.verdict is not Verdict.HOLDS or one.changed)
-    return Section(TITLE, (Paragraph(in_words(claims.findings)), DataTable.of(map(_cells, shown))))
+    return Section(TITLE, (Paragraph(in_words(claims.findings)), DataTable.of(map(cells, shown))))
 
 
 def in_words(findings: Sequence[Finding]) -> str:
@@ -70,7 +70,7 @@ def _figures(claims: Claims) -> list[Figure]:
     return figures
 
 
-def _cells(finding: Finding) -> Record:
+def cells(finding: Finding) -> Record:
     verdict = str(finding.verdict) + (f" (recorded: {finding.recorded})" if finding.changed else "")
     passed = False if finding.changed else True if finding.verdict is Verdict.HOLDS else None
     return {
