@@ -11,6 +11,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 os.environ.pop("MPLBACKEND", None)  # a notebook then shows its figures by itself
+os.environ["COLUMNS"] = "90"  # of the help of the commands
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH")]))
 
 import site_pages  # noqa: E402 - found by the path above

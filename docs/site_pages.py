@@ -83,7 +83,7 @@ def write(report: Path) -> None:
 def api() -> str:
     """Every public name of ``crosscontact`` from its docstring, grouped by what it is about."""
     entries: dict[str, list[str]] = {heading: [] for heading in reversed(GROUPS.values())}
-    for name in cc.__all__:
+    for name in sorted(cc.__all__, key=lambda name: inspect.isclass(getattr(cc, name))):
         thing = getattr(cc, name)
         module = getattr(thing, "__module__", "")
         kind = "autoclass" if inspect.isclass(thing) else "autofunction" if callable(thing) else "autodata"
