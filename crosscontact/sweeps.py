@@ -87,7 +87,8 @@ def sweep(
     executor : Executor or submitit executor, optional
         Carries out batches of runs; by default this process or ``jobs`` processes.
     jobs : int
-        Processes, where there is no executor.
+        Processes, where there is no executor; more than one in a script: under
+        ``if __name__ == "__main__":``, since each process imports the script.
     batch_seconds : float, optional
         Processor time of a batch; by default what the engine's overhead asks for.
     progress : callable, optional
@@ -104,6 +105,8 @@ def sweep(
     SceneError
         If an argument is wrong, the scene refuses a value, or ``out`` holds what another kind of command has
         written, before anything runs; one line.
+    ConnectionError
+        If the processes, the executor or its scheduler end before the runs; those done stay in ``out``.
     """
     check_installed()
     one_of(design, "design", DESIGNS)

@@ -183,3 +183,17 @@ def test_an_interrupted_dask_sweep_says_two_lines_and_goes_on(plan, whole, tmp_p
     assert again.returncode == 0, again.stderr
     assert stored(out / "runs.sqlite").items() >= before.items()
     assert (out / "sweep.nc").read_bytes() == (folder / "sweep.nc").read_bytes()
+
+
+@pytest.mark.slow
+def test_a_script_without_the_guard_is_told_of_it(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import crosscontact as cc\n"
+        'values = {"loading.steps.0.rate": [0.1, 1.0]}\n'
+        'cc.sweep("retraction-fast", values, resolution=4, estimate_errors=False, jobs=2)\n'
+    )
+    ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
+    assert ended.returncode == 1
+    assert ended.stderr.count("Traceback") == 1  # of this process alone
+    assert 'under `if __name__ == "__main__":`' in ended.stderr.splitlines()[-1]

@@ -44,6 +44,8 @@ class WorkerProcesses(Executor):
         wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND,
         tasks_per_process: int = 0,
     ) -> None:
+        if getattr(multiprocessing.current_process(), "_inheriting", False):
+            os._exit(1)  # this process imports a script that has no guard: its parent says so (``GUARD``)
         self._wall_per_processor_second = wall_per_processor_second
         # Started later, where interrupts are blocked, it would unblock them for the processes that follow.
         resource_tracker.ensure_running()

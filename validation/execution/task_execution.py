@@ -26,6 +26,8 @@ from validation.execution.told_shares import ShareTeller, ToldShares
 OUTSTANDING = 512
 """Tasks that an executor holds at a time: more than the workers of a large cluster, so that none waits for
 its next one, and few enough that neither their arguments nor their futures count in memory."""
+GUARD = 'a script that has processes work for it stands under `if __name__ == "__main__":`'
+"""Why all processes end as they begin: each imports the script, which starts its work anew."""
 SHARES_EVERY = 1.0
 """Seconds after which the shares of running tasks are looked at again."""
 
@@ -164,8 +166,10 @@ def _collected(task: Task, future: Future[Any]) -> TaskResult:
     """The result of a task that an executor has done with; its process may have ended."""
     try:
         return TaskResult(task, *future.result())
-    except (CancelledError, BrokenExecutor) as error:
-        raise ExecutorGone(f"the executor has given up what it was given: {one_line(error)}") from None
+    except CancelledError:
+        raise ExecutorGone("the executor has given up what it was given") from None
+    except BrokenExecutor as error:
+        raise ExecutorGone(f"{one_line(error)}: {GUARD}") from None
     except Exception as error:
         exit_code = getattr(error, "exitcode", None)
         if isinstance(error, TimeoutError) or exit_code == -getattr(signal, "SIGPROF", 0):
