@@ -7,11 +7,12 @@ The folder is what ``crosscontact report --out`` wrote, or a ZIP archive of it m
 from __future__ import annotations
 
 import io
-import json
+import lzma
 import shutil
 import sys
 import tempfile
 import zipfile
+import zlib
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from contact_scene import COLUMNS, SceneError, read_columns, read_scene
 from validation.cases import Case
 from validation.claims.claim import Finding, Part, Verdict
 from validation.compare.suite import SceneComparison
+from validation.execution.files import from_json, in_words
 from validation.execution.run_folder import read_run
 from validation.execution.runs import Run
 from validation.measure.check import Check
@@ -32,6 +34,9 @@ DIGITS = 7
 """Significant digits of a packed trace: its figures are drawn to four."""
 EARLIEST = (1980, 1, 1, 0, 0, 0)
 """Date of the files in an archive, so that the same report gives the same archive."""
+LARGEST = 100_000_000
+"""Most bytes that an archive unpacks to: a full report has 13 MB. A file of it is unpacked
+as far as its size in the list says."""
 DOCUMENTS = ("report.json", "stability.json", "study.md")
 """Files of a folder that are packed as they are, beside the runs."""
 
@@ -49,8 +54,10 @@ def unpack(archive: Path, folder: Path) -> None:
     """Unpack an archive that :func:`pack` made."""
     try:
         with zipfile.ZipFile(archive) as packed:
+            if sum(one.file_size for one in packed.infolist()) > LARGEST:
+                raise SceneError("", f"unpacks to more than {in_words(LARGEST)}", "a report", str(archive))
             packed.extractall(folder)
-    except (OSError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, RuntimeError, lzma.LZMAError, zipfile.BadZipFile, zlib.error) as error:
         raise SceneError("", f"cannot be read: {error}", "the archive of a report", str(archive)) from None
 
 
@@ -109,7 +116,7 @@ def _drawn_columns(path: Path) -> bytes:
 def _report(folder: Path) -> Report:
     file = folder / "report.json"
     try:
-        data = json.loads(file.read_text("utf-8"))
+        data = from_json(file.read_text("utf-8"))
         scenes = [_scene(folder, scene) for scene in data["scenes"]]
         stability = matrix(data["stability"]) if "stability" in data else None
         return Report(data["suite"], scenes, data["environment"], data["wall_seconds"], stability=stability)

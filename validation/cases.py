@@ -20,6 +20,7 @@ A built-in scene is a pair of files in ``validation/scenes``: ``NAME.toml``, an 
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -109,7 +110,7 @@ def load(name: str) -> Case:
             too_long_for=tuple(known.get("too_long_for", ())),
         )
     path = Path(name)
-    if name and "\0" not in name and (path.exists() or path.suffix == ".toml" or len(path.parts) > 1):
+    if name and (os.path.exists(name) or path.suffix == ".toml" or len(path.parts) > 1):
         return Case(name=path.stem, scene=read_scene(path))
     near = difflib.get_close_matches(name, names(), n=3, cutoff=0.3) or names()[:3]
     raise SceneError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -95,7 +96,7 @@ def answer(folder: str, solvers: Sequence[str], resolutions: Sequence[int | None
 def again(file: str) -> int:
     """Compute a trace again from its header alone; 1 if it is not the same bit for bit."""
     path = Path(file)
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise SceneError("FILE", f"got {shown(file)}", "a trace with its header, such as reference.csv")
     found = reproduce(path)
     if found.same:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def run(name: str, out: str | None, jobs: int, dask: str | None, dry_run: bool, 
     plan = read_plan(name)
     registry.usable()  # names those that cannot be loaded
     if dry_run:
-        there = out is not None and Path(out).is_dir()
+        there = out is not None and os.path.isdir(out)
         with RunTable(Path(str(out)) if there else None) as table:
             _say(plan, forecast(plan, table), jobs)
         return 0

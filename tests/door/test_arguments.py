@@ -289,6 +289,14 @@ NOT_ASKED = {
 ARGUMENTS = [(name, argument) for name, (good, _) in TABLE.items() for argument in good]
 
 
+@pytest.mark.parametrize(
+    "call", [cc.load, cc.judge, cc.solve, cc.compare, cc.read_scene, cc.read_curves, cc.export_exam]
+)
+def test_a_name_that_is_too_long_for_a_file_is_one_line(call):
+    with pytest.raises(cc.SceneError):
+        call("a" * 5000)
+
+
 def test_the_table_holds_every_public_name_and_argument():
     assert set(TABLE) | set(NOT_ASKED) | {"scenes", "solvers"} == set(cc.__all__)
     for name, (good, _) in TABLE.items():

@@ -100,6 +100,7 @@ def test_an_unfinished_run_round_trips(tmp_path):
         ("summary.json", "{", "summary.json: damaged"),
         ("summary.json", "[]", "summary.json: damaged"),
         ("summary.json", "{}", "summary.json: damaged"),
+        ("summary.json", "[" * 200_000, "summary.json: damaged"),
         ("trace.csv", "time\n1\n", "damaged"),
         ("trace.csv", "", "damaged"),
     ],

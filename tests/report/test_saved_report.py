@@ -89,6 +89,16 @@ def test_what_is_damaged_is_said_in_one_line(tmp_path):
     (tmp_path / "report.zip").write_text("no archive")
     with pytest.raises(SceneError, match="not a zip file"):
         saved.read(tmp_path / "report.zip")
-    (tmp_path / "report.json").write_text('{"scenes": []}')
-    with pytest.raises(SceneError, match="damaged"):
-        saved.read(tmp_path)
+    for text in ('{"scenes": []}', "[" * 200_000):
+        (tmp_path / "report.json").write_text(text)
+        with pytest.raises(SceneError, match="damaged"):
+            saved.read(tmp_path)
+
+
+def test_an_archive_is_unpacked_up_to_the_size_of_a_report(tmp_path, monkeypatch):
+    monkeypatch.setattr(saved, "LARGEST", 1000)
+    with zipfile.ZipFile(tmp_path / "bomb.zip", "w", zipfile.ZIP_LZMA) as bomb:
+        bomb.writestr("report.json", b"0" * 1001)
+    with pytest.raises(SceneError, match=r"more than 1\.0 kB"):
+        saved.unpack(tmp_path / "bomb.zip", tmp_path / "out")
+    assert not (tmp_path / "out").exists()

@@ -18,7 +18,6 @@ Run times are not compared: they belong to the machine.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -29,6 +28,7 @@ from contact_scene.errors import SceneError
 from contact_scene.files import read_text
 from validation.cases import Case
 from validation.compare.premises import changes
+from validation.execution.files import from_json
 from validation.measure.check import Check
 from validation.measure.scaling import Magnitudes
 
@@ -132,10 +132,10 @@ def read(path: str) -> dict[str, Any]:
         If it is none.
     """
     try:
-        data = json.loads(read_text(Path(path), LARGEST_REPORT))
+        data = from_json(read_text(Path(path), LARGEST_REPORT))
     except SceneError as error:
         raise SceneError("--baseline", f"{path} {error.problem}", _ALLOWED) from None
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise SceneError("--baseline", f"{path} cannot be read: {error}", _ALLOWED) from None
     scenes = data.get("scenes") if isinstance(data, dict) else None
     whole = isinstance(scenes, list) and all(

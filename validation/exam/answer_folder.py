@@ -8,7 +8,7 @@ of a scene says why this one is not answered.
 
 from __future__ import annotations
 
-import json
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from validation.exam.answer import Answer, read_answer
 from validation.exam.answer_files import answer_files, is_trace
 from validation.exam.declining import Declined, read_declined
 from validation.exam.scene_json import difference, expanded
+from validation.execution.files import from_json
 from validation.scenes import names
 
 EXAM = "exam.json"
@@ -62,7 +63,7 @@ def read_folder(folder: Path) -> AnswerFolder:
     SceneError
         If it is no folder, its list of scenes cannot be read, or nothing in it is an answer.
     """
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise SceneError("DIR", f"{folder} is no folder", "a folder with answers, see docs/how-to/exam.md")
     remarks: list[str] = []
     answers, declining = [], []
@@ -122,9 +123,9 @@ def listed_cases(folder: Path) -> tuple[Case, ...]:
     """
     listed = folder / EXAM
     try:
-        data: Any = json.loads(read_text(listed))
+        data: Any = from_json(read_text(listed))
         scenes = [entry["name"] for entry in data["scenes"]]
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError) as error:
         if isinstance(error, SceneError):
             raise
         allowed = "a file written by `crosscontact exam export`"

@@ -11,6 +11,7 @@ from typing import Any
 
 from contact_scene import SceneError
 from contact_scene.errors import shown
+from validation.execution.files import from_json
 
 LONGEST = 60
 """Characters of a text in the header: it becomes a cell of a table and a label of a figure."""
@@ -175,8 +176,8 @@ def _problem(value: str | None, file: str) -> dict[str, Any] | None:
     if value is None:
         return None
     try:
-        data = json.loads(value)
-    except (ValueError, RecursionError):
+        data = from_json(value)
+    except ValueError:
         data = None
     if not isinstance(data, dict):
         raise SceneError("header: problem", "is no JSON object", "the scene as in its scene.json", file)

@@ -35,6 +35,20 @@ def to_json(value: Any) -> str:
     return json.dumps(json_value(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
+def from_json(text: str) -> Any:
+    """What JSON says.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or is nested deeper than can be read.
+    """
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deep") from None
+
+
 def json_value(value: Any) -> Any:
     """The same nested data in plain Python types, with ``None`` for NaN and infinity."""
     if isinstance(value, dict):

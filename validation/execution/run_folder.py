@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import os
 import shutil
 import tempfile
 from dataclasses import asdict, replace
@@ -27,7 +27,7 @@ from contact_scene import (
     write_trace,
 )
 from contact_scene.files import read_text
-from validation.execution.files import move_whole, to_json, write_whole
+from validation.execution.files import from_json, move_whole, to_json, write_whole
 from validation.execution.runs import Run
 from validation.measure.observables import Observables
 
@@ -87,7 +87,7 @@ def _solvers_of(folder: Path) -> set[str]:
     found = set()
     for name in _STATE_SOLVER:
         try:
-            stated = json.loads(read_text(folder / name))["solver"]
+            stated = from_json(read_text(folder / name))["solver"]
         except (SceneError, OSError, ValueError, TypeError, KeyError):
             continue
         if isinstance(stated, str):
@@ -159,13 +159,13 @@ def read_run(source: Path) -> tuple[Scene, Run]:
         One line, if a file is missing or damaged, or the run gave no answer.
     """
     for name in ("scene.toml", "summary.json"):
-        if not (source / name).is_file():
+        if not os.path.isfile(source / name):
             allowed = "a folder written by `crosscontact solve --out`"
             raise SceneError("", f"has no {name}", allowed, str(source))
     scene = read_scene(source / "scene.toml")
     file = str(source / "summary.json")
     try:
-        summary = json.loads(read_text(Path(file)))
+        summary = from_json(read_text(Path(file)))
         if summary["outcome"] in ("failed", "refused"):
             problem = f"{summary['solver']} gave no answer: {summary['reason']}"
             raise SceneError("outcome", problem, "a run with a trace", file)

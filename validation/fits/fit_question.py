@@ -10,6 +10,7 @@ from pathlib import Path
 
 from contact_scene import Scene, SceneError
 from contact_scene.files import read_text
+from validation.execution.files import from_json
 from validation.execution.fingerprints import canonical
 from validation.execution.run_folder import check_unused, occupied
 from validation.fits.fit_settings import FitSettings
@@ -52,7 +53,7 @@ def check_folder(folder: Path, asked: dict[str, str], scene: Scene, key: str = "
         check_unused(folder, scene, key)
         return
     try:
-        there = json.loads(read_text(file))["question"]
+        there = from_json(read_text(file))["question"]
         differing = [name for name, value in asked.items() if there[name] != value]
     except (SceneError, ValueError, TypeError, KeyError):
         holds = f"a {RESULT} that is not of a fit of this program"

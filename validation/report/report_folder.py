@@ -7,7 +7,6 @@ scenes, with the same or other options, and over nothing else.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from contact_scene import SceneError
 from contact_scene.files import read_text
 from validation.cases import Case
 from validation.compare.premises import of_case
+from validation.execution.files import from_json
 from validation.execution.run_folder import OUTPUT, check_unused, occupied
 from validation.execution.run_table import FILE as SWEEP
 from validation.fits.fit_question import RESULT
@@ -98,7 +98,7 @@ def check_kind(folder: Path, own: str, key: str = "--out") -> None:
 def _check_scenes(folder: Path, own: str, asked: dict[str, Case]) -> None:
     """Refuse numbers on a scene that is not asked for, or that has changed."""
     try:
-        there = _inputs(json.loads(read_text(folder / own, LARGEST)))
+        there = _inputs(from_json(read_text(folder / own, LARGEST)))
     except (SceneError, ValueError, TypeError, KeyError):
         raise occupied(folder, f"{own}, which is not of this program") from None
     for name, parts in there.items():

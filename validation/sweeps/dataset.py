@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import tempfile
 from importlib.util import find_spec
@@ -163,7 +164,7 @@ def read_dataset(folder: Path) -> xarray.Dataset:
 
     path = folder / FILE
     allowed = "a folder written by `crosscontact sweep --out`"
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise SceneError("", f"has no {FILE}", allowed, str(folder))
     try:
         with xarray.open_dataset(path, engine="h5netcdf") as data:

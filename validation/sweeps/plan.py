@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -165,7 +166,7 @@ def read_plan(name: str) -> SweepPlan:
         One line: file, key, what is wrong, what is allowed.
     """
     file = PLANS / f"{name}.toml" if name in plan_names() else Path(name)
-    if not file.is_file():
+    if not os.path.isfile(file):
         allowed = f"a TOML file, or one of {', '.join(plan_names())}"
         raise SceneError("PLAN", f"{shown(name)} is no file and no built-in plan", allowed)
     try:

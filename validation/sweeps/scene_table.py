@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from collections.abc import Mapping
@@ -114,7 +115,7 @@ def builtin_or_file(name: str, folder: Path) -> SceneTable:
     """
     known = name in scenes.names()
     file = scenes.FOLDER / f"{name}.toml" if known else folder / name
-    if not known and not file.is_file():
+    if not known and not os.path.isfile(file):
         raise SceneError("scene", f"{shown(name)} is no built-in scene and no file", "either of them")
     read_scene(file)
     return SceneTable(name if known else file.stem, tomllib.loads(file.read_text("utf-8")), file.parent)
