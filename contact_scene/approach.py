@@ -30,8 +30,8 @@ class Approach(Step):
         force ends, and says so. Default: a bound before which the force is reached for certain, which the
         scene states where it can (:mod:`contact_scene.approach_bound`).
     away : float, optional
-        Where the retraction ends, if the contact is not lost before; default: ``-to``, as far above the
-        surface as ``to`` is below.
+        Where the retraction ends, if the contact is not lost before; default: as far above the surface as
+        ``to`` is below, and where adhesion holds farther, as far as the scene knows it to hold at most.
     """
 
     rate: float
@@ -51,12 +51,14 @@ class Approach(Step):
             object.__setattr__(self, "away", finite(self.away, "away"))
         if self.to is None:
             return
-        to = positive(self.to, "to")
-        object.__setattr__(self, "to", to)
-        away = -to if self.away is None else self.away
-        object.__setattr__(self, "away", away)
-        if away >= to:
-            raise SceneError("away", f"got {away!r}", f"less than to = {to:g}")
+        object.__setattr__(self, "to", positive(self.to, "to"))
+        if self.away is not None and self.away >= self.to:
+            raise SceneError("away", f"got {self.away!r}", f"less than to = {self.to:g}")
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether it is known how far the approach and the retraction go."""
+        return self.to is not None and self.away is not None
 
     @property
     def trigger(self) -> Trigger:
@@ -78,4 +80,5 @@ class Approach(Step):
         SceneError
             Always.
         """
-        raise SceneError("to", "is missing in a loading without a scene", "a bound of the approach")
+        key = "to" if self.to is None else "away"
+        raise SceneError(key, "is missing in a loading without a scene", "a bound of the approach")

@@ -18,6 +18,15 @@ Let ``D = h(a)`` be deeper than all before.
 
 The force ``F*`` is reached where ``F(a) >= 2 F*`` and ``F(a) >= 2 T``, which gives the bound; the machine
 adds ``F*/k`` to the way of the stage, or the force of the start if that is larger: no approach withdraws.
+
+The retraction then loses contact for certain. A contact of radius ``a`` is lifted by ``u = h(a) - D``, and
+the stress at its edge is at least that of the relaxed material: what the pressing left has relaxed for
+longer than what the pulling adds. Its edge runs away where even a glass would not hold the stress, at ``E0*
+u = sqrt(2 pi (a + da) w Einf*)`` at the latest. No contact has a larger radius than that of the approach,
+``b <= 2 a`` as in 2, where ``h(a)`` is at least the depth, that of 2 with ``E0`` for ``Einf`` included. The
+stage of a spring goes farther by the pull that it holds then, at most ``2 b sqrt(2 pi (b + da) w Einf*)``,
+over ``k``. A work that grows with the speed of the edge has no such bound, nor has a measured profile:
+there the retraction ends at ``-to``, and a run that is still in contact there says so.
 """
 
 from __future__ import annotations
@@ -76,6 +85,9 @@ def bounded_approaches(
                 step = replace(step, to=to)
             except SceneError as error:
                 raise error.under(key) from None
+        if isinstance(step, Approach) and step.to is not None and step.away is None:
+            holds = _holds_to(max(step.to, farthest), loading.compliance, material, indenter, adhesion)
+            step = replace(step, away=-max(step.to, holds))
         farthest = _farthest(step, farthest)
         steps.append(step)
     return replace(loading, steps=tuple(steps))
@@ -87,8 +99,7 @@ def _farthest(step: Step, before: float) -> float:
     A stage on a spring may stand short of the indenter, where adhesion pulls it: at a depth, then, at which
     the force is below zero, which is less than that of any approach.
     """
-    if isinstance(step, Approach) and step.to is not None:
-        assert step.away is not None  # it follows from `to`
+    if isinstance(step, Approach) and step.to is not None and step.away is not None:
         return max(before, step.to, step.away)
     segment = step.segment(0.0, before, 0.0)
     if segment.control != "penetration":
@@ -140,6 +151,32 @@ def _depth(
     if not SMALLEST <= depth <= LARGEST:
         raise SceneError(f"{key}.to", f"is missing, and {depth:.3g} would be out of range", A_BOUND)
     return depth
+
+
+def _holds_to(
+    depth: float, compliance: float, material: Material, indenter: Indenter, adhesion: Adhesion | None
+) -> float:
+    """Height at which no contact is left that was as deep as ``depth``; 0 where there is no bound.
+
+    Of a spring that of its stage.
+    """
+    if adhesion is None or adhesion.rate is not None:
+        return 0.0
+    work, zone, soft = adhesion.work, adhesion.zone, material.relaxed_plane_modulus
+    try:
+        if isinstance(indenter, FlatPunch):
+            radius = indenter.radius
+        else:
+            exponent, coefficient = _power(indenter, "")
+            kappa = _transformed(exponent, coefficient)
+            by_depth = (depth / kappa) ** (1.0 / exponent)
+            by_pull = (8.0 * math.pi * work / soft / kappa / kappa) ** (1.0 / (2.0 * exponent - 1.0))
+            radius = 2.0 * max(by_depth, 2.0 * by_pull, 0.5 * zone)
+        strength = math.sqrt(2.0 * math.pi * (radius + zone) * work * material.glassy_plane_modulus)
+    except (ArithmeticError, SceneError):
+        return 0.0
+    height = strength * (1.0 / soft + 2.0 * radius * compliance)
+    return height if height <= LARGEST else 0.0
 
 
 def _transformed(exponent: float, coefficient: float) -> float:

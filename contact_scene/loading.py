@@ -52,7 +52,7 @@ class Loading:
         for index, step in enumerate(steps):
             if not isinstance(step, Step):
                 raise SceneError(f"steps[{index}]", f"got {shown(step)}", "a loading step")
-        if not any(isinstance(step, Approach) and step.to is None for step in steps):
+        if not any(isinstance(step, Approach) and not step.is_bounded for step in steps):
             steps = tuple(part for step in steps for part in expanded(step))
         object.__setattr__(self, "steps", steps)
         if self.machine is not None and not isinstance(self.machine, Machine):
@@ -147,11 +147,10 @@ class Loading:
 
 
 def expanded(step: Step) -> tuple[Step, ...]:
-    """The steps an approach with a bound stands for; any other step is itself."""
-    if not isinstance(step, Approach) or step.to is None:
+    """The steps an approach with its bounds stands for; any other step is itself."""
+    if not isinstance(step, Approach) or step.to is None or step.away is None:
         return (step,)
-    assert step.away is not None  # they follow from `to` and `rate`
-    assert step.retract is not None
+    assert step.retract is not None  # it follows from `rate`
     press = Ramp(step.to, step.rate, until_force=step.force)
     pull = Ramp(step.away, step.retract)
     return (press, Hold(step.dwell), pull) if step.dwell > 0.0 else (press, pull)

@@ -13,6 +13,7 @@ from support.resumable_runs import bem, fem, front
 from support.stopped_runs import assert_same, in_parts
 
 import bem_solver
+import crosscontact as cc
 from benchmarks.strategies import in_units
 from contact_scene import (
     Adhesion,
@@ -137,6 +138,17 @@ def test_an_approach_without_a_bound_goes_on_until_its_force(solver):
     assert trace.force.max() == pytest.approx(0.6, rel=1e-9)
     dwelt = trace.time[np.flatnonzero(trace.force > 0.6 * (1.0 - 1e-9))]
     assert dwelt[-1] - dwelt[0] == pytest.approx(0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["reference", "fem", "bem"])
+def test_an_approach_retracts_until_contact_is_lost(name):
+    """A punch in SI units that its relaxing edge holds to twice the bound of the approach."""
+    gel, adhesion = Material(2e4, 0.5, (Branch(1.8e5, 0.1),)), Adhesion(1.0, 2e-5)
+    test = Loading("jump-in", 0.0, (Approach(1e-4, 5e-3, retract=1e-4),))
+    found = cc.solve(Scene(gel, FlatPunch(5e-4), test, adhesion), name, resolution=4)
+    assert found.outcome.kind is OutcomeKind.DETACHED
+    assert found.pull_off.force == pytest.approx(0.014812, rel=1e-3)
+    assert found.detachment.penetration == pytest.approx(-6.6864e-4, rel=2e-3)
 
 
 @pytest.mark.parametrize("name", ["reference", "fem", "bem"])

@@ -163,6 +163,15 @@ def test_a_contact_that_outgrows_the_half_space_is_warned_of():
     assert trace_warnings(scene(indenter=FlatPunch(1.0), work=0), trace(1.0, 1.0)) == ()
 
 
+@pytest.mark.parametrize("force", [-0.5, 0.5])
+def test_a_test_that_ends_under_the_largest_tension_is_warned_of(force):
+    asked = scene(Ramp(0.1, 1.0, until_force=0.5), Ramp(-0.1, 1.0))
+    ended = dataclasses.replace(trace(0.1, 0.1), force=np.array([0.0, 1.0, force]))
+    found = trace_warnings(asked, ended)
+    assert any("`away` of an approach" in text for text in found) == (force < 0.0)
+    assert trace_warnings(scene(PULL), ended) == trace_warnings(scene(PULL), trace(0.1, 0.1))
+
+
 def can_be_told(asked: Scene) -> bool:
     """Whether all that is told without solving is told, costs being numbers; no warning is allowed."""
     with warnings.catch_warnings():

@@ -173,7 +173,6 @@ def test_approach_stands_for_ramp_hold_ramp(tmp_path):
     expected = (Ramp(3.0, 2.0, until_force=0.5), Hold(4.0), Ramp(-3.0, 0.1))
     scene = read(tmp_path, with_steps(entry))
     assert scene.loading.steps == expected
-    assert Loading("relaxed", 0.0, (Approach(2.0, 0.5, 3.0, 4.0, 0.1),)).steps == expected
     assert Loading("relaxed", 0.0, (Approach(2.0, 0.5, 3.0, away=1.0),)).steps == (
         Ramp(3.0, 2.0, until_force=0.5),
         Ramp(1.0, 2.0),
@@ -221,6 +220,26 @@ def test_the_bound_of_a_tension_grows_with_work_and_glass():
     assert bound(Approach(1.0, -1.0), indenter=FlatPunch(0.5), work=0.1) == pytest.approx(
         math.sqrt(2.0 * math.pi * 0.51 * 0.1), rel=1e-12
     )
+
+
+@pytest.mark.parametrize("to", [None, 0.1])
+def test_a_retraction_ends_where_no_contact_is_left(to):
+    """``E0* u = sqrt(2 pi (a + da) w Einf*)`` by hand."""
+
+    def away(indenter, machine=None, ratio=100.0, work=1.0):
+        material = Material(0.75, 0.5, (Branch(0.75 * (ratio - 1.0), 1.0),))
+        loading = Loading("relaxed", 0.0, (Approach(1.0, 0.01, to),), machine)
+        scene = Scene(material, indenter, loading, Adhesion(work, 0.01) if work else None)
+        return scene.loading.steps[-1].to, scene.loading.steps[0].to
+
+    lifted = math.sqrt(2.0 * math.pi * 0.51 * 100.0)
+    assert away(FlatPunch(0.5))[0] == pytest.approx(-lifted, rel=1e-12)
+    assert away(FlatPunch(0.5), Machine(K))[0] == pytest.approx(-lifted * (1.0 + 1.0 / K), rel=1e-12)
+    found, reached = away(Sphere(2.0), ratio=1.0, work=1e-3)
+    radius = 2.0 * max(math.sqrt(2.0 * reached), 2.0 * (8.0 * math.pi * 1e-3 * 16.0 / 4.0) ** (1.0 / 3.0))
+    assert -found == pytest.approx(max(reached, math.sqrt(2.0 * math.pi * (radius + 0.01) * 1e-3)), rel=1e-12)
+    found, reached = away(Sphere(2.0), work=0.0)
+    assert found == -reached
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,8 @@
 
 What no solver can compute is refused: counts beyond any budget of steps, sizes whose ratio is lost in
 round-off, products that leave the range of floats. What can be computed, but means little, is a warning: a
-process zone that is no small part of the contact, and a contact that outgrows the half-space.
+process zone that is no small part of the contact, a contact that outgrows the half-space, a test that ends
+before contact is lost.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact_scene import Scene, SceneError, Sphere, TabulatedProfile, Trace
+from contact_scene import OutcomeKind, Ramp, Scene, SceneError, Sphere, TabulatedProfile, Trace
 from contact_scene.scene import zone_too_long
 from validation.solvers.contact_range import largest_contact_radius, start_radius
 from validation.solvers.scene_work import cycle_count
@@ -152,7 +153,20 @@ def trace_warnings(scene: Scene, trace: Trace) -> tuple[str, ...]:
             found.append(_zone_warning(share))
     row = int(np.argmax(trace.contact_radius))
     largest, when = float(trace.contact_radius[row]), f"grows by t = {trace.time[row]:.4g}"
-    return (*found, *_outgrown(scene, largest, when))
+    return (*found, *_outgrown(scene, largest, when), *_still_in_contact(scene, trace))
+
+
+def _still_in_contact(scene: Scene, trace: Trace) -> Iterator[str]:
+    """A sentence on a test to a level, such as an approach, that does not retract until contact is lost."""
+    steps = scene.loading.steps
+    if not scene.loading.has_triggers or not isinstance(steps[-1], Ramp) or steps[-1].trigger is not None:
+        return
+    pulls = trace.contact_radius[-1] > 0.0 and 0.0 > trace.force[-1] == trace.force.min()
+    if pulls and trace.outcome.kind is OutcomeKind.COMPLETED:
+        yield (
+            f"the retraction ends at {steps[-1].to:.4g} in contact, at the largest tension so far: the "
+            "pull-off force is not known; retract farther (`away` of an approach, `to` of a last ramp)"
+        )
 
 
 def _zone_warning(share: float) -> str:
