@@ -6,13 +6,15 @@
 
 Each material has one branch, adhesion, and three curves at speeds from slow to fast, with a noise of 1 % of
 the pull-off force. The fit starts within a factor of 1.5 of the truth and knows the zone, Poisson's ratio and
-the indenter. Written are ``recovery.md``, ``recovery.json`` and ``recovery.png``. The command goes on where
-it was stopped; ``--first`` and ``--count`` choose materials.
+the indenter. Written are ``recovery.md``, ``recovery.json`` and ``recovery.png``; the command goes on where
+it was stopped. ``--price`` instead measures the fit of one material with its check by a second solver, over
+the bare runs that it consists of.
 """
 
 from __future__ import annotations
 
 import argparse
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -36,6 +38,7 @@ from validation.fits.fit import fit_curves
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.synthetic import synthetic
+from validation.solvers import REFERENCE, SOLVERS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,19 +60,8 @@ WITHIN = (0.90, 0.98)
 
 @dataclass(frozen=True)
 class RecoveredMaterial:
-    """One material: what was put in and what came out.
-
-    Parameters
-    ----------
-    number : int
-    truth, value, low, high, deviation : tuple of float
-        Of ``VARIED``: put in; fitted; 95 % interval; standard deviation of the logarithm.
-    misfit : float
-        Sum of squares over degrees of freedom.
-    explained, converged : bool
-    seconds : float
-        Of the fit.
-    """
+    """One material: what was put in (``truth``) and what came out of ``VARIED``, with its 95 % interval and
+    the standard deviation of the logarithm; ``misfit`` is the sum of squares over degrees of freedom."""
 
     number: int
     truth: tuple[float, ...]
@@ -198,6 +190,21 @@ def draw(found: Sequence[RecoveredMaterial]) -> Figure:
     return figure
 
 
+def price(number: int, jobs: int) -> str:
+    """Time of a fit with its check by a second solver, over that of as many runs of the reference."""
+    scenes, guess = random_scenes(number)
+    curves = recorded(number, scenes)
+    settings = FitSettings(vary=VARIED, free=("baseline",), check_solver="bem")
+    began = time.perf_counter()
+    with processes(jobs) as executor:
+        found = fit_curves(curves, guess, settings, executor)
+    wall, began = time.perf_counter() - began, time.perf_counter()
+    for scene in scenes:
+        SOLVERS[REFERENCE].solve(scene, settings.resolution)
+    bare = (time.perf_counter() - began) / len(scenes) * found.runs
+    return f"{found.runs} runs in {wall:.0f} s: {wall / bare:.2f} of as many bare runs"
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line of this module; 1 if coverage is out of bounds or a fit failed."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fit_recovery")
@@ -205,7 +212,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=50)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--price", type=int, metavar="NUMBER", help="of a material: time its fit")
     options = parser.parse_args(arguments)
+    if options.price is not None:
+        print(price(options.price, options.jobs))
+        return 0
     folder = output_folder(options.out)
     store = Store(folder)
     numbers = range(options.first, options.first + options.count)

@@ -102,7 +102,7 @@ def _errors(answer: Run, exact: Run) -> dict[str, float]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Print a line for every scene and zone, then the largest errors; exit code 2 for what cannot be run."""
+    """Print a line for every scene and zone; exit code 2 for what cannot be run."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.zone_accuracy", description=__doc__.partition("\n")[0]
     )
@@ -120,20 +120,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _print_table(chosen: argparse.Namespace) -> None:
-    names = (*MEASURES, *(f"{name}, RMS" for name in CURVES))
-    print(f"{'scene':<20}{'zone/radius':>12}{'steps':>8}{'cpu s':>8}" + "".join(f"{n:>22}" for n in names))
-    worst = dict.fromkeys(names, (0.0, ""))
     for one in accuracies(chosen.solver, cases.load_all(chosen.scenes), chosen.zones, chosen.times):
-        cells = "".join(f"{one.errors[n]:>22.1e}" if n in one.errors else f"{'-':>22}" for n in names)
-        print(
-            f"{one.scene:<20}{one.ratio:>12.0e}{one.steps:>8}{one.seconds:>8.2f}{cells}  {one.ending}",
-            flush=True,
-        )
-        for name, error in one.errors.items():
-            worst[name] = max(worst[name], (abs(error), f"{one.scene}, {one.ratio:.0e}"))
-    print()
-    for name, (error, place) in worst.items():
-        print(f"largest error of {name}: {error:.1e} ({place})")
+        errors = ", ".join(f"{name} {error:.1e}" for name, error in one.errors.items())
+        what = f"{one.steps} steps, {one.seconds:.2f} s, {errors or 'no errors'}; {one.ending}"
+        print(f"{one.scene}, {one.ratio:.0e}: {what}", flush=True)
 
 
 if __name__ == "__main__":
